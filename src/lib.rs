@@ -1,0 +1,13 @@
+//! glowworm: real-time global illumination by temporally interleaved instant radiosity.
+//!
+//! The house, from the bottom up (imports run downwards only):
+//!
+//! - [`settings`]: every knob, one struct.
+//! - [`scene`]: what the world is; loading, animation, built-ins.
+//! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
+//! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
+
+pub mod bvh;
+pub mod scene;
+pub mod settings;
+pub mod vpl;

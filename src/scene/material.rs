@@ -1,0 +1,54 @@
+//! Surface materials, their textures and alpha masks.
+
+use glam::{Vec2, Vec3};
+
+/// A surface: Lambertian diffuse and normalised Blinn-Phong specular reflection, perhaps emission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in the MTL.
+    pub name: String,
+    /// Kd, linear, multiplied with the texture; each channel in [0, 1].
+    pub albedo: Vec3,
+    /// Ks, linear.
+    pub specular: Vec3,
+    /// Ns, the Blinn-Phong exponent.
+    pub shininess: f32,
+    /// Ke, radiance of the front side, W/m^2/sr.
+    pub emission: Vec3,
+    /// map_Kd: index into `Scene::textures`.
+    pub albedo_texture: Option<usize>,
+    /// Index into `Scene::alpha_masks`; set where `d`, `map_d` or the alpha of `map_Kd` cuts parts away.
+    pub alpha_mask: Option<usize>,
+}
+
+/// An sRGB colour image with its mip chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// File name for reports.
+    pub name: String,
+    /// RGBA8, sRGB-encoded colour and linear alpha; level 0 first, each level half the one before
+    /// (rounded down, at least 1), filtered in linear light. (width, height, texels by rows from the top).
+    pub levels: Vec<(u32, u32, Vec<u8>)>,
+}
+
+/// Which texels of a surface are there: one bit a texel, the same for raster, CPU rays and shader rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlphaMask {
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is.
+    pub bits: Vec<u32>,
+}
+
+impl AlphaMask {
+    /// Whether the surface is there at `uv` (repeating, nearest texel, origin top left).
+    pub fn opaque_at(&self, uv: Vec2) -> bool {
+        let wrapped = uv - uv.floor();
+        let x = ((wrapped.x * self.width as f32) as u32).min(self.width - 1);
+        let y = ((wrapped.y * self.height as f32) as u32).min(self.height - 1);
+        let bit = y * self.width + x;
+        self.bits[(bit / 32) as usize] >> (bit % 32) & 1 == 1
+    }
+}
