@@ -1,3 +1,1 @@
-fn main() {
-    let _ = glslang::Compiler::acquire();
-}
+fn main() { let _ = glslang::Compiler::acquire(); }

@@ -8,6 +8,8 @@
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 
 pub mod bvh;
+pub mod output;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod vpl;
