@@ -8,6 +8,7 @@
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 
 pub mod bvh;
+pub mod cli;
 pub mod output;
 pub mod report;
 pub mod scene;

@@ -64,6 +64,13 @@ pub enum OutputError {
     },
 }
 
+impl OutputError {
+    /// Whether the name itself is wrong, wherever and whenever it were written.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::UnknownExtension(_) | Self::LayersInPng(_) | Self::Placeholder { .. })
+    }
+}
+
 /// What the operating system said, without the path of the temporary file that tempfile adds.
 fn plain(error: &io::Error) -> String {
     match error.raw_os_error().or_else(|| source_code(error)) {
