@@ -5,6 +5,7 @@
 //! - [`settings`]: every knob, one struct.
 //! - [`scene`]: what the world is; loading, animation, built-ins.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
+//! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 
 pub mod bvh;
@@ -14,3 +15,4 @@ pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod vpl;
+pub mod vulkan;
