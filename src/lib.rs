@@ -9,6 +9,9 @@
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 
 pub mod bvh;
+pub mod cli;
+pub mod output;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod vpl;

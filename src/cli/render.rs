@@ -1,0 +1,97 @@
+//! `glowworm render`: a scene to a picture or a sequence of pictures, and a report of the frames.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::CliError;
+use super::options::RunOptions;
+use super::say::{print, say_warning};
+use crate::output::{OutputFile, Picture, PictureTarget};
+use crate::report::{COMMIT, FrameReport, RenderReport, Summary};
+use crate::scene::{Scene, load_scene};
+use crate::settings::Settings;
+
+/// Options of `render`.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct RenderOptions {
+    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    pub scene: String,
+    /// Frames to render. Otherwise as many as a still scene needs to settle: until every VPL has been
+    /// shot and then every temporal set drawn.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub frames: Option<u64>,
+    /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
+    /// frame where the name has a {frame} or {frame:04}.
+    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    pub out: PathBuf,
+    /// Add the G-buffer, direct and indirect light to an .exr as layers.
+    #[arg(long, help_heading = "Files")]
+    pub layers: bool,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
+/// Renders the scene. `given` are the settings given on the command line.
+pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliError> {
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    options.settings.check_options(given).map_err(settings_error)?;
+    let target = PictureTarget::new(&options.out, options.layers)?;
+    let json = options.run.json.as_ref().map(OutputFile::new).transpose()?;
+    let scene = load(options)?;
+    let settings =
+        Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    let frames = options.frames.unwrap_or_else(|| frames_to_settle(&settings));
+    todo!()
+}
+
+/// Loads the scene and says what is odd about it.
+fn load(options: &RenderOptions) -> Result<Scene, CliError> {
+    let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
+    scene.warnings.iter().for_each(|warning| say_warning(warning));
+    Ok(scene)
+}
+
+/// Frames until a still scene looks its best: all VPLs shot, then all temporal sets drawn.
+fn frames_to_settle(settings: &Settings) -> u64 {
+    u64::from(settings.vpls.div_ceil(settings.budget)) + u64::from(settings.temporal_sets)
+}
+
+/// Renders `frames` frames with `render_frame`, which takes the frame's number and whether its picture
+/// is wanted, and writes the pictures that `target` wants. Shows progress on a terminal.
+///
+/// # Errors
+/// The first of `render_frame` or of writing a picture.
+pub fn render_frames(
+    frames: u64,
+    target: &PictureTarget,
+    mut render_frame: impl FnMut(u64, bool) -> Result<(FrameReport, Option<Picture>), CliError>,
+) -> Result<Vec<FrameReport>, CliError> {
+    let progress = progress_bar(frames);
+    let mut reports = Vec::new();
+    for frame in 0..frames {
+        let (report, picture) = render_frame(frame, target.wants(frame, frames))?;
+        reports.push(report);
+        if let Some(picture) = picture {
+            target.write(&picture, frame)?;
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(reports)
+}
+
+fn progress_bar(frames: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left");
+    let bar = ProgressBar::new(frames);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
