@@ -1,0 +1,67 @@
+//! The ray tracer of the shaders: what shaders/include/tracer.glsl traverses.
+
+use std::sync::Arc;
+
+use crate::bvh::TwoLevelBvh;
+use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
+
+/// The two-level BVH in device memory (the software tracer).
+pub struct Tracer {
+    nodes: Buffer,
+    triangles: Buffer,
+    triangle_uvs: Buffer,
+    masks: Buffer,
+    mask_bits: Buffer,
+    instances: Buffer,
+    roots: Buffer,
+}
+
+impl Tracer {
+    /// Uploads the whole structure.
+    pub fn new(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
+        let layout = bvh.gpu_layout();
+        Ok(Self {
+            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?,
+            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?,
+            triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
+            masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
+            mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
+            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?,
+            roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
+        })
+    }
+
+    /// Brings the top level up to date after instances have moved.
+    pub fn update(&self, frame: &mut Frame<'_>, bvh: &TwoLevelBvh) -> Result<(), VulkanError> {
+        for update in bvh.gpu_updates() {
+            if !update.nodes.is_empty() {
+                let nodes = frame.upload(&update.nodes)?;
+                let stride = size_of_val(&update.nodes[0]) as u64;
+                frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * stride);
+            }
+            if !update.instances.is_empty() {
+                let instances = frame.upload(&update.instances)?;
+                let stride = size_of_val(&update.instances[0]) as u64;
+                frame.copy(&instances, &self.instances, u64::from(update.instance_offset) * stride);
+            }
+            let roots = frame.upload(&[update.roots])?;
+            frame.copy(&roots, &self.roots, 0);
+        }
+        Ok(())
+    }
+
+    /// Binds everything that the include names.
+    pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        self.bind_masks(pass)
+            .read("bvh_nodes", &self.nodes)
+            .read("bvh_triangles", &self.triangles)
+            .read("bvh_triangle_uvs", &self.triangle_uvs)
+            .read("bvh_instances", &self.instances)
+            .read("bvh_roots", &self.roots)
+    }
+
+    /// Binds the alpha masks only, for raster passes.
+    pub fn bind_masks<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        pass.read("bvh_masks", &self.masks).read("bvh_mask_bits", &self.mask_bits)
+    }
+}
