@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::bvh::TwoLevelBvh;
+use crate::bvh::gpu::GpuBvhUpdate;
 use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
 
 /// The two-level BVH in device memory (the software tracer).
@@ -14,6 +15,8 @@ pub struct Tracer {
     mask_bits: Buffer,
     instances: Buffer,
     roots: Buffer,
+    static_builds: u32,
+    dynamic_builds: u32,
 }
 
 impl Tracer {
@@ -28,25 +31,35 @@ impl Tracer {
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
             instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?,
             roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
+            static_builds: bvh.static_builds(),
+            dynamic_builds: bvh.dynamic_builds(),
         })
     }
 
-    /// Brings the top level up to date after instances have moved.
-    pub fn update(&self, frame: &mut Frame<'_>, bvh: &TwoLevelBvh) -> Result<(), VulkanError> {
-        for update in bvh.gpu_updates() {
-            if !update.nodes.is_empty() {
-                let nodes = frame.upload(&update.nodes)?;
-                let stride = size_of_val(&update.nodes[0]) as u64;
-                frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * stride);
-            }
-            if !update.instances.is_empty() {
-                let instances = frame.upload(&update.instances)?;
-                let stride = size_of_val(&update.instances[0]) as u64;
-                frame.copy(&instances, &self.instances, u64::from(update.instance_offset) * stride);
-            }
-            let roots = frame.upload(&[update.roots])?;
-            frame.copy(&roots, &self.roots, 0);
+    /// Brings the top levels up to date after instances have moved.
+    pub fn update(&mut self, frame: &mut Frame<'_>, bvh: &TwoLevelBvh) -> Result<(), VulkanError> {
+        if self.static_builds != bvh.static_builds() {
+            self.static_builds = bvh.static_builds();
+            self.apply(frame, &bvh.static_gpu_layout())?;
         }
+        if self.dynamic_builds != bvh.dynamic_builds() {
+            self.dynamic_builds = bvh.dynamic_builds();
+            self.apply(frame, &bvh.dynamic_gpu_layout())?;
+        }
+        Ok(())
+    }
+
+    fn apply(&self, frame: &mut Frame<'_>, update: &GpuBvhUpdate) -> Result<(), VulkanError> {
+        if update.nodes.is_empty() {
+            return Ok(());
+        }
+        let nodes = frame.upload(&update.nodes)?;
+        frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64);
+        let instances = frame.upload(&update.instances)?;
+        let offset = u64::from(update.instance_offset) * size_of_val(&update.instances[0]) as u64;
+        frame.copy(&instances, &self.instances, offset);
+        let roots = frame.upload(&[update.roots])?;
+        frame.copy(&roots, &self.roots, 0);
         Ok(())
     }
 
