@@ -1,1 +1,3 @@
-fn main() { let _ = glslang::Compiler::acquire(); }
+fn main() {
+    let _ = glslang::Compiler::acquire();
+}
