@@ -61,7 +61,10 @@ impl VplManager {
         let deal = Deal::new(quota, &self.layout);
         let old = std::mem::replace(&mut self.deal, deal);
         let (slots, surfaces) = (self.slots.clone(), self.surfaces.clone());
-        let mut lost = slots.iter().filter(|slot| slot.state != SlotState::Invalid).count();
+        let mut lost = slots
+            .iter()
+            .filter(|slot| slot.state != SlotState::Invalid)
+            .count();
         for (index, address) in self.deal.addresses.iter().enumerate() {
             let before = match address.light {
                 NONE => None,
@@ -122,7 +125,13 @@ impl VplManager {
             .collect();
         let rays: Vec<Ray> = tests
             .iter()
-            .filter_map(|test| if let Test::Free(ray) = test { Some(*ray) } else { None })
+            .filter_map(|test| {
+                if let Test::Free(ray) = test {
+                    Some(*ray)
+                } else {
+                    None
+                }
+            })
             .collect();
         let mut occluded = world.bvh.occluded_batch(&rays).into_iter();
         // Judge in slot order, so that a parent's end reaches all that come after it.
@@ -168,9 +177,7 @@ impl VplManager {
         if slot.state == SlotState::Invalid || (slot.fresh && !self.watch.geometry_moved) {
             return Test::Keep;
         }
-        if address.parent != NONE
-            && self.slots[address.parent as usize].state != SlotState::Valid
-        {
+        if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
             // Goes the way of its parent.
             return Test::Keep;
         }

@@ -180,7 +180,8 @@ impl VplManager {
     /// Takes stock of all slots.
     fn count(&mut self) {
         self.live.clear();
-        self.live.resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
+        self.live
+            .resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
         self.pending = 0;
         let (mut valid, mut escaped) = (0, 0);
         for (slot, address) in self.slots.iter().zip(&self.deal.addresses) {

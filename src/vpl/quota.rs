@@ -58,8 +58,8 @@ impl Quota {
     }
 
     fn used(&self, bounces: u32) -> u32 {
-        let whole =
-            (0..self.whole.len()).map(|light| self.whole[light] * self.whole_length(light, bounces));
+        let whole = (0..self.whole.len())
+            .map(|light| self.whole[light] * self.whole_length(light, bounces));
         whole.sum::<u32>() + self.cuts.iter().map(|cut| cut.1).sum::<u32>()
     }
 }
@@ -179,8 +179,7 @@ fn draw_lots(quota: &mut Quota, shares: &mut Shares, weights: &[f64], room: Room
         let first = quota.first_bounce[light];
         for bounce in first..=room.bounces {
             let reached = |length: u32| f64::from(u8::from(length > bounce - first));
-            let expected =
-                weights[light] / total * (f64::from(paths - 1) + reached(cut_length));
+            let expected = weights[light] / total * (f64::from(paths - 1) + reached(cut_length));
             let drawn: f64 = quota.lengths(light, room.bounces).map(reached).sum();
             shares[bounce as usize] = if expected > 0.0 {
                 (drawn / expected) as f32

@@ -41,7 +41,9 @@ impl VplManager {
     pub(super) fn shoot(&mut self, world: World<'_>, units: &[Unit]) {
         let last = units.iter().map(|unit| unit.end).max().unwrap_or(0);
         for level in 0..last {
-            let wave = units.iter().filter(|unit| (unit.start..unit.end).contains(&level));
+            let wave = units
+                .iter()
+                .filter(|unit| (unit.start..unit.end).contains(&level));
             let jobs: Vec<u32> = wave.map(|unit| self.deal.path(unit.path)[level]).collect();
             self.shoot_wave(world, &jobs);
             self.end_escaped_paths(units, level);
@@ -60,7 +62,13 @@ impl VplManager {
         // Trace.
         let rays: Vec<Ray> = aims
             .iter()
-            .filter_map(|aim| if let Aim::Trace(ray) = aim { Some(*ray) } else { None })
+            .filter_map(|aim| {
+                if let Aim::Trace(ray) = aim {
+                    Some(*ray)
+                } else {
+                    None
+                }
+            })
             .collect();
         let mut hits = world.bvh.intersect_batch(&rays).into_iter();
         let traced: Vec<Option<Hit>> = aims
@@ -174,7 +182,10 @@ impl VplManager {
 
     /// What comes after an escaped slot has escaped too, even where the budget cuts the unit before it.
     fn end_escaped_paths(&mut self, units: &[Unit], level: usize) {
-        for unit in units.iter().filter(|unit| (unit.start..unit.end).contains(&level)) {
+        for unit in units
+            .iter()
+            .filter(|unit| (unit.start..unit.end).contains(&level))
+        {
             let (path, slots) = (self.deal.path(unit.path), &mut self.slots);
             let shot = slots[path[level] as usize];
             if shot.state == SlotState::Escaped {

@@ -51,21 +51,25 @@ impl VplManager {
 
     /// All slots, for tests and debug views.
     pub fn slots(&self) -> impl Iterator<Item = SlotView> + '_ {
-        self.deal.addresses.iter().enumerate().map(|(index, address)| {
-            let (slot, surface) = (&self.slots[index], &self.surfaces[index]);
-            SlotView {
-                slot: index as u32,
-                state: slot.state,
-                light: (address.light != NONE).then_some(address.light),
-                path: address.path,
-                bounce: address.bounce,
-                parent: (address.parent != NONE).then_some(address.parent),
-                position: surface.position,
-                normal: surface.normal,
-                flux: self.flux(index),
-                stale: address.light != NONE && !slot.fresh,
-            }
-        })
+        self.deal
+            .addresses
+            .iter()
+            .enumerate()
+            .map(|(index, address)| {
+                let (slot, surface) = (&self.slots[index], &self.surfaces[index]);
+                SlotView {
+                    slot: index as u32,
+                    state: slot.state,
+                    light: (address.light != NONE).then_some(address.light),
+                    path: address.path,
+                    bounce: address.bounce,
+                    parent: (address.parent != NONE).then_some(address.parent),
+                    position: surface.position,
+                    normal: surface.normal,
+                    flux: self.flux(index),
+                    stale: address.light != NONE && !slot.fresh,
+                }
+            })
     }
 
     fn gpu_vpl(&self, world: World<'_>, index: usize) -> Option<GpuVpl> {

@@ -93,9 +93,7 @@ impl Watch {
         self.moved.resize(now.len(), true);
         self.geometry_moved = false;
         let last = self.transforms.iter_mut().zip(&mut self.moved);
-        for ((last, moved), (now, instance)) in
-            last.zip(now.iter().zip(&world.scene.instances))
-        {
+        for ((last, moved), (now, instance)) in last.zip(now.iter().zip(&world.scene.instances)) {
             *moved = last != now;
             *last = *now;
             self.geometry_moved |= *moved && instance.visible;
@@ -149,11 +147,7 @@ fn bounds_at_rest(scene: &Scene) -> (Vec3, Vec3) {
             let (min, max) = boxes[instance.mesh];
             (0..8).map(move |corner: u32| {
                 let pick = |axis: u32| corner >> axis & 1 == 1;
-                let corner = Vec3::select(
-                    glam::BVec3::new(pick(0), pick(1), pick(2)),
-                    max,
-                    min,
-                );
+                let corner = Vec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), max, min);
                 instance.transform.transform_point3(corner)
             })
         })
