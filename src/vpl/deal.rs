@@ -190,3 +190,145 @@ impl Deal {
         range[0] as usize..range[1] as usize
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vpl::quota::{Claim, deal_quota};
+    use std::collections::HashMap;
+
+    fn claims(kind: u32) -> Vec<Claim> {
+        let list: &[(f32, u32)] = match kind {
+            0 => &[(1.0, 1)],
+            1 => &[(1.0, 0)],
+            2 => &[(1.0, 1), (1.0, 1)],
+            3 => &[(3.0, 1), (100.0, 0), (0.0, 1), (0.5, 0), (7.0, 1)],
+            _ => &[(1.0, 1); 16],
+        };
+        let claim = |&(luminous_flux, first_bounce)| Claim {
+            luminous_flux,
+            first_bounce,
+        };
+        list.iter().map(claim).collect()
+    }
+
+    fn layouts() -> impl Iterator<Item = Layout> {
+        let sizes = [
+            (512, 2),
+            (513, 3),
+            (100, 16),
+            (37, 1),
+            (1000, 5),
+            (4096, 16),
+        ];
+        let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
+        sizes.into_iter().flat_map(move |(slots, bounces)| {
+            splits.into_iter().map(move |(sets, classes)| Layout {
+                slots,
+                bounces,
+                sets,
+                classes,
+                seed: 3,
+            })
+        })
+    }
+
+    /// Calls `check` with every combination of lights and layout.
+    fn for_all_deals(check: impl Fn(&Deal, &Layout)) {
+        for layout in layouts() {
+            for kind in 0..5 {
+                let (quota, _) = deal_quota(&claims(kind), layout.room());
+                check(&Deal::new(quota, &layout), &layout);
+            }
+        }
+    }
+
+    #[test]
+    fn every_slot_has_one_place_and_parents_come_first() {
+        for_all_deals(|deal, layout| {
+            let mut seen = vec![false; layout.slots as usize];
+            for path in 0..deal.paths() {
+                let slots = deal.path(path);
+                assert!(!slots.is_empty());
+                let mut parent = NONE;
+                for &slot in slots {
+                    assert!(!std::mem::replace(&mut seen[slot as usize], true));
+                    let address = &deal.addresses[slot as usize];
+                    assert_eq!(address.parent, parent);
+                    assert!(parent == NONE || parent < slot);
+                    let found = deal.slot_at(address.light, address.path, address.bounce);
+                    assert_eq!(found, Some(slot));
+                    parent = slot;
+                }
+            }
+            assert!(seen.iter().all(|seen| *seen));
+        });
+    }
+
+    #[test]
+    fn sets_and_classes_hold_the_same_mix() {
+        for_all_deals(|deal, layout| {
+            // Count each bounce, and each bounce of each light, by set and by class within the set.
+            let mut counts: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
+            let cells = (layout.sets * layout.classes) as usize;
+            for (slot, address) in deal.addresses.iter().enumerate() {
+                let (set, class) = layout.cell(slot as u32);
+                for light in [None, Some(address.light)] {
+                    let count = counts.entry((address.bounce, light));
+                    let count = count.or_insert_with(|| vec![0; cells]);
+                    count[(set * layout.classes + class) as usize] += 1;
+                }
+            }
+            let is_even = |counts: &[u32]| {
+                counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0) <= 1
+            };
+            for (what, cells) in counts {
+                let sets = cells.chunks(layout.classes as usize);
+                let sets: Vec<u32> = sets.map(|set| set.iter().sum()).collect();
+                assert!(is_even(&sets), "{what:?} {layout:?} {sets:?}");
+                assert!(is_even(&cells), "{what:?} {layout:?} {cells:?}");
+            }
+        });
+    }
+
+    #[test]
+    fn lights_change_sets_from_bounce_to_bounce() {
+        let layout = Layout {
+            slots: 64,
+            bounces: 4,
+            sets: 16,
+            classes: 1,
+            seed: 0,
+        };
+        let (quota, _) = deal_quota(&claims(4), layout.room());
+        let deal = Deal::new(quota, &layout);
+        for set in 0..16 {
+            let mut lights: Vec<u32> = (0..4)
+                .map(|bounce| deal.addresses[bounce * 16 + set].light)
+                .collect();
+            lights.sort_unstable();
+            lights.dedup();
+            assert_eq!(lights.len(), 4);
+        }
+    }
+
+    #[test]
+    fn each_cell_has_a_block_of_the_sequence() {
+        for_all_deals(|deal, layout| {
+            for light in 0..deal.quota.whole.len() as u32 {
+                let mut sequences: Vec<(u32, (u32, u32))> = deal
+                    .light_paths(light)
+                    .map(|path| {
+                        let slot = deal.path(path)[0];
+                        let address = &deal.addresses[slot as usize];
+                        (address.sequence, layout.cell(slot))
+                    })
+                    .collect();
+                sequences.sort_unstable();
+                let indices = sequences.iter().map(|entry| entry.0);
+                assert!(indices.eq(0..sequences.len() as u32), "a permutation");
+                assert!(sequences.is_sorted_by_key(|entry| entry.1), "in blocks");
+            }
+        });
+    }
+}

@@ -211,3 +211,96 @@ fn use_up(quota: &mut Quota, weights: &[f64], room: Room) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claims(list: &[(f32, u32)]) -> Vec<Claim> {
+        let claim = |&(luminous_flux, first_bounce)| Claim {
+            luminous_flux,
+            first_bounce,
+        };
+        list.iter().map(claim).collect()
+    }
+
+    fn deal(list: &[(f32, u32)], slots: u32, bounces: u32, seed: u32) -> (Quota, Shares) {
+        let room = Room {
+            slots,
+            bounces,
+            seed,
+        };
+        let (quota, shares) = deal_quota(&claims(list), room);
+        assert_eq!(quota.used(bounces), slots);
+        (quota, shares)
+    }
+
+    #[test]
+    fn paths_are_in_proportion_to_flux() {
+        let (quota, shares) = deal(&[(1.0, 1), (2.0, 1), (5.0, 1)], 160, 2, 0);
+        assert_eq!(quota.whole, [10, 20, 50]);
+        assert!(quota.cuts.is_empty());
+        assert!(shares.iter().flatten().all(|share| *share == 1.0));
+    }
+
+    #[test]
+    fn faint_lights_get_one_path_and_dark_ones_none() {
+        let (quota, _) = deal(&[(1e-6, 1), (1.0, 1), (0.0, 1), (1e-9, 0)], 201, 2, 0);
+        assert_eq!(quota.whole, [1, 98, 0, 1]);
+        assert!(quota.cuts.is_empty());
+    }
+
+    #[test]
+    fn what_is_left_goes_to_the_brightest() {
+        let (quota, _) = deal(&[(1.0, 1), (3.0, 1)], 17, 4, 0);
+        assert_eq!(quota.whole, [1, 3]);
+        assert_eq!(quota.cuts, [(1, 1)]);
+    }
+
+    #[test]
+    fn one_path_each_fits_exactly() {
+        let (quota, _) = deal(&[(1.0, 1), (3.0, 0), (2.0, 1)], 10, 3, 0);
+        assert_eq!(quota.whole, [1, 1, 1]);
+    }
+
+    #[test]
+    fn last_bits_of_the_flux_do_not_matter() {
+        let (even, _) = deal(&[(1.0, 1), (1.0, 1)], 27, 3, 0);
+        for noise in [1.0 - 1e-7, 1.0 + 1e-7] {
+            assert_eq!(deal(&[(noise, 1), (1.0, 1)], 27, 3, 0).0, even);
+        }
+    }
+
+    #[test]
+    fn lots_are_fair() {
+        // Each light's share of its own flux is 1 in the mean over the seeds, at each bounce that anyone
+        // of its kind can reach.
+        let list = [(1.0, 1), (5.0, 0), (0.2, 1), (0.0, 1), (2.0, 1), (1.5, 0)];
+        for slots in [1, 3, 4, 6, 9, 13] {
+            let seeds = 40_000;
+            let mut mean = [[0.0f64; 4]; 6];
+            for seed in 0..seeds {
+                let (quota, shares) = deal(&list, slots, 3, seed);
+                for (light, mean) in mean.iter_mut().enumerate() {
+                    let first = quota.first_bounce[light];
+                    let longest = quota.lengths(light, 3).max().unwrap_or(0);
+                    for bounce in first..first + longest {
+                        let share = f64::from(shares[light][bounce as usize]);
+                        mean[bounce as usize] += share / f64::from(seeds);
+                    }
+                }
+            }
+            for (light, &(flux, first)) in list.iter().enumerate() {
+                for bounce in first..=3 {
+                    let reachable = flux > 0.0 && (slots > 4 || bounce - first < slots);
+                    let expected = f64::from(u8::from(reachable));
+                    let got = mean[light][bounce as usize];
+                    assert!(
+                        (got - expected).abs() < 0.1,
+                        "{slots} slots, light {light}, bounce {bounce}: {got}"
+                    );
+                }
+            }
+        }
+    }
+}

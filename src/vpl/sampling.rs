@@ -158,13 +158,16 @@ impl Frame {
     pub(super) fn around(normal: Vec3) -> Self {
         const REFERENCE: Vec3 = Vec3::new(-0.48, -0.6, -0.64);
         const TANGENT: Vec3 = Vec3::new(-0.8, 0.0, 0.6);
-        let denominator = 1.0 + REFERENCE.dot(normal);
-        let turned = if denominator > 1e-4 {
-            TANGENT - (REFERENCE + normal) * (TANGENT.dot(normal) / denominator)
+        // That rotation takes the tangent where a reflection along the sum of both axes takes it, which
+        // stays exact where the sum is short.
+        let sum = REFERENCE + normal;
+        let length_squared = sum.length_squared();
+        let turned = if length_squared > 1e-10 {
+            TANGENT - sum * (2.0 * TANGENT.dot(sum) / length_squared)
         } else {
             TANGENT
         };
-        // Near the singular direction the division is inexact.
+        // Unit vectors are unit up to rounding only.
         let tangent = (turned - normal * turned.dot(normal)).normalize();
         Self {
             tangent,
@@ -176,5 +179,172 @@ impl Frame {
     /// From this frame to the world.
     pub(super) fn to_world(self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: u32 = 65_536;
+
+    fn points() -> impl Iterator<Item = Vec2> {
+        (0..POINTS).map(|index| sequence_point(index, 3, 5))
+    }
+
+    /// Pearson's chi-square of counts against expected shares, by degrees of freedom: about 1 for
+    /// independent samples, less for better spread ones.
+    fn chi_square(counts: &[u32], shares: &[f64]) -> f64 {
+        let total: u32 = counts.iter().sum();
+        let terms = counts.iter().zip(shares).map(|(&count, share)| {
+            let expected = f64::from(total) * share;
+            (f64::from(count) - expected).powi(2) / expected
+        });
+        terms.sum::<f64>() / (counts.len() - 1) as f64
+    }
+
+    fn assert_uniform(what: &str, places: impl Iterator<Item = Vec2>) {
+        let mut counts = [0; 256];
+        for place in places {
+            let cell = (place * 16.0).as_uvec2().min(glam::UVec2::splat(15));
+            counts[(cell.y * 16 + cell.x) as usize] += 1;
+        }
+        let chi = chi_square(&counts, &[1.0 / 256.0; 256]);
+        assert!(chi < 0.5, "{what}: {chi}");
+    }
+
+    fn turn(v: Vec3) -> f32 {
+        v.y.atan2(v.x) / TAU + 0.5
+    }
+
+    #[test]
+    fn directions_follow_their_densities() {
+        let sphere = points().map(sphere);
+        assert_uniform(
+            "sphere",
+            sphere.map(|v| Vec2::new(turn(v), v.z * 0.5 + 0.5)),
+        );
+        let cosine = points().map(cosine_hemisphere);
+        assert_uniform("cosine", cosine.map(|v| Vec2::new(turn(v), v.z * v.z)));
+        let disc = points().map(disc);
+        assert_uniform(
+            "disc",
+            disc.map(|p| Vec2::new(turn(p.extend(0.0)), p.length_squared())),
+        );
+        assert!(
+            points()
+                .map(super::sphere)
+                .all(|v| (v.length() - 1.0).abs() < 1e-6)
+        );
+    }
+
+    #[test]
+    fn triangles_are_covered_evenly() {
+        let places = points().map(triangle).map(|p| {
+            assert!(p.min_element() >= 0.0 && p.element_sum() <= 1.0 + 1e-6);
+            // The marginal of x is 2 (1 - x); given x, y is uniform below 1 - x.
+            Vec2::new(1.0 - (1.0 - p.x) * (1.0 - p.x), p.y / (1.0 - p.x).max(1e-9))
+        });
+        assert_uniform("triangle", places);
+    }
+
+    #[test]
+    fn spots_follow_their_falloff() {
+        for (inner, outer) in [
+            (0.2f32, 0.5f32),
+            (0.0, 1.0),
+            (1.0, 3.0),
+            (0.002, 0.004),
+            (0.7, 0.70001),
+        ] {
+            let cone = SpotCone::new(inner, outer);
+            // The integral of the emission from the axis down to 1 - cos = x.
+            let (near, falloff) = (cone.inner, cone.outer - cone.inner);
+            let mass = |x: f64| {
+                let rim = ((x - near) / falloff).clamp(0.0, 1.0);
+                x.min(near) + falloff * (rim - rim.powi(3) + 0.5 * rim.powi(4))
+            };
+            let bins = 64;
+            let edge = |bin: usize| cone.outer * bin as f64 / bins as f64;
+            let shares: Vec<f64> = (0..bins)
+                .map(|bin| (mass(edge(bin + 1)) - mass(edge(bin))) / mass(cone.outer))
+                .collect();
+            let mut counts = vec![0; bins];
+            for v in points().map(|u| cone.sample(u)) {
+                // 1 - cos by the sine, which narrow cones keep exact.
+                let sin2 = f64::from(v.x).powi(2) + f64::from(v.y).powi(2);
+                let cos = f64::from(v.z);
+                let x = if cos > 0.0 {
+                    sin2 / (1.0 + cos)
+                } else {
+                    1.0 - cos
+                };
+                assert!(x < cone.outer * 1.001);
+                counts[((x / cone.outer * bins as f64) as usize).min(bins - 1)] += 1;
+            }
+            let chi = chi_square(&counts, &shares);
+            assert!(chi < 0.7, "{inner} {outer}: {chi}");
+        }
+    }
+
+    #[test]
+    fn discrete_choice_follows_its_shares_and_reuses_the_rest() {
+        let cdf = [0.0, 0.25, 0.25, 0.875, 1.0, 1.0];
+        let mut counts = [0; 6];
+        let mut rests = [0.0f64; 6];
+        for u in points() {
+            let (bin, rest) = discrete(&cdf, u.x);
+            counts[bin] += 1;
+            rests[bin] += f64::from(rest);
+            assert!((0.0..1.0).contains(&rest));
+        }
+        assert_eq!(counts, [0, POINTS / 4, 0, POINTS * 5 / 8, POINTS / 8, 0]);
+        for (count, rest) in counts.iter().zip(rests).filter(|entry| *entry.0 > 0) {
+            assert!((rest / f64::from(*count) - 0.5).abs() < 1e-3);
+        }
+        assert_eq!(discrete(&cdf, 0.0).0, 1);
+        assert_eq!(discrete(&cdf, BELOW_ONE).0, 4);
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_turn_smoothly() {
+        let mut last: Option<Frame> = None;
+        for step in 0..20_000 {
+            // A spiral from pole to pole, which passes near everything.
+            let t = step as f32 / 20_000.0;
+            let (sin, cos) = (40.0 * t).sin_cos();
+            let z = 1.0 - 2.0 * t;
+            let radius = (1.0 - z * z).sqrt();
+            let frame = Frame::around(Vec3::new(radius * cos, radius * sin, z).normalize());
+            let [x, y, z] = [frame.tangent, frame.bitangent, frame.normal];
+            assert!(x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs()) < 1e-5);
+            assert!((x.length() - 1.0).abs() < 1e-5 && x.cross(y).dot(z) > 0.999);
+            if let Some(last) = last {
+                let singular = Vec3::new(0.48, 0.6, 0.64);
+                let moved = z.distance(last.normal);
+                let near = z.distance(singular).min(last.normal.distance(singular));
+                let bound = 4.0 * moved / near.min(1.0) + 1e-5;
+                assert!(x.distance(last.tangent) <= bound, "{z}");
+            }
+            last = Some(frame);
+        }
+        for normal in [Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.48, -0.6, -0.64)] {
+            let frame = Frame::around(normal);
+            assert!((frame.tangent.length() - 1.0).abs() < 1e-5);
+            assert!(frame.tangent.dot(normal).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn blocks_of_the_sequence_are_spread() {
+        // Any 64 neighbours that start at a multiple of 64 fill an 8 x 8 grid.
+        for block in 0..32 {
+            let mut seen = [false; 64];
+            for index in block * 64..block * 64 + 64 {
+                let cell = (sequence_point(index, 0, 9) * 8.0).as_uvec2();
+                seen[(cell.y * 8 + cell.x) as usize] = true;
+            }
+            assert!(seen.iter().all(|seen| *seen));
+        }
     }
 }
