@@ -16,7 +16,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::scene::{AlphaMask, Scene};
-use bottom::BottomLevels;
+use bottom::{BottomLevels, MeshRoot};
 use query::Query;
 use top::TopLevel;
 
@@ -61,6 +61,8 @@ pub struct TwoLevelBvh {
     instances: Vec<InstanceState>,
     static_level: TopLevel,
     dynamic_level: TopLevel,
+    static_builds: u32,
+    dynamic_builds: u32,
 }
 
 /// What `update` must know of a scene's instance.
@@ -96,6 +98,8 @@ impl TwoLevelBvh {
             instances,
             static_level: TopLevel::default(),
             dynamic_level: TopLevel::default(),
+            static_builds: 0,
+            dynamic_builds: 0,
         };
         bvh.rebuild_top_level(false);
         bvh.rebuild_top_level(true);
@@ -127,20 +131,27 @@ impl TwoLevelBvh {
         moved
     }
 
-    fn rebuild_top_level(&mut self, dynamic: bool) {
-        let roots = &self.bottom.roots;
-        let members = self
-            .instances
+    /// The instances of one top level: (index, its mesh's root, its transform).
+    fn members(&self, dynamic: bool) -> impl Iterator<Item = (u32, MeshRoot, Affine3A)> {
+        self.instances
             .iter()
             .enumerate()
-            .filter(|(_, state)| state.visible && state.dynamic == dynamic)
-            .filter_map(|(index, state)| Some((index as u32, roots[state.mesh]?, state.transform)));
-        let level = if dynamic {
-            &mut self.dynamic_level
+            .filter(move |(_, state)| state.visible && state.dynamic == dynamic)
+            .filter_map(|(index, state)| {
+                let root = self.bottom.roots[state.mesh]?;
+                Some((index as u32, root, state.transform))
+            })
+    }
+
+    fn rebuild_top_level(&mut self, dynamic: bool) {
+        let level = TopLevel::build(self.members(dynamic));
+        if dynamic {
+            self.dynamic_level = level;
+            self.dynamic_builds += 1;
         } else {
-            &mut self.static_level
-        };
-        level.rebuild(members);
+            self.static_level = level;
+            self.static_builds += 1;
+        }
     }
 
     /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
@@ -179,11 +190,11 @@ impl TwoLevelBvh {
 
     /// How often the static top level was built: 1 unless a static instance was moved.
     pub fn static_builds(&self) -> u32 {
-        self.static_level.builds
+        self.static_builds
     }
 
     /// How often the dynamic top level was built: 1 and once more for each update that moved something.
     pub fn dynamic_builds(&self) -> u32 {
-        self.dynamic_level.builds
+        self.dynamic_builds
     }
 }

@@ -119,7 +119,8 @@ impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
             return false;
         };
         let (t_min, t_max) = self.query.interval();
-        if !(t > t_min && t <= t_max) || !is_opaque(bvh, triangle, barycentrics) {
+        let nearer = t > t_min && t <= t_max;
+        if !nearer || !is_opaque(bvh, triangle, barycentrics) {
             return false;
         }
         let hit = Hit {

@@ -31,14 +31,12 @@ pub(super) struct TopLevel {
     pub(super) placed: Vec<PlacedInstance>,
     /// World bounds, without padding; none when there is nothing to hit.
     pub(super) bounds: Option<Aabb>,
-    /// How often this level was built.
-    pub(super) builds: u32,
 }
 
 impl TopLevel {
-    /// Builds again over `members`: (instance, its mesh's root, its transform). Leaves out instances
+    /// Builds over `members`: (instance, its mesh's root, its transform). Leaves out instances
     /// whose transform is not finite or cannot be inverted.
-    pub(super) fn rebuild(&mut self, members: impl Iterator<Item = (u32, MeshRoot, Affine3A)>) {
+    pub(super) fn build(members: impl Iterator<Item = (u32, MeshRoot, Affine3A)>) -> Self {
         let mut placed = Vec::new();
         let mut boxes = Vec::new();
         let mut bounds: Option<Aabb> = None;
@@ -61,14 +59,12 @@ impl TopLevel {
             ..BvhBuildParams::fast_build()
         };
         let bvh = build_wide(&boxes, params, TOP_DEPTH);
-        self.placed = bvh
-            .primitive_indices
-            .iter()
-            .map(|&primitive| placed[primitive as usize])
-            .collect();
-        self.nodes = bvh.nodes;
-        self.bounds = bounds;
-        self.builds += 1;
+        let in_leaf_order = bvh.primitive_indices.iter();
+        Self {
+            placed: in_leaf_order.map(|&i| placed[i as usize]).collect(),
+            nodes: bvh.nodes,
+            bounds,
+        }
     }
 }
 

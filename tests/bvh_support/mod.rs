@@ -1,5 +1,9 @@
 //! Small worlds, random numbers and the naive answer, for the BVH's tests.
 
+#![allow(dead_code, reason = "each test file uses a part")]
+
+pub mod twin;
+
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::scene::{Camera, Instance, Material, Mesh, Scene};
