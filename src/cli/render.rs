@@ -5,16 +5,17 @@ use std::path::PathBuf;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::CliError;
 use super::options::RunOptions;
-use super::say::{print, say_warning};
+use super::{CliError, device, say};
 use crate::output::{OutputFile, Picture, PictureTarget};
-use crate::report::{COMMIT, FrameReport, RenderReport, Summary};
+use crate::renderer::Renderer;
+use crate::report::{FrameReport, RenderReport};
 use crate::scene::{Scene, load_scene};
 use crate::settings::Settings;
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
 pub(super) struct RenderOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     pub scene: String,
@@ -41,17 +42,30 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     options.settings.check_options(given).map_err(settings_error)?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     let json = options.run.json.as_ref().map(OutputFile::new).transpose()?;
+    let device = device::open(&options.run.device)?;
     let scene = load(options)?;
-    let settings =
-        Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
     let frames = options.frames.unwrap_or_else(|| frames_to_settle(&settings));
-    todo!()
+    device::note_slow(&device);
+    let mut renderer = Renderer::new(&device, &scene, &settings)?;
+    let reports = render_frames(frames, &target, |frame, wanted| {
+        let report = renderer.render(&scene.pose(frame as f64 * settings.time_step))?;
+        let picture = wanted.then(|| renderer.read_picture(target.layers())).transpose()?;
+        Ok((report, picture))
+    })?;
+    device::check_validation(&device.validation_messages())?;
+    let info = device.info();
+    let report = RenderReport::new(&scene.name, &info.name, &info.driver, &settings, reports);
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    say::print(&format!("{}: {}\n", options.out.display(), report.headline()))
 }
 
 /// Loads the scene and says what is odd about it.
 fn load(options: &RenderOptions) -> Result<Scene, CliError> {
     let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say_warning(warning));
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
     Ok(scene)
 }
 
