@@ -40,8 +40,8 @@ void main() {
     float total = 0.0;
     for (int k = 0; k < n * n; k++) {
         ivec2 at = corner + ivec2(k % n, k / n);
-        uint class = uint(at.x % n + at.y % n * n);
-        float flux = class_flux.data[class];
+        uint pixel_class = uint(at.x % n + at.y % n * n);
+        float flux = class_flux.data[pixel_class];
         total += flux;
         if (any(greaterThanEqual(at, size))) continue;
         vec4 other = texelFetch(gbuffer_position, at, 0);

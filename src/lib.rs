@@ -11,6 +11,8 @@
 pub mod bvh;
 pub mod cli;
 pub mod output;
+pub mod passes;
+pub mod renderer;
 pub mod report;
 pub mod scene;
 pub mod settings;

@@ -1,6 +1,6 @@
 // What every pass of a frame may want to know. Twin: FrameUniforms in src/passes/structs.rs.
 
-struct FrameUniforms {
+layout(set = 0, binding = 0, std140) uniform FrameUniforms {
     mat4 view_projection;          // world to clip, reversed depth
     mat4 previous_view_projection; // the same, one frame ago
     vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
@@ -12,9 +12,7 @@ struct FrameUniforms {
     float irradiance_scale;        // set buffers hold irradiance times this
     uint set;                      // temporal set of this frame
     uint sets;                     // T
-};
-
-layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms frame; };
+} frame;
 
 const float PI = 3.14159265358979;
 

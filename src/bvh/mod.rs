@@ -4,9 +4,24 @@
 //! batches over all cores, and the same structure in the layout that shaders traverse
 //! (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
 
-use glam::{Affine3A, Vec2, Vec3};
+mod bottom;
+pub mod gpu;
+mod query;
+mod top;
+mod traverse;
+mod triangle;
+mod wide;
 
-use crate::scene::Scene;
+use glam::{Affine3A, Vec2, Vec3};
+use rayon::prelude::*;
+
+use crate::scene::{AlphaMask, Scene};
+use bottom::{BottomLevels, MeshRoot};
+use query::Query;
+use top::TopLevel;
+
+/// Fewest rays that are worth a task of their own.
+const RAYS_PER_TASK: usize = 256;
 
 /// A ray segment: points `origin + t * direction` with `t_min < t < t_max`. The direction need not be
 /// of unit length; t is in units of it.
@@ -36,41 +51,150 @@ pub struct Hit {
 }
 
 /// Two-level BVH over the visible instances of a scene.
-pub struct TwoLevelBvh {}
+///
+/// Each mesh has one bottom level. Static and dynamic instances have a top level each, so that the
+/// static one is built once. An instance whose transform has no inverse is not hit.
+#[derive(Clone, Debug)]
+pub struct TwoLevelBvh {
+    bottom: BottomLevels,
+    alpha_masks: Vec<AlphaMask>,
+    instances: Vec<InstanceState>,
+    static_level: TopLevel,
+    dynamic_level: TopLevel,
+    static_builds: u32,
+    dynamic_builds: u32,
+}
+
+/// What `update` must know of a scene's instance.
+#[derive(Clone, Copy, Debug)]
+struct InstanceState {
+    mesh: usize,
+    dynamic: bool,
+    visible: bool,
+    transform: Affine3A,
+}
 
 impl TwoLevelBvh {
     /// Builds the bottom levels and both top levels with every instance at `transforms` (object to world).
-    pub fn build(_scene: &Scene, _transforms: &[Affine3A]) -> Self {
-        todo!()
+    ///
+    /// # Panics
+    /// If `transforms` has not one element per instance.
+    pub fn build(scene: &Scene, transforms: &[Affine3A]) -> Self {
+        assert_eq!(transforms.len(), scene.instances.len());
+        let instances = scene
+            .instances
+            .iter()
+            .zip(transforms)
+            .map(|(instance, &transform)| InstanceState {
+                mesh: instance.mesh,
+                dynamic: instance.dynamic,
+                visible: instance.visible,
+                transform,
+            })
+            .collect();
+        let mut bvh = Self {
+            bottom: BottomLevels::build(scene),
+            alpha_masks: scene.alpha_masks.clone(),
+            instances,
+            static_level: TopLevel::default(),
+            dynamic_level: TopLevel::default(),
+            static_builds: 0,
+            dynamic_builds: 0,
+        };
+        bvh.rebuild_top_level(false);
+        bvh.rebuild_top_level(true);
+        bvh
     }
 
     /// Moves the dynamic instances. Returns the indices of those whose transform changed.
-    pub fn update(&mut self, _transforms: &[Affine3A]) -> Vec<u32> {
-        todo!()
+    ///
+    /// A static instance may be moved too: it is returned, and the static level is built again.
+    ///
+    /// # Panics
+    /// If `transforms` has not one element per instance.
+    pub fn update(&mut self, transforms: &[Affine3A]) -> Vec<u32> {
+        assert_eq!(transforms.len(), self.instances.len());
+        let mut moved = Vec::new();
+        let mut stale = [false; 2];
+        for (index, (state, &transform)) in self.instances.iter_mut().zip(transforms).enumerate() {
+            if state.transform != transform {
+                state.transform = transform;
+                stale[usize::from(state.dynamic)] |= state.visible;
+                moved.push(index as u32);
+            }
+        }
+        for dynamic in [false, true] {
+            if stale[usize::from(dynamic)] {
+                self.rebuild_top_level(dynamic);
+            }
+        }
+        moved
     }
 
-    /// The closest hit along `ray`.
-    pub fn intersect(&self, _ray: &Ray) -> Option<Hit> {
-        todo!()
+    /// The instances of one top level: (index, its mesh's root, its transform).
+    fn members(&self, dynamic: bool) -> impl Iterator<Item = (u32, MeshRoot, Affine3A)> {
+        self.instances
+            .iter()
+            .enumerate()
+            .filter(move |(_, state)| state.visible && state.dynamic == dynamic)
+            .filter_map(|(index, state)| {
+                let root = self.bottom.roots[state.mesh]?;
+                Some((index as u32, root, state.transform))
+            })
+    }
+
+    fn rebuild_top_level(&mut self, dynamic: bool) {
+        let level = TopLevel::build(self.members(dynamic));
+        if dynamic {
+            self.dynamic_level = level;
+            self.dynamic_builds += 1;
+        } else {
+            self.static_level = level;
+            self.static_builds += 1;
+        }
+    }
+
+    /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        Query::<false>::new(self, ray).run()
     }
 
     /// Whether anything lies on the segment.
-    pub fn occluded(&self, _ray: &Ray) -> bool {
-        todo!()
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        Query::<true>::new(self, ray).run().is_some()
     }
 
     /// [`Self::intersect`] for many rays, over all cores, answers in the order of the rays.
-    pub fn intersect_batch(&self, _rays: &[Ray]) -> Vec<Option<Hit>> {
-        todo!()
+    pub fn intersect_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let rays = rays.par_iter().with_min_len(RAYS_PER_TASK);
+        rays.map(|ray| self.intersect(ray)).collect()
     }
 
     /// [`Self::occluded`] for many rays, over all cores, answers in the order of the rays.
-    pub fn occluded_batch(&self, _rays: &[Ray]) -> Vec<bool> {
-        todo!()
+    pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
+        let rays = rays.par_iter().with_min_len(RAYS_PER_TASK);
+        rays.map(|ray| self.occluded(ray)).collect()
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        todo!()
+        let levels = [&self.static_level, &self.dynamic_level];
+        levels
+            .into_iter()
+            .filter_map(|level| level.bounds)
+            .reduce(|a, b| a.union(&b))
+            .map_or((Vec3::splat(-0.5), Vec3::splat(0.5)), |bounds| {
+                (bounds.min.into(), bounds.max.into())
+            })
+    }
+
+    /// How often the static top level was built: 1 unless a static instance was moved.
+    pub fn static_builds(&self) -> u32 {
+        self.static_builds
+    }
+
+    /// How often the dynamic top level was built: 1 and once more for each update that moved something.
+    pub fn dynamic_builds(&self) -> u32 {
+        self.dynamic_builds
     }
 }

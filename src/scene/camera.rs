@@ -1,6 +1,6 @@
 //! A pinhole camera.
 
-use glam::{Mat4, Vec3};
+use glam::{Affine3A, Mat4, Vec3};
 
 /// Where the picture is taken from. Right-handed, y up; Vulkan clip space with reversed depth is the
 /// renderer's business.
@@ -21,6 +21,35 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A camera at `eye` that looks at `target`, y up, with 40 degrees of vertical field of view and depths
+    /// from a thousandth to a hundred times the distance between the two.
+    pub fn looking(eye: Vec3, target: Vec3) -> Self {
+        let distance = eye.distance(target);
+        Self {
+            eye,
+            target,
+            up: Vec3::Y,
+            vertical_fov: 40f32.to_radians(),
+            near: 1e-3 * distance,
+            far: 100.0 * distance,
+        }
+    }
+
+    /// This camera after the rigid motion `motion`.
+    pub fn moved(&self, motion: &Affine3A) -> Self {
+        Self {
+            eye: motion.transform_point3(self.eye),
+            target: motion.transform_point3(self.target),
+            up: motion.transform_vector3(self.up),
+            ..*self
+        }
+    }
+
+    /// Unit view direction.
+    pub fn forward(&self) -> Vec3 {
+        (self.target - self.eye).normalize_or(Vec3::NEG_Z)
+    }
+
     /// World to view: x right, y up, looking down -z.
     pub fn view_matrix(&self) -> Mat4 {
         glam::camera::rh::view::look_at_mat4(self.eye, self.target, self.up)

@@ -1,8 +1,11 @@
 //! Light sources and their radiometry (DESIGN section "Lights").
 
-use glam::Vec3;
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Vec3};
 
 use super::animation::Animation;
+use super::{BoundingSphere, Pose, Scene};
 
 /// What kind of source a light is, with its power.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +59,71 @@ pub struct Light {
     pub position: Vec3,
     /// Unit direction in which the light travels (spot axis, directional).
     pub direction: Vec3,
-    /// How it moves, if it does.
+    /// How it moves, if it does; an area light moves with its instance instead.
     pub animation: Option<Animation>,
+}
+
+/// Luminance of linear RGB (Rec. 709).
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Share of a spot's axial intensity at an angle of cosine `cos` to its axis: 1 inside the inner cone, 0
+/// outside the outer, smoothstep in the cosine between.
+pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32) -> f32 {
+    let (cos_inner, cos_outer) = (inner_angle.cos(), outer_angle.cos());
+    let t = ((cos - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+impl Light {
+    /// The light at `time` (seconds), moved by its animation.
+    pub fn at(&self, time: f64) -> Light {
+        let mut light = self.clone();
+        if let Some(animation) = &self.animation {
+            let motion = animation.motion(time, self.position);
+            light.position = motion.transform_point3(self.position);
+            light.direction = motion
+                .transform_vector3(self.direction)
+                .normalize_or(self.direction);
+        }
+        light
+    }
+
+    /// Emitted flux in W, with area lights where `pose` has their instances. A directional light sends what
+    /// falls on a disc across its direction that covers `bounds`, the world-space bounding sphere of what
+    /// it may hit.
+    pub fn flux(&self, scene: &Scene, pose: &Pose, bounds: &BoundingSphere) -> Vec3 {
+        match &self.kind {
+            LightKind::Point { intensity } => *intensity * (4.0 * PI),
+            LightKind::Spot {
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => {
+                // Smoothstep is 1/2 on average, so the soft rim counts for half of its solid angle.
+                *intensity * (2.0 * PI * (1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos())))
+            }
+            LightKind::Directional { irradiance } => {
+                *irradiance * (PI * bounds.radius * bounds.radius)
+            }
+            LightKind::Area {
+                instance,
+                triangles,
+            } => {
+                let mesh = &scene.meshes[scene.instances[*instance].mesh];
+                let transform = &pose.instances[*instance];
+                let power = triangles.iter().map(|emitter| {
+                    let corners = mesh.triangle_positions(emitter.triangle);
+                    emitter.radiance.as_dvec3() * f64::from(world_area(corners, transform))
+                });
+                (power.sum::<glam::DVec3>() * std::f64::consts::PI).as_vec3()
+            }
+        }
+    }
+}
+
+fn world_area(corners: [Vec3; 3], transform: &Affine3A) -> f32 {
+    let [a, b, c] = corners.map(|corner| transform.transform_point3(corner));
+    0.5 * (b - a).cross(c - a).length()
 }

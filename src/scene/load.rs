@@ -1,19 +1,63 @@
 //! From a name or file to a [`Scene`].
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::Scene;
+use glam::Affine3A;
 
-/// Why a scene could not be loaded; each names the file and, where there is one, the line or key.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// Neither a built-in scene nor a file.
-    #[error("no such scene: {0}")]
-    NotFound(PathBuf),
-}
+use super::error::SceneError;
+use super::scene_file::SceneFile;
+use super::{Instance, Scene, bare_obj, builtin, obj, scene_build};
 
 /// Loads a built-in scene by name, a scene file (`.toml`) or a bare `.obj`. `assets` is where the
 /// downloadable models lie.
-pub fn load_scene(_name: &str, _assets: Option<&Path>) -> Result<Scene, SceneError> {
-    todo!()
+///
+/// # Errors
+/// One line that names the file, the line or key where there is one, and what to do.
+pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+    let path = Path::new(name);
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("toml") if path.is_file() => {
+            let read = std::fs::read(path);
+            let bytes = read.map_err(|reason| SceneError::Unreadable {
+                file: path.to_owned(),
+                reason,
+            })?;
+            let text = String::from_utf8(bytes).map_err(|_| {
+                SceneError::invalid(
+                    path,
+                    None,
+                    "is not UTF-8 text; save the scene file as UTF-8 TOML",
+                )
+            })?;
+            load_toml(path, &text, assets)
+        }
+        Some("obj") if path.is_file() => load_bare_obj(path),
+        _ if name == "cornell-box" => Ok(builtin::cornell_box()),
+        _ => match builtin::scene_file(name) {
+            Some(text) => load_toml(Path::new(&format!("{name}.toml")), text, assets),
+            None if path.exists() => Err(SceneError::UnknownKind(path.to_owned())),
+            None => Err(SceneError::NotFound(path.to_owned())),
+        },
+    }
+}
+
+fn load_toml(path: &Path, text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+    let file = SceneFile::parse(path, text)?;
+    scene_build::build(path, text, file, assets)
+}
+
+fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
+    let mut scene = Scene::new(&obj::stem(path));
+    let mesh = obj::add_obj(path, &mut scene)?;
+    let name = scene.name.clone();
+    scene
+        .instances
+        .push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
+    scene.add_area_light(0);
+    bare_obj::frame(&mut scene);
+    bare_obj::light(&mut scene);
+    Ok(scene)
 }

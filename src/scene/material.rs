@@ -2,6 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use super::Scene;
+
 /// A surface: Lambertian diffuse and normalised Blinn-Phong specular reflection, perhaps emission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -40,6 +42,47 @@ pub struct AlphaMask {
     pub height: u32,
     /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is.
     pub bits: Vec<u32>,
+}
+
+impl Material {
+    /// A grey Lambertian surface of albedo 0.5 without emission: the stand-in for a missing material.
+    pub fn grey(name: &str) -> Self {
+        Self::lambertian(name, Vec3::splat(0.5))
+    }
+
+    /// A Lambertian surface of the given albedo, linear.
+    pub fn lambertian(name: &str, albedo: Vec3) -> Self {
+        Self {
+            name: name.to_owned(),
+            albedo,
+            specular: Vec3::ZERO,
+            shininess: 1.0,
+            emission: Vec3::ZERO,
+            albedo_texture: None,
+            alpha_mask: None,
+        }
+    }
+
+    /// A black surface that emits `radiance`, W/m^2/sr.
+    pub fn emitter(name: &str, radiance: Vec3) -> Self {
+        Self {
+            emission: radiance,
+            ..Self::lambertian(name, Vec3::ZERO)
+        }
+    }
+
+    /// Linear albedo at `uv`: Kd times the texture (bilinear, repeating, level 0).
+    pub fn albedo_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        match self.albedo_texture {
+            Some(texture) => self.albedo * scene.textures[texture].sample(uv),
+            None => self.albedo,
+        }
+    }
+
+    /// Whether it emits light.
+    pub fn is_emissive(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
 }
 
 impl AlphaMask {

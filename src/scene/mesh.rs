@@ -27,3 +27,119 @@ pub struct SurfacePoint {
     /// Weights (u, v) of vertices 1 and 2; vertex 0 has 1 - u - v.
     pub barycentrics: Vec2,
 }
+
+/// What a mesh is like at a [`SurfacePoint`], object space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Position, on the flat triangle.
+    pub position: Vec3,
+    /// Unit shading normal, interpolated; the geometric one where the vertex normals cancel out.
+    pub normal: Vec3,
+    /// Unit normal of the flat triangle, towards its counter-clockwise side.
+    pub geometric_normal: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+}
+
+impl Mesh {
+    /// Object-space bounds (min, max) of all vertices; both zero for a mesh without any.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        bounds_of(self.positions.iter().copied()).unwrap_or_default()
+    }
+
+    /// Object-space corners of a triangle.
+    pub fn triangle_positions(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// Object-space area of a triangle, in square scene units.
+    pub fn triangle_area(&self, triangle: u32) -> f32 {
+        let [a, b, c] = self.triangle_positions(triangle);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Position, normals and texture coordinates at `point`.
+    pub fn interpolate(&self, point: SurfacePoint) -> Surface {
+        let vertices = self.triangles[point.triangle as usize].map(|vertex| vertex as usize);
+        let [i, j, k] = vertices;
+        let (u, v) = (point.barycentrics.x, point.barycentrics.y);
+        let w = 1.0 - u - v;
+        let [a, b, c] = [self.positions[i], self.positions[j], self.positions[k]];
+        let geometric_normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
+        let shading = self.normals[i] * w + self.normals[j] * u + self.normals[k] * v;
+        Surface {
+            position: a * w + b * u + c * v,
+            normal: shading.normalize_or(geometric_normal),
+            geometric_normal,
+            uv: self.uvs[i] * w + self.uvs[j] * u + self.uvs[k] * v,
+        }
+    }
+
+    /// Sorts the triangles by material, keeping their order within one.
+    pub(super) fn sort_by_material(&mut self) {
+        let mut order: Vec<usize> = (0..self.triangles.len()).collect();
+        order.sort_by_key(|&i| self.triangle_materials[i]);
+        self.triangles = order.iter().map(|&i| self.triangles[i]).collect();
+        self.triangle_materials = order.iter().map(|&i| self.triangle_materials[i]).collect();
+    }
+
+    /// Renumbers the vertices in the order in which the triangles use them, and forgets the rest.
+    pub(super) fn drop_unused_vertices(&mut self) {
+        const UNUSED: u32 = u32::MAX;
+        let mut place = vec![UNUSED; self.positions.len()];
+        let mut order = Vec::with_capacity(self.positions.len());
+        for vertex in self.triangles.iter_mut().flatten() {
+            let slot = &mut place[*vertex as usize];
+            if *slot == UNUSED {
+                *slot = order.len() as u32;
+                order.push(*vertex as usize);
+            }
+            *vertex = *slot;
+        }
+        self.positions = order.iter().map(|&i| self.positions[i]).collect();
+        self.normals = order.iter().map(|&i| self.normals[i]).collect();
+        self.uvs = order.iter().map(|&i| self.uvs[i]).collect();
+    }
+}
+
+/// Smallest box (min, max) about `points`; none if there are none.
+pub(super) fn bounds_of(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
+    points.fold(None, |bounds, point| match bounds {
+        None => Some((point, point)),
+        Some((min, max)) => Some((min.min(point), max.max(point))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interpolates_corners_and_middle() {
+        let mesh = Mesh {
+            name: "triangle".into(),
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z, Vec3::X, Vec3::Z],
+            uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+        };
+        let at = |u, v| {
+            mesh.interpolate(SurfacePoint {
+                triangle: 0,
+                barycentrics: Vec2::new(u, v),
+            })
+        };
+        assert_eq!(at(1.0, 0.0).position, Vec3::X);
+        assert_eq!(at(0.0, 1.0).uv, Vec2::Y);
+        assert_eq!(at(0.5, 0.0).geometric_normal, Vec3::Z);
+        assert!(
+            at(0.5, 0.0)
+                .normal
+                .distance(Vec3::new(1.0, 0.0, 1.0).normalize())
+                < 1e-6
+        );
+        assert_eq!(mesh.bounds(), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
+        assert_eq!(mesh.triangle_area(0), 0.5);
+    }
+}

@@ -4,22 +4,37 @@
 //! everything stands at a time. This module knows nothing of Vulkan.
 
 mod animation;
+mod bare_obj;
 mod builtin;
 mod camera;
+mod error;
 mod light;
 mod load;
 mod material;
 mod mesh;
+mod mtl;
+mod normals;
 mod obj;
+mod obj_text;
+mod polygon;
+mod primitives;
+mod scene_build;
 mod scene_file;
+mod scene_lights;
+mod scene_models;
+mod texture;
 
+pub use animation::{Animation, Keyframe, Rotation};
+pub use builtin::NAMES as BUILTIN_SCENES;
 pub use camera::Camera;
-pub use light::{AreaTriangle, Light, LightKind};
-pub use load::{SceneError, load_scene};
+pub use error::{Place, SceneError};
+pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
+pub use load::load_scene;
 pub use material::{AlphaMask, Material, Texture};
-pub use mesh::{Mesh, SurfacePoint};
+pub use mesh::{Mesh, Surface, SurfacePoint};
+pub use texture::{linear_to_srgb, srgb_to_linear};
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec2, Vec3};
 
 /// A placed copy of a mesh.
 #[derive(Clone, Debug)]
@@ -31,11 +46,25 @@ pub struct Instance {
     /// Object to world at rest; animation is applied by [`Scene::pose`].
     pub transform: Affine3A,
     /// How it moves, if it does.
-    pub animation: Option<animation::Animation>,
+    pub animation: Option<Animation>,
     /// Whether it may move at all: static instances share a top-level BVH that is never rebuilt.
     pub dynamic: bool,
     /// Whether it can be seen and hit by rays. An invisible instance may still emit light (a portal).
     pub visible: bool,
+}
+
+impl Instance {
+    /// A visible static instance of mesh `mesh` at `transform` (object to world).
+    pub fn fixed(name: &str, mesh: usize, transform: Affine3A) -> Self {
+        Self {
+            name: name.to_owned(),
+            mesh,
+            transform,
+            animation: None,
+            dynamic: false,
+            visible: true,
+        }
+    }
 }
 
 /// The whole world, at rest.
@@ -58,9 +87,9 @@ pub struct Scene {
     /// Camera, at rest.
     pub camera: Camera,
     /// How the camera moves, if it does.
-    pub camera_animation: Option<animation::Animation>,
+    pub camera_animation: Option<Animation>,
     /// Radiance seen where no surface is, W/m^2/sr; it lights nothing.
-    pub background: glam::Vec3,
+    pub background: Vec3,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
     /// What was odd but could be helped, one line each (a missing texture, a missing MTL).
@@ -76,4 +105,132 @@ pub struct Pose {
     pub lights: Vec<Light>,
     /// Object to world of each of [`Scene::instances`].
     pub instances: Vec<Affine3A>,
+}
+
+/// A sphere about something, world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingSphere {
+    /// Middle.
+    pub center: Vec3,
+    /// Radius, > 0.
+    pub radius: f32,
+}
+
+impl BoundingSphere {
+    /// The sphere about the box (min, max).
+    pub fn around((min, max): (Vec3, Vec3)) -> Self {
+        let radius = 0.5 * min.distance(max);
+        Self {
+            center: 0.5 * (min + max),
+            radius: radius.max(f32::MIN_POSITIVE),
+        }
+    }
+}
+
+impl Scene {
+    /// A scene without anything in it, seen from (0, 0, 3).
+    pub fn new(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            alpha_masks: Vec::new(),
+            instances: Vec::new(),
+            lights: Vec::new(),
+            camera: Camera::looking(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO),
+            camera_animation: None,
+            background: Vec3::ZERO,
+            settings: toml::Table::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Where everything stands at `time`, seconds.
+    pub fn pose(&self, time: f64) -> Pose {
+        let transform = |instance: &Instance| match &instance.animation {
+            Some(animation) => {
+                let origin = Vec3::from(instance.transform.translation);
+                animation.motion(time, origin) * instance.transform
+            }
+            None => instance.transform,
+        };
+        Pose {
+            camera: match &self.camera_animation {
+                Some(animation) => self.camera.moved(&animation.motion(time, self.camera.eye)),
+                None => self.camera,
+            },
+            lights: self.lights.iter().map(|light| light.at(time)).collect(),
+            instances: self.instances.iter().map(transform).collect(),
+        }
+    }
+
+    /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are
+    /// none. Looks at every vertex.
+    pub fn bounds(&self, pose: &Pose) -> (Vec3, Vec3) {
+        let visible = self
+            .instances
+            .iter()
+            .zip(&pose.instances)
+            .filter(|(instance, _)| instance.visible);
+        let points = visible.flat_map(|(instance, transform)| {
+            self.meshes[instance.mesh]
+                .positions
+                .iter()
+                .map(|point| transform.transform_point3(*point))
+        });
+        mesh::bounds_of(points).unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)))
+    }
+
+    /// The sphere about [`Self::bounds`].
+    pub fn bounding_sphere(&self, pose: &Pose) -> BoundingSphere {
+        BoundingSphere::around(self.bounds(pose))
+    }
+
+    /// Whether the surface of `material` (an index into [`Self::materials`]) is there at `uv`.
+    pub fn opaque_at(&self, material: u32, uv: Vec2) -> bool {
+        match self.materials[material as usize].alpha_mask {
+            Some(mask) => self.alpha_masks[mask].opaque_at(uv),
+            None => true,
+        }
+    }
+
+    /// Triangles of all instances together.
+    pub fn triangle_count(&self) -> usize {
+        self.instances
+            .iter()
+            .map(|instance| self.meshes[instance.mesh].triangles.len())
+            .sum()
+    }
+
+    /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.
+    pub fn add_area_light(&mut self, instance: usize) {
+        let mesh = &self.meshes[self.instances[instance].mesh];
+        let emission = |(triangle, &material): (usize, &u32)| {
+            let material = &self.materials[material as usize];
+            let emitter = AreaTriangle {
+                triangle: triangle as u32,
+                radiance: material.emission,
+            };
+            material.is_emissive().then_some(emitter)
+        };
+        let triangles: Vec<_> = mesh
+            .triangle_materials
+            .iter()
+            .enumerate()
+            .filter_map(emission)
+            .collect();
+        if !triangles.is_empty() {
+            self.lights.push(Light {
+                name: self.instances[instance].name.clone(),
+                kind: LightKind::Area {
+                    instance,
+                    triangles,
+                },
+                position: Vec3::ZERO,
+                direction: Vec3::NEG_Y,
+                animation: None,
+            });
+        }
+    }
 }

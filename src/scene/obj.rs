@@ -1,1 +1,168 @@
-//! obj
+//! Wavefront OBJ models, through tobj.
+//!
+//! In: an `.obj` file with its libraries and images. Out: one mesh in the scene that holds all its
+//! triangles, sorted by material, with the materials, textures and alpha masks that they use. Faces of
+//! no area are dropped; normals that the file lacks are made with a crease angle (see `normals`);
+//! texture coordinates that it lacks are zero.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::error::SceneError;
+use super::material::Material;
+use super::mesh::Mesh;
+use super::obj_text::ObjText;
+use super::{Scene, mtl, normals};
+
+/// A triangle whose height is less than this share of its longest edge has no area.
+const DEGENERATE: f64 = 1e-7;
+
+/// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
+pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    let bytes = std::fs::read(file).map_err(|reason| SceneError::Unreadable {
+        file: file.to_owned(),
+        reason,
+    })?;
+    let obj = ObjText::check(file, &bytes)?;
+
+    // Load the materials, then a grey one for whatever the libraries do not define.
+    let first_material = scene.materials.len();
+    let materials = mtl::read_libraries(file, &obj.libraries, &mut scene.warnings);
+    mtl::add_materials(file, &materials, scene);
+    warn_of_undefined(file, &obj, &materials, scene);
+    let grey = scene.materials.len();
+    scene.materials.push(Material::grey("grey"));
+
+    // Let tobj make single-indexed triangles.
+    let options = tobj::LoadOptions {
+        single_index: true,
+        triangulate: true,
+        ..Default::default()
+    };
+    let by_name = materials
+        .iter()
+        .enumerate()
+        .map(|(i, material)| (material.name.clone(), i))
+        .collect();
+    let library = (materials, by_name);
+    let text = format!("mtllib all\n{}", obj.text);
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Ok(library.clone()))
+        .map_err(|error| {
+        SceneError::invalid(file, None, format!("{error}; fix or re-export the model"))
+    })?;
+
+    let mut mesh = Mesh {
+        name: stem(file),
+        ..Mesh::default()
+    };
+    for model in &models {
+        let material = model
+            .mesh
+            .material_id
+            .map_or(grey, |id| first_material + id);
+        append(&mut mesh, &model.mesh, material as u32);
+    }
+    clean_up(file, &mut mesh)?;
+    if !mesh.triangle_materials.contains(&(grey as u32)) {
+        scene.materials.pop();
+    }
+    scene.meshes.push(mesh);
+    Ok(scene.meshes.len() - 1)
+}
+
+/// File name without folder and extension.
+pub(super) fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(
+        || "model".into(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}
+
+fn warn_of_undefined(file: &Path, obj: &ObjText, materials: &[tobj::Material], scene: &mut Scene) {
+    let defined = |name: &&String| materials.iter().any(|material| material.name == **name);
+    let undefined: Vec<&str> = obj
+        .materials
+        .iter()
+        .filter(|name| !defined(name))
+        .map(String::as_str)
+        .collect();
+    if let Some(first) = undefined.first() {
+        let more = match undefined.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        };
+        scene.warnings.push(format!(
+            "{}: material {first}{more} is defined in no material library; grey stands in",
+            file.display()
+        ));
+    }
+}
+
+/// Adds one of tobj's meshes, whose arrays are aligned because every face of it has the same layout.
+fn append(mesh: &mut Mesh, part: &tobj::Mesh, material: u32) {
+    let first = mesh.positions.len() as u32;
+    let count = part.positions.len() / 3;
+    mesh.positions
+        .extend(part.positions.chunks_exact(3).map(Vec3::from_slice));
+    if part.normals.len() == part.positions.len() {
+        mesh.normals
+            .extend(part.normals.chunks_exact(3).map(Vec3::from_slice));
+    } else {
+        mesh.normals.resize(first as usize + count, Vec3::ZERO);
+    }
+    if part.texcoords.len() == 2 * count {
+        // OBJ counts v from the bottom of the image.
+        mesh.uvs.extend(
+            part.texcoords
+                .chunks_exact(2)
+                .map(|uv| Vec2::new(uv[0], 1.0 - uv[1])),
+        );
+    } else {
+        mesh.uvs.resize(first as usize + count, Vec2::ZERO);
+    }
+    let triangles = part
+        .indices
+        .chunks_exact(3)
+        .map(|t| [first + t[0], first + t[1], first + t[2]]);
+    mesh.triangles.extend(triangles);
+    mesh.triangle_materials
+        .resize(mesh.triangles.len(), material);
+}
+
+/// Drops faces of no area, sorts by material, makes missing normals, forgets unused vertices.
+fn clean_up(file: &Path, mesh: &mut Mesh) -> Result<(), SceneError> {
+    let before = mesh.triangles.len();
+    let kept: Vec<usize> = (0..before)
+        .filter(|&i| has_area(mesh.triangle_positions(i as u32)))
+        .collect();
+    if kept.is_empty() {
+        return Err(SceneError::invalid(
+            file,
+            None,
+            format!("all of its {before} triangles have zero area; re-export the model"),
+        ));
+    }
+    if kept.len() < before {
+        log::info!(
+            "{}: dropped {} triangles of zero area",
+            file.display(),
+            before - kept.len()
+        );
+    }
+    mesh.triangles = kept.iter().map(|&i| mesh.triangles[i]).collect();
+    mesh.triangle_materials = kept.iter().map(|&i| mesh.triangle_materials[i]).collect();
+    mesh.sort_by_material();
+    normals::fill_missing(mesh);
+    mesh.drop_unused_vertices();
+    Ok(())
+}
+
+fn has_area(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let longest = (b - a)
+        .length_squared()
+        .max((c - a).length_squared())
+        .max((c - b).length_squared());
+    (b - a).cross(c - a).length() > DEGENERATE * longest
+}

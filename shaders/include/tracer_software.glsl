@@ -1,0 +1,296 @@
+// Rays through the two-level BVH in plain storage buffers: no extension, no bindless, no subgroups.
+//
+// In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
+// t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
+// Ylitie et al. 2017, triangle test after Woop et al. 2013; tests/bvh_gpu.rs holds the CPU twin.
+//
+// Define TRACER_BINDING, the first of seven bindings in set TRACER_SET (0 by default), before including.
+
+#ifndef TRACER_SOFTWARE_GLSL
+#define TRACER_SOFTWARE_GLSL
+
+#ifndef TRACER_SET
+#define TRACER_SET 0
+#endif
+
+#define TRACER_BUFFER(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
+
+// Five words a node.
+TRACER_BUFFER(0) bvh_nodes_block { uvec4 words[]; } bvh_nodes;
+// Three words a triangle: corners with (id, masked, material).
+TRACER_BUFFER(1) bvh_triangles_block { uvec4 words[]; } bvh_triangles;
+// Four words an instance: three rows of world to object, then (root, instance).
+TRACER_BUFFER(2) bvh_instances_block { uvec4 words[]; } bvh_instances;
+// Two words a masked triangle: three pairs of texture coordinates, then the mask.
+TRACER_BUFFER(3) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
+// (first word of bits, width, height).
+TRACER_BUFFER(4) bvh_masks_block { uvec4 masks[]; } bvh_masks;
+TRACER_BUFFER(5) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
+// (static root, dynamic root).
+TRACER_BUFFER(6) bvh_roots_block { uvec4 roots; } bvh_roots;
+
+// The closest surface along a ray.
+struct TracerHit {
+    float t;
+    // Index into the scene's instances.
+    uint instance;
+    // Index into the mesh's triangles.
+    uint triangle;
+    uint material;
+    // Weights of the triangle's second and third corner.
+    vec2 barycentrics;
+};
+
+const uint TRACER_NONE = 0xffffffffu;
+// Both levels' greatest depth, and what entering an instance leaves behind.
+const int TRACER_STACK_SIZE = 40;
+// Relative padding of the slab test: covers the rounding of the quantised boxes and of the test.
+const float TRACER_SLAB_PADDING = 1.0 / 524288.0;
+// A direction component below this share of the largest counts as this much.
+const float TRACER_SMALLEST_DIRECTION = 8.6736174e-19;
+
+// A ray in world or object space, prepared for boxes and triangles.
+struct TracerRay {
+    vec3 origin;
+    vec3 inverse;
+    // Orders the children: bits 0 to 2 are set where the direction is positive, in each byte.
+    uint octant;
+    // The axis of the largest direction component, and the shear that makes the ray run along it.
+    int main_axis;
+    vec3 shear;
+};
+
+// Turns the axes so that the main one comes last.
+vec3 tracer_turn(vec3 v, int main_axis) {
+    return main_axis == 0 ? v.yzx : (main_axis == 1 ? v.zxy : v);
+}
+
+TracerRay tracer_prepare(vec3 origin, vec3 direction) {
+    TracerRay ray;
+    ray.origin = origin;
+    vec3 size = abs(direction);
+    float largest = max(max(size.x, size.y), size.z);
+    bvec3 negative = lessThan(direction, vec3(0.0));
+    ray.inverse = mix(vec3(1.0), vec3(-1.0), negative) / max(size, vec3(largest * TRACER_SMALLEST_DIRECTION));
+    ray.octant = (negative.x ? 0u : 0x04040404u) | (negative.y ? 0u : 0x02020202u) | (negative.z ? 0u : 0x01010101u);
+    ray.main_axis = size.x > size.y && size.x > size.z ? 0 : (size.y > size.z ? 1 : 2);
+    vec3 turned = tracer_turn(direction, ray.main_axis);
+    ray.shear = vec3(turned.xy, 1.0) / turned.z;
+    return ray;
+}
+
+vec4 tracer_unpack_bytes(uint bytes) {
+    return vec4(uvec4(bytes, bytes >> 8, bytes >> 16, bytes >> 24) & 0xffu);
+}
+
+// Bits of those of four children that are met, spread by visiting order or primitive.
+uint tracer_spread(bvec4 met, uint meta, uint octant) {
+    uint inner = ((meta & (meta << 1)) & 0x10101010u) >> 4;
+    uint shifts = (meta ^ (octant & (inner * 0xffu))) & 0x1f1f1f1fu;
+    uint bits = (meta >> 5) & 0x07070707u;
+    uvec4 spread = (uvec4(bits, bits >> 8, bits >> 16, bits >> 24) & 7u)
+        << (uvec4(shifts, shifts >> 8, shifts >> 16, shifts >> 24) & 31u);
+    spread = mix(uvec4(0u), spread, met);
+    return (spread.x | spread.y) | (spread.z | spread.w);
+}
+
+// Bits 24 to 31: inner children that the ray meets, by visiting order; bits 0 to 23: primitives.
+uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t_min, float t_max) {
+    // Bring the ray into the node's grid; the padding moves each near plane nearer and far plane farther.
+    uvec3 exponents = uvec3(head.w, head.w >> 8, head.w >> 16) & 0xffu;
+    vec3 cell = uintBitsToFloat(exponents << 23);
+    vec3 to_node = uintBitsToFloat(head.xyz) - ray.origin;
+    vec3 distance = abs(to_node);
+    float reach = max(max(distance.x, distance.y), distance.z) + 255.0 * max(max(cell.x, cell.y), cell.z);
+    vec3 padding = (TRACER_SLAB_PADDING * reach) * abs(ray.inverse);
+    vec3 cell_step = cell * ray.inverse;
+    vec3 start = to_node * ray.inverse;
+    vec3 near = start - padding;
+    vec3 far = start + padding;
+
+    // Test four children at a time.
+    uvec4 planes_x = bvh_nodes.words[node + 2u];
+    uvec4 planes_y = bvh_nodes.words[node + 3u];
+    uvec4 planes_z = bvh_nodes.words[node + 4u];
+    planes_x = ray.inverse.x < 0.0 ? planes_x.zwxy : planes_x;
+    planes_y = ray.inverse.y < 0.0 ? planes_y.zwxy : planes_y;
+    planes_z = ray.inverse.z < 0.0 ? planes_z.zwxy : planes_z;
+    uint hits = 0u;
+    for (int part = 0; part < 2; ++part) {
+        vec4 enter = max(
+            max(tracer_unpack_bytes(planes_x[part]) * cell_step.x + near.x,
+                tracer_unpack_bytes(planes_y[part]) * cell_step.y + near.y),
+            max(tracer_unpack_bytes(planes_z[part]) * cell_step.z + near.z, vec4(t_min)));
+        vec4 leave = min(
+            min(tracer_unpack_bytes(planes_x[part + 2]) * cell_step.x + far.x,
+                tracer_unpack_bytes(planes_y[part + 2]) * cell_step.y + far.y),
+            min(tracer_unpack_bytes(planes_z[part + 2]) * cell_step.z + far.z, vec4(t_max)));
+        hits |= tracer_spread(lessThanEqual(enter, leave), meta[part], ray.octant);
+    }
+    return hits;
+}
+
+// Whether the alpha mask leaves the surface there; masked is 1 + index of the triangle's coordinates.
+bool tracer_is_opaque(uint masked, vec2 barycentrics) {
+    uvec4 first_two = bvh_triangle_uvs.words[(masked - 1u) * 2u];
+    uvec4 third = bvh_triangle_uvs.words[(masked - 1u) * 2u + 1u];
+    float first = 1.0 - barycentrics.x - barycentrics.y;
+    precise vec2 uv = uintBitsToFloat(first_two.xy) * first + uintBitsToFloat(first_two.zw) * barycentrics.x
+        + uintBitsToFloat(third.xy) * barycentrics.y;
+    uvec4 mask = bvh_masks.masks[third.z];
+    uvec2 texel = min(uvec2((uv - floor(uv)) * vec2(mask.yz)), mask.yz - 1u);
+    uint bit = texel.y * mask.y + texel.x;
+    return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
+}
+
+// Replaces the hit if the ray meets the triangle nearer, or as near with lower indices; hit.t is the
+// upper bound of t, and hit.instance is TRACER_NONE before the first hit.
+bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_min, inout TracerHit hit) {
+    // Move the corners into the frame of the ray.
+    uvec4 word_a = bvh_triangles.words[triangle * 3u];
+    uvec4 word_b = bvh_triangles.words[triangle * 3u + 1u];
+    uvec4 word_c = bvh_triangles.words[triangle * 3u + 2u];
+    vec3 a = tracer_turn(uintBitsToFloat(word_a.xyz) - ray.origin, ray.main_axis);
+    vec3 b = tracer_turn(uintBitsToFloat(word_b.xyz) - ray.origin, ray.main_axis);
+    vec3 c = tracer_turn(uintBitsToFloat(word_c.xyz) - ray.origin, ray.main_axis);
+    precise vec2 a2 = a.xy - ray.shear.xy * a.z;
+    precise vec2 b2 = b.xy - ray.shear.xy * b.z;
+    precise vec2 c2 = c.xy - ray.shear.xy * c.z;
+
+    // Evaluate the three edge functions; inclusive edges, either winding.
+    precise float u = c2.x * b2.y - c2.y * b2.x;
+    precise float v = a2.x * c2.y - a2.y * c2.x;
+    precise float w = b2.x * a2.y - b2.y * a2.x;
+    precise float det = u + v + w;
+    bool outside = min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0;
+    if (outside || det == 0.0) {
+        return false;
+    }
+
+    // Interpolate the distance along the main axis.
+    precise float scale = 1.0 / det;
+    precise float t = (u * a.z + v * b.z + w * c.z) * scale * ray.shear.z;
+    precise vec2 barycentrics = vec2(v, w) * scale;
+    bool lower = hit.instance != TRACER_NONE
+        && (instance < hit.instance || (instance == hit.instance && word_a.w < hit.triangle));
+    bool nearer = t < hit.t || (t == hit.t && lower);
+    if (!(t > t_min && nearer) || (word_b.w != 0u && !tracer_is_opaque(word_b.w, barycentrics))) {
+        return false;
+    }
+    hit = TracerHit(t, instance, word_a.w, word_c.w, barycentrics);
+    return true;
+}
+
+// The ray in an instance's object space, not normalised, so that t stays the same; entered is (root
+// of its mesh, index into the scene's instances).
+TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 entered) {
+    vec4 row_x = uintBitsToFloat(bvh_instances.words[placed * 4u]);
+    vec4 row_y = uintBitsToFloat(bvh_instances.words[placed * 4u + 1u]);
+    vec4 row_z = uintBitsToFloat(bvh_instances.words[placed * 4u + 2u]);
+    entered = bvh_instances.words[placed * 4u + 3u].xy;
+    vec3 column_x = vec3(row_x.x, row_y.x, row_z.x);
+    vec3 column_y = vec3(row_x.y, row_y.y, row_z.y);
+    vec3 column_z = vec3(row_x.z, row_y.z, row_z.z);
+    vec3 place = vec3(row_x.w, row_y.w, row_z.w);
+    precise vec3 moved = column_x * origin.x + column_y * origin.y + column_z * origin.z + place;
+    precise vec3 turned = column_x * direction.x + column_y * direction.y + column_z * direction.z;
+    return tracer_prepare(moved, turned);
+}
+
+// Depth first through both levels; any_hit ends at the first hit, whichever it is.
+bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
+    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
+    uvec2 stack[TRACER_STACK_SIZE];
+    int height = 0;
+    // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children),
+    // or, without any of the high eight bits, (index of the first primitive, bits of primitives).
+    uvec2 group = uvec2(0u);
+    if (bvh_roots.roots.y != TRACER_NONE) {
+        group = uvec2(bvh_roots.roots.y, 0x80000000u);
+    }
+    if (bvh_roots.roots.x != TRACER_NONE) {
+        if (group.y != 0u) {
+            stack[height++] = group;
+        }
+        group = uvec2(bvh_roots.roots.x, 0x80000000u);
+    }
+    TracerRay ray = tracer_prepare(origin, direction);
+    uint instance = TRACER_NONE;
+    int instance_height = 0;
+
+    while (group.y != 0u) {
+        uvec2 primitives = group;
+        if (group.y > 0x00ffffffu) {
+            // Take the nearest child of the group, and leave the rest for later.
+            uint first = uint(findMSB(group.y));
+            uint slot = (first - 24u) ^ (ray.octant & 7u);
+            uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
+            group.y &= ~(1u << first);
+            if (group.y > 0x00ffffffu) {
+                stack[height++] = group;
+            }
+
+            // Intersect its children.
+            uvec4 head = bvh_nodes.words[node];
+            uvec4 links = bvh_nodes.words[node + 1u];
+            uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
+            group = uvec2(links.x, (hits & 0xff000000u) | (head.w >> 24));
+            primitives = uvec2(links.y, hits & 0x00ffffffu);
+        } else {
+            group.y = 0u;
+        }
+
+        if (instance == TRACER_NONE && primitives.y != 0u) {
+            // Enter one instance, and leave the others and this level's nodes for later.
+            uint first = uint(findMSB(primitives.y));
+            primitives.y &= ~(1u << first);
+            if (primitives.y != 0u) {
+                stack[height++] = primitives;
+            }
+            if (group.y > 0x00ffffffu) {
+                stack[height++] = group;
+            }
+            uvec2 entered;
+            ray = tracer_enter(primitives.x + first, origin, direction, entered);
+            instance = entered.y;
+            instance_height = height;
+            group = uvec2(entered.x, 0x80000000u);
+            continue;
+        }
+
+        // Test the triangles.
+        while (primitives.y != 0u) {
+            uint first = uint(findMSB(primitives.y));
+            primitives.y &= ~(1u << first);
+            if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit) && any_hit) {
+                return true;
+            }
+        }
+
+        // Go on with what was left for later; back out of the instance when none of that is its own.
+        if (group.y <= 0x00ffffffu) {
+            if (instance != TRACER_NONE && height == instance_height) {
+                ray = tracer_prepare(origin, direction);
+                instance = TRACER_NONE;
+            }
+            group = uvec2(0u);
+            if (height > 0) {
+                group = stack[--height];
+            }
+        }
+    }
+    return hit.instance != TRACER_NONE;
+}
+
+// Whether anything lies on the segment.
+bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    TracerHit hit;
+    return tracer_traverse(origin, direction, t_min, t_max, true, hit);
+}
+
+// The closest hit on the segment; of several at the same t, the one of the lowest instance, then triangle.
+bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
+    return tracer_traverse(origin, direction, t_min, t_max, false, hit);
+}
+
+#endif

@@ -1,0 +1,287 @@
+//! The two-level BVH in the layout that `shaders/include/tracer_software.glsl` traverses.
+//!
+//! Out: flat arrays, one per storage buffer, whose sizes never change. Nodes: the bottom levels of all
+//! meshes, then room for the static top level, then for the dynamic one. Instances: likewise in two
+//! regions, in the order of the leaves. All indices are absolute, so moving an instance rewrites the
+//! dynamic regions only.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+use obvhs::cwbvh::node::CwBvhNode;
+
+use super::{
+    TwoLevelBvh,
+    top::{PlacedInstance, TopLevel},
+};
+use crate::scene::AlphaMask;
+
+/// A root that is not there.
+pub const NO_ROOT: u32 = u32::MAX;
+
+/// A triangle in leaf order. 48 bytes: three vec4.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuTriangle {
+    /// First corner, object space.
+    pub v0: Vec3,
+    /// Index into the mesh's triangles.
+    pub id: u32,
+    /// Second corner.
+    pub v1: Vec3,
+    /// 0, or 1 + index of its [`GpuMaskedTriangle`].
+    pub masked: u32,
+    /// Third corner.
+    pub v2: Vec3,
+    /// Index into the scene's materials.
+    pub material: u32,
+}
+
+/// What the alpha test of a triangle needs. 32 bytes: two vec4.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuMaskedTriangle {
+    /// Texture coordinates of the first corner.
+    pub uv0: Vec2,
+    /// Texture coordinates of the second corner.
+    pub uv1: Vec2,
+    /// Texture coordinates of the third corner.
+    pub uv2: Vec2,
+    /// Index into [`GpuBvh::masks`].
+    pub mask: u32,
+    /// Unused.
+    pub pad: u32,
+}
+
+/// Where an alpha mask's bits are. 16 bytes: one uvec4.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuMask {
+    /// Index of its first word in [`GpuBvh::mask_bits`].
+    pub first_word: u32,
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// Unused.
+    pub pad: u32,
+}
+
+/// A placed instance in leaf order. 64 bytes: four vec4.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuInstance {
+    /// The rows of the 3x4 matrix from world to object space.
+    pub world_to_object: [Vec4; 3],
+    /// Index of its mesh's root in [`GpuBvh::nodes`].
+    pub root: u32,
+    /// Index into the scene's instances.
+    pub instance: u32,
+    /// Unused.
+    pub pad: [u32; 2],
+}
+
+/// The roots of both top levels in [`GpuBvh::nodes`]. 16 bytes: one uvec4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuBvhRoots {
+    /// Root over the static instances, or [`NO_ROOT`].
+    pub static_root: u32,
+    /// Root over the dynamic instances, or [`NO_ROOT`].
+    pub dynamic_root: u32,
+    /// Unused.
+    pub pad: [u32; 2],
+}
+
+/// The whole BVH, one array per storage buffer; none is empty.
+#[derive(Clone, Debug)]
+pub struct GpuBvh {
+    /// Compressed wide nodes, 80 bytes: five uvec4.
+    pub nodes: Vec<CwBvhNode>,
+    /// Triangles of all meshes, in leaf order.
+    pub triangles: Vec<GpuTriangle>,
+    /// Texture coordinates of those triangles that have an alpha mask.
+    pub triangle_uvs: Vec<GpuMaskedTriangle>,
+    /// The scene's alpha masks.
+    pub masks: Vec<GpuMask>,
+    /// Their bits: bit `y * width + x` from a mask's first word on, low bit first.
+    pub mask_bits: Vec<u32>,
+    /// Static, then dynamic instances.
+    pub instances: Vec<GpuInstance>,
+    /// Where to start.
+    pub roots: GpuBvhRoots,
+}
+
+/// What one top level writes into the arrays of [`GpuBvh`].
+#[derive(Clone, Debug)]
+pub struct GpuBvhUpdate {
+    /// Index of the first of `nodes` in [`GpuBvh::nodes`].
+    pub node_offset: u32,
+    /// New nodes, perhaps none.
+    pub nodes: Vec<CwBvhNode>,
+    /// Index of the first of `instances` in [`GpuBvh::instances`].
+    pub instance_offset: u32,
+    /// New instances, perhaps none.
+    pub instances: Vec<GpuInstance>,
+    /// Replaces [`GpuBvh::roots`].
+    pub roots: GpuBvhRoots,
+}
+
+impl GpuBvh {
+    /// Writes an update into the arrays.
+    pub fn apply(&mut self, update: &GpuBvhUpdate) {
+        let first = update.node_offset as usize;
+        self.nodes[first..first + update.nodes.len()].copy_from_slice(&update.nodes);
+        let first = update.instance_offset as usize;
+        self.instances[first..first + update.instances.len()].copy_from_slice(&update.instances);
+        self.roots = update.roots;
+    }
+}
+
+impl TwoLevelBvh {
+    /// Everything that shaders traverse.
+    pub fn gpu_layout(&self) -> GpuBvh {
+        let regions = Regions::of(self);
+        let (masks, mask_bits) = pack_masks(&self.alpha_masks);
+        let mut nodes = self.bottom.nodes.clone();
+        nodes.resize(regions.node_end.max(1), CwBvhNode::default());
+        let mut layout = GpuBvh {
+            nodes,
+            triangles: never_empty(self.bottom.triangles.clone()),
+            triangle_uvs: never_empty(self.bottom.masked.clone()),
+            masks: never_empty(masks),
+            mask_bits: never_empty(mask_bits),
+            instances: vec![GpuInstance::default(); regions.instance_end.max(1)],
+            roots: self.roots(&regions),
+        };
+        layout.apply(&self.static_gpu_layout());
+        layout.apply(&self.dynamic_gpu_layout());
+        layout
+    }
+
+    /// What changes when dynamic instances move.
+    pub fn dynamic_gpu_layout(&self) -> GpuBvhUpdate {
+        let regions = Regions::of(self);
+        self.level_layout(
+            &self.dynamic_level,
+            regions.dynamic_node,
+            regions.dynamic_instance,
+        )
+    }
+
+    /// What changes in the rare case that a static instance was moved: when
+    /// [`TwoLevelBvh::static_builds`] grew.
+    pub fn static_gpu_layout(&self) -> GpuBvhUpdate {
+        let regions = Regions::of(self);
+        self.level_layout(&self.static_level, regions.static_node, 0)
+    }
+
+    fn level_layout(
+        &self,
+        level: &TopLevel,
+        first_node: usize,
+        first_instance: usize,
+    ) -> GpuBvhUpdate {
+        let to_absolute = |node: &CwBvhNode| CwBvhNode {
+            child_base_idx: node.child_base_idx + first_node as u32,
+            primitive_base_idx: node.primitive_base_idx + first_instance as u32,
+            ..*node
+        };
+        GpuBvhUpdate {
+            node_offset: first_node as u32,
+            nodes: level.nodes.iter().map(to_absolute).collect(),
+            instance_offset: first_instance as u32,
+            instances: level.placed.iter().map(gpu_instance).collect(),
+            roots: self.roots(&Regions::of(self)),
+        }
+    }
+
+    fn roots(&self, regions: &Regions) -> GpuBvhRoots {
+        let root = |level: &TopLevel, first: usize| {
+            if level.nodes.is_empty() {
+                NO_ROOT
+            } else {
+                first as u32
+            }
+        };
+        GpuBvhRoots {
+            static_root: root(&self.static_level, regions.static_node),
+            dynamic_root: root(&self.dynamic_level, regions.dynamic_node),
+            pad: [0; 2],
+        }
+    }
+}
+
+/// Where each top level lies in the arrays.
+struct Regions {
+    static_node: usize,
+    dynamic_node: usize,
+    node_end: usize,
+    dynamic_instance: usize,
+    instance_end: usize,
+}
+
+impl Regions {
+    fn of(bvh: &TwoLevelBvh) -> Self {
+        let members = |dynamic| bvh.members(dynamic).count();
+        let (fixed, moving) = (members(false), members(true));
+        let static_node = bvh.bottom.nodes.len();
+        let dynamic_node = static_node + most_nodes(fixed);
+        Self {
+            static_node,
+            dynamic_node,
+            node_end: dynamic_node + most_nodes(moving),
+            dynamic_instance: fixed,
+            instance_end: fixed + moving,
+        }
+    }
+}
+
+/// Most nodes that a top level can have: each but a lone root has two children or more.
+fn most_nodes(members: usize) -> usize {
+    members.saturating_sub(1).max(members.min(1))
+}
+
+fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
+    GpuInstance {
+        world_to_object: rows(&placed.world_to_object),
+        root: placed.root,
+        instance: placed.instance,
+        pad: [0; 2],
+    }
+}
+
+fn rows(transform: &Affine3A) -> [Vec4; 3] {
+    let matrix = transform.matrix3.transpose();
+    let translation = transform.translation;
+    [
+        matrix.x_axis.extend(translation.x),
+        matrix.y_axis.extend(translation.y),
+        matrix.z_axis.extend(translation.z),
+    ]
+}
+
+fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
+    let mut bits = Vec::new();
+    let table = masks
+        .iter()
+        .map(|mask| {
+            let first_word = bits.len() as u32;
+            bits.extend_from_slice(&mask.bits);
+            GpuMask {
+                first_word,
+                width: mask.width,
+                height: mask.height,
+                pad: 0,
+            }
+        })
+        .collect();
+    (table, bits)
+}
+
+/// Vulkan has no empty buffers.
+fn never_empty<T: Zeroable>(mut elements: Vec<T>) -> Vec<T> {
+    if elements.is_empty() {
+        elements.push(T::zeroed());
+    }
+    elements
+}

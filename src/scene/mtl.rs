@@ -1,0 +1,415 @@
+//! Material libraries: checks an MTL, has tobj parse it, and loads what its materials refer to.
+//!
+//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, and from each a [`Material`] with its
+//! texture and alpha mask in the scene. Whatever is odd becomes a warning, never an error.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use image::DynamicImage;
+use rayon::prelude::*;
+
+use super::Scene;
+use super::material::{AlphaMask, Material, Texture};
+use super::texture;
+
+/// Warnings that one file may cause; the rest are counted.
+const MAX_WARNINGS: usize = 8;
+
+/// Reads the libraries named in `file` (an OBJ) one after another; later definitions win.
+pub(super) fn read_libraries(
+    file: &Path,
+    libraries: &[String],
+    warnings: &mut Vec<String>,
+) -> Vec<tobj::Material> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut materials = Vec::new();
+    for argument in libraries {
+        // One name with spaces in it, or several names.
+        let names = match find_file(folder, argument) {
+            Some(_) => vec![argument.as_str()],
+            None => argument.split_whitespace().collect(),
+        };
+        for name in names {
+            let bytes =
+                find_file(folder, name).map(|path| std::fs::read(&path).map(|bytes| (path, bytes)));
+            match bytes {
+                Some(Ok((path, bytes))) => materials.extend(parse(&path, &bytes, warnings)),
+                Some(Err(error)) => warnings.push(format!(
+                    "{}: material library {name} could not be read ({error}); grey stands in",
+                    file.display()
+                )),
+                None => warnings.push(format!(
+                    "{}: material library {name} is missing; grey stands in",
+                    file.display()
+                )),
+            }
+        }
+    }
+    materials
+}
+
+/// Finds `name` below `folder`: as written, with any case, or its last component alone.
+fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = name.trim().trim_matches('"').replace('\\', "/");
+    let exact = folder.join(&name);
+    if exact.is_file() {
+        return Some(exact);
+    }
+    let last = name.rsplit('/').next().unwrap_or(&name);
+    find_any_case(folder, &name).or_else(|| find_any_case(folder, last))
+}
+
+fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
+    let mut path = folder.to_owned();
+    for component in name.split('/').filter(|component| !component.is_empty()) {
+        let exact = path.join(component);
+        path = if exact.exists() {
+            exact
+        } else {
+            let folder = if path.as_os_str().is_empty() {
+                Path::new(".")
+            } else {
+                &path
+            };
+            let mut entries: Vec<_> = std::fs::read_dir(folder)
+                .ok()?
+                .flatten()
+                .map(|entry| entry.path())
+                .collect();
+            entries.sort();
+            let same = |path: &PathBuf| {
+                path.file_name()
+                    .is_some_and(|n| n.to_string_lossy().to_lowercase() == component.to_lowercase())
+            };
+            entries.into_iter().find(same)?
+        };
+    }
+    path.is_file().then_some(path)
+}
+
+/// Rewrites an MTL so that tobj (which panics on a colour of two numbers) can only succeed, and parses it.
+fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Material> {
+    let mut clean = String::new();
+    let mut problems = Vec::new();
+    for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if let Err(problem) = rewrite(&mut clean, keyword, rest.trim()) {
+            problems.push(format!("{}:{}: {problem}", path.display(), number + 1));
+        }
+    }
+    let more = problems.len().saturating_sub(MAX_WARNINGS);
+    warnings.extend(problems.into_iter().take(MAX_WARNINGS));
+    if more > 0 {
+        warnings.push(format!("{}: {more} more lines like these", path.display()));
+    }
+    match tobj::load_mtl_buf(&mut clean.as_bytes()) {
+        Ok((materials, _)) => materials,
+        Err(error) => {
+            warnings.push(format!(
+                "{}: could not be parsed ({error}); grey stands in",
+                path.display()
+            ));
+            Vec::new()
+        }
+    }
+}
+
+/// Appends one checked statement to `clean`; statements that mean nothing to a [`Material`] are left out.
+fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> {
+    let keyword = keyword.to_ascii_lowercase();
+    // Writing to a String cannot fail.
+    let _ = match keyword.as_str() {
+        "newmtl" if rest.is_empty() => return Err("material without a name; ignored".into()),
+        "newmtl" => writeln!(clean, "newmtl {rest}"),
+        "kd" | "ks" => {
+            let (colour, problem) = colour(&keyword, rest, 1.0)?;
+            let _ = writeln!(
+                clean,
+                "K{} {} {} {}",
+                &keyword[1..],
+                colour.x,
+                colour.y,
+                colour.z
+            );
+            return problem.map_or(Ok(()), Err);
+        }
+        "ke" => {
+            let (colour, problem) = colour(&keyword, rest, f32::MAX)?;
+            let _ = writeln!(clean, "Ke {} {} {}", colour.x, colour.y, colour.z);
+            return problem.map_or(Ok(()), Err);
+        }
+        "ns" | "d" => {
+            // `d -halo 0.5` fades with the angle; take its floor.
+            let word = rest
+                .trim_start_matches("-halo")
+                .split_whitespace()
+                .next()
+                .unwrap_or("");
+            let value: f32 = word
+                .parse()
+                .map_err(|_| format!("{keyword} is not a number; ignored"))?;
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(format!(
+                    "{keyword} {word} is negative or not finite; ignored"
+                ));
+            }
+            let name = if keyword == "ns" { "Ns" } else { "d" };
+            writeln!(clean, "{name} {value}")
+        }
+        "map_kd" | "map_d" => {
+            let file = without_options(rest);
+            if file.is_empty() {
+                return Err(format!("{keyword} names no file; ignored"));
+            }
+            let name = if keyword == "map_kd" {
+                "map_Kd"
+            } else {
+                "map_d"
+            };
+            writeln!(clean, "{name} {file}")
+        }
+        _ => Ok(()),
+    };
+    Ok(())
+}
+
+/// A colour of one or three numbers, clamped to [0, max], with a warning where that changed it.
+fn colour(keyword: &str, rest: &str, max: f32) -> Result<(Vec3, Option<String>), String> {
+    let numbers: Vec<f32> = rest
+        .split_whitespace()
+        .map_while(|word| word.parse().ok())
+        .collect();
+    let given = match numbers[..] {
+        [grey] => Vec3::splat(grey),
+        [r, g, b, ..] => Vec3::new(r, g, b),
+        _ => {
+            return Err(format!(
+                "{keyword} \"{rest}\" is not a colour of three numbers; ignored"
+            ));
+        }
+    };
+    let usable = given.to_array().map(|c| {
+        if c.is_finite() {
+            c.clamp(0.0, max)
+        } else {
+            0.0
+        }
+    });
+    let usable = Vec3::from_array(usable);
+    let problem = (usable != given)
+        .then(|| format!("{keyword} {rest} is outside what is possible; clamped to {usable}"));
+    Ok((usable, problem))
+}
+
+/// The file name after options such as `-clamp on` or `-s 1 1 1`; it may hold spaces.
+fn without_options(mut rest: &str) -> &str {
+    while rest.starts_with('-') {
+        let (option, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+        // How many arguments: exactly, or up to three numbers.
+        let (fixed, numbers) = match option {
+            "-o" | "-s" | "-t" => (0, 3),
+            "-mm" => (2, 0),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost"
+            | "-imfchan" | "-type" => (1, 0),
+            _ => return rest,
+        };
+        rest = tail.trim_start();
+        for i in 0..fixed.max(numbers) {
+            let (word, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            if i >= fixed && word.parse::<f32>().is_err() {
+                break;
+            }
+            rest = tail.trim_start();
+        }
+    }
+    rest
+}
+
+/// The images that a model's materials name, read once each.
+struct Images(HashMap<String, Result<DynamicImage, String>>);
+
+impl Images {
+    fn read(file: &Path, materials: &[tobj::Material]) -> Self {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let names = materials
+            .iter()
+            .flat_map(|m| [&m.diffuse_texture, &m.dissolve_texture])
+            .flatten();
+        let names: std::collections::BTreeSet<&String> = names.collect();
+        let read = |name: &&String| {
+            let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
+            (
+                (*name).clone(),
+                path.and_then(|path| texture::read_image(&path)),
+            )
+        };
+        Self(
+            names
+                .into_iter()
+                .collect::<Vec<_>>()
+                .par_iter()
+                .map(read)
+                .collect(),
+        )
+    }
+
+    fn get(&self, name: &str) -> Result<&DynamicImage, &str> {
+        match self.0.get(name) {
+            Some(Ok(image)) => Ok(image),
+            Some(Err(problem)) => Err(problem),
+            None => Err("was not read"),
+        }
+    }
+}
+
+/// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
+pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
+    let images = Images::read(file, materials);
+    let textures = add_textures(file, materials, &images, scene);
+    let mut masks: HashMap<(Option<&str>, Option<&str>, u32), Option<usize>> = HashMap::new();
+    for material in materials {
+        let colour_map = material.diffuse_texture.as_deref();
+        let opacity_map = material.dissolve_texture.as_deref();
+        let dissolve = material.dissolve.unwrap_or(1.0);
+        let alpha_mask = *masks
+            .entry((colour_map, opacity_map, dissolve.to_bits()))
+            .or_insert_with(|| {
+                let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
+                scene.alpha_masks.push(mask);
+                Some(scene.alpha_masks.len() - 1)
+            });
+        scene.materials.push(Material {
+            name: material.name.clone(),
+            albedo: Vec3::from_array(
+                material
+                    .diffuse
+                    .unwrap_or([if colour_map.is_some() { 1.0 } else { 0.5 }; 3]),
+            ),
+            specular: Vec3::from_array(material.specular.unwrap_or_default()),
+            shininess: material.shininess.unwrap_or(1.0),
+            emission: Vec3::from_array(material.emissive.unwrap_or_default()),
+            albedo_texture: colour_map.and_then(|name| textures.get(name).copied()),
+            alpha_mask,
+        });
+    }
+}
+
+/// Adds every colour map, with mip levels; what cannot be read is stood in for. Names to scene indices.
+fn add_textures(
+    file: &Path,
+    materials: &[tobj::Material],
+    images: &Images,
+    scene: &mut Scene,
+) -> HashMap<String, usize> {
+    let mut names: Vec<&str> = Vec::new();
+    for material in materials {
+        for (name, stand_in) in [
+            (
+                &material.diffuse_texture,
+                "a magenta and black checkerboard stands in",
+            ),
+            (&material.dissolve_texture, "nothing is cut away"),
+        ] {
+            let Some(name) = name else { continue };
+            if let Err(problem) = images.get(name) {
+                let line = format!("{}: texture {name} {problem}; {stand_in}", file.display());
+                if !scene.warnings.contains(&line) {
+                    scene.warnings.push(line);
+                }
+            }
+        }
+        names.extend(
+            material
+                .diffuse_texture
+                .as_deref()
+                .filter(|name| !names.contains(name)),
+        );
+    }
+    let build = |name: &&str| match images.get(name) {
+        Ok(image) => {
+            let texels = texture::to_srgb8(image);
+            Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
+        }
+        Err(_) => Texture::missing(name),
+    };
+    let first = scene.textures.len();
+    scene.textures.par_extend(names.par_iter().map(build));
+    names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| ((*name).to_owned(), first + i))
+        .collect()
+}
+
+/// Where a surface is cut away: `map_d` if there is one, else the alpha of `map_Kd`, times `d`.
+fn mask_of(
+    colour_map: Option<&str>,
+    opacity_map: Option<&str>,
+    dissolve: f32,
+    images: &Images,
+) -> Option<AlphaMask> {
+    let from_opacity = opacity_map.and_then(|name| texture::opacity(images.get(name).ok()?, true));
+    let from_colour =
+        || colour_map.and_then(|name| texture::opacity(images.get(name).ok()?, false));
+    let (width, height, opacity) = from_opacity
+        .or_else(from_colour)
+        .unwrap_or((1, 1, vec![255]));
+    AlphaMask::from_opacity(width, height, &opacity, dissolve)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_options_are_skipped() {
+        for (given, expected) in [
+            ("a.png", "a.png"),
+            ("-clamp on my file.png", "my file.png"),
+            ("-s 1 2 3 -o 0.5 b.png", "b.png"),
+            ("-bm 0.2 -mm 0 1 c d.png", "c d.png"),
+            ("-clamp", ""),
+            ("-unknown e.png", "-unknown e.png"),
+        ] {
+            assert_eq!(without_options(given), expected);
+        }
+    }
+
+    #[test]
+    fn bad_values_warn_and_stay_in_range() {
+        let text = b"newmtl a\nKd 2 -1 nan\nKs 0.5\nNs -3\nd half\nKe 5 inf 0\nKd 1 2\nmap_Kd\nnewmtl\nillum x\nTf 1\n";
+        let mut warnings = Vec::new();
+        let materials = parse(Path::new("m.mtl"), text, &mut warnings);
+        assert_eq!(materials.len(), 1);
+        assert_eq!(materials[0].diffuse, Some([1.0, 0.0, 0.0]));
+        assert_eq!(materials[0].specular, Some([0.5; 3]));
+        assert_eq!(materials[0].emissive, Some([5.0, 0.0, 0.0]));
+        assert_eq!(
+            (materials[0].shininess, materials[0].dissolve),
+            (None, None)
+        );
+        assert_eq!(warnings.len(), 7, "{warnings:?}");
+        assert!(
+            warnings[0].starts_with("m.mtl:2: kd 2 -1 nan"),
+            "{}",
+            warnings[0]
+        );
+    }
+
+    #[test]
+    fn any_bytes_parse_without_panic() {
+        let text = b"newmtl a\nKd .1 .2 .3\nmap_Kd -s 1 1 x.png\nd 0.5\n";
+        for i in 0..text.len() {
+            parse(Path::new("m.mtl"), &text[..i], &mut Vec::new());
+            for byte in [0u8, b'\n', b' ', b'-', 0xff] {
+                let mut changed = text.to_vec();
+                changed[i] = byte;
+                parse(Path::new("m.mtl"), &changed, &mut Vec::new());
+            }
+        }
+    }
+}

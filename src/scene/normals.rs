@@ -1,0 +1,156 @@
+//! Makes the vertex normals that a model lacks.
+//!
+//! In: a mesh, some of whose vertices have a zero normal. Out: the same mesh with unit normals
+//! everywhere: the mean of the faces that meet there, weighted by their angles (Thuermer and Wuethrich
+//! 1998), over those faces only that bend less than the crease angle away; sharper edges stay sharp.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::mesh::Mesh;
+
+/// Faces that meet at less than this are smoothed, degrees.
+const CREASE_DEGREES: f32 = 40.0;
+
+/// Vertices with more corners than this are shaded flat: comparing all pairs takes quadratic time.
+const MAX_VALENCE: usize = 512;
+
+/// One corner of a triangle.
+#[derive(Clone, Copy)]
+struct Corner {
+    triangle: usize,
+    corner: usize,
+    face_normal: Vec3,
+    angle: f32,
+}
+
+/// Replaces every zero normal; vertices on a crease are split.
+pub(super) fn fill_missing(mesh: &mut Mesh) {
+    let crease_cos = CREASE_DEGREES.to_radians().cos();
+    let mut made: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
+    let mut given = vec![false; mesh.positions.len()];
+    for group in corner_groups(mesh) {
+        for corner in &group {
+            let normal = if group.len() > MAX_VALENCE {
+                corner.face_normal
+            } else {
+                let near = group
+                    .iter()
+                    .filter(|other| other.face_normal.dot(corner.face_normal) >= crease_cos);
+                let sum: Vec3 = near.map(|other| other.face_normal * other.angle).sum();
+                sum.normalize_or(corner.face_normal)
+            };
+            let vertex = mesh.triangles[corner.triangle][corner.corner];
+            let key = (vertex, normal.to_array().map(f32::to_bits));
+            let place = *made.entry(key).or_insert_with(|| {
+                if !std::mem::replace(&mut given[vertex as usize], true) {
+                    mesh.normals[vertex as usize] = normal;
+                    return vertex;
+                }
+                mesh.positions.push(mesh.positions[vertex as usize]);
+                mesh.uvs.push(mesh.uvs[vertex as usize]);
+                mesh.normals.push(normal);
+                mesh.positions.len() as u32 - 1
+            });
+            mesh.triangles[corner.triangle][corner.corner] = place;
+        }
+    }
+}
+
+/// The corners without a normal, grouped by position, in the order of the triangles.
+fn corner_groups(mesh: &Mesh) -> Vec<Vec<Corner>> {
+    let mut groups: Vec<Vec<Corner>> = Vec::new();
+    let mut by_position: HashMap<[u32; 3], usize> = HashMap::new();
+    for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+        let points = vertices.map(|vertex| mesh.positions[vertex as usize]);
+        let face_normal = (points[1] - points[0])
+            .cross(points[2] - points[0])
+            .normalize_or(Vec3::Y);
+        for corner in 0..3 {
+            if mesh.normals[vertices[corner] as usize] != Vec3::ZERO {
+                continue;
+            }
+            let [here, next, last] = [
+                points[corner],
+                points[(corner + 1) % 3],
+                points[(corner + 2) % 3],
+            ];
+            let angle = (next - here).angle_between(last - here);
+            // Adding zero turns -0 into +0, which is the same place.
+            let key = (here + 0.0).to_array().map(f32::to_bits);
+            let group = *by_position.entry(key).or_insert_with(|| {
+                groups.push(Vec::new());
+                groups.len() - 1
+            });
+            let angle = if angle.is_finite() { angle } else { 0.0 };
+            groups[group].push(Corner {
+                triangle,
+                corner,
+                face_normal,
+                angle,
+            });
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn without_normals(mut mesh: Mesh) -> Mesh {
+        mesh.normals.fill(Vec3::ZERO);
+        mesh
+    }
+
+    #[test]
+    fn box_edges_stay_sharp() {
+        let expected = Mesh::cuboid("box", Vec3::ONE, 0);
+        let mut mesh = without_normals(expected.clone());
+        fill_missing(&mut mesh);
+        assert_eq!(mesh.positions.len(), 24);
+        for (got, expected) in mesh.normals.iter().zip(&expected.normals) {
+            assert!(got.distance(*expected) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn spheres_become_smooth() {
+        let expected = Mesh::sphere("sphere", 3.0, 4, 0);
+        let mut mesh = without_normals(expected.clone());
+        fill_missing(&mut mesh);
+        assert_eq!(mesh.positions.len(), expected.positions.len());
+        for (got, expected) in mesh.normals.iter().zip(&expected.normals) {
+            assert!(got.dot(*expected) > 0.9999);
+        }
+    }
+
+    #[test]
+    fn creases_split_shared_vertices() {
+        let mut mesh = Mesh {
+            name: "roof".into(),
+            positions: vec![
+                Vec3::ZERO,
+                Vec3::Z,
+                Vec3::new(1.0, -1.0, 0.0),
+                Vec3::new(-1.0, -1.0, 0.0),
+            ],
+            normals: vec![Vec3::ZERO; 4],
+            uvs: vec![glam::Vec2::ZERO; 4],
+            triangles: vec![[0, 1, 2], [1, 0, 3]],
+            triangle_materials: vec![0, 0],
+        };
+        fill_missing(&mut mesh);
+        assert_eq!(mesh.positions.len(), 6);
+        for (i, triangle) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.triangle_positions(i as u32);
+            let flat = (b - a).cross(c - a).normalize();
+            assert!(
+                triangle
+                    .iter()
+                    .all(|&v| mesh.normals[v as usize].distance(flat) < 1e-6)
+            );
+        }
+    }
+}

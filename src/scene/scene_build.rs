@@ -1,0 +1,339 @@
+//! From a parsed scene file to a [`Scene`]: resolves names and files and checks that values make sense.
+//!
+//! In: a [`SceneFile`] with its text (for line numbers) and the assets folder. Out: a scene, or an error
+//! with file, line and key.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+
+use super::error::SceneError;
+use super::scene_file::{
+    AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
+};
+use super::{
+    Animation, Camera, Instance, Keyframe, Rotation, Scene, bare_obj, obj, scene_lights,
+    scene_models,
+};
+
+/// Builds the scene of `file`, whose content was `text`.
+pub(super) fn build(
+    path: &Path,
+    text: &str,
+    file: SceneFile,
+    assets: Option<&Path>,
+) -> Result<Scene, SceneError> {
+    let mut builder = Builder {
+        path,
+        text,
+        assets,
+        scene: Scene::new(&file.name.clone().unwrap_or_else(|| obj::stem(path))),
+        models: HashMap::new(),
+        instances: HashMap::new(),
+    };
+    builder.build(&file)?;
+    Ok(builder.scene)
+}
+
+/// A scene under construction.
+pub(super) struct Builder<'a> {
+    pub path: &'a Path,
+    text: &'a str,
+    pub assets: Option<&'a Path>,
+    pub scene: Scene,
+    /// Mesh of each model; none for a model of which nothing is left.
+    pub models: HashMap<String, usize>,
+    /// Index of each named instance.
+    pub instances: HashMap<String, usize>,
+}
+
+/// A table of the file, for error messages.
+#[derive(Clone, Debug)]
+pub(super) struct Entry<'a> {
+    path: &'a Path,
+    line: usize,
+    /// What it is, such as `light "sun"`.
+    what: String,
+}
+
+impl Entry<'_> {
+    /// An error about this table.
+    pub fn error(&self, problem: impl AsRef<str>) -> SceneError {
+        SceneError::invalid(
+            self.path,
+            Some(self.line),
+            format!("{}: {}", self.what, problem.as_ref()),
+        )
+    }
+
+    /// A vector all of whose components are finite.
+    pub fn vector(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
+        let vector = Vec3::from_array(value);
+        if vector.is_finite() {
+            Ok(vector)
+        } else {
+            Err(self.error(format!("{key} must be finite, is {vector}")))
+        }
+    }
+
+    /// A finite number.
+    pub fn number(&self, key: &str, value: f32) -> Result<f32, SceneError> {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(self.error(format!("{key} must be finite, is {value}")))
+        }
+    }
+
+    /// A finite colour without negative channels.
+    pub fn power(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
+        let colour = self.vector(key, value)?;
+        if colour.min_element() < 0.0 {
+            return Err(self.error(format!("{key} must not be negative, is {colour}")));
+        }
+        Ok(colour)
+    }
+
+    /// A unit vector along a finite vector that is not zero.
+    pub fn direction(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
+        let vector = self.vector(key, value)?.as_dvec3();
+        let unit = vector.try_normalize();
+        unit.map(|unit| unit.as_vec3())
+            .ok_or_else(|| self.error(format!("{key} must not be zero")))
+    }
+
+    /// The value of a key that this table must have.
+    pub fn required<T>(&self, key: &str, value: Option<T>) -> Result<T, SceneError> {
+        value.ok_or_else(|| self.error(format!("needs the key {key}")))
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// Names the table at `span` for error messages.
+    pub fn entry(&self, span: &Range<usize>, what: impl Into<String>) -> Entry<'a> {
+        Entry {
+            path: self.path,
+            line: line_of(self.text, span),
+            what: what.into(),
+        }
+    }
+
+    fn build(&mut self, file: &SceneFile) -> Result<(), SceneError> {
+        let top = self.entry(&(0..0), "scene");
+        if let Some(background) = file.background {
+            self.scene.background = top.power("background", background)?;
+        }
+        for model in &file.models {
+            scene_models::add_model(self, model)?;
+        }
+        for instance in &file.instances {
+            let name = instance
+                .as_ref()
+                .name
+                .as_ref()
+                .unwrap_or(&instance.as_ref().model);
+            let entry = self.entry(&instance.span(), format!("instance \"{name}\""));
+            self.add_instance(&entry, instance.as_ref())?;
+        }
+        for light in &file.lights {
+            scene_lights::add_light(self, light)?;
+        }
+        scene_lights::add_emissive_instances(&mut self.scene);
+        match &file.camera {
+            Some(camera) => {
+                let entry = self.entry(&camera.span(), "camera");
+                self.set_camera(&entry, camera.as_ref())?;
+            }
+            None => bare_obj::frame(&mut self.scene),
+        }
+        self.warn_of_darkness();
+        self.scene.settings = self.settings(file)?;
+        Ok(())
+    }
+
+    /// The `[settings]` as written; keys and types have been checked by the parse.
+    fn settings(&self, file: &SceneFile) -> Result<toml::Table, SceneError> {
+        if file._settings.is_none() {
+            return Ok(toml::Table::new());
+        }
+        let mut table: toml::Table = toml::from_str(self.text)
+            .map_err(|error| SceneError::invalid(self.path, None, error.message()))?;
+        match table.remove("settings") {
+            Some(toml::Value::Table(settings)) => Ok(settings),
+            _ => Ok(toml::Table::new()),
+        }
+    }
+
+    fn warn_of_darkness(&mut self) {
+        if self.scene.lights.is_empty() {
+            let warning = format!(
+                "{}: the scene has no light (no [[lights]], no emissive material), so it renders black but for the background",
+                self.path.display()
+            );
+            self.scene.warnings.push(warning);
+        }
+    }
+
+    fn add_instance(&mut self, entry: &Entry, instance: &InstanceEntry) -> Result<(), SceneError> {
+        let Some(&mesh) = self.models.get(&instance.model) else {
+            let mut known: Vec<&str> = self.models.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            return Err(entry.error(format!(
+                "no model is called \"{}\" (there are: {known})",
+                instance.model
+            )));
+        };
+        let name = instance
+            .name
+            .clone()
+            .unwrap_or_else(|| instance.model.clone());
+        let animation = animation_of(self, entry, instance.animation.as_ref())?;
+        let index = self.scene.instances.len();
+        if instance.name.is_some() && self.instances.contains_key(&name) {
+            return Err(entry.error("there is another instance of this name"));
+        }
+        self.instances.insert(name.clone(), index);
+        self.scene.instances.push(Instance {
+            transform: transform_of(entry, instance)?,
+            dynamic: instance.dynamic.unwrap_or(animation.is_some()) || animation.is_some(),
+            animation,
+            visible: instance.visible.unwrap_or(true),
+            ..Instance::fixed(&name, mesh, Affine3A::IDENTITY)
+        });
+        Ok(())
+    }
+
+    fn set_camera(&mut self, entry: &Entry, camera: &CameraEntry) -> Result<(), SceneError> {
+        let eye = entry.vector("eye", camera.eye)?;
+        let target = entry.vector("target", camera.target)?;
+        if eye == target {
+            return Err(entry.error("eye and target must differ"));
+        }
+        let up = entry.direction("up", camera.up.unwrap_or([0.0, 1.0, 0.0]))?;
+        let forward = entry.direction("target - eye", (target - eye).to_array())?;
+        if forward.cross(up).length() < 1e-4 {
+            return Err(entry.error("up must not be parallel to the view direction"));
+        }
+        let vfov = entry.number("vfov_deg", camera.vfov_deg.unwrap_or(45.0))?;
+        if !(0.01..=170.0).contains(&vfov) {
+            return Err(entry.error(format!("vfov_deg must be from 0.01 to 170, is {vfov}")));
+        }
+        self.scene.camera_animation = animation_of(self, entry, camera.animation.as_ref())?;
+        let mut fitted = Camera {
+            up,
+            vertical_fov: vfov.to_radians(),
+            ..Camera::looking(eye, target)
+        };
+        let bounds = self.scene.bounding_sphere(&self.scene.pose(0.0));
+        let reach = self
+            .scene
+            .camera_animation
+            .as_ref()
+            .map_or(0.0, |animation| animation.reach(eye));
+        bare_obj::fit_depths(&mut fitted, &bounds, reach);
+        let far = entry.number("far", camera.far.unwrap_or(fitted.far))?;
+        // A far plane that was given may lie nearer than the near plane that was fitted.
+        let near = camera.near.unwrap_or(fitted.near.min(1e-3 * far));
+        let near = entry.number("near", near)?;
+        if near <= 0.0 || near >= far {
+            return Err(entry.error(format!(
+                "near must be above 0 and below far (near {near}, far {far})"
+            )));
+        }
+        self.scene.camera = Camera {
+            near,
+            far,
+            ..fitted
+        };
+        Ok(())
+    }
+}
+
+fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
+    let translation = entry.vector("translation", instance.translation.unwrap_or_default())?;
+    let rotation = rotation_of(entry, instance.rotation)?;
+    let scale = match instance.scale {
+        None => Vec3::ONE,
+        Some(ScaleEntry::Uniform(factor)) => Vec3::splat(entry.number("scale", factor)?),
+        Some(ScaleEntry::PerAxis(factors)) => entry.vector("scale", factors)?,
+    };
+    let transform = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
+    if scale.abs().min_element() < 1e-9 || !transform.inverse().is_finite() {
+        return Err(entry.error(format!("scale must not be zero in any axis, is {scale}")));
+    }
+    Ok(transform)
+}
+
+fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, SceneError> {
+    match rotation {
+        None => Ok(Quat::IDENTITY),
+        Some(RotationEntry::Euler(degrees)) => {
+            let [x, y, z] = entry
+                .vector("rotation", degrees)?
+                .to_array()
+                .map(f32::to_radians);
+            Ok(Quat::from_euler(EulerRot::XYZEx, x, y, z))
+        }
+        Some(RotationEntry::AxisAngle(turn)) => {
+            let axis = entry.direction("rotation.axis", turn.axis)?;
+            let degrees = entry.number("rotation.degrees", turn.degrees)?;
+            Ok(Quat::from_axis_angle(axis, degrees.to_radians()))
+        }
+    }
+}
+
+/// The animation of a table, if it has one; keyframe times must rise.
+pub(super) fn animation_of(
+    builder: &Builder,
+    owner: &Entry,
+    animation: Option<&toml::Spanned<AnimationEntry>>,
+) -> Result<Option<Animation>, SceneError> {
+    let Some(spanned) = animation else {
+        return Ok(None);
+    };
+    let entry = builder.entry(&spanned.span(), format!("{}: animation", owner.what));
+    let animation = spanned.as_ref();
+    let mut keyframes: Vec<Keyframe> = Vec::with_capacity(animation.keyframes.len());
+    for key in &animation.keyframes {
+        let finite = key.time.is_finite();
+        if !finite || keyframes.last().is_some_and(|last| last.time >= key.time) {
+            return Err(entry.error(format!(
+                "keyframe times must be finite and rise (time {})",
+                key.time
+            )));
+        }
+        keyframes.push(Keyframe {
+            time: key.time,
+            translation: entry
+                .vector("keyframes.translation", key.translation.unwrap_or_default())?,
+            rotation: rotation_of(&entry, key.rotation)?,
+        });
+    }
+    let rotation = match &animation.rotation {
+        None => None,
+        Some(spin) => Some(Rotation {
+            axis: entry.direction("rotation.axis", spin.axis)?,
+            speed: entry
+                .number("rotation.degrees_per_second", spin.degrees_per_second)?
+                .to_radians(),
+            pivot: spin
+                .pivot
+                .map(|pivot| entry.vector("rotation.pivot", pivot))
+                .transpose()?,
+        }),
+    };
+    if keyframes.is_empty() && rotation.is_none() {
+        return Err(entry.error("needs keyframes or a rotation"));
+    }
+    Ok(Some(Animation {
+        keyframes,
+        rotation,
+    }))
+}

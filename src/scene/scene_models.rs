@@ -1,0 +1,224 @@
+//! The `[[models]]` of a scene file.
+//!
+//! In: one entry. Out: a mesh with its materials in the scene under construction.
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use toml::Spanned;
+
+use super::error::SceneError;
+use super::material::Material;
+use super::mesh::Mesh;
+use super::scene_build::{Builder, Entry};
+use super::scene_file::{MaterialEntry, ModelEntry, Primitive};
+use super::{Scene, builtin, obj};
+
+/// Where to get an asset whose scene file does not say it.
+const DOWNLOAD: &str = "see the credits in the scene file";
+
+/// Adds the mesh of a model.
+pub(super) fn add_model(
+    builder: &mut Builder,
+    model: &Spanned<ModelEntry>,
+) -> Result<(), SceneError> {
+    let entry = builder.entry(&model.span(), format!("model \"{}\"", model.as_ref().name));
+    let model = model.as_ref();
+    if builder.models.contains_key(&model.name) {
+        return Err(entry.error("there is another model of this name"));
+    }
+    check_keys(&entry, model)?;
+    let mesh = if let Some(path) = &model.path {
+        let folder = builder.path.parent().unwrap_or(Path::new(""));
+        let file = folder.join(path);
+        if !file.is_file() {
+            return Err(entry.error(format!(
+                "path {} is not a file; it is relative to the scene file",
+                file.display()
+            )));
+        }
+        obj::add_obj(&file, &mut builder.scene)?
+    } else if let Some(asset) = &model.asset {
+        let file = find_asset(builder, model, asset)?;
+        obj::add_obj(&file, &mut builder.scene)?
+    } else if let Some(name) = &model.builtin {
+        if name != "cornell-box" {
+            return Err(entry.error(format!(
+                "no built-in model is called \"{name}\" (there is: cornell-box)"
+            )));
+        }
+        let (mesh, materials) = builtin::cornell_model(builder.scene.materials.len() as u32);
+        builder.scene.materials.extend(materials);
+        push(&mut builder.scene, mesh)
+    } else {
+        let primitive = entry.required("path, asset, builtin or primitive", model.primitive)?;
+        let mesh = primitive_mesh(&entry, builder, model, primitive)?;
+        push(&mut builder.scene, mesh)
+    };
+    leave_out(&entry, model, &mut builder.scene, mesh)?;
+    builder.scene.meshes[mesh].name.clone_from(&model.name);
+    builder.models.insert(model.name.clone(), mesh);
+    Ok(())
+}
+
+fn push(scene: &mut Scene, mesh: Mesh) -> usize {
+    scene.meshes.push(mesh);
+    scene.meshes.len() - 1
+}
+
+fn check_keys(entry: &Entry, model: &ModelEntry) -> Result<(), SceneError> {
+    let sources = [
+        model.path.is_some(),
+        model.asset.is_some(),
+        model.builtin.is_some(),
+        model.primitive.is_some(),
+    ];
+    if sources.iter().filter(|given| **given).count() != 1 {
+        return Err(entry.error("needs exactly one of the keys path, asset, builtin and primitive"));
+    }
+    let primitive = model.primitive.is_some();
+    for (key, given, fits) in [
+        ("size", model.size.is_some(), primitive),
+        (
+            "subdivisions",
+            model.subdivisions.is_some(),
+            model.primitive == Some(Primitive::Sphere),
+        ),
+        ("material", model.material.is_some(), primitive),
+        ("download", model.download.is_some(), model.asset.is_some()),
+        (
+            "without_materials",
+            !model.without_materials.is_empty(),
+            !primitive,
+        ),
+    ] {
+        if given && !fits {
+            return Err(entry.error(format!(
+                "the key {key} does not belong to this kind of model"
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn find_asset(builder: &Builder, model: &ModelEntry, asset: &Path) -> Result<PathBuf, SceneError> {
+    let found = match builder.assets {
+        Some(folder) => {
+            let file = folder.join(asset);
+            if file.is_file() {
+                return Ok(file);
+            }
+            format!("is not in {}", folder.display())
+        }
+        None => "is not shipped".to_owned(),
+    };
+    Err(SceneError::MissingModel {
+        scene: builder.scene.name.clone(),
+        model: asset.to_owned(),
+        found,
+        source_url: model.download.clone().unwrap_or_else(|| DOWNLOAD.into()),
+    })
+}
+
+fn primitive_mesh(
+    entry: &Entry,
+    builder: &mut Builder,
+    model: &ModelEntry,
+    primitive: Primitive,
+) -> Result<Mesh, SceneError> {
+    let size = entry.vector("size", model.size.unwrap_or([1.0; 3]))?;
+    if size.min_element() <= 0.0 {
+        return Err(entry.error(format!("size must be above 0, is {size}")));
+    }
+    let subdivisions = model.subdivisions.unwrap_or(4);
+    if subdivisions > 8 {
+        return Err(entry.error(format!(
+            "subdivisions must be from 0 to 8, is {subdivisions}"
+        )));
+    }
+    let material = builder.scene.materials.len() as u32;
+    builder
+        .scene
+        .materials
+        .push(material_of(entry, &model.name, model.material.as_ref())?);
+    Ok(match primitive {
+        Primitive::Quad => {
+            let half = 0.5 * size;
+            let corner = |x: f32, z: f32| Vec3::new(x * half.x, 0.0, z * half.z);
+            let corners = [
+                corner(-1.0, 1.0),
+                corner(1.0, 1.0),
+                corner(1.0, -1.0),
+                corner(-1.0, -1.0),
+            ];
+            Mesh::polygon(&model.name, &corners, material)
+        }
+        Primitive::Box => Mesh::cuboid(&model.name, size, material),
+        Primitive::Sphere => Mesh::sphere(&model.name, size.x, subdivisions, material),
+    })
+}
+
+fn material_of(
+    entry: &Entry,
+    name: &str,
+    material: Option<&MaterialEntry>,
+) -> Result<Material, SceneError> {
+    let grey = Material::grey(name);
+    let Some(material) = material else {
+        return Ok(grey);
+    };
+    let share = |key: &str, value: Option<[f32; 3]>, default: Vec3| match value {
+        None => Ok(default),
+        Some(value) => {
+            let colour = entry.power(key, value)?;
+            let fits = colour.max_element() <= 1.0;
+            if fits {
+                Ok(colour)
+            } else {
+                Err(entry.error(format!("{key} must not be above 1, is {colour}")))
+            }
+        }
+    };
+    let emission = entry.power("material.emission", material.emission.unwrap_or_default())?;
+    let shininess = entry.number("material.shininess", material.shininess.unwrap_or(1.0))?;
+    if shininess < 0.0 {
+        return Err(entry.error(format!(
+            "material.shininess must not be negative, is {shininess}"
+        )));
+    }
+    Ok(Material {
+        albedo: share("material.albedo", material.albedo, grey.albedo)?,
+        specular: share("material.specular", material.specular, Vec3::ZERO)?,
+        shininess,
+        emission,
+        ..grey
+    })
+}
+
+/// Drops the triangles of the materials that the model is to go without.
+fn leave_out(
+    entry: &Entry,
+    model: &ModelEntry,
+    scene: &mut Scene,
+    mesh: usize,
+) -> Result<(), SceneError> {
+    let mesh = &mut scene.meshes[mesh];
+    for name in &model.without_materials {
+        let named = |material: &u32| scene.materials[*material as usize].name == *name;
+        if !mesh.triangle_materials.iter().any(named) {
+            return Err(entry.error(format!(
+                "without_materials: it has no triangles of material \"{name}\""
+            )));
+        }
+        let kept: Vec<usize> = (0..mesh.triangles.len())
+            .filter(|&i| !named(&mesh.triangle_materials[i]))
+            .collect();
+        mesh.triangles = kept.iter().map(|&i| mesh.triangles[i]).collect();
+        mesh.triangle_materials = kept.iter().map(|&i| mesh.triangle_materials[i]).collect();
+    }
+    if mesh.triangles.is_empty() {
+        return Err(entry.error("without_materials leaves no triangle"));
+    }
+    mesh.drop_unused_vertices();
+    Ok(())
+}

@@ -1,0 +1,326 @@
+//! Images: decoding, the sRGB transfer function and mip chains.
+//!
+//! In: image files. Out: [`Texture`]s with every mip level, filtered in linear light, and [`AlphaMask`]s.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3};
+use image::{DynamicImage, RgbaImage};
+
+use super::material::{AlphaMask, Texture};
+
+/// Alpha below this is a hole.
+const ALPHA_THRESHOLD: f32 = 0.5;
+
+/// Widest and highest texture that is accepted, texels.
+const MAX_EXTENT: u32 = 16_384;
+
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let s = i as f32 / 255.0;
+        if s <= 0.04045 {
+            s / 12.92
+        } else {
+            ((s + 0.055) / 1.055).powf(2.4)
+        }
+    })
+});
+
+/// Decodes one 8-bit sRGB channel to linear [0, 1] (IEC 61966-2-1).
+pub fn srgb_to_linear(encoded: u8) -> f32 {
+    SRGB_TO_LINEAR[encoded as usize]
+}
+
+/// Encodes one linear channel, clamped to [0, 1], as 8-bit sRGB (IEC 61966-2-1).
+pub fn linear_to_srgb(linear: f32) -> u8 {
+    let l = linear.clamp(0.0, 1.0);
+    let s = if l <= 0.003_130_8 {
+        l * 12.92
+    } else {
+        1.055 * l.powf(1.0 / 2.4) - 0.055
+    };
+    (s * 255.0 + 0.5) as u8
+}
+
+impl Texture {
+    /// Builds the mip chain of `width` x `height` RGBA8 texels (sRGB colour, linear alpha), rows from the top.
+    ///
+    /// # Panics
+    /// If `texels` is not `4 * width * height` bytes long, or empty.
+    pub fn from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
+        assert!(width > 0 && height > 0 && texels.len() == 4 * width as usize * height as usize);
+        let mut levels = vec![(width, height, texels)];
+        while let Some((w, h, texels)) = levels.last()
+            && (*w > 1 || *h > 1)
+        {
+            let smaller = half(*w, *h, texels);
+            levels.push(smaller);
+        }
+        Self {
+            name: name.to_owned(),
+            levels,
+        }
+    }
+
+    /// The stand-in for an image that could not be read: an 8 x 8 magenta and black checkerboard.
+    pub fn missing(name: &str) -> Self {
+        let texels = (0..64).flat_map(|i| {
+            if (i % 8 + i / 8) % 2 == 0 {
+                [255, 0, 255, 255]
+            } else {
+                [0, 0, 0, 255]
+            }
+        });
+        Self::from_rgba8(name, 8, 8, texels.collect())
+    }
+
+    /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
+    pub fn sample(&self, uv: Vec2) -> Vec3 {
+        let (width, height, texels) = &self.levels[0];
+        let size = Vec2::new(*width as f32, *height as f32);
+        let wrapped = uv - uv.floor();
+        let at = if wrapped.is_finite() {
+            wrapped * size - 0.5
+        } else {
+            Vec2::ZERO
+        };
+        let (base, frac) = (at.floor(), at - at.floor());
+        let texel = |dx: i64, dy: i64| {
+            let x = (base.x as i64 + dx).rem_euclid(i64::from(*width)) as usize;
+            let y = (base.y as i64 + dy).rem_euclid(i64::from(*height)) as usize;
+            let i = 4 * (y * *width as usize + x);
+            Vec3::new(
+                srgb_to_linear(texels[i]),
+                srgb_to_linear(texels[i + 1]),
+                srgb_to_linear(texels[i + 2]),
+            )
+        };
+        let top = texel(0, 0).lerp(texel(1, 0), frac.x);
+        let bottom = texel(0, 1).lerp(texel(1, 1), frac.x);
+        top.lerp(bottom, frac.y)
+    }
+}
+
+/// Reads and decodes an image; the error is half a sentence for a warning.
+pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
+    let reader =
+        image::ImageReader::open(path).map_err(|error| format!("could not be read ({error})"))?;
+    let reader = reader
+        .with_guessed_format()
+        .map_err(|error| format!("could not be read ({error})"))?;
+    let image = reader
+        .decode()
+        .map_err(|error| format!("could not be decoded ({error})"))?;
+    if image.width() == 0 || image.height() == 0 {
+        return Err("is empty".into());
+    }
+    if image.width() > MAX_EXTENT || image.height() > MAX_EXTENT {
+        return Err(format!("is larger than {MAX_EXTENT} x {MAX_EXTENT} texels"));
+    }
+    Ok(image)
+}
+
+/// RGBA8 with sRGB-encoded colour; floating-point images, which are linear, are encoded.
+pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
+    match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let linear = image.to_rgba32f();
+            RgbaImage::from_fn(linear.width(), linear.height(), |x, y| {
+                let [r, g, b, a] = linear.get_pixel(x, y).0;
+                let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                image::Rgba([
+                    linear_to_srgb(r),
+                    linear_to_srgb(g),
+                    linear_to_srgb(b),
+                    alpha,
+                ])
+            })
+        }
+        _ => image.to_rgba8(),
+    }
+}
+
+/// Opacity of each texel, 0 to 255: the alpha channel where the image has one that is used, else its
+/// luminance when `luminance` says that the image is a mask.
+pub(super) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
+    let (width, height) = (image.width(), image.height());
+    if image.color().has_alpha() {
+        let alpha: Vec<u8> = image.to_rgba8().pixels().map(|texel| texel.0[3]).collect();
+        if !luminance || alpha.iter().any(|&a| a != 255) {
+            return Some((width, height, alpha));
+        }
+    }
+    luminance.then(|| (width, height, image.to_luma8().into_raw()))
+}
+
+impl AlphaMask {
+    /// The mask of `opacity` (0 to 255 for each texel) times `dissolve`; none if nothing is cut away.
+    pub fn from_opacity(width: u32, height: u32, opacity: &[u8], dissolve: f32) -> Option<Self> {
+        let there = |&alpha: &u8| f32::from(alpha) / 255.0 * dissolve >= ALPHA_THRESHOLD;
+        if opacity.iter().all(there) {
+            return None;
+        }
+        let mut bits = vec![0u32; opacity.len().div_ceil(32)];
+        for (i, alpha) in opacity.iter().enumerate() {
+            bits[i / 32] |= u32::from(there(alpha)) << (i % 32);
+        }
+        Some(Self {
+            width,
+            height,
+            bits,
+        })
+    }
+}
+
+/// The texels of one axis that a texel of the next level covers, with their weights.
+fn taps(i: u32, from: u32, to: u32) -> impl Iterator<Item = (u32, f32)> {
+    let scale = from as f32 / to as f32;
+    let (start, end) = (i as f32 * scale, (i + 1) as f32 * scale);
+    (start as u32..from.min(end.ceil() as u32)).map(move |x| {
+        let overlap = end.min((x + 1) as f32) - start.max(x as f32);
+        (x, overlap.max(0.0) / scale)
+    })
+}
+
+/// The next mip level: a box filter in linear light, colour weighted by alpha so that cut-away texels
+/// do not bleed into the rest.
+fn half(width: u32, height: u32, texels: &[u8]) -> (u32, u32, Vec<u8>) {
+    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
+    let mut out = Vec::with_capacity(4 * w as usize * h as usize);
+    for y in 0..h {
+        for x in 0..w {
+            let (mut colour, mut plain, mut alpha) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+            for (sy, wy) in taps(y, height, h) {
+                for (sx, wx) in taps(x, width, w) {
+                    let i = 4 * (sy as usize * width as usize + sx as usize);
+                    let texel =
+                        Vec3::from_array(std::array::from_fn(|c| srgb_to_linear(texels[i + c])));
+                    let a = f32::from(texels[i + 3]) / 255.0;
+                    colour += texel * (a * wx * wy);
+                    plain += texel * (wx * wy);
+                    alpha += a * wx * wy;
+                }
+            }
+            let mean = if alpha > 0.0 { colour / alpha } else { plain };
+            out.extend(mean.to_array().map(linear_to_srgb));
+            out.push((alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+        }
+    }
+    (w, h, out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checkerboard(width: u32, height: u32) -> Texture {
+        let texels = (0..width * height).flat_map(|i| {
+            let v = if (i % width + i / width) % 2 == 0 {
+                255
+            } else {
+                0
+            };
+            [v, v, v, 255]
+        });
+        Texture::from_rgba8("checkerboard", width, height, texels.collect())
+    }
+
+    #[test]
+    fn checkerboard_is_averaged_in_linear_light() {
+        let texture = checkerboard(8, 8);
+        let sizes: Vec<_> = texture
+            .levels
+            .iter()
+            .map(|level| (level.0, level.1))
+            .collect();
+        assert_eq!(sizes, [(8, 8), (4, 4), (2, 2), (1, 1)]);
+        // Half of the light is 188 in sRGB, not 128.
+        for level in &texture.levels[1..] {
+            assert!(
+                level.2.chunks(4).all(|texel| texel == [188, 188, 188, 255]),
+                "{level:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn odd_sizes_keep_the_mean() {
+        for (width, height) in [(5, 3), (7, 1), (1, 9), (6, 5)] {
+            let texels = (0..width * height).flat_map(|i| [(i * 37 % 256) as u8, 0, 255, 255]);
+            let texture = Texture::from_rgba8("odd", width, height, texels.collect());
+            let mean = |level: &(u32, u32, Vec<u8>)| {
+                level
+                    .2
+                    .chunks(4)
+                    .map(|texel| srgb_to_linear(texel[0]))
+                    .sum::<f32>()
+                    / (level.0 * level.1) as f32
+            };
+            let first = mean(&texture.levels[0]);
+            for level in &texture.levels {
+                assert!(
+                    (mean(level) - first).abs() < 0.01,
+                    "{width}x{height}: {} {first}",
+                    mean(level)
+                );
+            }
+            assert_eq!(
+                texture.levels.last().map(|level| (level.0, level.1)),
+                Some((1, 1))
+            );
+        }
+    }
+
+    #[test]
+    fn srgb_round_trips() {
+        for i in 0..=255 {
+            assert_eq!(linear_to_srgb(srgb_to_linear(i)), i);
+        }
+    }
+
+    #[test]
+    fn sampling_is_bilinear_and_repeats() {
+        let texels = vec![0, 0, 0, 255, 255, 255, 255, 255];
+        let texture = Texture::from_rgba8("two", 2, 1, texels);
+        for (u, expected) in [
+            (0.25, 0.0),
+            (0.75, 1.0),
+            (0.5, 0.5),
+            (0.0, 0.5),
+            (1.75, 1.0),
+            (-0.25, 1.0),
+        ] {
+            let got = texture.sample(Vec2::new(u, 3.3)).x;
+            assert!((got - expected).abs() < 1e-5, "{u}: {got}");
+        }
+        assert!(
+            texture
+                .sample(Vec2::new(f32::NAN, f32::INFINITY))
+                .is_finite()
+        );
+    }
+
+    #[test]
+    fn masks_hold_alpha_times_dissolve() {
+        assert_eq!(AlphaMask::from_opacity(2, 1, &[255, 128], 1.0), None);
+        let mask = AlphaMask::from_opacity(2, 1, &[255, 128], 0.9);
+        assert_eq!(
+            mask,
+            Some(AlphaMask {
+                width: 2,
+                height: 1,
+                bits: vec![1]
+            })
+        );
+        let hidden = AlphaMask::from_opacity(1, 1, &[255], 0.4);
+        assert!(hidden.is_some_and(|mask| !mask.opaque_at(Vec2::splat(0.3))));
+    }
+
+    #[test]
+    fn transparent_texels_do_not_bleed() {
+        let texels = vec![255, 0, 0, 255, 0, 255, 0, 0];
+        let texture = Texture::from_rgba8("leaf", 2, 1, texels);
+        assert_eq!(texture.levels[1].2, [255, 0, 0, 128]);
+    }
+}

@@ -1,0 +1,301 @@
+//! The CPU twin of `shaders/include/tracer_software.glsl`: the same steps over the same words.
+
+use bytemuck::cast_slice;
+use glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
+use glowworm::bvh::{Ray, gpu::GpuBvh};
+
+const NONE: u32 = u32::MAX;
+const STACK_SIZE: usize = 40;
+const SLAB_PADDING: f32 = 1.0 / 524288.0;
+const SMALLEST_DIRECTION: f32 = 8.6736174e-19;
+
+/// The shader's `TracerHit`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracerHit {
+    pub t: f32,
+    pub instance: u32,
+    pub triangle: u32,
+    pub material: u32,
+    pub barycentrics: Vec2,
+}
+
+/// The buffers as the shader sees them.
+pub struct Tracer<'a> {
+    nodes: &'a [UVec4],
+    triangles: &'a [UVec4],
+    instances: &'a [UVec4],
+    triangle_uvs: &'a [UVec4],
+    masks: &'a [UVec4],
+    mask_bits: &'a [u32],
+    roots: [u32; 2],
+}
+
+#[derive(Clone, Copy)]
+struct TracerRay {
+    origin: Vec3,
+    inverse: Vec3,
+    octant: u32,
+    main_axis: usize,
+    shear: Vec3,
+}
+
+/// As large as the shader's; overflowing it panics.
+#[derive(Default)]
+struct Stack(Vec<UVec2>);
+
+impl Stack {
+    fn push(&mut self, group: UVec2) {
+        assert!(self.0.len() < STACK_SIZE);
+        self.0.push(group);
+    }
+}
+
+impl<'a> Tracer<'a> {
+    pub fn new(layout: &'a GpuBvh) -> Self {
+        Self {
+            nodes: cast_slice(&layout.nodes),
+            triangles: cast_slice(&layout.triangles),
+            instances: cast_slice(&layout.instances),
+            triangle_uvs: cast_slice(&layout.triangle_uvs),
+            masks: cast_slice(&layout.masks),
+            mask_bits: &layout.mask_bits,
+            roots: [layout.roots.static_root, layout.roots.dynamic_root],
+        }
+    }
+
+    pub fn trace_occluded(&self, ray: &Ray) -> bool {
+        self.traverse(ray, true).instance != NONE
+    }
+
+    pub fn trace_closest(&self, ray: &Ray) -> Option<TracerHit> {
+        let hit = self.traverse(ray, false);
+        (hit.instance != NONE).then_some(hit)
+    }
+
+    fn traverse(&self, world: &Ray, any_hit: bool) -> TracerHit {
+        let mut hit = TracerHit {
+            t: world.t_max,
+            instance: NONE,
+            triangle: NONE,
+            material: 0,
+            barycentrics: Vec2::ZERO,
+        };
+        let mut stack = Stack::default();
+        let mut group = UVec2::ZERO;
+        for root in [self.roots[1], self.roots[0]] {
+            if root != NONE {
+                if group.y != 0 {
+                    stack.push(group);
+                }
+                group = UVec2::new(root, 0x8000_0000);
+            }
+        }
+        let mut ray = prepare(world.origin, world.direction);
+        let mut instance = NONE;
+        let mut instance_height = 0;
+
+        while group.y != 0 {
+            let mut primitives = group;
+            if group.y > 0x00ff_ffff {
+                // Take the nearest child of the group, and leave the rest for later.
+                let first = 31 - group.y.leading_zeros();
+                let slot = (first - 24) ^ (ray.octant & 7);
+                let node = (group.x + (group.y & !(u32::MAX << slot)).count_ones()) as usize * 5;
+                group.y &= !(1 << first);
+                if group.y > 0x00ff_ffff {
+                    stack.push(group);
+                }
+
+                // Intersect its children.
+                let (head, links) = (self.nodes[node], self.nodes[node + 1]);
+                let hits = self.child_hits(node, &ray, world.t_min, hit.t);
+                group = UVec2::new(links.x, hits & 0xff00_0000 | head.w >> 24);
+                primitives = UVec2::new(links.y, hits & 0x00ff_ffff);
+            } else {
+                group.y = 0;
+            }
+
+            if instance == NONE && primitives.y != 0 {
+                // Enter one instance, and leave the others and this level's nodes for later.
+                let first = 31 - primitives.y.leading_zeros();
+                primitives.y &= !(1 << first);
+                if primitives.y != 0 {
+                    stack.push(primitives);
+                }
+                if group.y > 0x00ff_ffff {
+                    stack.push(group);
+                }
+                let root;
+                (ray, root, instance) = self.enter(primitives.x + first, world);
+                instance_height = stack.0.len();
+                group = UVec2::new(root, 0x8000_0000);
+                continue;
+            }
+
+            // Test the triangles.
+            while primitives.y != 0 {
+                let first = 31 - primitives.y.leading_zeros();
+                primitives.y &= !(1 << first);
+                let triangle = primitives.x + first;
+                if self.test_triangle(triangle, instance, &ray, world.t_min, &mut hit) && any_hit {
+                    return hit;
+                }
+            }
+
+            // Go on with what was left for later; back out of the instance when none of that is its own.
+            if group.y <= 0x00ff_ffff {
+                if instance != NONE && stack.0.len() == instance_height {
+                    ray = prepare(world.origin, world.direction);
+                    instance = NONE;
+                }
+                group = stack.0.pop().unwrap_or_default();
+            }
+        }
+        hit
+    }
+
+    fn child_hits(&self, node: usize, ray: &TracerRay, t_min: f32, t_max: f32) -> u32 {
+        let (head, links) = (self.nodes[node], self.nodes[node + 1]);
+        let exponent = |byte: u32| f32::from_bits((head.w >> (8 * byte) & 0xff) << 23);
+        let cell = Vec3::new(exponent(0), exponent(1), exponent(2));
+        let to_node = floats(head).truncate() - ray.origin;
+        let reach = to_node.abs().max_element() + 255.0 * cell.max_element();
+        let padding = (SLAB_PADDING * reach) * ray.inverse.abs();
+        let step = cell * ray.inverse;
+        let start = to_node * ray.inverse;
+        let (near, far) = (start - padding, start + padding);
+        let planes = [0, 1, 2].map(|axis| {
+            let words = self.nodes[node + 2 + axis];
+            if ray.inverse[axis] < 0.0 {
+                UVec4::new(words.z, words.w, words.x, words.y)
+            } else {
+                words
+            }
+        });
+        let mut hits = 0;
+        for part in 0..2 {
+            let plane = |axis: usize, part: usize, start: Vec3| {
+                unpack_bytes(planes[axis][part]) * step[axis] + start[axis]
+            };
+            let enter = plane(0, part, near)
+                .max(plane(1, part, near))
+                .max(plane(2, part, near).max(Vec4::splat(t_min)));
+            let leave = plane(0, part + 2, far)
+                .min(plane(1, part + 2, far))
+                .min(plane(2, part + 2, far).min(Vec4::splat(t_max)));
+            hits |= spread(enter.cmple(leave).bitmask(), links[2 + part], ray.octant);
+        }
+        hits
+    }
+
+    fn enter(&self, placed: u32, world: &Ray) -> (TracerRay, u32, u32) {
+        let words = &self.instances[placed as usize * 4..][..4];
+        let (row_x, row_y, row_z) = (floats(words[0]), floats(words[1]), floats(words[2]));
+        let column = |i: usize| Vec3::new(row_x[i], row_y[i], row_z[i]);
+        let linear = |v: Vec3| column(0) * v.x + column(1) * v.y + column(2) * v.z;
+        let ray = prepare(linear(world.origin) + column(3), linear(world.direction));
+        (ray, words[3].x, words[3].y)
+    }
+
+    fn test_triangle(
+        &self,
+        triangle: u32,
+        instance: u32,
+        ray: &TracerRay,
+        t_min: f32,
+        hit: &mut TracerHit,
+    ) -> bool {
+        let words = &self.triangles[triangle as usize * 3..][..3];
+        let corner = |i: usize| turn(floats(words[i]).truncate() - ray.origin, ray.main_axis);
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let sheared = |v: Vec3| v.truncate() - ray.shear.truncate() * v.z;
+        let (a2, b2, c2) = (sheared(a), sheared(b), sheared(c));
+        let u = c2.x * b2.y - c2.y * b2.x;
+        let v = a2.x * c2.y - a2.y * c2.x;
+        let w = b2.x * a2.y - b2.y * a2.x;
+        let det = u + v + w;
+        let outside = u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0;
+        if outside || det == 0.0 {
+            return false;
+        }
+        let scale = 1.0 / det;
+        let t = (u * a.z + v * b.z + w * c.z) * scale * ray.shear.z;
+        let barycentrics = Vec2::new(v, w) * scale;
+        let id = words[0].w;
+        let lower = hit.instance != NONE && (instance, id) < (hit.instance, hit.triangle);
+        let accepted = t > t_min && (t < hit.t || t == hit.t && lower);
+        if !accepted || (words[1].w != 0 && !self.is_opaque(words[1].w, barycentrics)) {
+            return false;
+        }
+        *hit = TracerHit {
+            t,
+            instance,
+            triangle: id,
+            material: words[2].w,
+            barycentrics,
+        };
+        true
+    }
+
+    fn is_opaque(&self, masked: u32, barycentrics: Vec2) -> bool {
+        let index = (masked as usize - 1) * 2;
+        let (first_two, third) = (self.triangle_uvs[index], self.triangle_uvs[index + 1]);
+        let first = 1.0 - barycentrics.x - barycentrics.y;
+        let (uv01, uv2) = (floats(first_two), floats(third));
+        let uv = Vec2::new(uv01.x, uv01.y) * first
+            + Vec2::new(uv01.z, uv01.w) * barycentrics.x
+            + Vec2::new(uv2.x, uv2.y) * barycentrics.y;
+        let mask = self.masks[third.z as usize];
+        let size = UVec2::new(mask.y, mask.z);
+        let texel = ((uv - uv.floor()) * size.as_vec2())
+            .as_uvec2()
+            .min(size - 1);
+        let bit = texel.y * mask.y + texel.x;
+        self.mask_bits[(mask.x + bit / 32) as usize] >> (bit % 32) & 1 == 1
+    }
+}
+
+fn prepare(origin: Vec3, direction: Vec3) -> TracerRay {
+    let size = direction.abs();
+    let negative = direction.cmplt(Vec3::ZERO);
+    let sign = Vec3::select(negative, Vec3::NEG_ONE, Vec3::ONE);
+    let octants = [0x0404_0404, 0x0202_0202, 0x0101_0101];
+    let main_axis = if size.x > size.y && size.x > size.z {
+        0
+    } else {
+        2 - usize::from(size.y > size.z)
+    };
+    let turned = turn(direction, main_axis);
+    TracerRay {
+        origin,
+        inverse: sign / size.max(Vec3::splat(size.max_element() * SMALLEST_DIRECTION)),
+        octant: (0..3)
+            .filter(|&i| !negative.test(i))
+            .map(|i| octants[i])
+            .sum(),
+        main_axis,
+        shear: turned.truncate().extend(1.0) / turned.z,
+    }
+}
+
+fn turn(v: Vec3, main_axis: usize) -> Vec3 {
+    Vec3::new(v[(main_axis + 1) % 3], v[(main_axis + 2) % 3], v[main_axis])
+}
+
+fn floats(words: UVec4) -> Vec4 {
+    Vec4::from(words.to_array().map(f32::from_bits))
+}
+
+fn unpack_bytes(bytes: u32) -> Vec4 {
+    Vec4::from(bytes.to_le_bytes().map(f32::from))
+}
+
+fn spread(met: u32, meta: u32, octant: u32) -> u32 {
+    let inner = (meta & (meta << 1) & 0x1010_1010) >> 4;
+    let shifts = (meta ^ (octant & (inner * 0xff))) & 0x1f1f_1f1f;
+    let bits = (meta >> 5) & 0x0707_0707;
+    let child = |i: usize| (bits >> (8 * i) & 7) << (shifts >> (8 * i) & 31);
+    (0..4)
+        .filter(|&i| met >> i & 1 == 1)
+        .fold(0, |all, i| all | child(i))
+}
