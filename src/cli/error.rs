@@ -1,6 +1,7 @@
 //! Why a run failed, and with which exit code it ends.
 
 use crate::output::OutputError;
+use crate::renderer::RenderError;
 use crate::scene::SceneError;
 use crate::settings::SettingsError;
 use crate::vulkan::VulkanError;
@@ -28,6 +29,9 @@ pub enum CliError {
     /// Vulkan cannot be loaded, has no fitting device, or failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
     /// The validation layer found fault with the program.
     #[error("--validate: {count} messages of the validation layer, the first: {first}")]
     Validation {
@@ -60,7 +64,11 @@ impl CliError {
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
-            Self::Scene(_) | Self::Vulkan(_) | Self::Validation { .. } | Self::StandardOutput(_) => false,
+            Self::Scene(_)
+            | Self::Vulkan(_)
+            | Self::Render(_)
+            | Self::Validation { .. }
+            | Self::StandardOutput(_) => false,
         };
         if is_usage { 2 } else { 1 }
     }

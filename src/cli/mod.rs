@@ -11,7 +11,6 @@ mod render;
 mod say;
 
 pub use error::CliError;
-pub use render::render_frames;
 pub use say::{install_panic_hook, say_error};
 
 use std::ffi::OsString;
