@@ -7,6 +7,11 @@
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
+//! - [`report`]: what was measured of each frame.
+//! - [`output`]: pictures and reports on disk.
+//! - [`passes`]: the passes of the frame, one file each.
+//! - [`renderer`]: the frame itself.
+//! - [`cli`]: the command line.
 
 pub mod bvh;
 pub mod cli;

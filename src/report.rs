@@ -89,10 +89,7 @@ pub struct Summary {
 impl Summary {
     /// Sums up `frames`; none if there are none.
     pub fn of(frames: &[FrameReport]) -> Option<Self> {
-        Some(Self {
-            median: figures_at(frames, 0.5)?,
-            p95: figures_at(frames, 0.95)?,
-        })
+        Some(Self { median: figures_at(frames, 0.5)?, p95: figures_at(frames, 0.95)? })
     }
 }
 
@@ -115,6 +112,34 @@ pub struct RenderReport {
     pub summary: Option<Summary>,
 }
 
+impl RenderReport {
+    /// The report of `frames`, rendered on a device of this name and driver.
+    pub fn new(
+        scene: &str,
+        device: &str,
+        driver: &str,
+        settings: &Settings,
+        frames: Vec<FrameReport>,
+    ) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            device: device.to_owned(),
+            driver: driver.to_owned(),
+            settings: settings.clone(),
+            commit: COMMIT,
+            summary: Summary::of(&frames),
+            frames,
+        }
+    }
+
+    /// The run in one line.
+    pub fn headline(&self) -> String {
+        let median_ms = self.summary.map_or(0.0, |summary| summary.median.total_ms);
+        let frames = self.frames.len();
+        format!("{frames} frames of {} on {}, {median_ms:.1} ms a frame (median)", self.scene, self.device)
+    }
+}
+
 /// The smallest of `values` that at least the share `quantile` (0 to 1) of them does not exceed
 /// (nearest rank, so it is always one of the values); none if there are none.
 pub fn percentile<Value: Copy + PartialOrd>(
@@ -128,18 +153,13 @@ pub fn percentile<Value: Copy + PartialOrd>(
 }
 
 fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
-    let figure = |get: fn(&FrameFigures) -> f64| {
-        percentile(frames.iter().map(|frame| get(&frame.figures)), quantile)
-    };
-    let count = |get: fn(&FrameFigures) -> u64| {
-        percentile(frames.iter().map(|frame| get(&frame.figures)), quantile)
-    };
+    let figure =
+        |get: fn(&FrameFigures) -> f64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
+    let count =
+        |get: fn(&FrameFigures) -> u64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
     let mut passes = PassTimes::default();
     for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
-        *milliseconds = percentile(
-            frames.iter().map(|frame| frame.figures.passes.0[pass]),
-            quantile,
-        )?;
+        *milliseconds = percentile(frames.iter().map(|frame| frame.figures.passes.0[pass]), quantile)?;
     }
     Some(FrameFigures {
         total_ms: figure(|frame| frame.total_ms)?,
@@ -182,13 +202,7 @@ mod tests {
             figures: FrameFigures {
                 total_ms: number as f64 + 0.5,
                 passes,
-                vpls: VplCounts {
-                    slots: 512,
-                    valid: 500,
-                    escaped: 12,
-                    invalidated: 0,
-                    shot: number,
-                },
+                vpls: VplCounts { slots: 512, valid: 500, escaped: 12, invalidated: 0, shot: number },
                 shadow_rays: 1000 - number,
             },
         }
@@ -200,10 +214,7 @@ mod tests {
         let summary = Summary::of(&frames).unwrap();
         assert_eq!(summary.median.total_ms, 1.5);
         assert_eq!(summary.median.passes.0[9], 19.0);
-        assert_eq!(
-            (summary.median.shadow_rays, summary.p95.shadow_rays),
-            (999, 1000)
-        );
+        assert_eq!((summary.median.shadow_rays, summary.p95.shadow_rays), (999, 1000));
         assert_eq!((summary.p95.vpls.shot, summary.p95.vpls.slots), (2, 512));
         assert_eq!(Summary::of(&[]), None);
     }
@@ -211,15 +222,9 @@ mod tests {
     #[test]
     fn the_report_has_the_keys_of_the_design() {
         let frames: Vec<_> = (0..2).map(frame).collect();
-        let report = RenderReport {
-            scene: "cornell-box".to_owned(),
-            device: "some device".to_owned(),
-            driver: "some driver".to_owned(),
-            settings: Settings::default(),
-            commit: COMMIT,
-            summary: Summary::of(&frames),
-            frames,
-        };
+        let report =
+            RenderReport::new("cornell-box", "some device", "some driver", &Settings::default(), frames);
+        assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
         let json = serde_json::to_value(&report).unwrap();
         let keys = |value: &serde_json::Value| -> Vec<String> {
             value.as_object().unwrap().keys().cloned().collect()
@@ -228,17 +233,12 @@ mod tests {
             names.sort_unstable();
             names.into_iter().map(str::to_owned).collect::<Vec<_>>()
         };
-        let top = vec![
-            "scene", "device", "driver", "settings", "commit", "frames", "summary",
-        ];
+        let top = vec!["scene", "device", "driver", "settings", "commit", "frames", "summary"];
         assert_eq!(keys(&json), sorted(top));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
         let counts = vec!["slots", "valid", "escaped", "invalidated", "shot"];
         let first = &json["frames"][0];
-        assert_eq!(
-            keys(first),
-            sorted([figures.clone(), vec!["frame"]].concat())
-        );
+        assert_eq!(keys(first), sorted([figures.clone(), vec!["frame"]].concat()));
         for part in [first, &json["summary"]["median"], &json["summary"]["p95"]] {
             assert_eq!(keys(&part["passes"]), sorted(PASS_NAMES.to_vec()));
             assert_eq!(keys(&part["vpls"]), sorted(counts.clone()));

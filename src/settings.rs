@@ -118,7 +118,7 @@ pub enum SettingsError {
     #[error("[settings]: {0}")]
     Table(String),
     /// A setting is out of its range.
-    #[error("{} {value}: must be {allowed}", option_name(setting))]
+    #[error("{}: must be {allowed}", assignment(setting, value, *from_command_line))]
     OutOfRange {
         /// The field's name.
         setting: &'static str,
@@ -131,7 +131,7 @@ pub enum SettingsError {
     },
     /// More temporal sets than VPLs to fill them.
     #[error(
-        "--temporal-sets {temporal_sets}: must be at most --vpls, which is {vpls}; lower one or raise the other"
+        "--temporal-sets is {temporal_sets}, but must be at most --vpls, which is {vpls}; lower the one or raise the other"
     )]
     MoreSetsThanVpls {
         /// The temporal sets.
@@ -148,41 +148,33 @@ impl SettingsError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::Table(_) => false,
-            Self::OutOfRange {
-                from_command_line, ..
+            Self::OutOfRange { from_command_line, .. } | Self::MoreSetsThanVpls { from_command_line, .. } => {
+                *from_command_line
             }
-            | Self::MoreSetsThanVpls {
-                from_command_line, ..
-            } => *from_command_line,
         }
     }
 }
 
-/// `temporal_sets` -> `--temporal-sets`.
-fn option_name(setting: &str) -> String {
-    format!("--{}", setting.replace('_', "-"))
+/// A setting as it was written: `--temporal-sets 600` or `[settings] temporal_sets = 600`.
+fn assignment(setting: &str, value: &str, on_command_line: bool) -> String {
+    if on_command_line {
+        format!("--{} {value}", setting.replace('_', "-"))
+    } else {
+        format!("[settings] {setting} = {value}")
+    }
 }
 
 impl Settings {
     /// The settings to use: the defaults, overridden by a scene file's `[settings]`, overridden by
     /// those fields of `cli` that `given` names. Fails where the scene file has an unknown key or
     /// the result is out of range.
-    pub fn resolve(
-        scene: &toml::Table,
-        cli: &Settings,
-        given: &[&str],
-    ) -> Result<Self, SettingsError> {
-        let table_error =
-            |error: toml::de::Error| SettingsError::Table(one_line(&error.to_string()));
-        scene.clone().try_into::<Settings>().map_err(table_error)?;
-        let options =
-            toml::Table::try_from(cli).map_err(|error| SettingsError::Table(error.to_string()))?;
+    pub fn resolve(scene: &toml::Table, cli: &Settings, given: &[&str]) -> Result<Self, SettingsError> {
+        let table_error = |error: toml::de::Error| SettingsError::Table(one_line(&error.to_string()));
+        // A mistake of the scene file is one even where an option overrides it.
+        scene.clone().try_into::<Settings>().map_err(table_error)?.check_ranges()?;
+        let options = toml::Table::try_from(cli).map_err(|error| SettingsError::Table(error.to_string()))?;
         let mut merged = scene.clone();
-        merged.extend(
-            options
-                .into_iter()
-                .filter(|(key, _)| given.contains(&key.as_str())),
-        );
+        merged.extend(options.into_iter().filter(|(key, _)| given.contains(&key.as_str())));
         let settings = merged.try_into::<Settings>().map_err(table_error)?;
         settings.check().map_err(|error| error.blame(given))?;
         Ok(settings)
@@ -211,36 +203,16 @@ impl Settings {
         let [width, height] = self.size;
         let side = 1..=16_384;
         let in_range = [
-            (
-                "vpls",
-                self.vpls.to_string(),
-                (1..=65_536).contains(&self.vpls),
-                "1 to 65536",
-            ),
-            (
-                "bounces",
-                self.bounces.to_string(),
-                (1..=16).contains(&self.bounces),
-                "1 to 16",
-            ),
-            (
-                "interleave",
-                self.interleave.to_string(),
-                (1..=8).contains(&self.interleave),
-                "1 to 8",
-            ),
+            ("vpls", self.vpls.to_string(), (1..=65_536).contains(&self.vpls), "1 to 65536"),
+            ("bounces", self.bounces.to_string(), (1..=16).contains(&self.bounces), "1 to 16"),
+            ("interleave", self.interleave.to_string(), (1..=8).contains(&self.interleave), "1 to 8"),
             (
                 "temporal_sets",
                 self.temporal_sets.to_string(),
                 (1..=64).contains(&self.temporal_sets),
                 "1 to 64, and at most --vpls",
             ),
-            (
-                "budget",
-                self.budget.to_string(),
-                self.budget >= 1,
-                "at least 1",
-            ),
+            ("budget", self.budget.to_string(), self.budget >= 1, "at least 1"),
             (
                 "clamp",
                 self.clamp.to_string(),
@@ -267,20 +239,16 @@ impl Settings {
             ),
             (
                 "exposure",
-                self.exposure
-                    .map_or_else(|| "auto".to_owned(), |stops| stops.to_string()),
+                self.exposure.map_or_else(|| "auto".to_owned(), |stops| stops.to_string()),
                 self.exposure.is_none_or(|stops| stops.abs() <= 64.0),
                 "auto or -64 to 64",
             ),
         ];
         match in_range.into_iter().find(|(_, _, in_range, _)| !in_range) {
             None => Ok(()),
-            Some((setting, value, _, allowed)) => Err(SettingsError::OutOfRange {
-                setting,
-                value,
-                allowed,
-                from_command_line: false,
-            }),
+            Some((setting, value, _, allowed)) => {
+                Err(SettingsError::OutOfRange { setting, value, allowed, from_command_line: false })
+            }
         }
     }
 }
@@ -290,16 +258,10 @@ impl SettingsError {
     fn blame(mut self, given: &[&str]) -> Self {
         match &mut self {
             Self::Table(_) => {}
-            Self::OutOfRange {
-                setting,
-                from_command_line,
-                ..
-            } => {
+            Self::OutOfRange { setting, from_command_line, .. } => {
                 *from_command_line = given.contains(setting);
             }
-            Self::MoreSetsThanVpls {
-                from_command_line, ..
-            } => {
+            Self::MoreSetsThanVpls { from_command_line, .. } => {
                 *from_command_line = given.contains(&"temporal_sets") || given.contains(&"vpls");
             }
         }
@@ -314,11 +276,7 @@ pub fn given_options(matches: &clap::ArgMatches) -> Vec<&str> {
     matches
         .ids()
         .map(clap::Id::as_str)
-        .filter(|id| {
-            settings
-                .get_arguments()
-                .any(|argument| argument.get_id() == *id)
-        })
+        .filter(|id| settings.get_arguments().any(|argument| argument.get_id() == *id))
         .filter(|id| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine))
         .collect()
 }

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use super::CliError;
 use super::options::RunOptions;
 use super::render::{RenderOptions, render};
-use super::say::say_warning;
+use super::{CliError, say};
 use crate::settings::Settings;
 
 /// Options of `demo`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
 pub(super) struct DemoOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     #[arg(default_value = "cornell-box")]
@@ -25,7 +25,7 @@ pub(super) struct DemoOptions {
 pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError> {
     let name = Path::new(&options.scene).file_stem().unwrap_or_default().to_string_lossy();
     let out = format!("glowworm-{name}.png");
-    say_warning(&format!("there is no window yet; rendering {} to {out} instead", options.scene));
+    say::warning(&format!("there is no window yet; rendering {} to {out} instead", options.scene));
     let DemoOptions { scene, settings, run } = options;
     render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, settings, run }, given)
 }

@@ -1,8 +1,10 @@
 //! Why a run failed, and with which exit code it ends.
 
 use crate::output::OutputError;
+use crate::renderer::RenderError;
 use crate::scene::SceneError;
 use crate::settings::SettingsError;
+use crate::vulkan::VulkanError;
 
 /// A failed run. Its text is one line that names the file or option at fault.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +26,20 @@ pub enum CliError {
     /// A picture or report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// Vulkan cannot be loaded, has no fitting device, or failed.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The validation layer found fault with the program.
+    #[error("--validate: {count} messages of the validation layer, the first: {first}")]
+    Validation {
+        /// How many messages.
+        count: usize,
+        /// The first.
+        first: String,
+    },
     /// Standard output cannot be written to.
     #[error("standard output: {0}")]
     StandardOutput(std::io::Error),
@@ -48,7 +64,11 @@ impl CliError {
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
-            Self::Scene(_) | Self::StandardOutput(_) => false,
+            Self::Scene(_)
+            | Self::Vulkan(_)
+            | Self::Render(_)
+            | Self::Validation { .. }
+            | Self::StandardOutput(_) => false,
         };
         if is_usage { 2 } else { 1 }
     }

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 failed; 2 wrong usage. A failure is one line on standard error.
 
 mod demo;
+mod device;
 mod error;
 mod info;
 mod options;
@@ -10,7 +11,6 @@ mod render;
 mod say;
 
 pub use error::CliError;
-pub use render::render_frames;
 pub use say::{install_panic_hook, say_error};
 
 use std::ffi::OsString;
@@ -107,8 +107,23 @@ mod tests {
     #[test]
     fn subcommands_take_the_shared_options() {
         let Some(Command::Render(render)) = parse(&[
-            "render", "cornell-box", "--frames", "3", "--out", "a.exr", "--layers", "--device", "1",
-            "--validate", "--assets", "models", "--json", "a.json", "-v", "--size", "8x4",
+            "render",
+            "cornell-box",
+            "--frames",
+            "3",
+            "--out",
+            "a.exr",
+            "--layers",
+            "--device",
+            "1",
+            "--validate",
+            "--assets",
+            "models",
+            "--json",
+            "a.json",
+            "-v",
+            "--size",
+            "8x4",
         ])
         .command
         else {

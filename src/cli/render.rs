@@ -2,19 +2,21 @@
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::CliError;
 use super::options::RunOptions;
-use super::say::{print, say_warning};
-use crate::output::{OutputFile, Picture, PictureTarget};
-use crate::report::{COMMIT, FrameReport, RenderReport, Summary};
-use crate::scene::{Scene, load_scene};
+use super::{CliError, device, say};
+use crate::output::{OutputFile, PictureTarget};
+use crate::renderer::Renderer;
+use crate::report::{FrameReport, RenderReport};
+use crate::scene::{Pose, Scene, load_scene};
 use crate::settings::Settings;
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
 pub(super) struct RenderOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     pub scene: String,
@@ -41,17 +43,28 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     options.settings.check_options(given).map_err(settings_error)?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     let json = options.run.json.as_ref().map(OutputFile::new).transpose()?;
-    let scene = load(options)?;
-    let settings =
-        Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    let device = device::open(&options.run.device)?;
+    let scene = Arc::new(load(options)?);
+    let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
     let frames = options.frames.unwrap_or_else(|| frames_to_settle(&settings));
-    todo!()
+    device::note_slow(&device);
+    let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
+    let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
+    let reports = render_frames(&mut renderer, frames, &target, pose_of)?;
+    drop(renderer);
+    device::check_validation(&device.validation_messages())?;
+    let info = device.info();
+    let report = RenderReport::new(&scene.name, &info.name, &info.driver, &settings, reports);
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    say::print(&format!("{}: {}\n", options.out.display(), report.headline()))
 }
 
 /// Loads the scene and says what is odd about it.
 fn load(options: &RenderOptions) -> Result<Scene, CliError> {
     let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say_warning(warning));
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
     Ok(scene)
 }
 
@@ -60,28 +73,24 @@ fn frames_to_settle(settings: &Settings) -> u64 {
     u64::from(settings.vpls.div_ceil(settings.budget)) + u64::from(settings.temporal_sets)
 }
 
-/// Renders `frames` frames with `render_frame`, which takes the frame's number and whether its picture
-/// is wanted, and writes the pictures that `target` wants. Shows progress on a terminal.
-///
-/// # Errors
-/// The first of `render_frame` or of writing a picture.
-pub fn render_frames(
+/// Renders frames 0 to `frames` - 1 and writes the pictures that `target` wants. Shows progress on a
+/// terminal. Gives the report of each frame.
+fn render_frames(
+    renderer: &mut Renderer,
     frames: u64,
     target: &PictureTarget,
-    mut render_frame: impl FnMut(u64, bool) -> Result<(FrameReport, Option<Picture>), CliError>,
+    pose_of: impl Fn(u64) -> Pose,
 ) -> Result<Vec<FrameReport>, CliError> {
     let progress = progress_bar(frames);
-    let mut reports = Vec::new();
     for frame in 0..frames {
-        let (report, picture) = render_frame(frame, target.wants(frame, frames))?;
-        reports.push(report);
-        if let Some(picture) = picture {
-            target.write(&picture, frame)?;
+        renderer.render(&pose_of(frame))?;
+        if target.wants(frame, frames) {
+            target.write(&renderer.read_picture(target.layers())?, frame)?;
         }
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok(reports)
+    Ok(renderer.finish()?)
 }
 
 fn progress_bar(frames: u64) -> ProgressBar {

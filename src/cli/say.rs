@@ -16,8 +16,13 @@ pub fn say_error(error: &CliError) {
 }
 
 /// Says in one line what is odd but could be helped.
-pub(super) fn say_warning(message: &str) {
+pub(super) fn warning(message: &str) {
     say("warning", message);
+}
+
+/// Says in one line what a person should know.
+pub(super) fn note(message: &str) {
+    say("note", message);
 }
 
 fn say(kind: &str, message: &str) {
@@ -53,7 +58,9 @@ pub fn install_panic_hook() {
 
 fn describe(panic: &PanicHookInfo) -> String {
     let place = panic.location().map_or_else(|| "an unknown place".to_owned(), ToString::to_string);
-    let what = panic.payload_as_str().unwrap_or("no message");
+    let payload = panic.payload();
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    let what = text.or(payload.downcast_ref().copied()).unwrap_or("no message");
     format!("internal error at {place}: {what} (a bug in glowworm; please report it)")
 }
 

@@ -8,24 +8,20 @@ use super::Picture;
 
 /// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
 pub(super) fn write(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
-    let colour = ["R", "G", "B"]
-        .into_iter()
-        .enumerate()
-        .map(|(index, name)| {
-            let samples = picture.colour.iter().map(|pixel| pixel[index]).collect();
-            AnyChannel::new(name, FlatSamples::F32(samples))
-        });
+    let colour = ["R", "G", "B"].into_iter().enumerate().map(|(index, name)| {
+        let samples = picture.colour.iter().map(|pixel| pixel[index]).collect();
+        AnyChannel::new(name, FlatSamples::F32(samples))
+    });
     let mut layers = vec![layer(picture, "colour", colour.collect())];
     for part in &picture.layers {
-        let channels = part.channels.iter().map(|(name, samples)| {
-            AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone()))
-        });
+        let channels = part
+            .channels
+            .iter()
+            .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
         layers.push(layer(picture, &part.name, channels.collect()));
     }
     let window = IntegerBounds::from_dimensions((picture.width, picture.height));
-    Image::from_layers(ImageAttributes::new(window), layers)
-        .write()
-        .to_buffered(writer)
+    Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
 }
 
 fn layer(
@@ -58,9 +54,7 @@ mod tests {
             layers: vec![
                 PictureLayer {
                     name: "normal".to_owned(),
-                    channels: ["X", "Y", "Z"]
-                        .map(|name| (name.to_owned(), values.to_vec()))
-                        .into(),
+                    channels: ["X", "Y", "Z"].map(|name| (name.to_owned(), values.to_vec())).into(),
                 },
                 PictureLayer {
                     name: "depth".to_owned(),
@@ -97,12 +91,8 @@ mod tests {
             assert_eq!(channel.sample_data, FlatSamples::F32(expected));
         }
         for (read, expected) in read_layers.by_ref().zip(&picture.layers) {
-            assert_eq!(
-                read.attributes.layer_name,
-                Some(Text::from(expected.name.as_str()))
-            );
-            for (channel, (name, samples)) in read.channel_data.list.iter().zip(&expected.channels)
-            {
+            assert_eq!(read.attributes.layer_name, Some(Text::from(expected.name.as_str())));
+            for (channel, (name, samples)) in read.channel_data.list.iter().zip(&expected.channels) {
                 assert_eq!(channel.name, Text::from(name.as_str()));
                 assert_eq!(channel.sample_data, FlatSamples::F32(samples.clone()));
             }
@@ -113,9 +103,7 @@ mod tests {
     #[test]
     fn other_programs_see_the_colour_first() {
         let picture = picture();
-        let decoded = image::load_from_memory(&encode(&picture))
-            .unwrap()
-            .into_rgb32f();
+        let decoded = image::load_from_memory(&encode(&picture)).unwrap().into_rgb32f();
         let pixels: Vec<_> = decoded.pixels().map(|pixel| pixel.0).collect();
         assert_eq!(pixels, picture.colour);
     }
@@ -124,12 +112,7 @@ mod tests {
     fn the_same_picture_gives_the_same_bytes() {
         let side = 256;
         let colour = (0..side * side).map(|i| [i as f32, (i * i) as f32, 1.0 / (i + 1) as f32]);
-        let picture = Picture {
-            width: side,
-            height: side,
-            colour: colour.collect(),
-            ..Picture::default()
-        };
+        let picture = Picture { width: side, height: side, colour: colour.collect(), ..Picture::default() };
         assert_eq!(encode(&picture), encode(&picture));
     }
 }

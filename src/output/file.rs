@@ -21,10 +21,7 @@ impl OutputFile {
         let file = Self { path: path.into() };
         let folder = file.folder();
         if !folder.is_dir() {
-            return Err(OutputError::NoFolder {
-                folder,
-                file: file.path,
-            });
+            return Err(OutputError::NoFolder { folder, file: file.path });
         }
         if file.path.file_name().is_none() || (file.path.exists() && !file.path.is_file()) {
             return Err(OutputError::NotAFile(file.path));
@@ -49,13 +46,8 @@ impl OutputFile {
         writer.flush().map_err(|source| self.error(source))?;
         drop(writer);
         // Some file systems report a full disk only when told to put everything on it.
-        temporary
-            .as_file()
-            .sync_all()
-            .map_err(|source| self.error(source))?;
-        temporary
-            .persist(self.final_path())
-            .map_err(|error| self.error(error.error))?;
+        temporary.as_file().sync_all().map_err(|source| self.error(source))?;
+        temporary.persist(self.final_path()).map_err(|error| self.error(error.error))?;
         Ok(())
     }
 
@@ -70,10 +62,7 @@ impl OutputFile {
     }
 
     pub(super) fn error(&self, source: io::Error) -> OutputError {
-        OutputError::Write {
-            path: self.path.clone(),
-            source,
-        }
+        OutputError::Write { path: self.path.clone(), source }
     }
 
     fn temporary(&self) -> Result<NamedTempFile, OutputError> {
@@ -87,9 +76,7 @@ impl OutputFile {
         let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
         #[cfg(unix)]
         builder.permissions(permissions);
-        builder
-            .tempfile_in(folder_of(&target))
-            .map_err(|source| self.error(source))
+        builder.tempfile_in(folder_of(&target)).map_err(|source| self.error(source))
     }
 
     fn folder(&self) -> PathBuf {
@@ -129,16 +116,11 @@ mod tests {
         fs::write(&path, "old").unwrap();
         let file = OutputFile::new(&path).unwrap();
         let result = file.save(|writer| {
-            writer
-                .write_all(&[0; 100_000])
-                .map_err(|source| file.error(source))?;
+            writer.write_all(&[0; 100_000]).map_err(|source| file.error(source))?;
             Err(file.error(io::Error::from_raw_os_error(28)))
         });
         let message = result.unwrap_err().to_string();
-        assert!(
-            message.contains("a.png") && message.contains("No space left"),
-            "{message}"
-        );
+        assert!(message.contains("a.png") && message.contains("No space left"), "{message}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.png"]);
     }
@@ -149,10 +131,7 @@ mod tests {
         let path = folder.path().join("a.json");
         fs::write(&path, "old").unwrap();
         OutputFile::new(&path).unwrap().save_json(&[1, 2]).unwrap();
-        assert_eq!(
-            serde_json::from_slice::<Vec<i32>>(&fs::read(&path).unwrap()).unwrap(),
-            [1, 2]
-        );
+        assert_eq!(serde_json::from_slice::<Vec<i32>>(&fs::read(&path).unwrap()).unwrap(), [1, 2]);
         assert_eq!(names(folder.path()), ["a.json"]);
     }
 
@@ -161,10 +140,7 @@ mod tests {
     fn links_and_permissions_are_as_for_any_other_file() {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let folder = tempfile::tempdir().unwrap();
-        let (real, link) = (
-            folder.path().join("real.json"),
-            folder.path().join("link.json"),
-        );
+        let (real, link) = (folder.path().join("real.json"), folder.path().join("link.json"));
         let plain = folder.path().join("plain");
         File::create(&real).unwrap();
         File::create(&plain).unwrap();
@@ -190,10 +166,7 @@ mod tests {
             PathBuf::new(),
         ] {
             let error = OutputFile::new(&path).unwrap_err().to_string();
-            assert!(
-                !error.contains('\n') && error.starts_with(path.to_str().unwrap()),
-                "{error}"
-            );
+            assert!(!error.contains('\n') && error.starts_with(path.to_str().unwrap()), "{error}");
         }
         assert_eq!(names(folder.path()), ["file"]);
     }

@@ -80,9 +80,5 @@ fn plain(error: &io::Error) -> String {
 }
 
 fn source_code(error: &io::Error) -> Option<i32> {
-    error
-        .get_ref()?
-        .source()?
-        .downcast_ref::<io::Error>()?
-        .raw_os_error()
+    error.get_ref()?.source()?.downcast_ref::<io::Error>()?.raw_os_error()
 }

@@ -40,12 +40,7 @@ impl PictureTarget {
             return Err(OutputError::LayersInPng(path.to_path_buf()));
         }
         let sequence = frame_place(path)?;
-        let target = Self {
-            path: path.to_path_buf(),
-            format,
-            layers,
-            sequence,
-        };
+        let target = Self { path: path.to_path_buf(), format, layers, sequence };
         OutputFile::new(target.path_of(0))?;
         Ok(target)
     }
@@ -63,10 +58,7 @@ impl PictureTarget {
     /// Writes frame `frame` and says where to.
     pub fn write(&self, picture: &Picture, frame: u64) -> Result<PathBuf, OutputError> {
         let path = self.path_of(frame);
-        let encode_error = |reason: String| OutputError::Encode {
-            path: path.clone(),
-            reason,
-        };
+        let encode_error = |reason: String| OutputError::Encode { path: path.clone(), reason };
         let file = OutputFile::new(&path)?;
         file.save(|writer| match self.format {
             Format::Png => png::write(picture, writer).map_err(|error| match error {
@@ -84,13 +76,9 @@ impl PictureTarget {
     fn path_of(&self, frame: u64) -> PathBuf {
         match &self.sequence {
             None => self.path.clone(),
-            Some(FramePlace {
-                before,
-                after,
-                digits,
-            }) => self
-                .path
-                .with_file_name(format!("{before}{frame:0digits$}{after}")),
+            Some(FramePlace { before, after, digits }) => {
+                self.path.with_file_name(format!("{before}{frame:0digits$}{after}"))
+            }
         }
     }
 }
@@ -102,10 +90,7 @@ fn frame_place(path: &Path) -> Result<Option<FramePlace>, OutputError> {
         path: path.to_path_buf(),
         placeholder: placeholder.to_owned(),
     };
-    if path
-        .parent()
-        .is_some_and(|folder| folder.to_string_lossy().contains(OPENING))
-    {
+    if path.parent().is_some_and(|folder| folder.to_string_lossy().contains(OPENING)) {
         return Err(error("a {frame} in the folder's name"));
     }
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
@@ -120,20 +105,13 @@ fn frame_place(path: &Path) -> Result<Option<FramePlace>, OutputError> {
     let digits = match inside.strip_prefix(":0") {
         None if inside.is_empty() => Some(1),
         None => None,
-        Some(digits) => digits
-            .parse()
-            .ok()
-            .filter(|digits| (1..=9).contains(digits)),
+        Some(digits) => digits.parse().ok().filter(|digits| (1..=9).contains(digits)),
     };
     let digits = digits.ok_or_else(|| error(&format!("{OPENING}{inside}}}")))?;
     if after.contains(OPENING) {
         return Err(error("a second {frame}"));
     }
-    Ok(Some(FramePlace {
-        before: before.to_owned(),
-        after: after.to_owned(),
-        digits,
-    }))
+    Ok(Some(FramePlace { before: before.to_owned(), after: after.to_owned(), digits }))
 }
 
 #[cfg(test)]
@@ -156,13 +134,7 @@ mod tests {
         let names = |name, frame| {
             let target = target(name, true).unwrap();
             assert!(target.wants(0, 3) && target.wants(2, 3));
-            target
-                .path_of(frame)
-                .file_name()
-                .unwrap()
-                .to_str()
-                .unwrap()
-                .to_owned()
+            target.path_of(frame).file_name().unwrap().to_str().unwrap().to_owned()
         };
         assert_eq!(names("{frame}.exr", 12), "12.exr");
         assert_eq!(names("a-{frame:04}-b.exr", 12), "a-0012-b.exr");
@@ -199,10 +171,7 @@ mod tests {
         };
         for extension in ["png", "exr"] {
             let name = folder.path().join(format!("{{frame:03}}.{extension}"));
-            let written = PictureTarget::new(&name, false)
-                .unwrap()
-                .write(&picture, 7)
-                .unwrap();
+            let written = PictureTarget::new(&name, false).unwrap().write(&picture, 7).unwrap();
             assert_eq!(written, folder.path().join(format!("007.{extension}")));
             assert_eq!(image::image_dimensions(&written).unwrap(), (2, 1));
         }

@@ -4,14 +4,12 @@ use serde::Deserialize;
 
 /// A whole number that fits a setting.
 pub(super) fn parse_whole(text: &str) -> Result<u32, String> {
-    text.parse()
-        .map_err(|_| format!("must be a whole number from 0 to {}", u32::MAX))
+    text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u32::MAX))
 }
 
 /// A number; whether it is in range, [`super::Settings::check`] says.
 pub(super) fn parse_number(text: &str) -> Result<f32, String> {
-    text.parse()
-        .map_err(|_| "must be a number such as 0.5".to_owned())
+    text.parse().map_err(|_| "must be a number such as 0.5".to_owned())
 }
 
 /// `1280x720` -> width and height.
@@ -37,10 +35,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
 pub(super) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
     match text {
         "auto" => Ok(None),
-        stops => stops
-            .parse()
-            .map(Some)
-            .map_err(|_| "must be auto or stops such as -1.5".to_owned()),
+        stops => stops.parse().map(Some).map_err(|_| "must be auto or stops such as -1.5".to_owned()),
     }
 }
 
@@ -67,10 +62,7 @@ pub(super) mod exposure_or_auto {
     use super::NumberOrText;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    pub(in super::super) fn serialize<S>(
-        exposure: &Option<f32>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error>
+    pub(in super::super) fn serialize<S>(exposure: &Option<f32>, serializer: S) -> Result<S::Ok, S::Error>
     where
         S: Serializer,
     {
@@ -86,9 +78,7 @@ pub(super) mod exposure_or_auto {
     {
         match NumberOrText::deserialize(deserializer)? {
             NumberOrText::Number(stops) => Ok(Some(stops)),
-            NumberOrText::Text(text) => {
-                super::parse_exposure(&text).map_err(serde::de::Error::custom)
-            }
+            NumberOrText::Text(text) => super::parse_exposure(&text).map_err(serde::de::Error::custom),
         }
     }
 }
