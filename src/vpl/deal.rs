@@ -171,11 +171,16 @@ impl Deal {
     }
 
     /// Any block of neighbours in a Sobol sequence is well spread, every k-th point is not: the paths of
-    /// one set, and within it of one class, get a block.
+    /// one set, and within it of one class, get a block. A path that was cut short comes last, so that
+    /// which points lack their later bounces does not depend on sets and classes.
     fn spread_sequences(&mut self, layout: &Layout) {
         for light in 0..self.quota.whole.len() as u32 {
             let mut order: Vec<usize> = self.light_paths(light).collect();
-            order.sort_by_key(|&path| (layout.cell(self.path(path)[0]), path));
+            let whole = order.iter().map(|&path| self.path(path).len()).max();
+            order.sort_by_key(|&path| {
+                let slots = self.path(path);
+                (Some(slots.len()) < whole, layout.cell(slots[0]), path)
+            });
             for (sequence, path) in order.into_iter().enumerate() {
                 for at in self.path_starts[path]..self.path_starts[path + 1] {
                     let slot = self.path_slots[at as usize];
