@@ -135,7 +135,7 @@ impl Deal {
 
     fn lay_out(&mut self, bounces: u32) {
         let lights: Vec<u32> = (0..self.quota.whole.len() as u32)
-            .filter(|&light| self.light_paths(light).len() > 0)
+            .filter(|&light| !self.light_paths(light).is_empty())
             .collect();
         let mut slot = 0;
         for bounce in 0..=bounces {

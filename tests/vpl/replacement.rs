@@ -71,6 +71,28 @@ fn nothing_starves_while_the_light_keeps_moving() {
 }
 
 #[test]
+fn no_shot_is_lost_once_the_world_stands_still() {
+    for moving_frames in 1..20 {
+        let mut stage = sphere_with(point(1.0, Vec3::ZERO));
+        let settings = Settings {
+            budget: 3,
+            ..settings(80, 16)
+        };
+        let mut manager = VplManager::new(stage.world(), &settings);
+        for _ in 0..moving_frames {
+            stage.pose.lights[0].position.x += 0.02;
+            stage.frame(&mut manager);
+        }
+        let stale = |manager: &VplManager| manager.slots().filter(|slot| slot.stale).count();
+        while stale(&manager) > 0 {
+            let before = stale(&manager);
+            let shot = stage.frame(&mut manager).shot as usize;
+            assert!(shot > 0 && stale(&manager) + shot <= before);
+        }
+    }
+}
+
+#[test]
 fn invalid_slots_come_first() {
     // A second light moves all the time; a plate drops into the first one's light.
     let mut scene = grey_scene(0.5);
