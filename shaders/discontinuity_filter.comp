@@ -3,7 +3,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // Sums the n x n classes around each pixel, from pixels whose normals agree and whose positions lie
 // near the centre's plane, scaled up by what the missing classes would have brought (the discontinuity
-// buffer of Wald et al. 2002). Out: the set buffer, irradiance and view depth.
+// buffer of Wald et al. 2002). That share is taken over all temporal sets, so that it does not depend on
+// how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 

@@ -25,7 +25,7 @@ use crate::passes::tracer::Tracer;
 use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts, percentile};
 use crate::scene::{Camera, LightKind, Pose, Scene};
 use crate::settings::{MissingSets, Settings, TracerKind};
-use crate::vpl::{SetVpls, SlotState, VplManager, World};
+use crate::vpl::{SlotState, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 
 /// Why a picture could not be made.
@@ -142,10 +142,10 @@ impl Renderer {
         let (_, bvh_update) = timed(|| self.bvh.update(&pose.instances));
         let world = World { scene: &scene, pose, bvh: &self.bvh };
         let (_, vpl_invalidation) = timed(|| self.vpls.invalidate(world));
-        let (_, vpl_replacement) = timed(|| self.vpls.replace(world));
-        let sets: Vec<SetVpls> =
-            (0..self.settings.temporal_sets).map(|set| self.vpls.set_vpls(world, set)).collect();
-        let set_flux: Vec<f32> = sets.iter().map(SetVpls::flux).collect();
+        let ((vpls, flux), vpl_replacement) = timed(|| {
+            self.vpls.replace(world);
+            (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
+        });
         let counters = self.vpls.counters();
 
         let (mut frame, finished) = self.frames.begin()?;
@@ -154,7 +154,7 @@ impl Renderer {
         }
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
-        let irradiance_scale = irradiance_scale(set_flux.iter().sum(), self.lengths.transport);
+        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
         let uniforms = FrameUniforms {
             set,
             irradiance_scale,
@@ -165,7 +165,7 @@ impl Renderer {
         let uniforms =
             FrameUniforms { light_count: u32::try_from(light_count).unwrap_or(u32::MAX), ..uniforms };
         let uniforms = frame.upload(&[uniforms])?;
-        let vpls = UploadedSet::new(&mut frame, &sets[set as usize])?;
+        let vpls = UploadedSet::new(&mut frame, &vpls, &flux.classes)?;
 
         // The device's passes.
         let gbuffer = self.gbuffer.record(
@@ -216,7 +216,7 @@ impl Renderer {
                 pose,
                 drawn: DrawnSet { set, irradiance_scale },
                 scale_missing: self.settings.missing_sets == MissingSets::Scale,
-                set_flux: &set_flux,
+                set_flux: &flux.sets,
             },
         )?;
         self.combine.record(

@@ -18,20 +18,20 @@ pub struct UploadedSet {
     pub vpls: Upload,
     /// First VPL of each class, and the end.
     pub class_starts: Upload,
-    /// Luminous flux of each class.
+    /// Luminous flux of each class over all sets.
     pub class_flux: Upload,
     /// Words of 32 visibility bits that the largest class needs.
     pub words: u32,
 }
 
 impl UploadedSet {
-    /// Uploads a set.
-    pub fn new(frame: &mut Frame<'_>, set: &SetVpls) -> Result<Self, VulkanError> {
+    /// Uploads a set, and the luminous flux of each class over all sets.
+    pub fn new(frame: &mut Frame<'_>, set: &SetVpls, class_flux: &[f32]) -> Result<Self, VulkanError> {
         let largest = set.class_starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
         Ok(Self {
             vpls: frame.upload(&set.vpls)?,
             class_starts: frame.upload(&set.class_starts)?,
-            class_flux: frame.upload(&set.class_flux)?,
+            class_flux: frame.upload(class_flux)?,
             words: largest.div_ceil(32),
         })
     }
