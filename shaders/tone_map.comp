@@ -10,7 +10,11 @@ layout(set = 0, binding = 1) uniform texture2D colour;
 layout(set = 0, binding = 2, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 3, rgba8) uniform writeonly image2D display;
 
+// Brings the curve's middle grey to where it was before the curve.
+const float CURVE_EXPOSURE = 0.6;
+
 vec3 filmic(vec3 x) {
+    x *= CURVE_EXPOSURE;
     return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
 }
 

@@ -22,10 +22,10 @@ use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts};
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts, percentile};
 use crate::scene::{Camera, LightKind, Pose, Scene};
 use crate::settings::{MissingSets, Settings, TracerKind};
-use crate::vpl::{SetVpls, VplManager, World};
+use crate::vpl::{SetVpls, SlotState, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 
 /// Why a picture could not be made.
@@ -314,7 +314,11 @@ fn transport_length(scene: &Scene, bvh: &TwoLevelBvh) -> Option<f32> {
     let pose = scene.pose(0.0);
     let settings = Settings { vpls: 1024, bounces: 2, temporal_sets: 1, ..Settings::default() };
     let manager = VplManager::new(World { scene, pose: &pose, bvh }, &settings);
-    crate::report::percentile(manager.segment_lengths(), 0.5)
+    let slots: Vec<_> = manager.slots().collect();
+    let lengths = slots.iter().filter(|slot| slot.state == SlotState::Valid).filter_map(|slot| {
+        Some(slot.position.distance(slots[slot.parent? as usize].position))
+    });
+    percentile(lengths, 0.5)
 }
 
 /// Joins what the CPU knows of a frame with the device's times.

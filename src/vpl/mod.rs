@@ -2,6 +2,26 @@
 //!
 //! In: a scene, its pose and its two-level BVH. Out: for each temporal set the VPLs that light it,
 //! sorted by pixel class. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
+//!
+//! - `quota`, `deal`: how many paths each light gets, and which slot is for which path and bounce.
+//! - `emitter`, `sampling`: where paths start and how they go on.
+//! - `shoot`: filling slots; `invalidate`: what the world no longer supports; `replace`: what to shoot next.
+//! - `watch`: what changed in the world; `upload`: what the shaders get.
+
+mod deal;
+mod emitter;
+mod invalidate;
+mod quota;
+mod replace;
+mod sampling;
+mod shoot;
+mod slots;
+mod surface;
+mod upload;
+mod watch;
+
+pub use slots::{SlotState, SlotView};
+pub use surface::ray_offset;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -10,6 +30,13 @@ use serde::Serialize;
 use crate::bvh::TwoLevelBvh;
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
+use deal::{Deal, Layout, NONE};
+use quota::{Shares, deal_quota};
+use replace::Cursor;
+use shoot::Unit;
+use slots::Slot;
+use surface::WorldSurface;
+use watch::Watch;
 
 /// Everything a VPL needs to know of the world at one moment.
 #[derive(Clone, Copy)]
@@ -73,37 +100,102 @@ pub struct VplCounters {
     pub shot: u32,
 }
 
-/// Owns the slots.
-pub struct VplManager {}
+/// Most bounces of a path.
+const MAX_BOUNCES: usize = 16;
+
+/// Owns the slots. Each frame: [`Self::invalidate`], [`Self::replace`], then [`Self::set_vpls`], all with
+/// the same world.
+#[derive(Clone, Debug)]
+pub struct VplManager {
+    layout: Layout,
+    budget: u32,
+    watch: Watch,
+    deal: Deal,
+    shares: Shares,
+    slots: Vec<Slot>,
+    /// Where each valid slot's VPL is.
+    surfaces: Vec<WorldSurface>,
+    /// Slots of each light and bounce that are not invalid.
+    live: Vec<[u32; MAX_BOUNCES + 1]>,
+    /// Slots that wait to be shot.
+    pending: u32,
+    cursors: [Cursor; 2],
+    counters: VplCounters,
+}
 
 impl VplManager {
     /// Deals the slots to the lights and shoots them all (the first fill, outside any frame's budget).
-    pub fn new(_world: World<'_>, _settings: &Settings) -> Self {
-        todo!()
+    pub fn new(world: World<'_>, settings: &Settings) -> Self {
+        let layout = Layout {
+            slots: settings.vpls,
+            bounces: settings.bounces.clamp(1, MAX_BOUNCES as u32),
+            sets: settings.temporal_sets.max(1),
+            classes: settings.interleave.max(1).pow(2),
+            seed: settings.seed,
+        };
+        let watch = Watch::new(world);
+        let (quota, shares) = deal_quota(&watch.claims(), layout.room());
+        let mut manager = Self {
+            deal: Deal::new(quota, &layout),
+            slots: vec![Slot::INVALID; layout.slots as usize],
+            surfaces: vec![WorldSurface::default(); layout.slots as usize],
+            live: Vec::new(),
+            pending: 0,
+            cursors: Default::default(),
+            counters: VplCounters::default(),
+            budget: settings.budget.max(1),
+            layout,
+            watch,
+            shares,
+        };
+        let whole = |path| Unit {
+            path,
+            start: 0,
+            end: manager.deal.path(path).len(),
+        };
+        let units: Vec<Unit> = (0..manager.deal.paths()).map(whole).collect();
+        manager.shoot(world, &units);
+        manager.count();
+        manager
     }
 
     /// Algorithm 2: invalidates what the scene no longer supports; returns how many slots.
-    pub fn invalidate(&mut self, _world: World<'_>) -> u32 {
-        todo!()
+    pub fn invalidate(&mut self, world: World<'_>) -> u32 {
+        self.counters.shot = 0;
+        self.counters.invalidated = self.invalidate_slots(world);
+        self.counters.invalidated
     }
 
     /// Algorithm 3: shoots up to the budget, invalid slots first, then stale ones; returns how many.
-    pub fn replace(&mut self, _world: World<'_>) -> u32 {
-        todo!()
+    pub fn replace(&mut self, world: World<'_>) -> u32 {
+        self.counters.shot = self.replace_slots(world);
+        self.counters.shot
     }
 
     /// Counters of the frame so far.
     pub fn counters(&self) -> VplCounters {
-        todo!()
+        self.counters
     }
 
-    /// The VPLs of temporal set `set`.
-    pub fn set_vpls(&self, _world: World<'_>, _set: u32) -> SetVpls {
-        todo!()
-    }
-
-    /// Luminous flux of all valid VPLs.
-    pub fn total_flux(&self, _world: World<'_>) -> f32 {
-        todo!()
+    /// Takes stock of all slots.
+    fn count(&mut self) {
+        self.live.clear();
+        self.live
+            .resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
+        self.pending = 0;
+        let (mut valid, mut escaped) = (0, 0);
+        for (slot, address) in self.slots.iter().zip(&self.deal.addresses) {
+            if address.light == NONE {
+                continue;
+            }
+            self.pending += u32::from(!slot.fresh);
+            let live = slot.state != SlotState::Invalid;
+            self.live[address.light as usize][address.bounce as usize] += u32::from(live);
+            valid += u32::from(slot.state == SlotState::Valid);
+            escaped += u32::from(slot.state == SlotState::Escaped);
+        }
+        self.counters.slots = self.layout.slots;
+        self.counters.valid = valid;
+        self.counters.escaped = escaped;
     }
 }

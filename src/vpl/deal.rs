@@ -1,0 +1,334 @@
+//! Which slot belongs to which light, path and bounce.
+//!
+//! In: a [`Quota`]. Out: an address for each slot. Slots are laid out bounce by bounce, within that
+//! light by light, within that path by path. Slot s is in temporal set s mod T and pixel class
+//! (s / T) mod n^2, so each bounce of each light, a run of neighbours, is spread over all sets and all
+//! classes to within one.
+
+use super::quota::{Quota, Room};
+use super::sampling::hash;
+
+/// No such slot.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How slots turn into temporal sets and pixel classes, and how many there are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Slots in all.
+    pub(super) slots: u32,
+    /// Bounces of a path.
+    pub(super) bounces: u32,
+    /// Temporal sets T.
+    pub(super) sets: u32,
+    /// Pixel classes n^2.
+    pub(super) classes: u32,
+    /// Seed of everything random.
+    pub(super) seed: u32,
+}
+
+impl Layout {
+    /// Temporal set and pixel class of a slot.
+    pub(super) fn cell(&self, slot: u32) -> (u32, u32) {
+        (slot % self.sets, slot / self.sets % self.classes)
+    }
+
+    /// The slots to share out among the lights.
+    pub(super) fn room(&self) -> Room {
+        Room {
+            slots: self.slots,
+            bounces: self.bounces,
+            seed: self.seed,
+        }
+    }
+
+    /// Seed of a light's sequence.
+    pub(super) fn light_seed(&self, light: u32) -> u32 {
+        hash(self.seed, light)
+    }
+}
+
+/// What a slot is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Address {
+    /// Light, or [`NONE`] if no light had a use for the slot.
+    pub(super) light: u32,
+    /// Path among the light's paths.
+    pub(super) path: u32,
+    /// Bounce.
+    pub(super) bounce: u32,
+    /// The path's point of the light's sequence.
+    pub(super) sequence: u32,
+    /// Slot of the bounce before, or [`NONE`].
+    pub(super) parent: u32,
+}
+
+const UNUSED: Address = Address {
+    light: NONE,
+    path: 0,
+    bounce: 0,
+    sequence: 0,
+    parent: NONE,
+};
+
+/// A deal of all slots.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Deal {
+    /// What it was made from.
+    pub(super) quota: Quota,
+    /// One for each slot; parents come before their children.
+    pub(super) addresses: Vec<Address>,
+    /// The slots of all paths, path by path, each from its first bounce on.
+    path_slots: Vec<u32>,
+    /// Path p is `path_slots[path_starts[p]..path_starts[p + 1]]`.
+    path_starts: Vec<u32>,
+    /// A light's first path among all paths.
+    light_starts: Vec<u32>,
+}
+
+impl Deal {
+    pub(super) fn new(quota: Quota, layout: &Layout) -> Self {
+        let mut deal = Self {
+            addresses: vec![UNUSED; layout.slots as usize],
+            quota,
+            ..Self::default()
+        };
+        deal.start_paths(layout.bounces);
+        deal.lay_out(layout.bounces);
+        deal.spread_sequences(layout);
+        deal
+    }
+
+    /// Number of paths.
+    pub(super) fn paths(&self) -> usize {
+        self.path_starts.len() - 1
+    }
+
+    /// The slots of a path, from its first bounce on.
+    pub(super) fn path(&self, path: usize) -> &[u32] {
+        &self.path_slots[self.path_starts[path] as usize..self.path_starts[path + 1] as usize]
+    }
+
+    /// The slot of a light's path at `bounce`, if the path has one.
+    pub(super) fn slot_at(&self, light: u32, path: u32, bounce: u32) -> Option<u32> {
+        let range = self.light_starts.get(light as usize..light as usize + 2)?;
+        let index = range[0] + path;
+        let level = bounce.checked_sub(self.quota.first_bounce[light as usize])?;
+        if index >= range[1] {
+            return None;
+        }
+        self.path(index as usize).get(level as usize).copied()
+    }
+
+    fn start_paths(&mut self, bounces: u32) {
+        let mut slots = 0;
+        self.path_starts.push(0);
+        self.light_starts.push(0);
+        for light in 0..self.quota.whole.len() {
+            for length in self.quota.lengths(light, bounces) {
+                slots += length;
+                self.path_starts.push(slots);
+            }
+            self.light_starts.push(self.path_starts.len() as u32 - 1);
+        }
+        self.path_slots = vec![NONE; slots as usize];
+    }
+
+    fn lay_out(&mut self, bounces: u32) {
+        let lights: Vec<u32> = (0..self.quota.whole.len() as u32)
+            .filter(|&light| self.light_paths(light).len() > 0)
+            .collect();
+        let mut slot = 0;
+        for bounce in 0..=bounces {
+            for turn in 0..lights.len() {
+                // Another light begins each bounce: with one path each and as many sets as lights, one
+                // set would otherwise hold all bounces of the same light.
+                let light = lights[(turn + bounce as usize) % lights.len()];
+                let first = self.quota.first_bounce[light as usize];
+                if bounce < first {
+                    continue;
+                }
+                let level = (bounce - first) as usize;
+                for path in self.light_paths(light) {
+                    let start = self.path_starts[path] as usize;
+                    if start + level >= self.path_starts[path + 1] as usize {
+                        continue;
+                    }
+                    self.path_slots[start + level] = slot;
+                    self.addresses[slot as usize] = Address {
+                        light,
+                        path: path as u32 - self.light_starts[light as usize],
+                        bounce,
+                        sequence: 0,
+                        parent: match level {
+                            0 => NONE,
+                            _ => self.path_slots[start + level - 1],
+                        },
+                    };
+                    slot += 1;
+                }
+            }
+        }
+    }
+
+    /// Any block of neighbours in a Sobol sequence is well spread, every k-th point is not: the paths of
+    /// one set, and within it of one class, get a block.
+    fn spread_sequences(&mut self, layout: &Layout) {
+        for light in 0..self.quota.whole.len() as u32 {
+            let mut order: Vec<usize> = self.light_paths(light).collect();
+            order.sort_by_key(|&path| (layout.cell(self.path(path)[0]), path));
+            for (sequence, path) in order.into_iter().enumerate() {
+                for at in self.path_starts[path]..self.path_starts[path + 1] {
+                    let slot = self.path_slots[at as usize];
+                    self.addresses[slot as usize].sequence = sequence as u32;
+                }
+            }
+        }
+    }
+
+    fn light_paths(&self, light: u32) -> std::ops::Range<usize> {
+        let range = &self.light_starts[light as usize..light as usize + 2];
+        range[0] as usize..range[1] as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vpl::quota::{Claim, deal_quota};
+    use std::collections::HashMap;
+
+    fn claims(kind: u32) -> Vec<Claim> {
+        let list: &[(f32, u32)] = match kind {
+            0 => &[(1.0, 1)],
+            1 => &[(1.0, 0)],
+            2 => &[(1.0, 1), (1.0, 1)],
+            3 => &[(3.0, 1), (100.0, 0), (0.0, 1), (0.5, 0), (7.0, 1)],
+            _ => &[(1.0, 1); 16],
+        };
+        let claim = |&(luminous_flux, first_bounce)| Claim {
+            luminous_flux,
+            first_bounce,
+        };
+        list.iter().map(claim).collect()
+    }
+
+    fn layouts() -> impl Iterator<Item = Layout> {
+        let sizes = [
+            (512, 2),
+            (513, 3),
+            (100, 16),
+            (37, 1),
+            (1000, 5),
+            (4096, 16),
+        ];
+        let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
+        sizes.into_iter().flat_map(move |(slots, bounces)| {
+            splits.into_iter().map(move |(sets, classes)| Layout {
+                slots,
+                bounces,
+                sets,
+                classes,
+                seed: 3,
+            })
+        })
+    }
+
+    /// Calls `check` with every combination of lights and layout.
+    fn for_all_deals(check: impl Fn(&Deal, &Layout)) {
+        for layout in layouts() {
+            for kind in 0..5 {
+                let (quota, _) = deal_quota(&claims(kind), layout.room());
+                check(&Deal::new(quota, &layout), &layout);
+            }
+        }
+    }
+
+    #[test]
+    fn every_slot_has_one_place_and_parents_come_first() {
+        for_all_deals(|deal, layout| {
+            let mut seen = vec![false; layout.slots as usize];
+            for path in 0..deal.paths() {
+                let slots = deal.path(path);
+                assert!(!slots.is_empty());
+                let mut parent = NONE;
+                for &slot in slots {
+                    assert!(!std::mem::replace(&mut seen[slot as usize], true));
+                    let address = &deal.addresses[slot as usize];
+                    assert_eq!(address.parent, parent);
+                    assert!(parent == NONE || parent < slot);
+                    let found = deal.slot_at(address.light, address.path, address.bounce);
+                    assert_eq!(found, Some(slot));
+                    parent = slot;
+                }
+            }
+            assert!(seen.iter().all(|seen| *seen));
+        });
+    }
+
+    #[test]
+    fn sets_and_classes_hold_the_same_mix() {
+        for_all_deals(|deal, layout| {
+            // Count each bounce, and each bounce of each light, by set and by class within the set.
+            let mut counts: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
+            let cells = (layout.sets * layout.classes) as usize;
+            for (slot, address) in deal.addresses.iter().enumerate() {
+                let (set, class) = layout.cell(slot as u32);
+                for light in [None, Some(address.light)] {
+                    let count = counts.entry((address.bounce, light));
+                    let count = count.or_insert_with(|| vec![0; cells]);
+                    count[(set * layout.classes + class) as usize] += 1;
+                }
+            }
+            let is_even = |counts: &[u32]| {
+                counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0) <= 1
+            };
+            for (what, cells) in counts {
+                let sets = cells.chunks(layout.classes as usize);
+                let sets: Vec<u32> = sets.map(|set| set.iter().sum()).collect();
+                assert!(is_even(&sets), "{what:?} {layout:?} {sets:?}");
+                assert!(is_even(&cells), "{what:?} {layout:?} {cells:?}");
+            }
+        });
+    }
+
+    #[test]
+    fn lights_change_sets_from_bounce_to_bounce() {
+        let layout = Layout {
+            slots: 64,
+            bounces: 4,
+            sets: 16,
+            classes: 1,
+            seed: 0,
+        };
+        let (quota, _) = deal_quota(&claims(4), layout.room());
+        let deal = Deal::new(quota, &layout);
+        for set in 0..16 {
+            let mut lights: Vec<u32> = (0..4)
+                .map(|bounce| deal.addresses[bounce * 16 + set].light)
+                .collect();
+            lights.sort_unstable();
+            lights.dedup();
+            assert_eq!(lights.len(), 4);
+        }
+    }
+
+    #[test]
+    fn each_cell_has_a_block_of_the_sequence() {
+        for_all_deals(|deal, layout| {
+            for light in 0..deal.quota.whole.len() as u32 {
+                let mut sequences: Vec<(u32, (u32, u32))> = deal
+                    .light_paths(light)
+                    .map(|path| {
+                        let slot = deal.path(path)[0];
+                        let address = &deal.addresses[slot as usize];
+                        (address.sequence, layout.cell(slot))
+                    })
+                    .collect();
+                sequences.sort_unstable();
+                let indices = sequences.iter().map(|entry| entry.0);
+                assert!(indices.eq(0..sequences.len() as u32), "a permutation");
+                assert!(sequences.is_sorted_by_key(|entry| entry.1), "in blocks");
+            }
+        });
+    }
+}

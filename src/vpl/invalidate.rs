@@ -1,0 +1,258 @@
+//! Algorithm 2: which slots does the world no longer support, and which are merely stale.
+//!
+//! In: the world of this frame. Out: slots marked invalid or no longer fresh. One ray for each slot that
+//! the change may have touched, all in one batch (Laine et al. 2007; Tonna 2019).
+//!
+//! A slot is *fresh* if shooting it again would change nothing. A fresh slot is tested with the very ray
+//! that shot it, up to its hit, so only something new can stop that ray. A stale one is tested along the
+//! segment from where its parent is now to where it is now.
+
+use rayon::prelude::*;
+
+use super::deal::{Address, Deal, NONE};
+use super::emitter::Source;
+use super::quota::deal_quota;
+use super::shoot::SLOTS_PER_TASK;
+use super::slots::{Slot, SlotState};
+use super::surface::{self, Side, WorldSurface};
+use super::{VplManager, World};
+use crate::bvh::Ray;
+
+/// A fresh slot's ray is tested up to this part of the way to its hit: the hit itself must not count.
+const BEFORE_HIT: f32 = 1.0 - 1e-5;
+
+/// What must be found out about a slot.
+enum Test {
+    /// Nothing: it stays as it is.
+    Keep,
+    /// Nothing: it cannot stay.
+    Lose,
+    /// It stays if this is free.
+    Free(Ray),
+}
+
+impl VplManager {
+    /// Brings slots up to date with the world; returns how many became invalid.
+    pub(super) fn invalidate_slots(&mut self, world: World<'_>) -> u32 {
+        self.watch.update(world);
+        let mut lost = 0;
+        if self.watch.flux_changed || self.watch.light_changed.contains(&true) {
+            lost += self.deal_again();
+        }
+        if self.watch.anything_changed() {
+            self.move_surfaces(world);
+            self.age_slots();
+        }
+        if self.watch.geometry_moved || self.slots_wait() {
+            lost += self.test_slots(world);
+        }
+        self.count();
+        lost
+    }
+
+    /// Deals again if the lights' quotas differ; a path that both deals have keeps its slots. Returns how
+    /// many usable slots found no place.
+    fn deal_again(&mut self) -> u32 {
+        let (quota, shares) = deal_quota(&self.watch.claims(), self.layout.room());
+        self.shares = shares;
+        if quota == self.deal.quota {
+            return 0;
+        }
+        let deal = Deal::new(quota, &self.layout);
+        let old = std::mem::replace(&mut self.deal, deal);
+        let (slots, surfaces) = (self.slots.clone(), self.surfaces.clone());
+        let mut lost = slots
+            .iter()
+            .filter(|slot| slot.state != SlotState::Invalid)
+            .count();
+        for (index, address) in self.deal.addresses.iter().enumerate() {
+            let before = match address.light {
+                NONE => None,
+                light => old.slot_at(light, address.path, address.bounce),
+            };
+            self.slots[index] = Slot::INVALID;
+            let Some(before) = before.map(|slot| slot as usize) else {
+                continue;
+            };
+            lost -= usize::from(slots[before].state != SlotState::Invalid);
+            self.slots[index] = slots[before];
+            self.slots[index].fresh &= old.addresses[before].sequence == address.sequence;
+            self.surfaces[index] = surfaces[before];
+        }
+        self.cursors = Default::default();
+        lost as u32
+    }
+
+    /// VPLs move along with their instances.
+    fn move_surfaces(&mut self, world: World<'_>) {
+        if !self.watch.moved.contains(&true) {
+            return;
+        }
+        let (watch, addresses) = (&self.watch, &self.deal.addresses);
+        (&self.slots, &mut self.surfaces, addresses)
+            .into_par_iter()
+            .with_min_len(SLOTS_PER_TASK)
+            .filter(|(slot, _, _)| slot.state == SlotState::Valid && watch.has_moved(slot.instance))
+            .for_each(|(slot, surface, address)| *surface = locate(world, slot, address));
+    }
+
+    fn age_slots(&mut self) {
+        for (index, address) in self.deal.addresses.iter().enumerate() {
+            if address.light == NONE {
+                continue;
+            }
+            let parent_fresh = address.parent == NONE || self.slots[address.parent as usize].fresh;
+            let slot = &mut self.slots[index];
+            let on_moved = slot.state == SlotState::Valid && self.watch.has_moved(slot.instance);
+            let light_changed = self.watch.light_changed[address.light as usize];
+            let changed = on_moved || light_changed || self.watch.bounds_changed;
+            slot.fresh = slot.fresh && parent_fresh && !changed;
+        }
+    }
+
+    fn slots_wait(&self) -> bool {
+        let mut slots = self.slots.iter().zip(&self.deal.addresses);
+        slots.any(|(slot, address)| address.light != NONE && !slot.fresh)
+    }
+
+    fn test_slots(&mut self, world: World<'_>) -> u32 {
+        // Ask about all slots at once, parents and children alike.
+        let this = &*self;
+        let tests: Vec<Test> = (0..this.slots.len())
+            .into_par_iter()
+            .with_min_len(SLOTS_PER_TASK)
+            .map(|index| this.test_for(index))
+            .collect();
+        let rays: Vec<Ray> = tests
+            .iter()
+            .filter_map(|test| {
+                if let Test::Free(ray) = test {
+                    Some(*ray)
+                } else {
+                    None
+                }
+            })
+            .collect();
+        let mut occluded = world.bvh.occluded_batch(&rays).into_iter();
+        // Judge in slot order, so that a parent's end reaches all that come after it.
+        let mut lost = 0;
+        for (index, test) in tests.iter().enumerate() {
+            let stays = match test {
+                Test::Keep => true,
+                Test::Lose => false,
+                Test::Free(_) => occluded.next() == Some(false),
+            };
+            lost += u32::from(self.judge(index, stays));
+        }
+        lost
+    }
+
+    /// Settles one slot whose parent is settled; returns whether it became invalid.
+    fn judge(&mut self, index: usize, stays: bool) -> bool {
+        let parent = self.deal.addresses[index].parent;
+        let (parent_state, parent_fresh) = match parent {
+            NONE => (SlotState::Valid, true),
+            _ => {
+                let parent = &self.slots[parent as usize];
+                (parent.state, parent.fresh)
+            }
+        };
+        let slot = &mut self.slots[index];
+        let before = slot.state;
+        if before == SlotState::Invalid {
+            return false;
+        }
+        match (parent_state, stays) {
+            (SlotState::Invalid, _) | (SlotState::Valid, false) => *slot = Slot::INVALID,
+            (SlotState::Escaped, _) => *slot = Slot::escaped(parent_fresh),
+            // The ray that a new shot would trace was tested just now, and escapes.
+            (SlotState::Valid, true) if before == SlotState::Escaped => slot.fresh = parent_fresh,
+            _ => {}
+        }
+        slot.state == SlotState::Invalid
+    }
+
+    fn test_for(&self, index: usize) -> Test {
+        let (slot, address) = (&self.slots[index], &self.deal.addresses[index]);
+        if slot.state == SlotState::Invalid || (slot.fresh && !self.watch.geometry_moved) {
+            return Test::Keep;
+        }
+        if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
+            // Goes the way of its parent.
+            return Test::Keep;
+        }
+        match slot.state {
+            SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, Test::Free),
+            _ if address.bounce == 0 => self.test_on_light(slot, address),
+            _ if slot.fresh => self.ray_of(index as u32).map_or(Test::Lose, |ray| {
+                let t_max = slot.t * BEFORE_HIT;
+                Test::Free(Ray { t_max, ..ray })
+            }),
+            _ => self.test_segment(&self.surfaces[index], address),
+        }
+    }
+
+    fn test_on_light(&self, slot: &Slot, address: &Address) -> Test {
+        match &self.watch.emitters[address.light as usize].source {
+            Source::Area(table)
+                if table.instance == slot.instance && table.glows(slot.point.triangle) =>
+            {
+                Test::Keep
+            }
+            _ => Test::Lose,
+        }
+    }
+
+    /// Whether light still gets from the slot's parent to its surface: both sides must face each other,
+    /// the light must shine that way, and nothing may stand between.
+    fn test_segment(&self, surface: &WorldSurface, address: &Address) -> Test {
+        let radius = self.watch.bounds.radius;
+        let end = surface.offset_position(radius);
+        let towards = |origin| Ray {
+            origin,
+            direction: end - origin,
+            t_min: 0.0,
+            t_max: 1.0,
+        };
+        if address.parent != NONE {
+            let parent = &self.surfaces[address.parent as usize];
+            let along = surface.position - parent.position;
+            let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
+            let arrives = surface.geometric_normal.dot(along) < 0.0;
+            return match leaves && arrives {
+                true => Test::Free(towards(parent.offset_position(radius))),
+                false => Test::Lose,
+            };
+        }
+        let source = &self.watch.emitters[address.light as usize].source;
+        let ray = match source {
+            Source::Point { position } | Source::Spot { position, .. } => towards(*position),
+            Source::Directional { frame, .. } => Ray {
+                origin: end,
+                direction: -frame.normal,
+                t_min: 0.0,
+                t_max: f32::INFINITY,
+            },
+            Source::Area(_) => return Test::Lose,
+        };
+        let arrives = match source {
+            Source::Directional { frame, .. } => surface.geometric_normal.dot(frame.normal) < 0.0,
+            _ => surface.geometric_normal.dot(surface.position - ray.origin) < 0.0,
+        };
+        match arrives && source.shines_on(surface.position) {
+            true => Test::Free(ray),
+            false => Test::Lose,
+        }
+    }
+}
+
+/// Where a valid slot's VPL is now.
+pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address) -> WorldSurface {
+    let side = Side::Front(slot.front);
+    let mut surface = surface::find(world, slot.instance, slot.point, side).surface;
+    if address.bounce == 0 {
+        // A light's own surface emits about the flat triangle's normal.
+        surface.normal = surface.geometric_normal;
+    }
+    surface
+}

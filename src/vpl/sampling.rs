@@ -1,0 +1,350 @@
+//! Low-discrepancy points and their mappings to directions, discs and triangles.
+//!
+//! In: a place in the sequence, or a point of the unit square. Out: points distributed as named, each
+//! mapping continuous inside the square, so that neighbouring points stay neighbours. The sequence is
+//! an Owen-scrambled Sobol sequence (Burley 2020, "Practical Hash-based Owen Scrambling").
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+use glam::{Vec2, Vec3};
+
+/// Largest float below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// Mixes two words into one (the finaliser of MurmurHash3).
+pub(super) fn hash(a: u32, b: u32) -> u32 {
+    let mut h = a.wrapping_mul(0x9e37_79b9) ^ b.rotate_left(16).wrapping_add(0x7f4a_7c15);
+    h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
+    h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
+    h ^ (h >> 16)
+}
+
+/// Point `index` (below 65,536) of the sequence `seed`, in its `pair`-th two dimensions.
+pub(super) fn sequence_point(index: u32, pair: u32, seed: u32) -> Vec2 {
+    let dimension = |offset| sobol_burley::sample(index, 2 * pair + offset, seed);
+    Vec2::new(dimension(0), dimension(1))
+}
+
+/// Uniform on the unit sphere.
+pub(super) fn sphere(u: Vec2) -> Vec3 {
+    let z = 1.0 - 2.0 * u.x;
+    let radius = (4.0 * u.x * (1.0 - u.x)).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.y).sin_cos();
+    Vec3::new(radius * cos, radius * sin, z)
+}
+
+/// Uniform on the unit disc (Shirley and Chiu 1997, the concentric map).
+pub(super) fn disc(u: Vec2) -> Vec2 {
+    let p = 2.0 * u - Vec2::ONE;
+    if p == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if p.x.abs() > p.y.abs() {
+        (p.x, FRAC_PI_4 * (p.y / p.x))
+    } else {
+        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+/// Cosine-weighted about +z: the disc lifted to the hemisphere (Malley's method).
+pub(super) fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let p = disc(u);
+    p.extend((1.0 - p.length_squared()).max(0.0).sqrt())
+}
+
+/// Barycentric weights of the second and third vertex, uniform over a triangle (Heitz 2019, "A
+/// Low-Distortion Map Between Triangle and Square").
+pub(super) fn triangle(u: Vec2) -> Vec2 {
+    if u.y > u.x {
+        let x = 0.5 * u.x;
+        Vec2::new(x, u.y - x)
+    } else {
+        let y = 0.5 * u.y;
+        Vec2::new(u.x - y, y)
+    }
+}
+
+/// Picks a bin of a discrete distribution whose running sums are `cdf` (ending in 1), and stretches
+/// what is left of `u` over [0, 1).
+pub(super) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
+    let bin = cdf.partition_point(|&sum| sum <= u).min(cdf.len() - 1);
+    let low = if bin == 0 { 0.0 } else { cdf[bin - 1] };
+    let rest = (u - low) / (cdf[bin] - low);
+    (bin, rest.clamp(0.0, BELOW_ONE))
+}
+
+/// The emission of a spot light over the cosine to its axis: full inside the inner cone, smoothstep in
+/// the cosine out to the outer one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SpotCone {
+    /// 1 - cos of the inner angle; narrow cones need it exact.
+    inner: f64,
+    /// 1 - cos of the outer angle.
+    outer: f64,
+}
+
+impl SpotCone {
+    /// Half angles in radians.
+    pub(super) fn new(inner_angle: f32, outer_angle: f32) -> Self {
+        let one_minus_cos = |angle: f32| 2.0 * (0.5 * f64::from(angle)).sin().powi(2);
+        Self {
+            inner: one_minus_cos(inner_angle),
+            outer: one_minus_cos(outer_angle),
+        }
+    }
+
+    /// A direction about +z in proportion to the emission.
+    pub(super) fn sample(&self, u: Vec2) -> Vec3 {
+        // Split the distribution of 1 - cos into its flat part and its falloff, which weighs half.
+        let falloff = self.outer - self.inner;
+        let mass = f64::from(u.x) * (self.inner + 0.5 * falloff);
+        let one_minus_cos = if mass <= self.inner || falloff <= 0.0 {
+            mass.min(self.inner)
+        } else {
+            self.inner + falloff * inverse_falloff((mass - self.inner) / falloff)
+        };
+        let sin_theta = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt() as f32;
+        let (sin, cos) = (TAU * u.y).sin_cos();
+        Vec3::new(
+            sin_theta * cos,
+            sin_theta * sin,
+            (1.0 - one_minus_cos) as f32,
+        )
+    }
+}
+
+/// Solves F(x) = `mass` for x in [0, 1], where F integrates the falloff 1 - smoothstep from the inner
+/// edge: F(x) = x - x^3 + x^4 / 2, and F(1) = 1/2.
+fn inverse_falloff(mass: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut x = mass.min(1.0);
+    // Newton's method, held inside the shrinking bracket because the slope vanishes at the rim.
+    for _ in 0..32 {
+        let error = x - x.powi(3) + 0.5 * x.powi(4) - mass;
+        if error > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let slope = 1.0 - 3.0 * x * x + 2.0 * x.powi(3);
+        let step = x - error / slope;
+        let next = if step > low && step < high {
+            step
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - x).abs() < 1e-12 {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+/// An orthonormal frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frame {
+    tangent: Vec3,
+    bitangent: Vec3,
+    /// Its z axis.
+    pub(super) normal: Vec3,
+}
+
+impl Frame {
+    /// The fixed reference frame turned by the smallest rotation that takes its z axis to `normal` (unit).
+    /// Continuous in `normal` but for one direction, as any such frame must have one (the hairy ball
+    /// theorem); it is put well away from all axes.
+    pub(super) fn around(normal: Vec3) -> Self {
+        const REFERENCE: Vec3 = Vec3::new(-0.48, -0.6, -0.64);
+        const TANGENT: Vec3 = Vec3::new(-0.8, 0.0, 0.6);
+        // That rotation takes the tangent where a reflection along the sum of both axes takes it, which
+        // stays exact where the sum is short.
+        let sum = REFERENCE + normal;
+        let length_squared = sum.length_squared();
+        let turned = if length_squared > 1e-10 {
+            TANGENT - sum * (2.0 * TANGENT.dot(sum) / length_squared)
+        } else {
+            TANGENT
+        };
+        // Unit vectors are unit up to rounding only.
+        let tangent = (turned - normal * turned.dot(normal)).normalize();
+        Self {
+            tangent,
+            bitangent: normal.cross(tangent),
+            normal,
+        }
+    }
+
+    /// From this frame to the world.
+    pub(super) fn to_world(self, v: Vec3) -> Vec3 {
+        self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: u32 = 65_536;
+
+    fn points() -> impl Iterator<Item = Vec2> {
+        (0..POINTS).map(|index| sequence_point(index, 3, 5))
+    }
+
+    /// Pearson's chi-square of counts against expected shares, by degrees of freedom: about 1 for
+    /// independent samples, less for better spread ones.
+    fn chi_square(counts: &[u32], shares: &[f64]) -> f64 {
+        let total: u32 = counts.iter().sum();
+        let terms = counts.iter().zip(shares).map(|(&count, share)| {
+            let expected = f64::from(total) * share;
+            (f64::from(count) - expected).powi(2) / expected
+        });
+        terms.sum::<f64>() / (counts.len() - 1) as f64
+    }
+
+    fn assert_uniform(what: &str, places: impl Iterator<Item = Vec2>) {
+        let mut counts = [0; 256];
+        for place in places {
+            let cell = (place * 16.0).as_uvec2().min(glam::UVec2::splat(15));
+            counts[(cell.y * 16 + cell.x) as usize] += 1;
+        }
+        let chi = chi_square(&counts, &[1.0 / 256.0; 256]);
+        assert!(chi < 0.5, "{what}: {chi}");
+    }
+
+    fn turn(v: Vec3) -> f32 {
+        v.y.atan2(v.x) / TAU + 0.5
+    }
+
+    #[test]
+    fn directions_follow_their_densities() {
+        let sphere = points().map(sphere);
+        assert_uniform(
+            "sphere",
+            sphere.map(|v| Vec2::new(turn(v), v.z * 0.5 + 0.5)),
+        );
+        let cosine = points().map(cosine_hemisphere);
+        assert_uniform("cosine", cosine.map(|v| Vec2::new(turn(v), v.z * v.z)));
+        let disc = points().map(disc);
+        assert_uniform(
+            "disc",
+            disc.map(|p| Vec2::new(turn(p.extend(0.0)), p.length_squared())),
+        );
+        assert!(
+            points()
+                .map(super::sphere)
+                .all(|v| (v.length() - 1.0).abs() < 1e-6)
+        );
+    }
+
+    #[test]
+    fn triangles_are_covered_evenly() {
+        let places = points().map(triangle).map(|p| {
+            assert!(p.min_element() >= 0.0 && p.element_sum() <= 1.0 + 1e-6);
+            // The marginal of x is 2 (1 - x); given x, y is uniform below 1 - x.
+            Vec2::new(1.0 - (1.0 - p.x) * (1.0 - p.x), p.y / (1.0 - p.x).max(1e-9))
+        });
+        assert_uniform("triangle", places);
+    }
+
+    #[test]
+    fn spots_follow_their_falloff() {
+        for (inner, outer) in [
+            (0.2f32, 0.5f32),
+            (0.0, 1.0),
+            (1.0, 3.0),
+            (0.002, 0.004),
+            (0.7, 0.70001),
+        ] {
+            let cone = SpotCone::new(inner, outer);
+            // The integral of the emission from the axis down to 1 - cos = x.
+            let (near, falloff) = (cone.inner, cone.outer - cone.inner);
+            let mass = |x: f64| {
+                let rim = ((x - near) / falloff).clamp(0.0, 1.0);
+                x.min(near) + falloff * (rim - rim.powi(3) + 0.5 * rim.powi(4))
+            };
+            let bins = 64;
+            let edge = |bin: usize| cone.outer * bin as f64 / bins as f64;
+            let shares: Vec<f64> = (0..bins)
+                .map(|bin| (mass(edge(bin + 1)) - mass(edge(bin))) / mass(cone.outer))
+                .collect();
+            let mut counts = vec![0; bins];
+            for v in points().map(|u| cone.sample(u)) {
+                // 1 - cos by the sine, which narrow cones keep exact.
+                let sin2 = f64::from(v.x).powi(2) + f64::from(v.y).powi(2);
+                let cos = f64::from(v.z);
+                let x = if cos > 0.0 {
+                    sin2 / (1.0 + cos)
+                } else {
+                    1.0 - cos
+                };
+                assert!(x < cone.outer * 1.001);
+                counts[((x / cone.outer * bins as f64) as usize).min(bins - 1)] += 1;
+            }
+            let chi = chi_square(&counts, &shares);
+            assert!(chi < 0.7, "{inner} {outer}: {chi}");
+        }
+    }
+
+    #[test]
+    fn discrete_choice_follows_its_shares_and_reuses_the_rest() {
+        let cdf = [0.0, 0.25, 0.25, 0.875, 1.0, 1.0];
+        let mut counts = [0; 6];
+        let mut rests = [0.0f64; 6];
+        for u in points() {
+            let (bin, rest) = discrete(&cdf, u.x);
+            counts[bin] += 1;
+            rests[bin] += f64::from(rest);
+            assert!((0.0..1.0).contains(&rest));
+        }
+        assert_eq!(counts, [0, POINTS / 4, 0, POINTS * 5 / 8, POINTS / 8, 0]);
+        for (count, rest) in counts.iter().zip(rests).filter(|entry| *entry.0 > 0) {
+            assert!((rest / f64::from(*count) - 0.5).abs() < 1e-3);
+        }
+        assert_eq!(discrete(&cdf, 0.0).0, 1);
+        assert_eq!(discrete(&cdf, BELOW_ONE).0, 4);
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_turn_smoothly() {
+        let mut last: Option<Frame> = None;
+        for step in 0..20_000 {
+            // A spiral from pole to pole, which passes near everything.
+            let t = step as f32 / 20_000.0;
+            let (sin, cos) = (40.0 * t).sin_cos();
+            let z = 1.0 - 2.0 * t;
+            let radius = (1.0 - z * z).sqrt();
+            let frame = Frame::around(Vec3::new(radius * cos, radius * sin, z).normalize());
+            let [x, y, z] = [frame.tangent, frame.bitangent, frame.normal];
+            assert!(x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs()) < 1e-5);
+            assert!((x.length() - 1.0).abs() < 1e-5 && x.cross(y).dot(z) > 0.999);
+            if let Some(last) = last {
+                let singular = Vec3::new(0.48, 0.6, 0.64);
+                let moved = z.distance(last.normal);
+                let near = z.distance(singular).min(last.normal.distance(singular));
+                let bound = 4.0 * moved / near.min(1.0) + 1e-5;
+                assert!(x.distance(last.tangent) <= bound, "{z}");
+            }
+            last = Some(frame);
+        }
+        for normal in [Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.48, -0.6, -0.64)] {
+            let frame = Frame::around(normal);
+            assert!((frame.tangent.length() - 1.0).abs() < 1e-5);
+            assert!(frame.tangent.dot(normal).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn blocks_of_the_sequence_are_spread() {
+        // Any 64 neighbours that start at a multiple of 64 fill an 8 x 8 grid.
+        for block in 0..32 {
+            let mut seen = [false; 64];
+            for index in block * 64..block * 64 + 64 {
+                let cell = (sequence_point(index, 0, 9) * 8.0).as_uvec2();
+                seen[(cell.y * 8 + cell.x) as usize] = true;
+            }
+            assert!(seen.iter().all(|seen| *seen));
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! What the shaders get: the VPLs of one temporal set, class by class.
+//!
+//! In: the slots and the current pose. Out: positions, normals and flux of the valid ones. The flux of a
+//! VPL is that of its light over the slots of its light and bounce that are not invalid, times its
+//! throughput: whatever is missing right now, the rest makes up for (DESIGN sections 1 and 3).
+
+use glam::Vec3;
+
+use super::deal::NONE;
+use super::invalidate::locate;
+use super::slots::{SlotState, SlotView};
+use super::{GpuVpl, SetVpls, VplManager, World};
+use crate::scene::luminance;
+
+impl VplManager {
+    /// The VPLs of temporal set `set`: the valid ones that have any flux, where they are now.
+    pub fn set_vpls(&self, world: World<'_>, set: u32) -> SetVpls {
+        let layout = &self.layout;
+        let classes = layout.classes as usize;
+        let mut result = SetVpls {
+            vpls: Vec::with_capacity((layout.slots / layout.sets + 1) as usize),
+            class_starts: Vec::with_capacity(classes + 1),
+            class_flux: Vec::with_capacity(classes),
+        };
+        for class in 0..layout.classes {
+            result.class_starts.push(result.vpls.len() as u32);
+            // Every n^2-th slot of the set, which is every (T n^2)-th of all.
+            let first = u64::from(class) * u64::from(layout.sets) + u64::from(set);
+            let slots = (first..u64::from(layout.slots))
+                .step_by(classes * layout.sets as usize)
+                .filter(|_| set < layout.sets);
+            let mut class_flux = 0.0;
+            for slot in slots {
+                let Some(vpl) = self.gpu_vpl(world, slot as usize) else {
+                    continue;
+                };
+                class_flux += f64::from(luminance(vpl.flux));
+                result.vpls.push(vpl);
+            }
+            result.class_flux.push(class_flux as f32);
+        }
+        result.class_starts.push(result.vpls.len() as u32);
+        result
+    }
+
+    /// Luminous flux of all valid VPLs, the sum over all temporal sets.
+    pub fn total_flux(&self, _world: World<'_>) -> f32 {
+        let flux = (0..self.slots.len()).map(|slot| f64::from(luminance(self.flux(slot))));
+        flux.sum::<f64>() as f32
+    }
+
+    /// All slots, for tests and debug views.
+    pub fn slots(&self) -> impl Iterator<Item = SlotView> + '_ {
+        self.deal
+            .addresses
+            .iter()
+            .enumerate()
+            .map(|(index, address)| {
+                let (slot, surface) = (&self.slots[index], &self.surfaces[index]);
+                SlotView {
+                    slot: index as u32,
+                    state: slot.state,
+                    light: (address.light != NONE).then_some(address.light),
+                    path: address.path,
+                    bounce: address.bounce,
+                    parent: (address.parent != NONE).then_some(address.parent),
+                    position: surface.position,
+                    normal: surface.normal,
+                    flux: self.flux(index),
+                    stale: address.light != NONE && !slot.fresh,
+                }
+            })
+    }
+
+    fn gpu_vpl(&self, world: World<'_>, index: usize) -> Option<GpuVpl> {
+        let flux = self.flux(index);
+        if flux == Vec3::ZERO {
+            return None;
+        }
+        let address = &self.deal.addresses[index];
+        let surface = locate(world, &self.slots[index], address);
+        Some(GpuVpl {
+            position: surface.position,
+            slot: index as u32,
+            normal: surface.normal,
+            bounce: address.bounce,
+            flux,
+            _pad: 0,
+        })
+    }
+
+    /// Flux of a slot's VPL, W; zero unless it is valid.
+    fn flux(&self, index: usize) -> Vec3 {
+        let (slot, address) = (&self.slots[index], &self.deal.addresses[index]);
+        if slot.state != SlotState::Valid {
+            return Vec3::ZERO;
+        }
+        let (light, bounce) = (address.light as usize, address.bounce as usize);
+        let share = self.shares[light][bounce] / self.live[light][bounce] as f32;
+        self.watch.emitters[light].flux * share * slot.throughput
+    }
+}

@@ -1,0 +1,171 @@
+//! What changed in the world since the last frame.
+//!
+//! In: the world, frame by frame. Out: the lights as emitters, and which lights and instances are not
+//! as they were. Everything kept here follows from the current world alone, so that after a change
+//! nothing is left of the past.
+
+use glam::{Affine3A, Vec3};
+
+use super::World;
+use super::emitter::{Emitter, Source};
+use super::quota::Claim;
+use crate::scene::{BoundingSphere, Light, LightKind, Scene, luminance};
+
+/// Keeps the last world and compares.
+#[derive(Clone, Debug)]
+pub(super) struct Watch {
+    /// The lights of the current world.
+    pub(super) emitters: Vec<Emitter>,
+    /// Covers everything visible. Keeps still while things move about within it.
+    pub(super) bounds: BoundingSphere,
+    /// Whether the paths of each light start or point elsewhere; its power does not matter.
+    pub(super) light_changed: Vec<bool>,
+    /// Whether each instance moved.
+    pub(super) moved: Vec<bool>,
+    /// Whether any visible instance moved.
+    pub(super) geometry_moved: bool,
+    /// Whether [`Self::bounds`] changed, and with it every ray.
+    pub(super) bounds_changed: bool,
+    /// Whether any flux or the number of lights changed.
+    pub(super) flux_changed: bool,
+    rest_bounds: BoundingSphere,
+    lights: Vec<Light>,
+    transforms: Vec<Affine3A>,
+}
+
+impl Watch {
+    /// Looks at the world for the first time; nothing counts as changed.
+    pub(super) fn new(world: World<'_>) -> Self {
+        let rest_bounds = BoundingSphere::around(bounds_at_rest(world.scene));
+        let bounds = stepped_bounds(&rest_bounds, world.bvh.bounds());
+        let lights = world.pose.lights.clone();
+        let emitters: Vec<_> = lights
+            .iter()
+            .map(|light| Emitter::new(world, light, &bounds))
+            .collect();
+        Self {
+            light_changed: vec![false; lights.len()],
+            moved: vec![false; world.pose.instances.len()],
+            geometry_moved: false,
+            bounds_changed: false,
+            flux_changed: false,
+            transforms: world.pose.instances.clone(),
+            emitters,
+            bounds,
+            rest_bounds,
+            lights,
+        }
+    }
+
+    /// Compares the world with the last one and keeps it.
+    pub(super) fn update(&mut self, world: World<'_>) {
+        self.compare_instances(world);
+        let bounds = stepped_bounds(&self.rest_bounds, world.bvh.bounds());
+        self.bounds_changed = bounds != self.bounds;
+        self.bounds = bounds;
+        self.compare_lights(world);
+    }
+
+    /// Whether anything that VPLs depend on is not as it was in the last frame.
+    pub(super) fn anything_changed(&self) -> bool {
+        self.geometry_moved || self.bounds_changed || self.light_changed.contains(&true)
+    }
+
+    /// Whether an instance moved in this frame.
+    pub(super) fn has_moved(&self, instance: u32) -> bool {
+        self.moved[instance as usize]
+    }
+
+    /// What each light may claim of the slots.
+    pub(super) fn claims(&self) -> Vec<Claim> {
+        self.emitters
+            .iter()
+            .map(|emitter| Claim {
+                luminous_flux: luminance(emitter.flux),
+                first_bounce: emitter.first_bounce(),
+            })
+            .collect()
+    }
+
+    fn compare_instances(&mut self, world: World<'_>) {
+        let now = &world.pose.instances;
+        self.transforms.resize(now.len(), Affine3A::IDENTITY);
+        self.moved.resize(now.len(), true);
+        self.geometry_moved = false;
+        let last = self.transforms.iter_mut().zip(&mut self.moved);
+        for ((last, moved), (now, instance)) in last.zip(now.iter().zip(&world.scene.instances)) {
+            *moved = last != now;
+            *last = *now;
+            self.geometry_moved |= *moved && instance.visible;
+        }
+    }
+
+    fn compare_lights(&mut self, world: World<'_>) {
+        let now = &world.pose.lights;
+        self.flux_changed = self.lights.len() != now.len();
+        self.lights.truncate(now.len());
+        self.emitters.truncate(now.len());
+        self.light_changed.clear();
+        for (index, light) in now.iter().enumerate() {
+            let carried = match &light.kind {
+                LightKind::Area { instance, .. } => self.moved[*instance],
+                LightKind::Directional { .. } => self.bounds_changed,
+                _ => false,
+            };
+            let known = self.lights.get(index);
+            if known == Some(light) && !carried {
+                self.light_changed.push(false);
+                continue;
+            }
+            let emitter = Emitter::new(world, light, &self.bounds);
+            match self.emitters.get_mut(index) {
+                None => {
+                    self.light_changed.push(true);
+                    self.emitters.push(emitter);
+                    self.lights.push(light.clone());
+                }
+                Some(last) => {
+                    let on_moved = matches!(last.source, Source::Area(_)) && carried;
+                    let changed = on_moved || last.source != emitter.source;
+                    self.light_changed.push(changed);
+                    self.flux_changed |= last.flux != emitter.flux;
+                    *last = emitter;
+                    self.lights[index].clone_from(light);
+                }
+            }
+        }
+    }
+}
+
+/// Bounds (min, max) of all visible instances at rest, from the corners of their meshes' boxes, as the
+/// top level of the BVH has them; a unit box when there are none.
+fn bounds_at_rest(scene: &Scene) -> (Vec3, Vec3) {
+    let boxes: Vec<_> = scene.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    let instances = scene.instances.iter().filter(|instance| instance.visible);
+    instances
+        .flat_map(|instance| {
+            let (min, max) = boxes[instance.mesh];
+            (0..8).map(move |corner: u32| {
+                let pick = |axis: u32| corner >> axis & 1 == 1;
+                let corner = Vec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), max, min);
+                instance.transform.transform_point3(corner)
+            })
+        })
+        .map(|point| (point, point))
+        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        .unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)))
+}
+
+/// The sphere about the scene at rest, widened in steps until it covers the box. It follows from the
+/// current box alone, yet seldom changes while objects move: each change reshoots every VPL.
+fn stepped_bounds(rest: &BoundingSphere, (min, max): (Vec3, Vec3)) -> BoundingSphere {
+    const STEP: f32 = 1.25;
+    let farthest = (max - rest.center).abs().max((min - rest.center).abs());
+    let needed = farthest.length() / rest.radius;
+    // At rest the two differ by rounding only, which must not cost a step.
+    let steps = ((needed / 1.001).ln() / STEP.ln()).ceil().max(0.0);
+    BoundingSphere {
+        center: rest.center,
+        radius: 1.001 * rest.radius * STEP.powf(steps),
+    }
+}

@@ -1,0 +1,9 @@
+//! The VPL manager against known answers: energy, balance, budget, and forgetting the past.
+
+mod emission;
+mod energy;
+mod forgetting;
+mod motion;
+mod replacement;
+mod sizes;
+mod support;
