@@ -110,7 +110,7 @@ install_missing() {
     missing_packages=()
     {
         "${as_root[@]}" apt-get update -qq || say "apt-get update failed; going on with the old lists"
-        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}" -qq
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}" -qq -o Dpkg::Use-Pty=0
     } </dev/null >&2 || {
         say "error: apt-get could not install it (see above)"
         return 1

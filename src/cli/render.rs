@@ -20,8 +20,7 @@ use crate::settings::Settings;
 pub(super) struct RenderOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     pub scene: String,
-    /// Frames to render. Otherwise as many as a still scene needs to settle: until every VPL has been
-    /// shot and then every temporal set drawn.
+    /// Frames to render. Otherwise as many as there are temporal sets: then a still picture is complete.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub frames: Option<u64>,
     /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
@@ -46,7 +45,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let device = device::open(&options.run.device)?;
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
-    let frames = options.frames.unwrap_or_else(|| frames_to_settle(&settings));
+    let frames = options.frames.unwrap_or_else(|| u64::from(settings.temporal_sets));
     device::note_slow(&device);
     let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
@@ -66,11 +65,6 @@ fn load(options: &RenderOptions) -> Result<Scene, CliError> {
     let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     Ok(scene)
-}
-
-/// Frames until a still scene looks its best: all VPLs shot, then all temporal sets drawn.
-fn frames_to_settle(settings: &Settings) -> u64 {
-    u64::from(settings.vpls.div_ceil(settings.budget)) + u64::from(settings.temporal_sets)
 }
 
 /// Renders frames 0 to `frames` - 1 and writes the pictures that `target` wants. Shows progress on a
