@@ -10,7 +10,13 @@ fn all_builtin_scenes_load() {
     for name in BUILTIN_SCENES {
         let t = std::time::Instant::now();
         match load_scene(name, Some(&assets)) {
-            Ok(s) => println!("{name}: {} triangles, {} lights, {:?} {:?}", s.triangle_count(), s.lights.len(), s.warnings, t.elapsed()),
+            Ok(s) => println!(
+                "{name}: {} triangles, {} lights, {:?} {:?}",
+                s.triangle_count(),
+                s.lights.len(),
+                s.warnings,
+                t.elapsed()
+            ),
             Err(e) => panic!("{e}"),
         }
     }

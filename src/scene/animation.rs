@@ -57,11 +57,7 @@ impl Animation {
         let keys = &self.keyframes;
         let next = keys.partition_point(|key| key.time <= time);
         let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-            return Keyframe {
-                time,
-                translation: Vec3::ZERO,
-                rotation: Quat::IDENTITY,
-            };
+            return Keyframe { time, translation: Vec3::ZERO, rotation: Quat::IDENTITY };
         };
         if next == 0 {
             return Keyframe { time, ..*first };
@@ -75,11 +71,7 @@ impl Animation {
         let tangent = |i: usize| self.tangent(i) * span as f32;
         Keyframe {
             time,
-            translation: hermite(
-                [a.translation, b.translation],
-                [tangent(next - 1), tangent(next)],
-                s,
-            ),
+            translation: hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
             rotation: a.rotation.slerp(b.rotation, s).normalize(),
         }
     }
@@ -93,16 +85,9 @@ impl Animation {
 
     /// At most how far a thing that rests at `origin` moves away from there, in scene units.
     pub fn reach(&self, origin: Vec3) -> f32 {
-        let farthest = self
-            .keyframes
-            .iter()
-            .map(|key| key.translation.length())
-            .fold(0.0, f32::max);
+        let farthest = self.keyframes.iter().map(|key| key.translation.length()).fold(0.0, f32::max);
         // A Catmull-Rom spline overshoots its keys by less than half of the step between two of them.
-        let steps = self
-            .keyframes
-            .windows(2)
-            .map(|pair| pair[1].translation.distance(pair[0].translation));
+        let steps = self.keyframes.windows(2).map(|pair| pair[1].translation.distance(pair[0].translation));
         let orbit = self
             .rotation
             .and_then(|rotation| rotation.pivot)
@@ -132,24 +117,14 @@ mod tests {
     use super::*;
 
     fn key(time: f64, translation: Vec3, degrees: f32) -> Keyframe {
-        Keyframe {
-            time,
-            translation,
-            rotation: Quat::from_rotation_y(degrees.to_radians()),
-        }
+        Keyframe { time, translation, rotation: Quat::from_rotation_y(degrees.to_radians()) }
     }
 
     #[test]
     fn passes_through_keys_and_holds_outside() {
-        let keys = [
-            key(1.0, Vec3::X, 0.0),
-            key(2.0, Vec3::new(3.0, 1.0, 0.0), 90.0),
-            key(4.0, Vec3::Z, 180.0),
-        ];
-        let animation = Animation {
-            keyframes: keys.to_vec(),
-            rotation: None,
-        };
+        let keys =
+            [key(1.0, Vec3::X, 0.0), key(2.0, Vec3::new(3.0, 1.0, 0.0), 90.0), key(4.0, Vec3::Z, 180.0)];
+        let animation = Animation { keyframes: keys.to_vec(), rotation: None };
         for expected in &keys {
             let got = animation.key_at(expected.time);
             assert!(got.translation.distance(expected.translation) < 1e-6);
@@ -161,13 +136,8 @@ mod tests {
 
     #[test]
     fn evenly_keyed_line_is_uniform_motion() {
-        let keyframes = (0..5)
-            .map(|i| key(f64::from(i), Vec3::X * i as f32, 0.0))
-            .collect();
-        let animation = Animation {
-            keyframes,
-            rotation: None,
-        };
+        let keyframes = (0..5).map(|i| key(f64::from(i), Vec3::X * i as f32, 0.0)).collect();
+        let animation = Animation { keyframes, rotation: None };
         for i in 0..=40 {
             let time = f64::from(i) * 0.1;
             assert!((animation.key_at(time).translation.x - time as f32).abs() < 1e-5);
@@ -182,10 +152,7 @@ mod tests {
             key(4.0, Vec3::Y, 0.0),
             key(5.0, Vec3::Z, 0.0),
         ];
-        let animation = Animation {
-            keyframes,
-            rotation: None,
-        };
+        let animation = Animation { keyframes, rotation: None };
         let at = |time: f64| animation.key_at(time).translation;
         for knot in [1.0, 4.0] {
             let before = (at(knot) - at(knot - 1e-3)) / 1e-3;
@@ -196,41 +163,18 @@ mod tests {
 
     #[test]
     fn constant_rotation_goes_about_its_pivot() {
-        let rotation = Rotation {
-            axis: Vec3::Y,
-            speed: std::f32::consts::FRAC_PI_2,
-            pivot: Some(Vec3::X),
-        };
-        let animation = Animation {
-            keyframes: Vec::new(),
-            rotation: Some(rotation),
-        };
-        let moved = animation
-            .motion(1.0, Vec3::ZERO)
-            .transform_point3(Vec3::new(2.0, 5.0, 0.0));
+        let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
+        let animation = Animation { keyframes: Vec::new(), rotation: Some(rotation) };
+        let moved = animation.motion(1.0, Vec3::ZERO).transform_point3(Vec3::new(2.0, 5.0, 0.0));
         assert!(moved.distance(Vec3::new(1.0, 5.0, -1.0)) < 1e-5, "{moved}");
-        let own = Animation {
-            rotation: Some(Rotation {
-                pivot: None,
-                ..rotation
-            }),
-            ..animation
-        };
+        let own = Animation { rotation: Some(Rotation { pivot: None, ..rotation }), ..animation };
         let origin = Vec3::new(7.0, 0.0, 3.0);
-        assert!(
-            own.motion(0.7, origin)
-                .transform_point3(origin)
-                .distance(origin)
-                < 1e-5
-        );
+        assert!(own.motion(0.7, origin).transform_point3(origin).distance(origin) < 1e-5);
     }
 
     #[test]
     fn rest_is_exactly_rest() {
-        let animation = Animation {
-            keyframes: vec![key(0.0, Vec3::ZERO, 0.0)],
-            rotation: None,
-        };
+        let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], rotation: None };
         assert_eq!(animation.motion(3.0, Vec3::ONE), Affine3A::IDENTITY);
     }
 

@@ -57,14 +57,7 @@ pub struct Instance {
 impl Instance {
     /// A visible static instance of mesh `mesh` at `transform` (object to world).
     pub fn fixed(name: &str, mesh: usize, transform: Affine3A) -> Self {
-        Self {
-            name: name.to_owned(),
-            mesh,
-            transform,
-            animation: None,
-            dynamic: false,
-            visible: true,
-        }
+        Self { name: name.to_owned(), mesh, transform, animation: None, dynamic: false, visible: true }
     }
 }
 
@@ -121,10 +114,7 @@ impl BoundingSphere {
     /// The sphere about the box (min, max).
     pub fn around((min, max): (Vec3, Vec3)) -> Self {
         let radius = 0.5 * min.distance(max);
-        Self {
-            center: 0.5 * (min + max),
-            radius: radius.max(f32::MIN_POSITIVE),
-        }
+        Self { center: 0.5 * (min + max), radius: radius.max(f32::MIN_POSITIVE) }
     }
 }
 
@@ -169,16 +159,9 @@ impl Scene {
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are
     /// none. Looks at every vertex.
     pub fn bounds(&self, pose: &Pose) -> (Vec3, Vec3) {
-        let visible = self
-            .instances
-            .iter()
-            .zip(&pose.instances)
-            .filter(|(instance, _)| instance.visible);
+        let visible = self.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);
         let points = visible.flat_map(|(instance, transform)| {
-            self.meshes[instance.mesh]
-                .positions
-                .iter()
-                .map(|point| transform.transform_point3(*point))
+            self.meshes[instance.mesh].positions.iter().map(|point| transform.transform_point3(*point))
         });
         mesh::bounds_of(points).unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)))
     }
@@ -198,10 +181,7 @@ impl Scene {
 
     /// Triangles of all instances together.
     pub fn triangle_count(&self) -> usize {
-        self.instances
-            .iter()
-            .map(|instance| self.meshes[instance.mesh].triangles.len())
-            .sum()
+        self.instances.iter().map(|instance| self.meshes[instance.mesh].triangles.len()).sum()
     }
 
     /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.
@@ -209,25 +189,14 @@ impl Scene {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let emission = |(triangle, &material): (usize, &u32)| {
             let material = &self.materials[material as usize];
-            let emitter = AreaTriangle {
-                triangle: triangle as u32,
-                radiance: material.emission,
-            };
+            let emitter = AreaTriangle { triangle: triangle as u32, radiance: material.emission };
             material.is_emissive().then_some(emitter)
         };
-        let triangles: Vec<_> = mesh
-            .triangle_materials
-            .iter()
-            .enumerate()
-            .filter_map(emission)
-            .collect();
+        let triangles: Vec<_> = mesh.triangle_materials.iter().enumerate().filter_map(emission).collect();
         if !triangles.is_empty() {
             self.lights.push(Light {
                 name: self.instances[instance].name.clone(),
-                kind: LightKind::Area {
-                    instance,
-                    triangles,
-                },
+                kind: LightKind::Area { instance, triangles },
                 position: Vec3::ZERO,
                 direction: Vec3::NEG_Y,
                 animation: None,

@@ -24,19 +24,9 @@ pub(super) struct Emitter {
 /// Where a light's paths start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
-    Point {
-        position: Vec3,
-    },
-    Spot {
-        position: Vec3,
-        frame: Frame,
-        cone: SpotCone,
-        outer_angle: f32,
-    },
-    Directional {
-        frame: Frame,
-        bounds: BoundingSphere,
-    },
+    Point { position: Vec3 },
+    Spot { position: Vec3, frame: Frame, cone: SpotCone, outer_angle: f32 },
+    Directional { frame: Frame, bounds: BoundingSphere },
     Area(AreaTable),
 }
 
@@ -44,32 +34,19 @@ impl Emitter {
     /// `bounds` is what a directional light's paths must cover.
     pub(super) fn new(world: World<'_>, light: &Light, bounds: &BoundingSphere) -> Self {
         let source = match &light.kind {
-            LightKind::Point { .. } => Source::Point {
-                position: light.position,
-            },
-            LightKind::Spot {
-                inner_angle,
-                outer_angle,
-                ..
-            } => Source::Spot {
+            LightKind::Point { .. } => Source::Point { position: light.position },
+            LightKind::Spot { inner_angle, outer_angle, .. } => Source::Spot {
                 position: light.position,
                 frame: Frame::around(light.direction),
                 cone: SpotCone::new(*inner_angle, *outer_angle),
                 outer_angle: *outer_angle,
             },
-            LightKind::Directional { .. } => Source::Directional {
-                frame: Frame::around(light.direction),
-                bounds: *bounds,
-            },
-            LightKind::Area {
-                instance,
-                triangles,
-            } => {
+            LightKind::Directional { .. } => {
+                Source::Directional { frame: Frame::around(light.direction), bounds: *bounds }
+            }
+            LightKind::Area { instance, triangles } => {
                 let (flux, table) = AreaTable::new(world, *instance, triangles);
-                return Self {
-                    flux,
-                    source: Source::Area(table),
-                };
+                return Self { flux, source: Source::Area(table) };
             }
         };
         let flux = light.flux(world.scene, world.pose, bounds);
@@ -88,28 +65,15 @@ impl Emitter {
     pub(super) fn first_ray(&self, u: Vec2) -> Option<Ray> {
         let (origin, direction) = match &self.source {
             Source::Point { position } => (*position, sampling::sphere(u)),
-            Source::Spot {
-                position,
-                frame,
-                cone,
-                ..
-            } => (*position, frame.to_world(cone.sample(u))),
+            Source::Spot { position, frame, cone, .. } => (*position, frame.to_world(cone.sample(u))),
             Source::Directional { frame, bounds } => {
                 // The disc stands off by the radius and a little, to start outside whatever it covers.
                 let on_disc = sampling::disc(u).extend(-1.01);
-                (
-                    bounds.center + frame.to_world(on_disc) * bounds.radius,
-                    frame.normal,
-                )
+                (bounds.center + frame.to_world(on_disc) * bounds.radius, frame.normal)
             }
             Source::Area(_) => return None,
         };
-        Some(Ray {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        })
+        Some(Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY })
     }
 }
 
@@ -117,12 +81,7 @@ impl Source {
     /// Whether the light sends anything towards the world position `point`, were nothing between.
     pub(super) fn shines_on(&self, point: Vec3) -> bool {
         match self {
-            Self::Spot {
-                position,
-                frame,
-                outer_angle,
-                ..
-            } => {
+            Self::Spot { position, frame, outer_angle, .. } => {
                 let to_point = point - *position;
                 let sine = frame.normal.cross(to_point).length();
                 // Exact for narrow cones too, where the cosine has few digits.
@@ -216,8 +175,7 @@ fn running_shares(powers: &[DVec3]) -> Vec<f32> {
 fn world_area(world: World<'_>, instance: usize, triangle: u32) -> f64 {
     let mesh = &world.scene.meshes[world.scene.instances[instance].mesh];
     let transform = &world.pose.instances[instance];
-    let [a, b, c] = mesh
-        .triangle_positions(triangle)
-        .map(|corner| transform.transform_point3(corner).as_dvec3());
+    let [a, b, c] =
+        mesh.triangle_positions(triangle).map(|corner| transform.transform_point3(corner).as_dvec3());
     0.5 * (b - a).cross(c - a).length()
 }

@@ -41,9 +41,7 @@ impl VplManager {
     pub(super) fn shoot(&mut self, world: World<'_>, units: &[Unit]) {
         let last = units.iter().map(|unit| unit.end).max().unwrap_or(0);
         for level in 0..last {
-            let wave = units
-                .iter()
-                .filter(|unit| (unit.start..unit.end).contains(&level));
+            let wave = units.iter().filter(|unit| (unit.start..unit.end).contains(&level));
             let jobs: Vec<u32> = wave.map(|unit| self.deal.path(unit.path)[level]).collect();
             self.shoot_wave(world, &jobs);
             self.end_escaped_paths(units, level);
@@ -54,22 +52,11 @@ impl VplManager {
     fn shoot_wave(&mut self, world: World<'_>, jobs: &[u32]) {
         // Aim.
         let this = &*self;
-        let aims: Vec<Aim> = jobs
-            .par_iter()
-            .with_min_len(SLOTS_PER_TASK)
-            .map(|&slot| this.aim(slot))
-            .collect();
+        let aims: Vec<Aim> =
+            jobs.par_iter().with_min_len(SLOTS_PER_TASK).map(|&slot| this.aim(slot)).collect();
         // Trace.
-        let rays: Vec<Ray> = aims
-            .iter()
-            .filter_map(|aim| {
-                if let Aim::Trace(ray) = aim {
-                    Some(*ray)
-                } else {
-                    None
-                }
-            })
-            .collect();
+        let rays: Vec<Ray> =
+            aims.iter().filter_map(|aim| if let Aim::Trace(ray) = aim { Some(*ray) } else { None }).collect();
         let mut hits = world.bvh.intersect_batch(&rays).into_iter();
         let traced: Vec<Option<Hit>> = aims
             .iter()
@@ -126,13 +113,7 @@ impl VplManager {
         })
     }
 
-    fn land(
-        &self,
-        world: World<'_>,
-        slot: u32,
-        aim: &Aim,
-        hit: Option<Hit>,
-    ) -> (Slot, WorldSurface) {
+    fn land(&self, world: World<'_>, slot: u32, aim: &Aim, hit: Option<Hit>) -> (Slot, WorldSurface) {
         let parent = self.deal.addresses[slot as usize].parent;
         let (fresh, carried) = match parent {
             NONE => (true, Vec3::ONE),
@@ -154,10 +135,7 @@ impl VplManager {
             (Aim::Trace(ray), Some(hit)) => (hit, Side::Facing(ray.direction)),
             _ => return (Slot::escaped(fresh), WorldSurface::default()),
         };
-        let point = SurfacePoint {
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
-        };
+        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let mut found = surface::find(world, hit.instance, point, side);
         let throughput = if let Aim::Start(_, _, weight) = aim {
             // The light's own surface emits about the flat triangle's normal.
@@ -182,10 +160,7 @@ impl VplManager {
 
     /// What comes after an escaped slot has escaped too, even where the budget cuts the unit before it.
     fn end_escaped_paths(&mut self, units: &[Unit], level: usize) {
-        for unit in units
-            .iter()
-            .filter(|unit| (unit.start..unit.end).contains(&level))
-        {
+        for unit in units.iter().filter(|unit| (unit.start..unit.end).contains(&level)) {
             let (path, slots) = (self.deal.path(unit.path), &mut self.slots);
             let shot = slots[path[level] as usize];
             if shot.state == SlotState::Escaped {

@@ -39,10 +39,7 @@ impl Watch {
         let rest_bounds = BoundingSphere::around(bounds_at_rest(world.scene));
         let bounds = stepped_bounds(&rest_bounds, world.bvh.bounds());
         let lights = world.pose.lights.clone();
-        let emitters: Vec<_> = lights
-            .iter()
-            .map(|light| Emitter::new(world, light, &bounds))
-            .collect();
+        let emitters: Vec<_> = lights.iter().map(|light| Emitter::new(world, light, &bounds)).collect();
         Self {
             light_changed: vec![false; lights.len()],
             moved: vec![false; world.pose.instances.len()],
@@ -164,8 +161,5 @@ fn stepped_bounds(rest: &BoundingSphere, (min, max): (Vec3, Vec3)) -> BoundingSp
     let needed = farthest.length() / rest.radius;
     // At rest the two differ by rounding only, which must not cost a step.
     let steps = ((needed / 1.001).ln() / STEP.ln()).ceil().max(0.0);
-    BoundingSphere {
-        center: rest.center,
-        radius: 1.001 * rest.radius * STEP.powf(steps),
-    }
+    BoundingSphere { center: rest.center, radius: 1.001 * rest.radius * STEP.powf(steps) }
 }
