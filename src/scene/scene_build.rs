@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
 
     /// The `[settings]` as written; keys and types have been checked by the parse.
     fn settings(&self, file: &SceneFile) -> Result<toml::Table, SceneError> {
-        if file._settings.is_none() {
+        if file.settings.is_none() {
             return Ok(toml::Table::new());
         }
         let mut table: toml::Table = toml::from_str(self.text)
@@ -201,7 +201,7 @@ impl<'a> Builder<'a> {
         }
         self.instances.insert(name.clone(), index);
         self.scene.instances.push(Instance {
-            transform: transform_of(entry, instance)?,
+            transform,
             dynamic: instance.dynamic.unwrap_or(animation.is_some()) || animation.is_some(),
             animation,
             visible: instance.visible.unwrap_or(true),
@@ -269,6 +269,20 @@ fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, Sce
         return Err(entry.error(format!("scale must not be zero in any axis, is {scale}")));
     }
     Ok(transform)
+}
+
+/// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
+pub(super) fn check_not_mirrored(
+    entry: &Entry,
+    transform: &Affine3A,
+    emits: bool,
+) -> Result<(), SceneError> {
+    if emits && transform.matrix3.determinant() < 0.0 {
+        return Err(
+            entry.error("an instance that emits light must not be mirrored by a negative scale")
+        );
+    }
+    Ok(())
 }
 
 fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, SceneError> {
