@@ -51,11 +51,14 @@ impl Images {
     }
 }
 
+/// What a mask is made of: colour map, opacity map, bits of `d`.
+type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
+
 /// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
 pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
     let images = Images::read(file, materials);
     let textures = add_textures(file, materials, &images, scene);
-    let mut masks: HashMap<(Option<&str>, Option<&str>, u32), Option<usize>> = HashMap::new();
+    let mut masks: HashMap<MaskKey, Option<usize>> = HashMap::new();
     for material in materials {
         let colour_map = material.diffuse_texture.as_deref();
         let opacity_map = material.dissolve_texture.as_deref();

@@ -194,6 +194,8 @@ impl<'a> Builder<'a> {
             .name
             .clone()
             .unwrap_or_else(|| instance.model.clone());
+        let transform = transform_of(entry, instance)?;
+        check_not_mirrored(entry, &transform, self.scene.is_emissive(mesh))?;
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {

@@ -249,7 +249,7 @@ mod tests {
 
     fn checkerboard(width: u32, height: u32) -> Texture {
         let texels = (0..width * height).flat_map(|i| {
-            let v = if (i % width + i / width) % 2 == 0 {
+            let v = if (i % width + i / width).is_multiple_of(2) {
                 255
             } else {
                 0
