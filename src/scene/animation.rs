@@ -4,7 +4,7 @@
 //! Positions follow a cubic Hermite spline with Catmull-Rom tangents (Catmull and Rom 1974, for
 //! unevenly spaced keys), rotations are interpolated by slerp.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec3};
 
 /// How a camera, light or instance moves, relative to its rest pose. Both parts may be present.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,19 +37,45 @@ pub struct Rotation {
     pub pivot: Option<Vec3>,
 }
 
+/// A rigid motion of a thing that has an origin of its own, which stays exact where nothing moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// About the thing's own origin.
+    pub rotation: Quat,
+    /// Where its origin is now, world space.
+    pub position: Vec3,
+}
+
+impl Motion {
+    /// Object to world of a thing that rests at `rest`.
+    pub fn transform(&self, rest: &Affine3A) -> Affine3A {
+        Affine3A {
+            matrix3: Mat3A::from_quat(self.rotation) * rest.matrix3,
+            translation: self.position.into(),
+        }
+    }
+}
+
 impl Animation {
-    /// The world-space motion at `time` (seconds) of a thing whose own origin rests at `origin`: first the
+    /// How a thing whose own origin rests at `origin` (world space) has moved at `time` (seconds): first the
     /// keyed rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
-    pub fn motion(&self, time: f64, origin: Vec3) -> Affine3A {
+    pub fn motion(&self, time: f64, origin: Vec3) -> Motion {
         let key = self.key_at(time);
-        let mut motion = rotation_about(key.rotation, origin);
+        let mut motion = Motion {
+            rotation: key.rotation,
+            position: origin,
+        };
         if let Some(rotation) = &self.rotation {
             // Whole turns are taken off in f64, so that a long run stays exact.
             let angle = (f64::from(rotation.speed) * time).rem_euclid(std::f64::consts::TAU);
             let turn = Quat::from_axis_angle(rotation.axis, angle as f32);
-            motion = rotation_about(turn, rotation.pivot.unwrap_or(origin)) * motion;
+            motion.rotation = turn * motion.rotation;
+            if let Some(pivot) = rotation.pivot {
+                motion.position = pivot + turn * (origin - pivot);
+            }
         }
-        Affine3A::from_translation(key.translation) * motion
+        motion.position += key.translation;
+        motion
     }
 
     /// The interpolated key at `time`; rest when there are no keys.
@@ -94,14 +120,6 @@ impl Animation {
             .map_or(0.0, |pivot| 2.0 * pivot.distance(origin));
         farthest + 0.5 * steps.fold(0.0, f32::max) + orbit
     }
-}
-
-fn rotation_about(rotation: Quat, pivot: Vec3) -> Affine3A {
-    if rotation == Quat::IDENTITY {
-        // Exact identity: resting things must not pick up rounding errors.
-        return Affine3A::IDENTITY;
-    }
-    Affine3A::from_rotation_translation(rotation, pivot - rotation * pivot)
 }
 
 fn hermite(ends: [Vec3; 2], tangents: [Vec3; 2], s: f32) -> Vec3 {
@@ -163,6 +181,7 @@ mod tests {
 
     #[test]
     fn constant_rotation_goes_about_its_pivot() {
+<<<<<<< HEAD
         let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
         let animation = Animation { keyframes: Vec::new(), rotation: Some(rotation) };
         let moved = animation.motion(1.0, Vec3::ZERO).transform_point3(Vec3::new(2.0, 5.0, 0.0));
@@ -170,12 +189,49 @@ mod tests {
         let own = Animation { rotation: Some(Rotation { pivot: None, ..rotation }), ..animation };
         let origin = Vec3::new(7.0, 0.0, 3.0);
         assert!(own.motion(0.7, origin).transform_point3(origin).distance(origin) < 1e-5);
+=======
+        let rotation = Rotation {
+            axis: Vec3::Y,
+            speed: std::f32::consts::FRAC_PI_2,
+            pivot: Some(Vec3::X),
+        };
+        let animation = Animation {
+            keyframes: Vec::new(),
+            rotation: Some(rotation),
+        };
+        let motion = animation.motion(1.0, Vec3::new(2.0, 5.0, 0.0));
+        let expected = Vec3::new(1.0, 5.0, -1.0);
+        assert!(motion.position.distance(expected) < 1e-5, "{motion:?}");
+        assert!((motion.rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
+        let own = Animation {
+            rotation: Some(Rotation {
+                pivot: None,
+                ..rotation
+            }),
+            ..animation
+        };
+        let origin = Vec3::new(7.0, 0.1, 3.3);
+        assert_eq!(own.motion(0.7, origin).position, origin);
+>>>>>>> scene
     }
 
     #[test]
     fn rest_is_exactly_rest() {
+<<<<<<< HEAD
         let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], rotation: None };
         assert_eq!(animation.motion(3.0, Vec3::ONE), Affine3A::IDENTITY);
+=======
+        let animation = Animation {
+            keyframes: vec![key(0.0, Vec3::ZERO, 0.0)],
+            rotation: None,
+        };
+        let rest = Affine3A::from_rotation_translation(
+            Quat::from_rotation_x(0.3),
+            Vec3::new(0.1, 0.2, 0.3),
+        );
+        let motion = animation.motion(3.0, rest.translation.into());
+        assert_eq!(motion.transform(&rest), rest);
+>>>>>>> scene
     }
 
     #[test]

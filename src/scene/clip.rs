@@ -66,6 +66,10 @@ fn clip_polygon(mut polygon: Vec<Corner>, min: Vec3, max: Vec3) -> Vec<Corner> {
         polygon = clip_half_space(&polygon, |corner| corner.position[axis] - min[axis]);
         polygon = clip_half_space(&polygon, |corner| max[axis] - corner.position[axis]);
     }
+    for corner in &mut polygon {
+        // Rounding must not widen the bounds.
+        corner.position = corner.position.clamp(min, max);
+    }
     polygon
 }
 

@@ -16,6 +16,7 @@ mod mesh;
 mod mtl;
 mod normals;
 mod obj;
+mod obj_materials;
 mod obj_text;
 mod polygon;
 mod primitives;
@@ -25,7 +26,7 @@ mod scene_lights;
 mod scene_models;
 mod texture;
 
-pub use animation::{Animation, Keyframe, Rotation};
+pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::NAMES as BUILTIN_SCENES;
 pub use camera::Camera;
 pub use error::{Place, SceneError};
@@ -142,7 +143,9 @@ impl Scene {
         let transform = |instance: &Instance| match &instance.animation {
             Some(animation) => {
                 let origin = Vec3::from(instance.transform.translation);
-                animation.motion(time, origin) * instance.transform
+                animation
+                    .motion(time, origin)
+                    .transform(&instance.transform)
             }
             None => instance.transform,
         };
@@ -182,6 +185,14 @@ impl Scene {
     /// Triangles of all instances together.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|instance| self.meshes[instance.mesh].triangles.len()).sum()
+    }
+
+    /// Whether any triangle of mesh `mesh` emits light.
+    pub fn is_emissive(&self, mesh: usize) -> bool {
+        let materials = &self.meshes[mesh].triangle_materials;
+        materials
+            .iter()
+            .any(|&material| self.materials[material as usize].is_emissive())
     }
 
     /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.

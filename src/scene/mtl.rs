@@ -1,19 +1,12 @@
-//! Material libraries: checks an MTL, has tobj parse it, and loads what its materials refer to.
+//! Material libraries: checks an MTL and has tobj parse it.
 //!
-//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, and from each a [`Material`] with its
-//! texture and alpha mask in the scene. Whatever is odd becomes a warning, never an error.
+//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, whose values are finite and in range.
+//! Whatever is odd becomes a warning, never an error.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use image::DynamicImage;
-use rayon::prelude::*;
-
-use super::Scene;
-use super::material::{AlphaMask, Material, Texture};
-use super::texture;
 
 /// Warnings that one file may cause; the rest are counted.
 const MAX_WARNINGS: usize = 8;
@@ -49,7 +42,7 @@ pub(super) fn read_libraries(
 }
 
 /// Finds `name` below `folder`: as written, with any case, or its last component alone.
-fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
+pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);
     if exact.is_file() {
@@ -186,6 +179,7 @@ fn without_options(mut rest: &str) -> &str {
     rest
 }
 
+<<<<<<< HEAD
 /// The images that a model's materials name, read once each.
 struct Images(HashMap<String, Result<DynamicImage, String>>);
 
@@ -286,6 +280,8 @@ fn mask_of(
     AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }
 
+=======
+>>>>>>> scene
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,7 +13,7 @@ use super::error::SceneError;
 use super::material::Material;
 use super::mesh::Mesh;
 use super::obj_text::ObjText;
-use super::{Scene, mtl, normals};
+use super::{Scene, mtl, normals, obj_materials};
 
 /// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
 pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
@@ -24,7 +24,7 @@ pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneErro
     // Load the materials, then a grey one for whatever the libraries do not define.
     let first_material = scene.materials.len();
     let materials = mtl::read_libraries(file, &obj.libraries, &mut scene.warnings);
-    mtl::add_materials(file, &materials, scene);
+    obj_materials::add_materials(file, &materials, scene);
     warn_of_undefined(file, &obj, &materials, scene);
     let grey = scene.materials.len();
     scene.materials.push(Material::grey("grey"));

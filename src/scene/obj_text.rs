@@ -233,8 +233,9 @@ impl Scan<'_> {
 
     fn corner(&self, line: usize, word: &str) -> Result<Corner, SceneError> {
         let mut corner = Corner([None; 3]);
+        let parts = word.split('/').count();
         for (list, part) in word.split('/').enumerate() {
-            if list >= 3 || (list == 0 && part.is_empty()) {
+            if parts > 3 || (list == 0 && part.is_empty()) {
                 return Err(self.error(
                     line,
                     format!("cannot read the face vertex \"{}\"; fix or re-export the model", clip(word)),

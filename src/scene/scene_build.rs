@@ -141,7 +141,7 @@ impl<'a> Builder<'a> {
 
     /// The `[settings]` as written; keys and types have been checked by the parse.
     fn settings(&self, file: &SceneFile) -> Result<toml::Table, SceneError> {
-        if file._settings.is_none() {
+        if file.settings.is_none() {
             return Ok(toml::Table::new());
         }
         let mut table: toml::Table = toml::from_str(self.text)
@@ -171,7 +171,16 @@ impl<'a> Builder<'a> {
                 entry.error(format!("no model is called \"{}\" (there are: {known})", instance.model))
             );
         };
+<<<<<<< HEAD
         let name = instance.name.clone().unwrap_or_else(|| instance.model.clone());
+=======
+        let name = instance
+            .name
+            .clone()
+            .unwrap_or_else(|| instance.model.clone());
+        let transform = transform_of(entry, instance)?;
+        check_not_mirrored(entry, &transform, self.scene.is_emissive(mesh))?;
+>>>>>>> scene
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {
@@ -179,7 +188,7 @@ impl<'a> Builder<'a> {
         }
         self.instances.insert(name.clone(), index);
         self.scene.instances.push(Instance {
-            transform: transform_of(entry, instance)?,
+            transform,
             dynamic: instance.dynamic.unwrap_or(animation.is_some()) || animation.is_some(),
             animation,
             visible: instance.visible.unwrap_or(true),
@@ -233,6 +242,20 @@ fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, Sce
         return Err(entry.error(format!("scale must not be zero in any axis, is {scale}")));
     }
     Ok(transform)
+}
+
+/// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
+pub(super) fn check_not_mirrored(
+    entry: &Entry,
+    transform: &Affine3A,
+    emits: bool,
+) -> Result<(), SceneError> {
+    if emits && transform.matrix3.determinant() < 0.0 {
+        return Err(
+            entry.error("an instance that emits light must not be mirrored by a negative scale")
+        );
+    }
+    Ok(())
 }
 
 fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, SceneError> {

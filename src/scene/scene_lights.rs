@@ -10,7 +10,7 @@ use super::error::SceneError;
 use super::light::{Light, LightKind};
 use super::material::Material;
 use super::mesh::Mesh;
-use super::scene_build::{Builder, Entry, animation_of};
+use super::scene_build::{Builder, Entry, animation_of, check_not_mirrored};
 use super::scene_file::{LightEntry, LightType};
 use super::{Instance, Scene};
 
@@ -148,6 +148,7 @@ fn light_instance(
     };
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let scene = &mut builder.scene;
+    check_not_mirrored(entry, &scene.instances[index].transform, true)?;
     let mut mesh = scene.meshes[scene.instances[index].mesh].clone();
     let mut emissive = std::collections::HashMap::new();
     for material in &mut mesh.triangle_materials {
