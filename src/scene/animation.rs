@@ -61,10 +61,7 @@ impl Animation {
     /// keyed rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
     pub fn motion(&self, time: f64, origin: Vec3) -> Motion {
         let key = self.key_at(time);
-        let mut motion = Motion {
-            rotation: key.rotation,
-            position: origin,
-        };
+        let mut motion = Motion { rotation: key.rotation, position: origin };
         if let Some(rotation) = &self.rotation {
             // Whole turns are taken off in f64, so that a long run stays exact.
             let angle = (f64::from(rotation.speed) * time).rem_euclid(std::f64::consts::TAU);
@@ -181,57 +178,23 @@ mod tests {
 
     #[test]
     fn constant_rotation_goes_about_its_pivot() {
-<<<<<<< HEAD
         let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
         let animation = Animation { keyframes: Vec::new(), rotation: Some(rotation) };
-        let moved = animation.motion(1.0, Vec3::ZERO).transform_point3(Vec3::new(2.0, 5.0, 0.0));
-        assert!(moved.distance(Vec3::new(1.0, 5.0, -1.0)) < 1e-5, "{moved}");
-        let own = Animation { rotation: Some(Rotation { pivot: None, ..rotation }), ..animation };
-        let origin = Vec3::new(7.0, 0.0, 3.0);
-        assert!(own.motion(0.7, origin).transform_point3(origin).distance(origin) < 1e-5);
-=======
-        let rotation = Rotation {
-            axis: Vec3::Y,
-            speed: std::f32::consts::FRAC_PI_2,
-            pivot: Some(Vec3::X),
-        };
-        let animation = Animation {
-            keyframes: Vec::new(),
-            rotation: Some(rotation),
-        };
         let motion = animation.motion(1.0, Vec3::new(2.0, 5.0, 0.0));
         let expected = Vec3::new(1.0, 5.0, -1.0);
         assert!(motion.position.distance(expected) < 1e-5, "{motion:?}");
         assert!((motion.rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
-        let own = Animation {
-            rotation: Some(Rotation {
-                pivot: None,
-                ..rotation
-            }),
-            ..animation
-        };
+        let own = Animation { rotation: Some(Rotation { pivot: None, ..rotation }), ..animation };
         let origin = Vec3::new(7.0, 0.1, 3.3);
         assert_eq!(own.motion(0.7, origin).position, origin);
->>>>>>> scene
     }
 
     #[test]
     fn rest_is_exactly_rest() {
-<<<<<<< HEAD
         let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], rotation: None };
-        assert_eq!(animation.motion(3.0, Vec3::ONE), Affine3A::IDENTITY);
-=======
-        let animation = Animation {
-            keyframes: vec![key(0.0, Vec3::ZERO, 0.0)],
-            rotation: None,
-        };
-        let rest = Affine3A::from_rotation_translation(
-            Quat::from_rotation_x(0.3),
-            Vec3::new(0.1, 0.2, 0.3),
-        );
+        let rest = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.3), Vec3::new(0.1, 0.2, 0.3));
         let motion = animation.motion(3.0, rest.translation.into());
         assert_eq!(motion.transform(&rest), rest);
->>>>>>> scene
     }
 
     #[test]

@@ -44,12 +44,7 @@ impl Camera {
         } else {
             motion.position + motion.rotation * (self.target - self.eye)
         };
-        Self {
-            eye: motion.position,
-            target,
-            up: motion.rotation * self.up,
-            ..*self
-        }
+        Self { eye: motion.position, target, up: motion.rotation * self.up, ..*self }
     }
 
     /// Unit view direction.

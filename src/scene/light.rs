@@ -82,13 +82,8 @@ impl Light {
         let mut light = self.clone();
         if let Some(animation) = &self.animation {
             let motion = animation.motion(time, self.position);
-<<<<<<< HEAD
-            light.position = motion.transform_point3(self.position);
-            light.direction = motion.transform_vector3(self.direction).normalize_or(self.direction);
-=======
             light.position = motion.position;
             light.direction = (motion.rotation * self.direction).normalize_or(self.direction);
->>>>>>> scene
         }
         light
     }

@@ -143,9 +143,7 @@ impl Scene {
         let transform = |instance: &Instance| match &instance.animation {
             Some(animation) => {
                 let origin = Vec3::from(instance.transform.translation);
-                animation
-                    .motion(time, origin)
-                    .transform(&instance.transform)
+                animation.motion(time, origin).transform(&instance.transform)
             }
             None => instance.transform,
         };
@@ -190,9 +188,7 @@ impl Scene {
     /// Whether any triangle of mesh `mesh` emits light.
     pub fn is_emissive(&self, mesh: usize) -> bool {
         let materials = &self.meshes[mesh].triangle_materials;
-        materials
-            .iter()
-            .any(|&material| self.materials[material as usize].is_emissive())
+        materials.iter().any(|&material| self.materials[material as usize].is_emissive())
     }
 
     /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.

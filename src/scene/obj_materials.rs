@@ -20,26 +20,13 @@ struct Images(HashMap<String, Result<DynamicImage, String>>);
 impl Images {
     fn read(file: &Path, materials: &[tobj::Material]) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
-        let names = materials
-            .iter()
-            .flat_map(|m| [&m.diffuse_texture, &m.dissolve_texture])
-            .flatten();
+        let names = materials.iter().flat_map(|m| [&m.diffuse_texture, &m.dissolve_texture]).flatten();
         let names: BTreeSet<&String> = names.collect();
         let read = |name: &&String| {
             let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
-            (
-                (*name).clone(),
-                path.and_then(|path| texture::read_image(&path)),
-            )
+            ((*name).clone(), path.and_then(|path| texture::read_image(&path)))
         };
-        Self(
-            names
-                .into_iter()
-                .collect::<Vec<_>>()
-                .par_iter()
-                .map(read)
-                .collect(),
-        )
+        Self(names.into_iter().collect::<Vec<_>>().par_iter().map(read).collect())
     }
 
     fn get(&self, name: &str) -> Result<&DynamicImage, &str> {
@@ -63,19 +50,15 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
         let colour_map = material.diffuse_texture.as_deref();
         let opacity_map = material.dissolve_texture.as_deref();
         let dissolve = material.dissolve.unwrap_or(1.0);
-        let alpha_mask = *masks
-            .entry((colour_map, opacity_map, dissolve.to_bits()))
-            .or_insert_with(|| {
-                let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
-                scene.alpha_masks.push(mask);
-                Some(scene.alpha_masks.len() - 1)
-            });
+        let alpha_mask = *masks.entry((colour_map, opacity_map, dissolve.to_bits())).or_insert_with(|| {
+            let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
+            scene.alpha_masks.push(mask);
+            Some(scene.alpha_masks.len() - 1)
+        });
         scene.materials.push(Material {
             name: material.name.clone(),
             albedo: Vec3::from_array(
-                material
-                    .diffuse
-                    .unwrap_or([if colour_map.is_some() { 1.0 } else { 0.5 }; 3]),
+                material.diffuse.unwrap_or([if colour_map.is_some() { 1.0 } else { 0.5 }; 3]),
             ),
             specular: Vec3::from_array(material.specular.unwrap_or_default()),
             shininess: material.shininess.unwrap_or(1.0),
@@ -96,10 +79,7 @@ fn add_textures(
     let mut names: Vec<&str> = Vec::new();
     for material in materials {
         for (name, stand_in) in [
-            (
-                &material.diffuse_texture,
-                "a magenta and black checkerboard stands in",
-            ),
+            (&material.diffuse_texture, "a magenta and black checkerboard stands in"),
             (&material.dissolve_texture, "nothing is cut away"),
         ] {
             let Some(name) = name else { continue };
@@ -110,12 +90,7 @@ fn add_textures(
                 }
             }
         }
-        names.extend(
-            material
-                .diffuse_texture
-                .as_deref()
-                .filter(|name| !names.contains(name)),
-        );
+        names.extend(material.diffuse_texture.as_deref().filter(|name| !names.contains(name)));
     }
     let build = |name: &&str| match images.get(name) {
         Ok(image) => {
@@ -126,11 +101,7 @@ fn add_textures(
     };
     let first = scene.textures.len();
     scene.textures.par_extend(names.par_iter().map(build));
-    names
-        .iter()
-        .enumerate()
-        .map(|(i, name)| ((*name).to_owned(), first + i))
-        .collect()
+    names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), first + i)).collect()
 }
 
 /// Where a surface is cut away: `map_d` if there is one, else the alpha of `map_Kd`, times `d`.
@@ -141,10 +112,7 @@ fn mask_of(
     images: &Images,
 ) -> Option<AlphaMask> {
     let from_opacity = opacity_map.and_then(|name| texture::opacity(images.get(name).ok()?, true));
-    let from_colour =
-        || colour_map.and_then(|name| texture::opacity(images.get(name).ok()?, false));
-    let (width, height, opacity) = from_opacity
-        .or_else(from_colour)
-        .unwrap_or((1, 1, vec![255]));
+    let from_colour = || colour_map.and_then(|name| texture::opacity(images.get(name).ok()?, false));
+    let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
     AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }

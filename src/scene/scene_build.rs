@@ -171,16 +171,9 @@ impl<'a> Builder<'a> {
                 entry.error(format!("no model is called \"{}\" (there are: {known})", instance.model))
             );
         };
-<<<<<<< HEAD
         let name = instance.name.clone().unwrap_or_else(|| instance.model.clone());
-=======
-        let name = instance
-            .name
-            .clone()
-            .unwrap_or_else(|| instance.model.clone());
         let transform = transform_of(entry, instance)?;
         check_not_mirrored(entry, &transform, self.scene.is_emissive(mesh))?;
->>>>>>> scene
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {
@@ -245,15 +238,9 @@ fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, Sce
 }
 
 /// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
-pub(super) fn check_not_mirrored(
-    entry: &Entry,
-    transform: &Affine3A,
-    emits: bool,
-) -> Result<(), SceneError> {
+pub(super) fn check_not_mirrored(entry: &Entry, transform: &Affine3A, emits: bool) -> Result<(), SceneError> {
     if emits && transform.matrix3.determinant() < 0.0 {
-        return Err(
-            entry.error("an instance that emits light must not be mirrored by a negative scale")
-        );
+        return Err(entry.error("an instance that emits light must not be mirrored by a negative scale"));
     }
     Ok(())
 }

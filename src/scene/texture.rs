@@ -81,11 +81,6 @@ impl Texture {
 
 /// Reads and decodes an image; the error is half a sentence for a warning.
 pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
-<<<<<<< HEAD
-    let reader = image::ImageReader::open(path).map_err(|error| format!("could not be read ({error})"))?;
-    let reader = reader.with_guessed_format().map_err(|error| format!("could not be read ({error})"))?;
-    let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
-=======
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
     let mut reader = image::ImageReader::new(Cursor::new(&bytes));
@@ -98,10 +93,7 @@ pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(&bytes) {
         return Err("is truncated".into());
     }
-    let image = reader
-        .decode()
-        .map_err(|error| format!("could not be decoded ({error})"))?;
->>>>>>> scene
+    let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
     if image.width() == 0 || image.height() == 0 {
         return Err("is empty".into());
     }
@@ -116,19 +108,15 @@ pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
     const END_OF_IMAGE: u8 = 0xd9;
     let mut at = 2;
-    while let Some(&[mark, kind]) = bytes
-        .get(at..at + 2)
-        .and_then(|pair| pair.first_chunk::<2>())
-    {
+    while let Some(&[mark, kind]) = bytes.get(at..at + 2).and_then(|pair| pair.first_chunk::<2>()) {
         match (mark, kind) {
             (0xff, END_OF_IMAGE) => return true,
             // Entropy-coded data, stuffed bytes, fill bytes and markers without a length.
             (..=0xfe, _) | (0xff, 0xff) => at += 1,
             (0xff, 0x00..=0x01 | 0xd0..=0xd8) => at += 2,
             (0xff, _) => {
-                let length = bytes
-                    .get(at + 2..at + 4)
-                    .map_or(0, |l| usize::from(l[0]) << 8 | usize::from(l[1]));
+                let length =
+                    bytes.get(at + 2..at + 4).map_or(0, |l| usize::from(l[0]) << 8 | usize::from(l[1]));
                 at += 2 + length.max(2);
             }
         }
@@ -221,15 +209,7 @@ mod tests {
 
     fn checkerboard(width: u32, height: u32) -> Texture {
         let texels = (0..width * height).flat_map(|i| {
-<<<<<<< HEAD
-            let v = if (i % width + i / width) % 2 == 0 { 255 } else { 0 };
-=======
-            let v = if (i % width + i / width).is_multiple_of(2) {
-                255
-            } else {
-                0
-            };
->>>>>>> scene
+            let v = if (i % width + i / width).is_multiple_of(2) { 255 } else { 0 };
             [v, v, v, 255]
         });
         Texture::from_rgba8("checkerboard", width, height, texels.collect())

@@ -5,31 +5,12 @@ use super::*;
 #[test]
 fn unknown_scenes_are_named() {
     let error = load_scene("cornel-box", None).unwrap_err().to_string();
-    assert!(
-        error.contains("cornel-box")
-            && error.contains("cornell-box")
-            && error.contains("living-room")
-    );
+    assert!(error.contains("cornel-box") && error.contains("cornell-box") && error.contains("living-room"));
     let folder = Folder::new().with("scene.gltf", "{}");
     let error = folder.load("scene.gltf").unwrap_err().to_string();
-    assert!(
-        error.contains("scene.gltf") && error.contains(".toml"),
-        "{error}"
-    );
-    assert!(
-        folder
-            .load("missing.toml")
-            .unwrap_err()
-            .to_string()
-            .contains("missing.toml")
-    );
-    assert!(
-        folder
-            .load("missing.obj")
-            .unwrap_err()
-            .to_string()
-            .contains("missing.obj")
-    );
+    assert!(error.contains("scene.gltf") && error.contains(".toml"), "{error}");
+    assert!(folder.load("missing.toml").unwrap_err().to_string().contains("missing.toml"));
+    assert!(folder.load("missing.obj").unwrap_err().to_string().contains("missing.obj"));
     assert!(load_scene("", None).is_err() && load_scene(".", None).is_err());
 }
 
@@ -39,48 +20,21 @@ const MODEL: &str = "[[models]]\nname = \"m\"\npath = \"m.obj\"\n";
 fn broken_scene_files_name_line_and_key() {
     for (text, parts) in [
         ("name = 3", &["bad.toml:1", "string"][..]),
-        (
-            "name = \"a\"\ncolour = 1",
-            &["bad.toml:2", "colour", "expected"],
-        ),
+        ("name = \"a\"\ncolour = 1", &["bad.toml:2", "colour", "expected"]),
         ("[camera\neye = 1", &["bad.toml:1"]),
-        (
-            "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 3",
-            &["bad.toml:4", "fov", "vfov_deg"],
-        ),
+        ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 3", &["bad.toml:4", "fov", "vfov_deg"]),
         ("[camera]\neye = [0, 0, 1]", &["bad.toml:1", "target"]),
-        (
-            "[camera]\neye = [0, 0]\ntarget = [0, 0, 0]",
-            &["bad.toml:2"],
-        ),
-        (
-            "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]",
-            &["bad.toml:1", "camera", "eye and target"],
-        ),
-        (
-            "[camera]\neye = [0, 0, 1]\ntarget = [0, 5, 1]",
-            &["bad.toml:1", "parallel"],
-        ),
-        (
-            "[camera]\neye = [0, 0, nan]\ntarget = [0, 5, 1]",
-            &["bad.toml:1", "eye", "finite"],
-        ),
+        ("[camera]\neye = [0, 0]\ntarget = [0, 0, 0]", &["bad.toml:2"]),
+        ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]", &["bad.toml:1", "camera", "eye and target"]),
+        ("[camera]\neye = [0, 0, 1]\ntarget = [0, 5, 1]", &["bad.toml:1", "parallel"]),
+        ("[camera]\neye = [0, 0, nan]\ntarget = [0, 5, 1]", &["bad.toml:1", "eye", "finite"]),
         (
             "\n[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nnear = 5\nfar = 2",
             &["bad.toml:2", "near", "far"],
         ),
-        (
-            "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nnear = -1",
-            &["bad.toml:1", "near"],
-        ),
-        (
-            "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov_deg = 180",
-            &["bad.toml:1", "vfov_deg"],
-        ),
-        (
-            "background = [0, -1, 0]",
-            &["bad.toml:1", "background", "negative"],
-        ),
+        ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nnear = -1", &["bad.toml:1", "near"]),
+        ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov_deg = 180", &["bad.toml:1", "vfov_deg"]),
+        ("background = [0, -1, 0]", &["bad.toml:1", "background", "negative"]),
         ("[settings]\nvpls = 3\nvplz = 4", &["bad.toml:3", "vplz"]),
         ("[settings]\nvpls = \"many\"", &["bad.toml:2", "u32"]),
     ] {
@@ -92,35 +46,17 @@ fn broken_scene_files_name_line_and_key() {
 #[test]
 fn broken_models_name_themselves() {
     for (text, parts) in [
-        (
-            "[[instances]]\nmodel = \"x\"",
-            &["bad.toml:1", "\"x\"", "there are: none"][..],
-        ),
+        ("[[instances]]\nmodel = \"x\"", &["bad.toml:1", "\"x\"", "there are: none"][..]),
         ("[[models]]\nname = \"m\"", &["bad.toml:1", "exactly one"]),
-        (
-            "[[models]]\nname = \"m\"\npath = \"no.obj\"",
-            &["bad.toml:1", "no.obj", "relative"],
-        ),
-        (
-            "[[models]]\nname = \"m\"\nbuiltin = \"teapot\"",
-            &["bad.toml:1", "teapot", "cornell-box"],
-        ),
-        (
-            "[[models]]\nname = \"m\"\nprimitive = \"cone\"",
-            &["bad.toml:3", "cone", "sphere"],
-        ),
-        (
-            "[[models]]\nname = \"m\"\nprimitive = \"box\"\nsize = [1, 0, 1]",
-            &["bad.toml:1", "size"],
-        ),
+        ("[[models]]\nname = \"m\"\npath = \"no.obj\"", &["bad.toml:1", "no.obj", "relative"]),
+        ("[[models]]\nname = \"m\"\nbuiltin = \"teapot\"", &["bad.toml:1", "teapot", "cornell-box"]),
+        ("[[models]]\nname = \"m\"\nprimitive = \"cone\"", &["bad.toml:3", "cone", "sphere"]),
+        ("[[models]]\nname = \"m\"\nprimitive = \"box\"\nsize = [1, 0, 1]", &["bad.toml:1", "size"]),
         (
             "[[models]]\nname = \"m\"\nprimitive = \"box\"\nmaterial = { albedo = [2, 0, 0] }",
             &["albedo", "above 1"],
         ),
-        (
-            "[[models]]\nname = \"m\"\npath = \"m.obj\"\nsize = [1, 1, 1]",
-            &["size", "does not belong"],
-        ),
+        ("[[models]]\nname = \"m\"\npath = \"m.obj\"\nsize = [1, 1, 1]", &["size", "does not belong"]),
     ] {
         expect_error("bad.toml", text, parts);
     }
@@ -133,29 +69,14 @@ fn broken_instances_name_themselves() {
         ("scale = [1, 0, 1]", &["instance \"m\"", "scale"]),
         ("scale = \"big\"", &["bad.toml:6", "a scale must be"]),
         ("rotation = [1, 2]", &["bad.toml:6", "a rotation must be"]),
-        (
-            "rotation = { axis = [0, 0, 0], degrees = 3 }",
-            &["rotation.axis", "zero"],
-        ),
+        ("rotation = { axis = [0, 0, 0], degrees = 3 }", &["rotation.axis", "zero"]),
         ("translation = [inf, 0, 0]", &["translation", "finite"]),
         ("animation = {}", &["animation", "keyframes or a rotation"]),
-        (
-            "animation = { keyframes = [{ time = 1 }, { time = 1 }] }",
-            &["keyframe times", "time 1"],
-        ),
-        (
-            "animation = { keyframes = [{ time = nan }] }",
-            &["keyframe times"],
-        ),
-        (
-            "animation = { rotation = { axis = [0, 0, 0], degrees_per_second = 1 } }",
-            &["axis", "zero"],
-        ),
+        ("animation = { keyframes = [{ time = 1 }, { time = 1 }] }", &["keyframe times", "time 1"]),
+        ("animation = { keyframes = [{ time = nan }] }", &["keyframe times"]),
+        ("animation = { rotation = { axis = [0, 0, 0], degrees_per_second = 1 } }", &["axis", "zero"]),
         ("animation = { spin = 1 }", &["bad.toml:6", "spin"]),
-        (
-            "name = \"a\"\n[[instances]]\nname = \"a\"\nmodel = \"m\"",
-            &["bad.toml:7", "another instance"],
-        ),
+        ("name = \"a\"\n[[instances]]\nname = \"a\"\nmodel = \"m\"", &["bad.toml:7", "another instance"]),
     ] {
         expect_error(
             "bad.toml",
@@ -163,15 +84,10 @@ fn broken_instances_name_themselves() {
             parts,
         );
     }
-    let glow =
-        "[[models]]\nname = \"g\"\nprimitive = \"box\"\nmaterial = { emission = [1, 1, 1] }\n";
+    let glow = "[[models]]\nname = \"g\"\nprimitive = \"box\"\nmaterial = { emission = [1, 1, 1] }\n";
     let mirrored = format!("{glow}[[instances]]\nmodel = \"g\"\nscale = [1, -1, 1]");
     expect_error("bad.toml", mirrored, &["bad.toml:5", "mirrored"]);
-    expect_error(
-        "bad.toml",
-        format!("{MODEL}{MODEL}"),
-        &["bad.toml:4", "another model"],
-    );
+    expect_error("bad.toml", format!("{MODEL}{MODEL}"), &["bad.toml:4", "another model"]);
 }
 
 #[test]
@@ -182,22 +98,10 @@ fn broken_lights_name_themselves() {
             "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, -1, 1]",
             &["light \"l\"", "intensity", "negative"][..],
         ),
-        (
-            "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, nan, 1]",
-            &["intensity", "finite"],
-        ),
-        (
-            "type = \"point\"\nposition = [0, 0, 0]",
-            &["needs the key intensity"],
-        ),
-        (
-            "type = \"point\"\nintensity = [1, 1, 1]",
-            &["needs the key position"],
-        ),
-        (
-            "type = \"point\"\nposition = [0, 0, 0]\nintensity = 3",
-            &["bad.toml:5"],
-        ),
+        ("type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, nan, 1]", &["intensity", "finite"]),
+        ("type = \"point\"\nposition = [0, 0, 0]", &["needs the key intensity"]),
+        ("type = \"point\"\nintensity = [1, 1, 1]", &["needs the key position"]),
+        ("type = \"point\"\nposition = [0, 0, 0]\nintensity = 3", &["bad.toml:5"]),
         ("type = \"lamp\"", &["bad.toml:3", "lamp", "directional"]),
         ("intensity = [1, 1, 1]", &["bad.toml:1", "type"]),
         (
@@ -216,22 +120,10 @@ fn broken_lights_name_themselves() {
             "type = \"spot\"\nposition = [0, 0, 0]\ndirection = [0, 1, 0]\nouter_deg = 180\nintensity = [1, 1, 1]",
             &["outer_deg"],
         ),
-        (
-            "type = \"directional\"\nirradiance = [1, 1, 1]",
-            &["needs the key direction"],
-        ),
-        (
-            "type = \"directional\"\ndirection = [0, 0, 0]\nirradiance = [1, 1, 1]",
-            &["direction", "zero"],
-        ),
-        (
-            "type = \"area\"\nradiance = [1, 1, 1]",
-            &["polygon", "instance"],
-        ),
-        (
-            "type = \"area\"\nradiance = [1, 1, 1]\ninstance = \"x\"",
-            &["no instance", "\"x\""],
-        ),
+        ("type = \"directional\"\nirradiance = [1, 1, 1]", &["needs the key direction"]),
+        ("type = \"directional\"\ndirection = [0, 0, 0]\nirradiance = [1, 1, 1]", &["direction", "zero"]),
+        ("type = \"area\"\nradiance = [1, 1, 1]", &["polygon", "instance"]),
+        ("type = \"area\"\nradiance = [1, 1, 1]\ninstance = \"x\"", &["no instance", "\"x\""]),
         (
             "type = \"area\"\nradiance = [1, 1, 1]\npolygon = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
             &["polygon", "convex"],
@@ -241,17 +133,9 @@ fn broken_lights_name_themselves() {
             &["polygon", "convex"],
         ),
     ] {
-        expect_error(
-            "bad.toml",
-            format!("[[lights]]\nname = \"l\"\n{rest}"),
-            parts,
-        );
+        expect_error("bad.toml", format!("[[lights]]\nname = \"l\"\n{rest}"), parts);
     }
-    expect_error(
-        "bad.toml",
-        format!("[[lights]]\ntype = \"area\"\n{quad}"),
-        &["needs the key radiance"],
-    );
+    expect_error("bad.toml", format!("[[lights]]\ntype = \"area\"\n{quad}"), &["needs the key radiance"]);
 }
 
 #[test]

@@ -44,11 +44,7 @@ impl Folder {
 /// Loads `name` from a folder that holds `content`; the error must be one line with all of `parts`.
 fn expect_error(name: &str, content: impl AsRef<[u8]>, parts: &[&str]) {
     let folder = Folder::new().with(name, content).with("m.obj", TRIANGLE);
-    let error = folder
-        .load(name)
-        .map(|_| ())
-        .expect_err(&format!("an error about {parts:?}"))
-        .to_string();
+    let error = folder.load(name).map(|_| ()).expect_err(&format!("an error about {parts:?}")).to_string();
     assert!(!error.contains('\n') && error.contains(name), "{error}");
     for part in parts {
         assert!(error.contains(part), "\"{error}\" should say \"{part}\"");
@@ -73,9 +69,7 @@ fn fuzz(folder: &Folder, name: &str, text: &str) {
     attempt(text.as_bytes());
     for i in 0..text.len() {
         attempt(&text.as_bytes()[..i]);
-        for byte in [
-            0, b'\n', b' ', b'-', b'9', b'/', b'"', b'\\', b'#', b'e', 0xff,
-        ] {
+        for byte in [0, b'\n', b' ', b'-', b'9', b'/', b'"', b'\\', b'#', b'e', 0xff] {
             let mut changed = text.as_bytes().to_vec();
             changed[i] = byte;
             attempt(&changed);
@@ -94,10 +88,7 @@ fn assets() -> Option<PathBuf> {
             "SKIPPED: GLOWWORM_ASSETS is not set, so the large models cannot be loaded"
         );
         let required = std::env::var("GLOWWORM_REQUIRE_ALL").is_ok_and(|value| value == "1");
-        assert!(
-            !required,
-            "GLOWWORM_REQUIRE_ALL=1 and GLOWWORM_ASSETS is not set"
-        );
+        assert!(!required, "GLOWWORM_REQUIRE_ALL=1 and GLOWWORM_ASSETS is not set");
     }
     assets
 }
@@ -108,11 +99,7 @@ fn load_files(files: &[(&str, &str)]) -> Scene {
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    load_scene(
-        folder.path().join(files[0].0).to_str().unwrap(),
-        Some(folder.path()),
-    )
-    .unwrap()
+    load_scene(folder.path().join(files[0].0).to_str().unwrap(), Some(folder.path())).unwrap()
 }
 
 fn load_toml(text: &str) -> Scene {
@@ -126,51 +113,22 @@ fn check_consistency(scene: &Scene) {
         assert!(mesh.normals.len() == vertices && mesh.uvs.len() == vertices);
         assert_eq!(mesh.triangles.len(), mesh.triangle_materials.len());
         assert!(!mesh.triangles.is_empty());
-        assert!(
-            mesh.triangles
-                .iter()
-                .flatten()
-                .all(|&vertex| (vertex as usize) < vertices)
-        );
+        assert!(mesh.triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices));
         assert!(mesh.triangle_materials.is_sorted());
-        assert!(
-            mesh.triangle_materials
-                .iter()
-                .all(|&m| (m as usize) < scene.materials.len())
-        );
+        assert!(mesh.triangle_materials.iter().all(|&m| (m as usize) < scene.materials.len()));
         assert!(mesh.positions.iter().all(|position| position.is_finite()));
         assert!(mesh.uvs.iter().all(|uv| uv.is_finite()));
-        assert!(
-            mesh.normals
-                .iter()
-                .all(|normal| (normal.length() - 1.0).abs() < 1e-3)
-        );
+        assert!(mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-3));
     }
     for material in &scene.materials {
         assert!(material.albedo.min_element() >= 0.0 && material.albedo.max_element() <= 1.0);
-        assert!(
-            material
-                .albedo_texture
-                .is_none_or(|texture| texture < scene.textures.len())
-        );
-        assert!(
-            material
-                .alpha_mask
-                .is_none_or(|mask| mask < scene.alpha_masks.len())
-        );
+        assert!(material.albedo_texture.is_none_or(|texture| texture < scene.textures.len()));
+        assert!(material.alpha_mask.is_none_or(|mask| mask < scene.alpha_masks.len()));
     }
     for light in &scene.lights {
-        if let LightKind::Area {
-            instance,
-            triangles,
-        } = &light.kind
-        {
+        if let LightKind::Area { instance, triangles } = &light.kind {
             let mesh = &scene.meshes[scene.instances[*instance].mesh];
-            assert!(
-                triangles
-                    .iter()
-                    .all(|t| (t.triangle as usize) < mesh.triangles.len())
-            );
+            assert!(triangles.iter().all(|t| (t.triangle as usize) < mesh.triangles.len()));
         }
     }
     assert!(0.0 < scene.camera.near && scene.camera.near < scene.camera.far);
@@ -179,9 +137,5 @@ fn check_consistency(scene: &Scene) {
 fn total_flux(scene: &Scene) -> f32 {
     let pose = scene.pose(0.0);
     let bounds = scene.bounding_sphere(&pose);
-    scene
-        .lights
-        .iter()
-        .map(|light| luminance(light.flux(scene, &pose, &bounds)))
-        .sum()
+    scene.lights.iter().map(|light| luminance(light.flux(scene, &pose, &bounds))).sum()
 }

@@ -31,19 +31,12 @@ fn real_scenes_load() {
         check_consistency(&scene);
         assert_eq!(scene.name, name);
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
-        assert!(
-            triangles.contains(&scene.triangle_count()),
-            "{name}: {}",
-            scene.triangle_count()
-        );
+        assert!(triangles.contains(&scene.triangle_count()), "{name}: {}", scene.triangle_count());
         assert_eq!(scene.lights.len(), lights, "{name}");
         assert_eq!(scene.textures.len(), textures, "{name}");
         assert!(total_flux(&scene) > 0.0);
         let (min, max) = scene.bounds(&scene.pose(0.0));
-        assert!(
-            scene.camera.eye.cmpge(min).all() && scene.camera.eye.cmple(max).all(),
-            "{name}"
-        );
+        assert!(scene.camera.eye.cmpge(min).all() && scene.camera.eye.cmple(max).all(), "{name}");
     }
 }
 
@@ -67,21 +60,11 @@ fn the_small_cornell_boxes_load_as_bare_objs() {
 fn living_room_leaves_are_cut_out() {
     let Some(assets) = assets() else { return };
     let scene = load_scene("living-room", Some(&assets)).unwrap();
-    let leaves = scene
-        .materials
-        .iter()
-        .position(|m| m.name == "Leaves")
-        .unwrap();
+    let leaves = scene.materials.iter().position(|m| m.name == "Leaves").unwrap();
     let steps = (0..64).flat_map(|y| (0..64).map(move |x| Vec2::new(x as f32, y as f32) / 64.0));
-    let opaque = steps
-        .filter(|uv| scene.opaque_at(leaves as u32, *uv))
-        .count();
+    let opaque = steps.filter(|uv| scene.opaque_at(leaves as u32, *uv)).count();
     assert!((400..3700).contains(&opaque), "{opaque} of 4096");
-    let glass = scene
-        .materials
-        .iter()
-        .position(|m| m.name == "Glass")
-        .unwrap();
+    let glass = scene.materials.iter().position(|m| m.name == "Glass").unwrap();
     assert!(!scene.opaque_at(glass as u32, Vec2::splat(0.5)));
 }
 
@@ -90,14 +73,8 @@ fn every_builtin_scene_without_assets_says_what_to_do() {
     for name in BUILTIN_SCENES.iter().filter(|name| **name != "cornell-box") {
         for assets in [None, Some(Path::new("no/such/folder"))] {
             let error = load_scene(name, assets).unwrap_err().to_string();
-            assert!(
-                error.contains("GLOWWORM_ASSETS") && error.contains("--assets"),
-                "{error}"
-            );
-            assert!(
-                error.contains("https://") && !error.contains('\n'),
-                "{error}"
-            );
+            assert!(error.contains("GLOWWORM_ASSETS") && error.contains("--assets"), "{error}");
+            assert!(error.contains("https://") && !error.contains('\n'), "{error}");
         }
     }
 }
@@ -112,10 +89,7 @@ fn a_bare_obj_gets_a_camera_and_a_light_and_says_so() {
     let matrix = scene.camera.projection_matrix(1.0) * scene.camera.view_matrix();
     for position in &scene.meshes[0].positions {
         let seen = matrix.project_point3(*position);
-        assert!(
-            seen.x.abs() <= 1.0 && seen.y.abs() <= 1.0 && (0.0..=1.0).contains(&seen.z),
-            "{seen}"
-        );
+        assert!(seen.x.abs() <= 1.0 && seen.y.abs() <= 1.0 && (0.0..=1.0).contains(&seen.z), "{seen}");
     }
 }
 
@@ -126,73 +100,30 @@ fn obj_peculiarities_are_understood() {
         usemtl blue\r\nf -3//1 -2//1 -1//1 # a comment\r\nf 1 2 3\r\nl 1 2\r\np 1\r\nf 1 2 2\r\nf 4 5 6 7 8\r\n\
         v 0 0 5\nv 4 0 5\nv 4 4 5\nv 2 1 5\nv 0 4 5\n";
     let mtl = "newmtl red paint\nkd 1 0 0\nNs 30\nmap_Kd -clamp on -s 1 1 1 TEX\\Wood.PNG\n";
-    let scene = load_files(&[
-        ("odd.obj", obj),
-        ("my lib.mtl other.mtl", mtl),
-        ("wood.png", "not an image"),
-    ]);
+    let scene = load_files(&[("odd.obj", obj), ("my lib.mtl other.mtl", mtl), ("wood.png", "not an image")]);
     check_consistency(&scene);
     let mesh = &scene.meshes[0];
     // Three triangles, and a concave pentagon of three; the one without area is gone.
     assert_eq!(mesh.triangles.len(), 6);
     let area: f32 = (0..6).map(|i| mesh.triangle_area(i)).sum();
     assert!((area - (3.0 * 0.5 + 10.0)).abs() < 1e-5, "{area}");
-    assert!(
-        mesh.normals
-            .iter()
-            .all(|normal| normal.distance(Vec3::Z) < 1e-6)
-    );
-    let red = scene
-        .materials
-        .iter()
-        .position(|m| m.name == "red paint")
-        .unwrap();
-    assert_eq!(
-        mesh.triangle_materials
-            .iter()
-            .filter(|&&m| m as usize == red)
-            .count(),
-        1
-    );
-    let first = mesh
-        .triangle_materials
-        .iter()
-        .position(|&m| m as usize == red)
-        .unwrap();
+    assert!(mesh.normals.iter().all(|normal| normal.distance(Vec3::Z) < 1e-6));
+    let red = scene.materials.iter().position(|m| m.name == "red paint").unwrap();
+    assert_eq!(mesh.triangle_materials.iter().filter(|&&m| m as usize == red).count(), 1);
+    let first = mesh.triangle_materials.iter().position(|&m| m as usize == red).unwrap();
     let uvs = mesh.triangles[first].map(|vertex| mesh.uvs[vertex as usize]);
-    assert_eq!(
-        uvs,
-        [
-            Vec2::new(0.0, 1.0),
-            Vec2::new(1.0, 1.0),
-            Vec2::new(1.0, 0.0)
-        ]
-    );
-    assert!(
-        scene
-            .warnings
-            .iter()
-            .any(|w| w.contains("blue") && w.contains("grey"))
-    );
-    assert!(
-        scene
-            .warnings
-            .iter()
-            .any(|w| w.contains("Wood.PNG") && w.contains("checkerboard"))
-    );
+    assert_eq!(uvs, [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0)]);
+    assert!(scene.warnings.iter().any(|w| w.contains("blue") && w.contains("grey")));
+    assert!(scene.warnings.iter().any(|w| w.contains("Wood.PNG") && w.contains("checkerboard")));
     let checkerboard = scene.materials[red].albedo_texture.unwrap();
-    assert_eq!(
-        scene.textures[checkerboard].sample(Vec2::splat(1.0 / 16.0)),
-        Vec3::new(1.0, 0.0, 1.0)
-    );
+    assert_eq!(scene.textures[checkerboard].sample(Vec2::splat(1.0 / 16.0)), Vec3::new(1.0, 0.0, 1.0));
 }
 
 #[test]
 fn dissolve_and_alpha_cut_surfaces_away() {
     let folder = tempfile::tempdir().unwrap();
-    let leaf = image::RgbaImage::from_fn(4, 4, |x, _| {
-        image::Rgba([10, 200, 10, if x < 2 { 255 } else { 0 }])
-    });
+    let leaf =
+        image::RgbaImage::from_fn(4, 4, |x, _| image::Rgba([10, 200, 10, if x < 2 { 255 } else { 0 }]));
     leaf.save(folder.path().join("leaf.png")).unwrap();
     let hole = image::GrayImage::from_fn(4, 4, |_, y| image::Luma([if y < 2 { 255 } else { 0 }]));
     hole.save(folder.path().join("hole.png")).unwrap();
@@ -214,16 +145,9 @@ fn dissolve_and_alpha_cut_surfaces_away() {
 #[test]
 fn albedo_is_the_product_of_colour_and_texture() {
     let mut scene = Scene::new("test");
-    scene
-        .textures
-        .push(Texture::from_rgba8("grey", 1, 1, vec![188, 188, 188, 255]));
-    let material = Material {
-        albedo_texture: Some(0),
-        ..Material::lambertian("m", Vec3::new(1.0, 0.5, 0.0))
-    };
+    scene.textures.push(Texture::from_rgba8("grey", 1, 1, vec![188, 188, 188, 255]));
+    let material =
+        Material { albedo_texture: Some(0), ..Material::lambertian("m", Vec3::new(1.0, 0.5, 0.0)) };
     let albedo = material.albedo_at(&scene, Vec2::new(7.3, -2.0));
-    assert!(
-        albedo.distance(Vec3::new(0.503, 0.2515, 0.0)) < 1e-3,
-        "{albedo}"
-    );
+    assert!(albedo.distance(Vec3::new(0.503, 0.2515, 0.0)) < 1e-3, "{albedo}");
 }
