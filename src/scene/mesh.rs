@@ -2,6 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
+/// A triangle whose height is less than this share of its longest edge has no area.
+const DEGENERATE: f64 = 1e-7;
+
 /// An indexed triangle mesh: one bottom-level BVH.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -81,6 +84,30 @@ impl Mesh {
         order.sort_by_key(|&i| self.triangle_materials[i]);
         self.triangles = order.iter().map(|&i| self.triangles[i]).collect();
         self.triangle_materials = order.iter().map(|&i| self.triangle_materials[i]).collect();
+    }
+
+    /// Keeps the triangles that `keep` likes, by their index.
+    pub(super) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
+        let kept: Vec<usize> = (0..self.triangles.len())
+            .filter(|&i| keep(self, i))
+            .collect();
+        self.triangles = kept.iter().map(|&i| self.triangles[i]).collect();
+        self.triangle_materials = kept.iter().map(|&i| self.triangle_materials[i]).collect();
+    }
+
+    /// Drops the triangles that have no area.
+    pub(super) fn drop_degenerate_triangles(&mut self) {
+        self.retain_triangles(|mesh, i| {
+            let [a, b, c] = mesh
+                .triangle_positions(i as u32)
+                .map(|corner| corner.as_dvec3());
+            let (ab, ac, bc) = (b - a, c - a, c - b);
+            let longest = ab
+                .length_squared()
+                .max(ac.length_squared())
+                .max(bc.length_squared());
+            ab.cross(ac).length() > DEGENERATE * longest
+        });
     }
 
     /// Renumbers the vertices in the order in which the triangles use them, and forgets the rest.

@@ -7,6 +7,7 @@ mod animation;
 mod bare_obj;
 mod builtin;
 mod camera;
+mod clip;
 mod error;
 mod light;
 mod load;

@@ -15,9 +15,6 @@ use super::mesh::Mesh;
 use super::obj_text::ObjText;
 use super::{Scene, mtl, normals};
 
-/// A triangle whose height is less than this share of its longest edge has no area.
-const DEGENERATE: f64 = 1e-7;
-
 /// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
 pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
     let bytes = std::fs::read(file).map_err(|reason| SceneError::Unreadable {
@@ -133,36 +130,23 @@ fn append(mesh: &mut Mesh, part: &tobj::Mesh, material: u32) {
 /// Drops faces of no area, sorts by material, makes missing normals, forgets unused vertices.
 fn clean_up(file: &Path, mesh: &mut Mesh) -> Result<(), SceneError> {
     let before = mesh.triangles.len();
-    let kept: Vec<usize> = (0..before)
-        .filter(|&i| has_area(mesh.triangle_positions(i as u32)))
-        .collect();
-    if kept.is_empty() {
+    mesh.drop_degenerate_triangles();
+    if mesh.triangles.is_empty() {
         return Err(SceneError::invalid(
             file,
             None,
             format!("all of its {before} triangles have zero area; re-export the model"),
         ));
     }
-    if kept.len() < before {
+    if mesh.triangles.len() < before {
         log::info!(
             "{}: dropped {} triangles of zero area",
             file.display(),
-            before - kept.len()
+            before - mesh.triangles.len()
         );
     }
-    mesh.triangles = kept.iter().map(|&i| mesh.triangles[i]).collect();
-    mesh.triangle_materials = kept.iter().map(|&i| mesh.triangle_materials[i]).collect();
     mesh.sort_by_material();
     normals::fill_missing(mesh);
     mesh.drop_unused_vertices();
     Ok(())
-}
-
-fn has_area(corners: [Vec3; 3]) -> bool {
-    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
-    let longest = (b - a)
-        .length_squared()
-        .max((c - a).length_squared())
-        .max((c - b).length_squared());
-    (b - a).cross(c - a).length() > DEGENERATE * longest
 }

@@ -56,6 +56,16 @@ pub(super) struct ModelEntry {
     /// Materials of an `.obj` whose triangles are left out.
     #[serde(default)]
     pub without_materials: Vec<String>,
+    /// The model is cut to this box, in its own space.
+    pub clip: Option<ClipEntry>,
+}
+
+/// A box.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClipEntry {
+    pub min: [f32; 3],
+    pub max: [f32; 3],
 }
 
 /// Shapes made by code.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use toml::Spanned;
 
+use super::clip::clip_to_box;
 use super::error::SceneError;
 use super::material::Material;
 use super::mesh::Mesh;
@@ -195,7 +196,7 @@ fn material_of(
     })
 }
 
-/// Drops the triangles of the materials that the model is to go without.
+/// Drops the triangles of the materials that the model is to go without, and what is outside of its box.
 fn leave_out(
     entry: &Entry,
     model: &ModelEntry,
@@ -204,20 +205,29 @@ fn leave_out(
 ) -> Result<(), SceneError> {
     let mesh = &mut scene.meshes[mesh];
     for name in &model.without_materials {
-        let named = |material: &u32| scene.materials[*material as usize].name == *name;
-        if !mesh.triangle_materials.iter().any(named) {
+        let named = |material: u32| scene.materials[material as usize].name == *name;
+        let before = mesh.triangles.len();
+        mesh.retain_triangles(|mesh, i| !named(mesh.triangle_materials[i]));
+        if mesh.triangles.len() == before {
             return Err(entry.error(format!(
                 "without_materials: it has no triangles of material \"{name}\""
             )));
         }
-        let kept: Vec<usize> = (0..mesh.triangles.len())
-            .filter(|&i| !named(&mesh.triangle_materials[i]))
-            .collect();
-        mesh.triangles = kept.iter().map(|&i| mesh.triangles[i]).collect();
-        mesh.triangle_materials = kept.iter().map(|&i| mesh.triangle_materials[i]).collect();
+    }
+    if let Some(clip) = &model.clip {
+        let (min, max) = (
+            entry.vector("clip.min", clip.min)?,
+            entry.vector("clip.max", clip.max)?,
+        );
+        if !min.cmplt(max).all() {
+            return Err(entry.error(format!(
+                "clip.min must be below clip.max (min {min}, max {max})"
+            )));
+        }
+        clip_to_box(mesh, min, max);
     }
     if mesh.triangles.is_empty() {
-        return Err(entry.error("without_materials leaves no triangle"));
+        return Err(entry.error("without_materials and clip leave no triangle"));
     }
     mesh.drop_unused_vertices();
     Ok(())

@@ -1,0 +1,134 @@
+//! Cuts a mesh to a box.
+//!
+//! In: a mesh and a box, object space. Out: what of the mesh lies in the box (Sutherland and Hodgman
+//! 1974), so that scenery far outside of what a scene shows does not widen its bounds.
+
+use glam::{Vec2, Vec3};
+
+use super::mesh::Mesh;
+
+/// A corner on its way through the planes.
+#[derive(Clone, Copy)]
+struct Corner {
+    position: Vec3,
+    normal: Vec3,
+    uv: Vec2,
+}
+
+impl Corner {
+    fn lerp(self, other: Self, t: f32) -> Self {
+        Self {
+            position: self.position.lerp(other.position, t),
+            normal: self.normal.lerp(other.normal, t).normalize_or(self.normal),
+            uv: self.uv.lerp(other.uv, t),
+        }
+    }
+}
+
+/// Keeps the part of `mesh` inside the box from `min` to `max`. Triangles that lie inside stay as they are.
+pub(super) fn clip_to_box(mesh: &mut Mesh, min: Vec3, max: Vec3) {
+    let triangles = std::mem::take(&mut mesh.triangles);
+    let materials = std::mem::take(&mut mesh.triangle_materials);
+    for (triangle, material) in triangles.into_iter().zip(materials) {
+        let corners = triangle.map(|vertex| corner(mesh, vertex));
+        let inside = |c: &Corner| c.position.cmpge(min).all() && c.position.cmple(max).all();
+        if corners.iter().all(inside) {
+            mesh.triangles.push(triangle);
+            mesh.triangle_materials.push(material);
+            continue;
+        }
+        let polygon = clip_polygon(corners.to_vec(), min, max);
+        let first = mesh.positions.len() as u32;
+        if polygon.len() < 3 {
+            continue;
+        }
+        for corner in &polygon {
+            mesh.positions.push(corner.position);
+            mesh.normals.push(corner.normal);
+            mesh.uvs.push(corner.uv);
+        }
+        for i in 1..polygon.len() as u32 - 1 {
+            mesh.triangles.push([first, first + i, first + i + 1]);
+            mesh.triangle_materials.push(material);
+        }
+    }
+    mesh.drop_degenerate_triangles();
+    mesh.drop_unused_vertices();
+}
+
+fn corner(mesh: &Mesh, vertex: u32) -> Corner {
+    let i = vertex as usize;
+    Corner {
+        position: mesh.positions[i],
+        normal: mesh.normals[i],
+        uv: mesh.uvs[i],
+    }
+}
+
+fn clip_polygon(mut polygon: Vec<Corner>, min: Vec3, max: Vec3) -> Vec<Corner> {
+    for axis in 0..3 {
+        polygon = clip_half_space(&polygon, |corner| corner.position[axis] - min[axis]);
+        polygon = clip_half_space(&polygon, |corner| max[axis] - corner.position[axis]);
+    }
+    polygon
+}
+
+/// Keeps the part where `distance` is not negative.
+fn clip_half_space(polygon: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, here) in polygon.iter().enumerate() {
+        let next = &polygon[(i + 1) % polygon.len()];
+        let (d_here, d_next) = (distance(here), distance(next));
+        if d_here >= 0.0 {
+            kept.push(*here);
+        }
+        if (d_here < 0.0) != (d_next < 0.0) {
+            kept.push(here.lerp(*next, d_here / (d_here - d_next)));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_plane_is_cut_to_the_box() {
+        let corners =
+            [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+        let mut mesh = Mesh::polygon("plane", &corners, 3);
+        clip_to_box(
+            &mut mesh,
+            Vec3::new(-1.0, -1.0, -2.0),
+            Vec3::new(1.0, 1.0, 3.0),
+        );
+        let area: f32 = (0..mesh.triangles.len() as u32)
+            .map(|i| mesh.triangle_area(i))
+            .sum();
+        assert!((area - 10.0).abs() < 1e-4);
+        assert_eq!(
+            mesh.bounds(),
+            (Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 0.0, 3.0))
+        );
+        for (i, uv) in mesh.uvs.iter().enumerate() {
+            let expected = Vec2::new(mesh.positions[i].x + 9.0, mesh.positions[i].z + 9.0) / 18.0;
+            assert!(uv.distance(expected) < 1e-5);
+        }
+        assert!((0..mesh.triangles.len() as u32).all(|i| {
+            let [a, b, c] = mesh.triangle_positions(i);
+            (b - a).cross(c - a).y > 0.0
+        }));
+    }
+
+    #[test]
+    fn what_is_inside_or_outside_stays_or_goes() {
+        let mesh = Mesh::sphere("sphere", 1.0, 2, 0);
+        let mut inside = mesh.clone();
+        clip_to_box(&mut inside, Vec3::splat(-1.0), Vec3::ONE);
+        assert_eq!(inside.triangles.len(), mesh.triangles.len());
+        let mut outside = mesh;
+        clip_to_box(&mut outside, Vec3::splat(2.0), Vec3::splat(3.0));
+        assert!(outside.triangles.is_empty() && outside.positions.is_empty());
+    }
+}
