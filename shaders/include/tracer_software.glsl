@@ -2,7 +2,7 @@
 //
 // In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
 // t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
-// Ylitie et al. 2017, triangle test after Woop et al. 2013; tests/bvh_gpu.rs holds the CPU twin.
+// Ylitie et al. 2017, triangle test after Woop et al. 2013; tests/bvh_support/twin.rs is the CPU twin.
 //
 // Define TRACER_BINDING, the first of seven bindings in set TRACER_SET (0 by default), before including.
 
@@ -13,7 +13,8 @@
 #define TRACER_SET 0
 #endif
 
-#define TRACER_BUFFER(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
+#define TRACER_BUFFER(offset) \
+    layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
 
 // Five words a node.
 TRACER_BUFFER(0) bvh_nodes_block { uvec4 words[]; } bvh_nodes;
@@ -71,11 +72,13 @@ TracerRay tracer_prepare(vec3 origin, vec3 direction) {
     vec3 size = abs(direction);
     float largest = max(max(size.x, size.y), size.z);
     bvec3 negative = lessThan(direction, vec3(0.0));
-    ray.inverse = mix(vec3(1.0), vec3(-1.0), negative) / max(size, vec3(largest * TRACER_SMALLEST_DIRECTION));
-    ray.octant = (negative.x ? 0u : 0x04040404u) | (negative.y ? 0u : 0x02020202u) | (negative.z ? 0u : 0x01010101u);
+    uvec3 positive = mix(uvec3(0x04040404u, 0x02020202u, 0x01010101u), uvec3(0u), negative);
+    ray.octant = positive.x | positive.y | positive.z;
     ray.main_axis = size.x > size.y && size.x > size.z ? 0 : (size.y > size.z ? 1 : 2);
     vec3 turned = tracer_turn(direction, ray.main_axis);
     ray.shear = vec3(turned.xy, 1.0) / turned.z;
+    size = max(size, vec3(largest * TRACER_SMALLEST_DIRECTION));
+    ray.inverse = mix(vec3(1.0), vec3(-1.0), negative) / size;
     return ray;
 }
 
@@ -100,8 +103,8 @@ uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t
     uvec3 exponents = uvec3(head.w, head.w >> 8, head.w >> 16) & 0xffu;
     vec3 cell = uintBitsToFloat(exponents << 23);
     vec3 to_node = uintBitsToFloat(head.xyz) - ray.origin;
-    vec3 distance = abs(to_node);
-    float reach = max(max(distance.x, distance.y), distance.z) + 255.0 * max(max(cell.x, cell.y), cell.z);
+    vec3 apart = abs(to_node);
+    float reach = max(max(apart.x, apart.y), apart.z) + 255.0 * max(max(cell.x, cell.y), cell.z);
     vec3 padding = (TRACER_SLAB_PADDING * reach) * abs(ray.inverse);
     vec3 cell_step = cell * ray.inverse;
     vec3 start = to_node * ray.inverse;
@@ -204,15 +207,13 @@ bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool
     int height = 0;
     // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children),
     // or, without any of the high eight bits, (index of the first primitive, bits of primitives).
-    uvec2 group = uvec2(0u);
-    if (bvh_roots.roots.y != TRACER_NONE) {
-        group = uvec2(bvh_roots.roots.y, 0x80000000u);
-    }
-    if (bvh_roots.roots.x != TRACER_NONE) {
+    uvec2 roots = bvh_roots.roots.xy;
+    uvec2 group = roots.y == TRACER_NONE ? uvec2(0u) : uvec2(roots.y, 0x80000000u);
+    if (roots.x != TRACER_NONE) {
         if (group.y != 0u) {
             stack[height++] = group;
         }
-        group = uvec2(bvh_roots.roots.x, 0x80000000u);
+        group = uvec2(roots.x, 0x80000000u);
     }
     TracerRay ray = tracer_prepare(origin, direction);
     uint instance = TRACER_NONE;

@@ -97,7 +97,7 @@ pub struct GpuBvhRoots {
 pub struct GpuBvh {
     /// Compressed wide nodes, 80 bytes: five uvec4.
     pub nodes: Vec<CwBvhNode>,
-    /// Triangles of all meshes, in leaf order.
+    /// Triangles of all meshes, in the order of the leaves.
     pub triangles: Vec<GpuTriangle>,
     /// Texture coordinates of those triangles that have an alpha mask.
     pub triangle_uvs: Vec<GpuMaskedTriangle>,
