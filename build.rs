@@ -1,3 +1,115 @@
+//! Compiles every shader of `shaders/` to SPIR-V and tells the crate which commit it is.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use glslang::include::{IncludeHandler, IncludeResult, IncludeType};
+use glslang::{
+    Compiler, CompilerOptions, ShaderInput, ShaderSource, ShaderStage, SourceLanguage, SpirvVersion,
+    Target, VulkanVersion,
+};
+
+/// Finds `#include "x"` in `shaders/include/`.
+struct Includes {
+    root: PathBuf,
+}
+
+impl IncludeHandler for Includes {
+    fn include(&mut self, _: IncludeType, name: &str, _: &str, _: usize) -> Option<IncludeResult> {
+        let data = std::fs::read_to_string(self.root.join(name)).ok()?;
+        // The line directive makes messages name the included file.
+        let data = format!("#line 1 \"{name}\"\n{data}\n");
+        Some(IncludeResult { name: name.to_owned(), data })
+    }
+}
+
 fn main() {
-    let _ = glslang::Compiler::acquire();
+    let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("set by cargo"));
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("set by cargo"));
+    compile_shaders(&root.join("shaders"), &out);
+    tell_commit(&root);
+}
+
+fn compile_shaders(folder: &Path, out: &Path) {
+    println!("cargo:rerun-if-changed={}", folder.display());
+    let mut rust = String::new();
+    let mut failed = false;
+    for path in files(folder).into_iter().chain(files(&folder.join("test"))) {
+        let Some(stage) = stage_of(&path) else { continue };
+        let name = path.file_name().expect("a file").to_string_lossy().into_owned();
+        match compile(&path, stage, &folder.join("include")) {
+            Ok(words) => {
+                let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+                let target = out.join(format!("{name}.spv"));
+                std::fs::write(&target, bytes).expect("OUT_DIR is writable");
+                let constant = name.replace('.', "_").to_uppercase();
+                writeln!(
+                    rust,
+                    "/// `{name}`, compiled.\npub const {constant}: &[u8] = include_bytes!({target:?});"
+                )
+                .expect("writing to a string");
+            }
+            Err(message) => {
+                failed = true;
+                report(&path, &message);
+            }
+        }
+    }
+    assert!(!failed, "shaders did not compile; the messages are above");
+    std::fs::write(out.join("shaders.rs"), rust).expect("OUT_DIR is writable");
+}
+
+fn files(folder: &Path) -> BTreeSet<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return BTreeSet::new() };
+    entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.is_file()).collect()
+}
+
+fn stage_of(path: &Path) -> Option<ShaderStage> {
+    match path.extension()?.to_str()? {
+        "comp" => Some(ShaderStage::Compute),
+        "vert" => Some(ShaderStage::Vertex),
+        "frag" => Some(ShaderStage::Fragment),
+        _ => None,
+    }
+}
+
+fn compile(path: &Path, stage: ShaderStage, include: &Path) -> Result<Vec<u32>, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let compiler = Compiler::acquire().ok_or("glslang did not start")?;
+    let options = CompilerOptions {
+        source_language: SourceLanguage::GLSL,
+        // 1.2 rather than 1.3: later versions write the group size as LocalSizeId, which needs maintenance4.
+        target: Target::Vulkan { version: VulkanVersion::Vulkan1_2, spirv_version: SpirvVersion::SPIRV1_5 },
+        ..CompilerOptions::default()
+    };
+    let mut includes = Includes { root: include.to_owned() };
+    let source = ShaderSource::from(text);
+    let no_defines: Option<&[(&str, Option<&str>)]> = None;
+    let input = ShaderInput::new(&source, stage, &options, no_defines, Some(&mut includes))
+        .map_err(|error| error.to_string())?;
+    let shader = compiler.create_shader(input).map_err(|error| error.to_string())?;
+    shader.compile().map_err(|error| error.to_string())
+}
+
+/// Prints glslang's messages as `file:line: message`; it calls the main file `0`.
+fn report(path: &Path, message: &str) {
+    for line in message.lines().filter(|line| !line.trim().is_empty()) {
+        let line = line.replace("ERROR: 0:", &format!("ERROR: {}:", path.display()));
+        println!("cargo:warning={line}");
+        eprintln!("{line}");
+    }
+}
+
+fn tell_commit(root: &Path) {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+        println!("cargo:rerun-if-changed={}", root.join(log).display());
+    }
+    let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".to_owned());
+    println!("cargo:rustc-env=GLOWWORM_COMMIT={commit}");
 }

@@ -5,9 +5,21 @@
 //! - [`settings`]: every knob, one struct.
 //! - [`scene`]: what the world is; loading, animation, built-ins.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
+//! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
+//! - [`report`]: what was measured of each frame.
+//! - [`output`]: pictures and reports on disk.
+//! - [`passes`]: the passes of the frame, one file each.
+//! - [`renderer`]: the frame itself.
+//! - [`cli`]: the command line.
 
 pub mod bvh;
+pub mod cli;
+pub mod output;
+pub mod passes;
+pub mod renderer;
+pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod vpl;
+pub mod vulkan;

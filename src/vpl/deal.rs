@@ -1,9 +1,10 @@
 //! Which slot belongs to which light, path and bounce.
 //!
 //! In: a [`Quota`]. Out: an address for each slot. Slots are laid out bounce by bounce, within that
-//! light by light, within that path by path. Slot s is in temporal set s mod T and pixel class
-//! (s / T) mod n^2, so each bounce of each light, a run of neighbours, is spread over all sets and all
-//! classes to within one.
+//! light by light, within that path by path. Slot s is in temporal set s mod T, so each bounce of each
+//! light, a run of neighbours, is spread over all sets to within one. Pixel classes go by rows of slots
+//! (see [`Layout::cell`]) and do not depend on T where T n^2 divides the slots: each pixel then gathers
+//! the same VPLs whatever T is.
 
 use super::quota::{Quota, Room};
 use super::sampling::hash;
@@ -27,9 +28,16 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Temporal set and pixel class of a slot.
+    /// Temporal set and pixel class of a slot. A row is a set's share of one turn of the classes: the
+    /// slots that are equal modulo the number of rows. From one turn to the next each row moves on by a
+    /// class; rows start at different ones, neighbouring rows and rows of one set alike.
     pub(super) fn cell(&self, slot: u32) -> (u32, u32) {
-        (slot % self.sets, slot / self.sets % self.classes)
+        let (slot, classes) = (u64::from(slot), u64::from(self.classes));
+        let turn = u64::from(self.sets) * classes;
+        let rows = u64::from(self.sets) * u64::from(self.slots).div_ceil(turn).max(1);
+        let row = slot % rows;
+        let class = (slot / rows + row + row * classes / rows) % classes;
+        ((row % u64::from(self.sets)) as u32, class as u32)
     }
 
     /// The slots to share out among the lights.
@@ -83,6 +91,10 @@ pub(super) struct Deal {
     path_starts: Vec<u32>,
     /// A light's first path among all paths.
     light_starts: Vec<u32>,
+    /// All slots by temporal set, within that by pixel class.
+    cell_slots: Vec<u32>,
+    /// Cell c, class k of set t for c = t n^2 + k, is `cell_slots[cell_starts[c]..cell_starts[c + 1]]`.
+    cell_starts: Vec<u32>,
 }
 
 impl Deal {
@@ -95,7 +107,14 @@ impl Deal {
         deal.start_paths(layout.bounces);
         deal.lay_out(layout.bounces);
         deal.spread_sequences(layout);
+        deal.sort_into_cells(layout);
         deal
+    }
+
+    /// The slots of one temporal set and pixel class.
+    pub(super) fn cell(&self, layout: &Layout, set: u32, class: u32) -> &[u32] {
+        let cell = (set * layout.classes + class) as usize;
+        &self.cell_slots[self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize]
     }
 
     /// Number of paths.
@@ -171,11 +190,16 @@ impl Deal {
     }
 
     /// Any block of neighbours in a Sobol sequence is well spread, every k-th point is not: the paths of
-    /// one set, and within it of one class, get a block.
+    /// one set, and within it of one class, get a block. A path that was cut short comes last, so that
+    /// which points lack their later bounces does not depend on sets and classes.
     fn spread_sequences(&mut self, layout: &Layout) {
         for light in 0..self.quota.whole.len() as u32 {
             let mut order: Vec<usize> = self.light_paths(light).collect();
-            order.sort_by_key(|&path| (layout.cell(self.path(path)[0]), path));
+            let whole = order.iter().map(|&path| self.path(path).len()).max();
+            order.sort_by_key(|&path| {
+                let slots = self.path(path);
+                (Some(slots.len()) < whole, layout.cell(slots[0]), path)
+            });
             for (sequence, path) in order.into_iter().enumerate() {
                 for at in self.path_starts[path]..self.path_starts[path + 1] {
                     let slot = self.path_slots[at as usize];
@@ -183,6 +207,16 @@ impl Deal {
                 }
             }
         }
+    }
+
+    fn sort_into_cells(&mut self, layout: &Layout) {
+        self.cell_slots = (0..layout.slots).collect();
+        self.cell_slots.sort_by_key(|&slot| layout.cell(slot));
+        let cells = (0..layout.sets).flat_map(|set| (0..=layout.classes).map(move |class| (set, class)));
+        self.cell_starts = cells
+            .filter(|&(set, class)| class < layout.classes || set + 1 == layout.sets)
+            .map(|cell| self.cell_slots.partition_point(|&slot| layout.cell(slot) < cell) as u32)
+            .collect();
     }
 
     fn light_paths(&self, light: u32) -> std::ops::Range<usize> {

@@ -86,6 +86,15 @@ impl SetVpls {
     }
 }
 
+/// How the luminous flux of all valid VPLs is shared out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellFlux {
+    /// Of each temporal set, over its classes.
+    pub sets: Vec<f32>,
+    /// Of each pixel class, over all sets.
+    pub classes: Vec<f32>,
+}
+
 /// What one frame did to the slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct VplCounters {

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::deal::NONE;
 use super::invalidate::locate;
 use super::slots::{SlotState, SlotView};
-use super::{GpuVpl, SetVpls, VplManager, World};
+use super::{CellFlux, GpuVpl, SetVpls, VplManager, World};
 use crate::scene::luminance;
 
 impl VplManager {
@@ -24,13 +24,9 @@ impl VplManager {
         };
         for class in 0..layout.classes {
             result.class_starts.push(result.vpls.len() as u32);
-            // Every n^2-th slot of the set, which is every (T n^2)-th of all.
-            let first = u64::from(class) * u64::from(layout.sets) + u64::from(set);
-            let slots = (first..u64::from(layout.slots))
-                .step_by(classes * layout.sets as usize)
-                .filter(|_| set < layout.sets);
+            let slots: &[u32] = if set < layout.sets { self.deal.cell(layout, set, class) } else { &[] };
             let mut class_flux = 0.0;
-            for slot in slots {
+            for &slot in slots {
                 let Some(vpl) = self.gpu_vpl(world, slot as usize) else {
                     continue;
                 };
@@ -41,6 +37,28 @@ impl VplManager {
         }
         result.class_starts.push(result.vpls.len() as u32);
         result
+    }
+
+    /// Luminous flux of the valid VPLs of each temporal set, and of each pixel class over all sets.
+    pub fn flux_by_cell(&self) -> CellFlux {
+        let layout = &self.layout;
+        let mut flux = CellFlux {
+            sets: vec![0.0; layout.sets as usize],
+            classes: vec![0.0; layout.classes as usize],
+        };
+        for set in 0..layout.sets {
+            for class in 0..layout.classes {
+                let cell: f32 = self
+                    .deal
+                    .cell(layout, set, class)
+                    .iter()
+                    .map(|&slot| luminance(self.flux(slot as usize)))
+                    .sum();
+                flux.sets[set as usize] += cell;
+                flux.classes[class as usize] += cell;
+            }
+        }
+        flux
     }
 
     /// Luminous flux of all valid VPLs, the sum over all temporal sets.

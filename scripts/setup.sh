@@ -1,0 +1,126 @@
+# shellcheck shell=bash
+# What ./glowworm, ./test and .ci/run need on a bare machine. To be sourced; changes nothing by itself.
+#
+#     need_build_tools; need_vulkan; install_missing
+#
+# Each need_* looks whether something is there and otherwise notes the Debian package that brings it;
+# install_missing then installs what was noted. Where nothing is missing nothing is run.
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+missing_packages=()
+
+say() { printf 'glowworm: %s\n' "$1" >&2; }
+
+fail() {
+    printf 'glowworm: error: %s\n' "$1" >&2
+    exit 1
+}
+
+# Notes that PACKAGE is missing and what for.
+miss() { # PACKAGE REASON
+    if [ ${#missing_packages[@]} -eq 0 ]; then
+        say "this machine lacks:"
+    fi
+    say "  $1: $2"
+    missing_packages+=("$1")
+}
+
+need_build_tools() {
+    PATH="$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin"
+    command -v cargo >/dev/null ||
+        fail "no Rust toolchain (cargo); install Rust $(minimum_rust) or newer with rustup, then run this again"
+    local compiler
+    for compiler in "${CXX:-c++}" g++ clang++; do
+        command -v "${compiler%% *}" >/dev/null && return
+    done
+    miss g++ "C++ compiler, builds the shader compiler and links the program"
+}
+
+minimum_rust() { sed -n 's/^rust-version *= *"\(.*\)"/\1/p' "$root/Cargo.toml"; }
+
+need_command() { # COMMAND PACKAGE REASON
+    command -v "$1" >/dev/null || miss "$2" "$3"
+}
+
+need_vulkan() {
+    has_vulkan_loader || miss libvulkan1 "Vulkan loader (libvulkan.so.1)"
+    has_vulkan_driver || miss mesa-vulkan-drivers "Vulkan drivers, among them one for the CPU (no driver was found)"
+}
+
+need_validation_layers() {
+    has_file_in VkLayer_khronos_validation.json "${VK_LAYER_PATH:-}" && return
+    has_file_in vulkan/explicit_layer.d/VkLayer_khronos_validation.json "$(vulkan_folders)" && return
+    miss vulkan-validationlayers "Vulkan validation layers, which watch over every test"
+}
+
+has_vulkan_loader() {
+    has_file_in libvulkan.so.1 "${LD_LIBRARY_PATH:-}" && return
+    # Into a variable: grep -q would close the pipe early, which pipefail takes for a failure.
+    local known
+    known="$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null)" || known=
+    [[ $known == *libvulkan.so.1* ]] || has_file_in libvulkan.so.1 /usr/lib:/usr/lib64:/usr/local/lib
+}
+
+has_vulkan_driver() {
+    # Whoever names drivers in the environment gets those, and no others in their place.
+    [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] || has_file_in 'vulkan/icd.d/*.json' "$(vulkan_folders)"
+}
+
+# Where the Vulkan loader looks for drivers and layers.
+vulkan_folders() {
+    printf '%s' "${XDG_CONFIG_HOME:-${HOME:-}/.config}:${XDG_CONFIG_DIRS:-/etc/xdg}:/etc:"
+    printf '%s' "${XDG_DATA_HOME:-${HOME:-}/.local/share}:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}:/usr/share"
+}
+
+# Whether one of the FOLDERS (with colons between) has a file that matches PATTERN.
+has_file_in() { # PATTERN FOLDERS
+    local folder file folders
+    IFS=: read -ra folders <<<"$2"
+    for folder in "${folders[@]}"; do
+        [ -n "$folder" ] || continue
+        # shellcheck disable=SC2086 # the pattern is to be expanded
+        for file in "$folder"/$1; do
+            [ -e "$file" ] && return 0
+        done
+    done
+    return 1
+}
+
+# Installs what was noted: as root or in CI straight away, else with sudo after asking. Returns 1,
+# having said what to do, where it cannot.
+install_missing() {
+    [ ${#missing_packages[@]} -eq 0 ] && return
+    local as_root=() install=(apt-get install -y --no-install-recommends "${missing_packages[@]}")
+    if ! command -v apt-get >/dev/null; then
+        say "that is how Debian and Ubuntu call it; install the like of it for this system"
+        return 1
+    fi
+    if [ "$(id -u)" -ne 0 ]; then
+        as_root=(sudo)
+        if ! command -v sudo >/dev/null; then
+            say "to install it, run as root: ${install[*]}"
+            return 1
+        fi
+        if [ "${CI:-}" != true ] && ! confirm "install it with: sudo ${install[*]}"; then
+            say "to install it, run: sudo ${install[*]}"
+            return 1
+        fi
+    fi
+    say "installing: ${missing_packages[*]}"
+    missing_packages=()
+    {
+        "${as_root[@]}" apt-get update -qq || say "apt-get update failed; going on with the old lists"
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}" -qq -o Dpkg::Use-Pty=0
+    } </dev/null >&2 || {
+        say "error: apt-get could not install it (see above)"
+        return 1
+    }
+}
+
+# Asks on the terminal; without one the answer is no.
+confirm() { # QUESTION
+    local answer
+    [ -t 0 ] && [ -t 2 ] || return 1
+    read -r -p "glowworm: $1 ? [y/N] " answer
+    [[ $answer == [yY]* ]]
+}

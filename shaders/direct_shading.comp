@@ -1,0 +1,130 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Direct light of point, spot and directional lights: diffuse and normalised Blinn-Phong specular
+// reflection, shadow maps filtered over 3x3 texels; what surfaces emit; the background.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#include "lights.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
+layout(set = 0, binding = 4) uniform texture2D gbuffer_specular;
+layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 6) uniform texture2D shadow_atlas;
+layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data[]; } lights;
+layout(set = 0, binding = 8, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
+layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
+layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
+
+// Mean of the 2x2 bilinear comparisons of a 3x3 neighbourhood: a 4x4 tent over texels.
+float filtered_visibility(uint tile, vec3 coordinates) {
+    vec4 rectangle = shadow_tiles.data[tile].rectangle;
+    vec2 texel = coordinates.xy * rectangle.z - 0.5;
+    vec2 base = floor(texel);
+    vec2 part = texel - base;
+    vec4 wx = vec4(1.0 - part.x, 1.0, 1.0, part.x);
+    vec4 wy = vec4(1.0 - part.y, 1.0, 1.0, part.y);
+    ivec2 first = ivec2(rectangle.xy);
+    ivec2 last = first + int(rectangle.z) - 1;
+    float lit = 0.0;
+    for (int y = 0; y < 4; y++) {
+        for (int x = 0; x < 4; x++) {
+            ivec2 at = clamp(first + ivec2(base) + ivec2(x - 1, y - 1), first, last);
+            float nearest = texelFetch(shadow_atlas, at, 0).r;
+            lit += coordinates.z >= nearest ? wx[x] * wy[y] : 0.0;
+        }
+    }
+    return lit / 9.0;
+}
+
+// Tile coordinates of a receiver, moved along its normal by about the size of the filter there, so
+// that a lit surface does not shadow itself.
+bool tile_coordinates(uint tile, vec3 p, vec3 n, float cosine, out vec3 coordinates) {
+    ShadowTile data = shadow_tiles.data[tile];
+    vec4 clip = data.view_projection * vec4(p, 1.0);
+    float texel = data.texel.x * (data.texel.y == 1.0 ? clip.w : 1.0);
+    float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
+    clip = data.view_projection * vec4(p + n * texel * (0.5 + 2.0 * sine), 1.0);
+    coordinates = clip.xyz / clip.w;
+    coordinates.xy = coordinates.xy * 0.5 + 0.5;
+    float guard = 2.0 / data.rectangle.z;
+    return clip.w > 0.0 && all(greaterThan(coordinates.xy, vec2(guard))) && all(lessThan(coordinates.xy, vec2(1.0 - guard)));
+}
+
+uint cube_face(vec3 d) {
+    vec3 a = abs(d);
+    if (a.x >= a.y && a.x >= a.z) return d.x >= 0.0 ? 0u : 1u;
+    if (a.y >= a.z) return d.y >= 0.0 ? 2u : 3u;
+    return d.z >= 0.0 ? 4u : 5u;
+}
+
+float visibility(LightData light, vec3 p, vec3 n, vec3 to_light) {
+    float cosine = max(dot(n, to_light), 0.0);
+    vec3 coordinates;
+    if (light.tile_count == 6u) {
+        uint tile = light.first_tile + cube_face(p - light.position.xyz);
+        tile_coordinates(tile, p, n, cosine, coordinates);
+        return filtered_visibility(tile, clamp(coordinates, vec3(0.0), vec3(1.0)));
+    }
+    for (uint i = 0u; i < light.tile_count; i++) {
+        if (tile_coordinates(light.first_tile + i, p, n, cosine, coordinates)) {
+            return filtered_visibility(light.first_tile + i, coordinates);
+        }
+    }
+    // Beyond all cascades: the sun shines there unless we knew better. Outside a spot's tile nothing is lit.
+    return light.kind == LIGHT_DIRECTIONAL ? 1.0 : 0.0;
+}
+
+// Irradiance across the direction to the light, without shadow.
+vec3 arriving(LightData light, vec3 p, out vec3 to_light) {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        to_light = -light.direction.xyz;
+        return light.power.rgb;
+    }
+    vec3 d = light.position.xyz - p;
+    float squared = max(dot(d, d), 1e-30);
+    to_light = d * inversesqrt(squared);
+    float falloff = 1.0;
+    if (light.kind == LIGHT_SPOT) {
+        falloff = smoothstep(light.direction.w, light.position.w, dot(-to_light, light.direction.xyz));
+    }
+    return light.power.rgb * falloff / squared;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    if (id.x == 0u) {
+        imageStore(direct, pixel, vec4(frame.background.rgb, 0.0));
+        return;
+    }
+    vec3 p = texelFetch(gbuffer_position, pixel, 0).xyz;
+    vec4 packed_normals = texelFetch(gbuffer_normal, pixel, 0);
+    vec3 n = octahedral_decode(packed_normals.xy);
+    vec3 geometric = octahedral_decode(packed_normals.zw);
+    vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
+    vec4 specular = texelFetch(gbuffer_specular, pixel, 0);
+    vec3 to_eye = normalize(frame.eye.xyz - p);
+
+    vec3 radiance = vec3(0.0);
+    if ((id.y & FRONT_FACING) != 0u) radiance = materials.data[id.y & ~FRONT_FACING].emission.rgb;
+    for (uint i = 0u; i < frame.light_count; i++) {
+        LightData light = lights.data[i];
+        vec3 to_light;
+        vec3 irradiance = arriving(light, p, to_light);
+        float cosine = dot(n, to_light);
+        if (cosine <= 0.0 || dot(geometric, to_light) <= 0.0 || irradiance == vec3(0.0)) continue;
+        irradiance *= cosine * visibility(light, p, geometric, to_light);
+        float half_cosine = max(dot(n, normalize(to_light + to_eye)), 0.0);
+        vec3 reflectance = albedo / PI
+            + specular.rgb * (specular.w + 8.0) / (8.0 * PI) * pow(half_cosine, specular.w);
+        radiance += reflectance * irradiance;
+    }
+    imageStore(direct, pixel, vec4(radiance, 1.0));
+}

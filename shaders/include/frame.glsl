@@ -1,0 +1,26 @@
+// What every pass of a frame may want to know. Twin: FrameUniforms in src/passes/structs.rs.
+
+layout(set = 0, binding = 0, std140) uniform FrameUniforms {
+    mat4 view_projection;          // world to clip, reversed depth
+    mat4 previous_view_projection; // the same, one frame ago
+    vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
+    vec4 background;               // rgb: radiance where no surface is; w: clamp c of the geometry term, 0: none
+    uvec2 size;                    // of the picture, texels
+    uint interleave;               // n
+    uint light_count;              // lights with shadow maps
+    float position_cutoff;         // fraction of view depth
+    float irradiance_scale;        // set buffers hold irradiance times this
+    uint set;                      // temporal set of this frame
+    uint sets;                     // T
+} frame;
+
+const float PI = 3.14159265358979;
+
+// How far ray ends are moved off their surfaces at world position p: far beyond the rounding of
+// positions, far below anything that can be seen. Twin: `ray_offset` in src/vpl/.
+float ray_offset(vec3 p) {
+    vec3 a = abs(p);
+    return 2e-5 * max(max(a.x, max(a.y, a.z)), 0.2 * frame.eye.w);
+}
+
+float luminance(vec3 rgb) { return dot(rgb, vec3(0.2126, 0.7152, 0.0722)); }

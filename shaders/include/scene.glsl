@@ -1,0 +1,31 @@
+// Instances and materials. Twins: InstanceData, MaterialData in src/passes/structs.rs.
+
+struct InstanceData {
+    vec4 object_to_world[3];          // rows
+    vec4 world_to_object[3];          // rows
+    vec4 previous_object_to_world[3]; // rows, one frame ago
+    uint dynamic;                     // 1: it may move
+    uint mirrored;                    // 1: its transform swaps left and right
+    uint pad0;
+    uint pad1;
+};
+
+struct MaterialData {
+    vec4 albedo;   // rgb: Kd
+    vec4 specular; // rgb: Ks; w: Ns
+    vec4 emission; // rgb: Ke, front side
+    uint mask;     // index of the alpha mask plus one, 0: none
+    uint pad0;
+    uint pad1;
+    uint pad2;
+};
+
+vec3 transform_point(vec4 rows[3], vec3 p) {
+    vec4 h = vec4(p, 1.0);
+    return vec3(dot(rows[0], h), dot(rows[1], h), dot(rows[2], h));
+}
+
+// Transforms a normal by the inverse transpose, given the inverse.
+vec3 transform_normal(vec4 inverse_rows[3], vec3 n) {
+    return inverse_rows[0].xyz * n.x + inverse_rows[1].xyz * n.y + inverse_rows[2].xyz * n.z;
+}

@@ -1,0 +1,112 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Brings every set buffer into the current view and adds them up (algorithm 4 of Tonna 2019). A pixel
+// follows its surface back to where it was when the set was drawn: by its instance's transform of that
+// time, then by that time's camera. Sets that have not seen the surface are made up for by the others,
+// in proportion to flux.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+// Camera and light of the frame that drew a set. Twin: SetParameters in src/passes/structs.rs.
+struct SetParameters {
+    vec4 eye;     // xyz: world position; w: 1 / irradiance scale
+    vec4 to_x;    // xyz: right / tan of half the horizontal field of view; w: that tangent squared
+    vec4 to_y;    // xyz: down / tan of half the vertical field of view; w: that tangent squared
+    vec4 forward; // xyz: view direction; w: luminous flux of the set, negative if it was never drawn
+};
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 4) uniform texture2DArray set_buffers;
+layout(set = 0, binding = 5, std430) readonly buffer SetBlock { SetParameters data[]; } set_parameters;
+layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
+layout(set = 0, binding = 8, rgba32f) uniform writeonly image2D irradiance;
+
+layout(push_constant) uniform Push { uint instance_count; uint scale_missing; float total_flux; uint pad; } push;
+
+// Taps with less weight are not worth their fetch; without them a view that stands still takes exactly one.
+const float MIN_WEIGHT = 0.01;
+
+vec3 from_rows(uint first, vec3 p) {
+    vec4 h = vec4(p, 1.0);
+    return vec3(
+        dot(instance_history.rows[first], h), dot(instance_history.rows[first + 1u], h),
+        dot(instance_history.rows[first + 2u], h));
+}
+
+// Irradiance of a set at world position p (of that time) with normal n; false where it was not seen.
+bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
+    SetParameters parameters = set_parameters.data[set];
+    vec3 v = p - parameters.eye.xyz;
+    float depth = dot(v, parameters.forward.xyz);
+    if (depth <= 0.0) return false;
+    vec2 size = vec2(frame.size);
+    vec2 ndc = vec2(dot(v, parameters.to_x.xyz), dot(v, parameters.to_y.xyz)) / depth;
+    vec2 texel = (ndc * 0.5 + 0.5) * size - 0.5;
+    vec2 base = floor(texel);
+    vec2 part = texel - base;
+    float cutoff = frame.position_cutoff * depth;
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 4; i++) {
+        ivec2 corner = ivec2(i & 1, i >> 1);
+        float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
+        ivec2 at = ivec2(base) + corner;
+        if (weight < MIN_WEIGHT || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
+        vec4 stored = texelFetch(set_buffers, ivec3(at, int(set)), 0);
+        if (stored.w <= 0.0) continue;
+        // The surface that was drawn there, from its depth.
+        vec2 at_ndc = (vec2(at) + 0.5) / size * 2.0 - 1.0;
+        vec3 ray = parameters.forward.xyz + at_ndc.x * parameters.to_x.w * parameters.to_x.xyz
+            + at_ndc.y * parameters.to_y.w * parameters.to_y.xyz;
+        vec3 offset = ray * stored.w - v;
+        if (dot(offset, offset) > cutoff * cutoff || abs(dot(offset, n)) > 0.25 * cutoff) continue;
+        sum += weight * stored.rgb;
+        weights += weight;
+    }
+    found = sum / max(weights, 1e-6) * parameters.eye.w;
+    return weights > 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uint id = texelFetch(gbuffer_instance, pixel, 0).x;
+    if (id == 0u) {
+        imageStore(irradiance, pixel, vec4(0.0));
+        return;
+    }
+    vec3 p = texelFetch(gbuffer_position, pixel, 0).xyz;
+    vec3 n = octahedral_decode(texelFetch(gbuffer_normal, pixel, 0).zw);
+    InstanceData instance = instances.data[id - 1u];
+    vec3 p_os = transform_point(instance.world_to_object, p);
+    vec3 tip_os = transform_point(instance.world_to_object, p + n);
+
+    vec3 sum = vec3(0.0);
+    float present = 0.0;
+    uint count = 0u;
+    for (uint set = 0u; set < frame.sets; set++) {
+        float flux = set_parameters.data[set].forward.w;
+        if (flux < 0.0) continue;
+        vec3 p_then = p;
+        vec3 n_then = n;
+        if (instance.dynamic == 1u) {
+            uint row = (set * push.instance_count + id - 1u) * 3u;
+            p_then = from_rows(row, p_os);
+            n_then = normalize(from_rows(row, tip_os) - p_then);
+        }
+        vec3 found;
+        if (!look_up(set, p_then, n_then, found)) continue;
+        sum += found;
+        present += flux;
+        count++;
+    }
+    if (push.scale_missing == 1u && present > 0.0 && count < frame.sets) sum *= push.total_flux / present;
+    imageStore(irradiance, pixel, vec4(sum, float(count)));
+}

@@ -1,0 +1,52 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Irradiance of each pixel from the VPLs of its class:
+//   E = sum phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V        (Keller 1997, with a bounded geometry term)
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "vpls.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
+layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
+layout(set = 0, binding = 5, std430) readonly buffer MaskWords { uint words[]; } visibility;
+layout(set = 0, binding = 6, rgba32f) uniform image2D class_irradiance;
+
+layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
+
+vec3 contribution(GpuVpl vpl, vec3 p, vec3 n) {
+    vec3 d = vpl.position - p;
+    float squared = dot(d, d);
+    if (squared <= 0.0) return vec3(0.0);
+    float inverse = 1.0 / squared;
+    float cosines = max(dot(n, d), 0.0) * max(-dot(vpl.normal, d), 0.0) * inverse;
+    float c = frame.background.w;
+    return vpl.flux / PI * cosines * (c > 0.0 ? min(inverse, c) : inverse);
+}
+
+void main() {
+    uvec2 pixel = interleaved_pixel(gl_GlobalInvocationID, frame.interleave);
+    if (any(greaterThanEqual(pixel, frame.size))) return;
+    vec4 position = texelFetch(gbuffer_position, ivec2(pixel), 0);
+    vec3 irradiance = vec3(0.0);
+    if (position.w > 0.0) {
+        vec3 n = octahedral_decode(texelFetch(gbuffer_normal, ivec2(pixel), 0).xy);
+        uint class_end = class_starts.data[gl_GlobalInvocationID.z + 1u];
+        uint first = class_starts.data[gl_GlobalInvocationID.z] + push.first_word * 32u;
+        for (uint word = 0u; word < push.word_count; word++) {
+            uint bits = visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x];
+            uint begin = first + word * 32u;
+            uint end = min(begin + 32u, class_end);
+            for (uint i = begin; i < end; i++) {
+                if ((bits >> (i - begin) & 1u) == 1u) irradiance += contribution(vpls.data[i], position.xyz, n);
+            }
+        }
+        // Later chunks of the set's VPLs add to the earlier ones.
+        if (push.first_word > 0u) irradiance += imageLoad(class_irradiance, ivec2(pixel)).rgb;
+    }
+    imageStore(class_irradiance, ivec2(pixel), vec4(irradiance, 0.0));
+}

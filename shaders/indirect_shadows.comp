@@ -1,0 +1,56 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// One occlusion ray for each pixel and VPL of its class (interleaved sampling, Wald et al. 2002).
+// Out: one bit each, 1 where the VPL sees the pixel; words of 32 VPLs, one plane of texels a word.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "vpls.glsl"
+#define TRACER_BINDING 8
+#include "tracer.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
+layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
+layout(set = 0, binding = 5, std430) writeonly buffer MaskWords { uint words[]; } visibility;
+layout(set = 0, binding = 6, std430) buffer CounterBlock { uint rays_low; uint rays_high; } counters;
+
+layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
+
+shared uint group_rays;
+
+void main() {
+    if (gl_LocalInvocationIndex == 0u) group_rays = 0u;
+    barrier();
+    uvec2 pixel = interleaved_pixel(gl_GlobalInvocationID, frame.interleave);
+    bool inside = all(lessThan(pixel, frame.size));
+    vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
+    uint rays = 0u;
+    if (position.w > 0.0) {
+        vec3 geometric = octahedral_decode(texelFetch(gbuffer_normal, ivec2(pixel), 0).zw);
+        vec3 start = position.xyz + geometric * ray_offset(position.xyz);
+        uint class_end = class_starts.data[gl_GlobalInvocationID.z + 1u];
+        uint first = class_starts.data[gl_GlobalInvocationID.z] + push.first_word * 32u;
+        for (uint word = 0u; word < push.word_count; word++) {
+            uint bits = 0u;
+            uint begin = first + word * 32u;
+            uint end = min(begin + 32u, class_end);
+            for (uint i = begin; i < end; i++) {
+                GpuVpl vpl = vpls.data[i];
+                vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
+                rays++;
+                if (!trace_occluded(start, to_vpl, 0.0, 1.0)) bits |= 1u << (i - begin);
+            }
+            visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x] = bits;
+        }
+    }
+    atomicAdd(group_rays, rays);
+    barrier();
+    if (gl_LocalInvocationIndex == 0u && group_rays > 0u) {
+        uint before = atomicAdd(counters.rays_low, group_rays);
+        if (before + group_rays < before) atomicAdd(counters.rays_high, 1u);
+    }
+}

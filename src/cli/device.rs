@@ -1,0 +1,48 @@
+//! From options to a Vulkan device, and what its validation layer has to say in the end.
+
+use std::sync::Arc;
+
+use super::options::DeviceOptions;
+use super::{CliError, say};
+use crate::vulkan::{Device, Instance, InstanceOptions};
+
+/// Loads Vulkan, with validation if asked for.
+pub(super) fn instance(options: &DeviceOptions) -> Result<Arc<Instance>, CliError> {
+    Ok(Instance::new(InstanceOptions { validate: options.validate })?)
+}
+
+/// Opens the device that the options name, or the best one.
+pub(super) fn open(options: &DeviceOptions) -> Result<Arc<Device>, CliError> {
+    Ok(Device::open(&instance(options)?, options.device.as_deref())?)
+}
+
+/// Says so where the device is the CPU, on which everything is slow.
+pub(super) fn note_slow(device: &Device) {
+    let info = device.info();
+    if info.kind == "cpu" {
+        say::note(&format!("{} runs on the CPU: slow; see glowworm info", info.name));
+    }
+}
+
+/// Fails where the validation layer found fault: with its first message, and the rest as warnings.
+pub(super) fn check_validation(messages: &[String]) -> Result<(), CliError> {
+    let Some((first, others)) = messages.split_first() else { return Ok(()) };
+    others.iter().for_each(|message| say::warning(message));
+    Err(CliError::Validation { count: messages.len(), first: first.clone() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_validation_message_is_a_failure() {
+        assert!(check_validation(&[]).is_ok());
+        let error = check_validation(&["bad barrier".to_owned(), "bad layout".to_owned()]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "--validate: 2 messages of the validation layer, the first: bad barrier"
+        );
+        assert_eq!(error.exit_code(), 1);
+    }
+}

@@ -1,0 +1,75 @@
+//! Why a run failed, and with which exit code it ends.
+
+use crate::output::OutputError;
+use crate::renderer::RenderError;
+use crate::scene::SceneError;
+use crate::settings::SettingsError;
+use crate::vulkan::VulkanError;
+
+/// A failed run. Its text is one line that names the file or option at fault.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// The command line is wrong.
+    #[error("{0}")]
+    Usage(String),
+    /// The command line or the scene file has a setting that cannot be used.
+    #[error("{}{error}", if error.is_usage() { String::new() } else { format!("{scene}: ") })]
+    Settings {
+        /// The scene whose settings took part.
+        scene: String,
+        /// What is wrong with them.
+        error: SettingsError,
+    },
+    /// The scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A picture or report cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Vulkan cannot be loaded, has no fitting device, or failed.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The validation layer found fault with the program.
+    #[error("--validate: {count} messages of the validation layer, the first: {first}")]
+    Validation {
+        /// How many messages.
+        count: usize,
+        /// The first.
+        first: String,
+    },
+    /// Standard output cannot be written to.
+    #[error("standard output: {0}")]
+    StandardOutput(std::io::Error),
+}
+
+impl CliError {
+    /// A command line that clap refuses, in one line.
+    pub(super) fn usage(error: &clap::Error) -> Self {
+        let text = error.render().to_string();
+        let parts: Vec<_> = text
+            .split("\n\n")
+            .filter(|part| !part.starts_with("Usage:") && !part.starts_with("For more information"))
+            .flat_map(str::split_whitespace)
+            .collect();
+        let message = parts.join(" ");
+        Self::Usage(format!("{}; see glowworm --help", message.trim_start_matches("error: ")))
+    }
+
+    /// 2 for wrong usage, 1 for everything else.
+    pub fn exit_code(&self) -> u8 {
+        let is_usage = match self {
+            Self::Usage(_) => true,
+            Self::Settings { error, .. } => error.is_usage(),
+            Self::Output(error) => error.is_usage(),
+            Self::Scene(_)
+            | Self::Vulkan(_)
+            | Self::Render(_)
+            | Self::Validation { .. }
+            | Self::StandardOutput(_) => false,
+        };
+        if is_usage { 2 } else { 1 }
+    }
+}

@@ -1,0 +1,155 @@
+//! The command line: from arguments to a subcommand, and from its outcome to an exit code.
+//!
+//! Exit codes: 0 done; 1 failed; 2 wrong usage. A failure is one line on standard error.
+
+mod demo;
+mod device;
+mod error;
+mod info;
+mod options;
+mod render;
+mod say;
+
+pub use error::CliError;
+pub use say::{install_panic_hook, say_error};
+
+use std::ffi::OsString;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::scene::SceneError;
+use crate::settings::given_options;
+
+/// Real-time global illumination by temporally interleaved instant radiosity, on Vulkan.
+///
+/// Without a subcommand it is `demo`.
+#[derive(Debug, Parser)]
+#[command(name = "glowworm", version, args_conflicts_with_subcommands = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    demo: demo::DemoOptions,
+    /// Say more: -v notes, -vv details. `RUST_LOG` overrides it.
+    #[arg(short, long, action = clap::ArgAction::Count, global = true)]
+    verbose: u8,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Show a scene in a window.
+    Demo(demo::DemoOptions),
+    /// Render a scene to a picture or a sequence of pictures.
+    Render(render::RenderOptions),
+    /// List the Vulkan devices, what each can do, and which would be used.
+    Info(info::InfoOptions),
+}
+
+/// Does what `arguments` (the program's name first) ask for.
+///
+/// # Errors
+/// Whatever made it fail, to be shown with [`say_error`] and ended with [`CliError::exit_code`].
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError> {
+    let matches = match Arguments::command().try_get_matches_from(arguments) {
+        Ok(matches) => matches,
+        Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            return say::print(&error.render().to_string());
+        }
+        Err(error) => return Err(CliError::usage(&error)),
+    };
+    let arguments = Arguments::from_arg_matches(&matches).map_err(|error| CliError::usage(&error))?;
+    say::start_log(arguments.verbose);
+    let given = given_options(matches.subcommand().map_or(&matches, |(_, matches)| matches));
+    match arguments.command {
+        Some(Command::Demo(options)) => demo::demo(options, &given),
+        Some(Command::Render(options)) => render::render(&options, &given),
+        Some(Command::Info(options)) => info::info(&options),
+        None => demo::demo(arguments.demo, &given).map_err(|error| match error {
+            CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(
+                "{}: neither a subcommand nor a scene; see glowworm --help",
+                name.display()
+            )),
+            other => other,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(arguments: &[&str]) -> Arguments {
+        Arguments::try_parse_from([&["glowworm"], arguments].concat()).unwrap()
+    }
+
+    fn refused(arguments: &[&str]) -> String {
+        let error = Arguments::try_parse_from([&["glowworm"], arguments].concat()).unwrap_err();
+        let error = CliError::usage(&error);
+        assert_eq!(error.exit_code(), 2);
+        error.to_string()
+    }
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn without_a_subcommand_it_is_the_demo() {
+        assert!(parse(&[]).command.is_none());
+        let arguments = parse(&["sponza", "--vpls", "64"]);
+        assert!(arguments.command.is_none());
+        assert_eq!(arguments.demo.scene, "sponza");
+        assert_eq!(arguments.demo.settings.vpls, 64);
+    }
+
+    #[test]
+    fn subcommands_take_the_shared_options() {
+        let Some(Command::Render(render)) = parse(&[
+            "render",
+            "cornell-box",
+            "--frames",
+            "3",
+            "--out",
+            "a.exr",
+            "--layers",
+            "--device",
+            "1",
+            "--validate",
+            "--assets",
+            "models",
+            "--json",
+            "a.json",
+            "-v",
+            "--size",
+            "8x4",
+        ])
+        .command
+        else {
+            panic!("not render");
+        };
+        assert_eq!((render.scene.as_str(), render.frames, render.layers), ("cornell-box", Some(3), true));
+        assert_eq!(render.settings.size, [8, 4]);
+        assert_eq!(render.run.device.device.as_deref(), Some("1"));
+        assert!(render.run.device.validate);
+        assert_eq!(render.run.assets_folder(), Some("models".into()));
+    }
+
+    #[test]
+    fn wrong_usage_is_one_line() {
+        for (arguments, says) in [
+            (vec!["render"], "<SCENE>"),
+            (vec!["render", "cornell-box"], "--out"),
+            (vec!["render", "cornell-box", "--out", "a.png", "--frames", "0"], "--frames"),
+            (vec!["render", "cornell-box", "--out", "a.png", "--vlps", "1"], "--vpls"),
+            (vec!["render", "cornell-box", "--out", "a.png", "--vpls", "x"], "--vpls"),
+            (vec!["rendr", "cornell-box"], "cornell-box"),
+            (vec!["--frames", "3"], "--frames"),
+        ] {
+            let message = refused(&arguments);
+            assert!(message.contains(says) && !message.contains('\n'), "{message}");
+            assert!(message.ends_with("see glowworm --help"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `glowworm render`: a scene to a picture or a sequence of pictures, and a report of the frames.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::options::RunOptions;
+use super::{CliError, device, say};
+use crate::output::{OutputFile, PictureTarget};
+use crate::renderer::Renderer;
+use crate::report::{FrameReport, RenderReport};
+use crate::scene::{Pose, Scene, load_scene};
+use crate::settings::Settings;
+
+/// Options of `render`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
+pub(super) struct RenderOptions {
+    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    pub scene: String,
+    /// Frames to render. Otherwise as many as there are temporal sets: then a still picture is complete.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub frames: Option<u64>,
+    /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
+    /// frame where the name has a {frame} or {frame:04}.
+    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    pub out: PathBuf,
+    /// Add the G-buffer, direct and indirect light to an .exr as layers.
+    #[arg(long, help_heading = "Files")]
+    pub layers: bool,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
+/// Renders the scene. `given` are the settings given on the command line.
+pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliError> {
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    options.settings.check_options(given).map_err(settings_error)?;
+    let target = PictureTarget::new(&options.out, options.layers)?;
+    let json = options.run.json.as_ref().map(OutputFile::new).transpose()?;
+    let device = device::open(&options.run.device)?;
+    let scene = Arc::new(load(options)?);
+    let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    let frames = options.frames.unwrap_or_else(|| u64::from(settings.temporal_sets));
+    device::note_slow(&device);
+    let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
+    let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
+    let reports = render_frames(&mut renderer, frames, &target, pose_of)?;
+    drop(renderer);
+    device::check_validation(&device.validation_messages())?;
+    let info = device.info();
+    let report = RenderReport::new(&scene.name, &info.name, &info.driver, &settings, reports);
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    say::print(&format!("{}: {}\n", options.out.display(), report.headline()))
+}
+
+/// Loads the scene and says what is odd about it.
+fn load(options: &RenderOptions) -> Result<Scene, CliError> {
+    let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
+    Ok(scene)
+}
+
+/// Renders frames 0 to `frames` - 1 and writes the pictures that `target` wants. Shows progress on a
+/// terminal. Gives the report of each frame.
+fn render_frames(
+    renderer: &mut Renderer,
+    frames: u64,
+    target: &PictureTarget,
+    pose_of: impl Fn(u64) -> Pose,
+) -> Result<Vec<FrameReport>, CliError> {
+    let progress = progress_bar(frames);
+    for frame in 0..frames {
+        renderer.render(&pose_of(frame))?;
+        if target.wants(frame, frames) {
+            target.write(&renderer.read_picture(target.layers())?, frame)?;
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(renderer.finish()?)
+}
+
+fn progress_bar(frames: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left");
+    let bar = ProgressBar::new(frames);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,118 @@
+//! OpenEXR: linear radiance and layers, 32 bits a channel, without loss.
+
+use std::io::{Seek, Write};
+
+use exr::prelude::*;
+
+use super::Picture;
+
+/// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
+pub(super) fn write(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
+    let colour = ["R", "G", "B"].into_iter().enumerate().map(|(index, name)| {
+        let samples = picture.colour.iter().map(|pixel| pixel[index]).collect();
+        AnyChannel::new(name, FlatSamples::F32(samples))
+    });
+    let mut layers = vec![layer(picture, "colour", colour.collect())];
+    for part in &picture.layers {
+        let channels = part
+            .channels
+            .iter()
+            .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
+        layers.push(layer(picture, &part.name, channels.collect()));
+    }
+    let window = IntegerBounds::from_dimensions((picture.width, picture.height));
+    Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
+}
+
+fn layer(
+    picture: &Picture,
+    name: &str,
+    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
+) -> exr::image::Layer<AnyChannels<FlatSamples>> {
+    exr::image::Layer::new(
+        (picture.width, picture.height),
+        LayerAttributes::named(name),
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::output::Layer as PictureLayer;
+
+    fn picture() -> Picture {
+        let values = [0.0, -1.5, 1.0e-30, 12_345.678, 3.0e38, 0.1];
+        Picture {
+            width: 3,
+            height: 2,
+            colour: values.iter().map(|&v| [v, v + 1.0, v * 0.5]).collect(),
+            display: Vec::new(),
+            layers: vec![
+                PictureLayer {
+                    name: "normal".to_owned(),
+                    channels: ["X", "Y", "Z"].map(|name| (name.to_owned(), values.to_vec())).into(),
+                },
+                PictureLayer {
+                    name: "depth".to_owned(),
+                    channels: vec![("Z".to_owned(), values.iter().map(|v| v + 2.0).collect())],
+                },
+            ],
+        }
+    }
+
+    fn encode(picture: &Picture) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        write(picture, &mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn all_layers_come_back_bit_for_bit() {
+        let picture = picture();
+        let bytes = encode(&picture);
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .from_buffered(Cursor::new(&bytes))
+            .unwrap();
+        let mut read_layers = image.layer_data.iter();
+        let colour = read_layers.next().unwrap();
+        assert_eq!(colour.attributes.layer_name, Some(Text::from("colour")));
+        assert_eq!(colour.size, Vec2(3, 2));
+        for (channel, index) in colour.channel_data.list.iter().zip([2, 1, 0]) {
+            let expected: Vec<_> = picture.colour.iter().map(|pixel| pixel[index]).collect();
+            assert_eq!(channel.sample_data, FlatSamples::F32(expected));
+        }
+        for (read, expected) in read_layers.by_ref().zip(&picture.layers) {
+            assert_eq!(read.attributes.layer_name, Some(Text::from(expected.name.as_str())));
+            for (channel, (name, samples)) in read.channel_data.list.iter().zip(&expected.channels) {
+                assert_eq!(channel.name, Text::from(name.as_str()));
+                assert_eq!(channel.sample_data, FlatSamples::F32(samples.clone()));
+            }
+        }
+        assert_eq!(image.layer_data.len(), 3);
+    }
+
+    #[test]
+    fn other_programs_see_the_colour_first() {
+        let picture = picture();
+        let decoded = image::load_from_memory(&encode(&picture)).unwrap().into_rgb32f();
+        let pixels: Vec<_> = decoded.pixels().map(|pixel| pixel.0).collect();
+        assert_eq!(pixels, picture.colour);
+    }
+
+    #[test]
+    fn the_same_picture_gives_the_same_bytes() {
+        let side = 256;
+        let colour = (0..side * side).map(|i| [i as f32, (i * i) as f32, 1.0 / (i + 1) as f32]);
+        let picture = Picture { width: side, height: side, colour: colour.collect(), ..Picture::default() };
+        assert_eq!(encode(&picture), encode(&picture));
+    }
+}

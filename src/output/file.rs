@@ -1,0 +1,173 @@
+//! Files that appear complete or not at all.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::OutputError;
+
+/// A file to be written: found writable beforehand, written beside its target, moved over it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    path: PathBuf,
+}
+
+impl OutputFile {
+    /// Checks that `path` could be written now. Leaves no trace on disk.
+    pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
+        let file = Self { path: path.into() };
+        let folder = file.folder();
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder { folder, file: file.path });
+        }
+        if file.path.file_name().is_none() || (file.path.exists() && !file.path.is_file()) {
+            return Err(OutputError::NotAFile(file.path));
+        }
+        file.temporary()?;
+        Ok(file)
+    }
+
+    /// The file's name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the file with `write`. If that fails, what was there before is still there.
+    pub fn save(
+        &self,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
+        let mut temporary = self.temporary()?;
+        let mut writer = BufWriter::new(temporary.as_file_mut());
+        write(&mut writer)?;
+        writer.flush().map_err(|source| self.error(source))?;
+        drop(writer);
+        // Some file systems report a full disk only when told to put everything on it.
+        temporary.as_file().sync_all().map_err(|source| self.error(source))?;
+        temporary.persist(self.final_path()).map_err(|error| self.error(error.error))?;
+        Ok(())
+    }
+
+    /// Writes `value` as JSON.
+    pub fn save_json(&self, value: &impl serde::Serialize) -> Result<(), OutputError> {
+        self.save(|writer| {
+            serde_json::to_writer_pretty(&mut *writer, value)
+                .map_err(io::Error::from)
+                .and_then(|()| writeln!(writer))
+                .map_err(|source| self.error(source))
+        })
+    }
+
+    pub(super) fn error(&self, source: io::Error) -> OutputError {
+        OutputError::Write { path: self.path.clone(), source }
+    }
+
+    fn temporary(&self) -> Result<NamedTempFile, OutputError> {
+        let target = self.final_path();
+        let mut prefix = OsString::from(".");
+        prefix.push(target.file_name().unwrap_or_default());
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".tmp");
+        // Otherwise only the owner could read the picture; the umask still applies.
+        #[cfg(unix)]
+        let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+        #[cfg(unix)]
+        builder.permissions(permissions);
+        builder.tempfile_in(folder_of(&target)).map_err(|source| self.error(source))
+    }
+
+    fn folder(&self) -> PathBuf {
+        folder_of(&self.path)
+    }
+
+    /// Where the file really lies: a link is not replaced, but what it points to.
+    fn final_path(&self) -> PathBuf {
+        fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone())
+    }
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_failed_run_loses_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "old").unwrap();
+        let file = OutputFile::new(&path).unwrap();
+        let result = file.save(|writer| {
+            writer.write_all(&[0; 100_000]).map_err(|source| file.error(source))?;
+            Err(file.error(io::Error::from_raw_os_error(28)))
+        });
+        let message = result.unwrap_err().to_string();
+        assert!(message.contains("a.png") && message.contains("No space left"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_good_run_replaces_the_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        fs::write(&path, "old").unwrap();
+        OutputFile::new(&path).unwrap().save_json(&[1, 2]).unwrap();
+        assert_eq!(serde_json::from_slice::<Vec<i32>>(&fs::read(&path).unwrap()).unwrap(), [1, 2]);
+        assert_eq!(names(folder.path()), ["a.json"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_are_as_for_any_other_file() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real.json"), folder.path().join("link.json"));
+        let plain = folder.path().join("plain");
+        File::create(&real).unwrap();
+        File::create(&plain).unwrap();
+        symlink(&real, &link).unwrap();
+        OutputFile::new(&link).unwrap().save_json(&7).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&real).unwrap(), "7\n");
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&real), mode(&plain));
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_found_beforehand() {
+        let folder = tempfile::tempdir().unwrap();
+        let a_file = folder.path().join("file");
+        File::create(&a_file).unwrap();
+        for path in [
+            folder.path().join("missing/a.png"),
+            a_file.join("a.png"),
+            folder.path().to_path_buf(),
+            PathBuf::from("/proc/a.png"),
+            PathBuf::from("/"),
+            PathBuf::new(),
+        ] {
+            let error = OutputFile::new(&path).unwrap_err().to_string();
+            assert!(!error.contains('\n') && error.starts_with(path.to_str().unwrap()), "{error}");
+        }
+        assert_eq!(names(folder.path()), ["file"]);
+    }
+}

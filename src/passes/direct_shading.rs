@@ -1,0 +1,66 @@
+//! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
+//! specular; what surfaces emit; the background.
+
+use std::sync::Arc;
+
+use super::direct_shadows::Shadows;
+use super::gbuffer::GBuffer;
+use super::scene_buffers::SceneBuffers;
+use super::storage_image;
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+
+/// What the pass reads.
+pub struct DirectShadingInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// Lights and their shadow maps.
+    pub shadows: &'a Shadows<'a>,
+    /// For what materials emit.
+    pub scene: &'a SceneBuffers,
+}
+
+/// The pass.
+pub struct DirectShadingPass {
+    pipeline: ComputePipeline,
+    direct: Image,
+}
+
+impl DirectShadingPass {
+    /// Makes the pipeline and its image, of `extent` texels.
+    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            pipeline: ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?,
+            direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
+        })
+    }
+
+    /// Radiance of the last frame; a: 1 where a surface is.
+    pub fn output(&self) -> &Image {
+        &self.direct
+    }
+
+    /// Shades every pixel.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &DirectShadingInputs<'_>,
+    ) -> Result<&Image, VulkanError> {
+        frame
+            .pass("direct_shading", &self.pipeline)
+            .read("frame", inputs.frame)
+            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("gbuffer_albedo", &inputs.gbuffer.albedo)
+            .read("gbuffer_specular", &inputs.gbuffer.specular)
+            .read("gbuffer_instance", &inputs.gbuffer.instance)
+            .read("shadow_atlas", inputs.shadows.atlas)
+            .read("lights", &inputs.shadows.lights)
+            .read("shadow_tiles", &inputs.shadows.tiles)
+            .read("materials", &inputs.scene.materials)
+            .write("direct", &self.direct)
+            .dispatch_over(self.direct.extent())?;
+        Ok(&self.direct)
+    }
+}

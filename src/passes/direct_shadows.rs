@@ -1,0 +1,158 @@
+//! `direct_shadows`: a shadow map for each light, as tiles of one atlas. Drawn again only when a light,
+//! an instance or (for directional lights) the camera has moved.
+
+use std::mem::offset_of;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Mat4, Vec3};
+
+use super::scene_buffers::{SceneBuffers, Vertex};
+use super::shadow_tiles::{ShadowPlan, View};
+use super::tracer::Tracer;
+use crate::scene::Pose;
+use crate::vulkan::{
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload, VulkanError,
+    shaders, vk,
+};
+
+/// Slope-scaled bias: about the reach of the filter in texels. Negative, since depth is reversed.
+const SLOPE_BIAS: f32 = -1.5;
+
+/// What the pass reads.
+pub struct ShadowInputs<'a> {
+    /// Instances of this frame.
+    pub instances: &'a Upload,
+    /// The scene.
+    pub scene: &'a SceneBuffers,
+    /// For its alpha masks.
+    pub tracer: &'a Tracer,
+    /// Lights, camera and transforms.
+    pub pose: &'a Pose,
+    /// World-space bounds of what casts shadows.
+    pub bounds: (Vec3, Vec3),
+    /// Picture size.
+    pub size: [u32; 2],
+}
+
+/// What the pass gives.
+pub struct Shadows<'a> {
+    /// Depth of all tiles, reversed.
+    pub atlas: &'a Image,
+    /// `LightData` of this frame.
+    pub lights: Upload,
+    /// `ShadowTile`s of this frame.
+    pub tiles: Upload,
+    /// Number of lights.
+    pub light_count: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    view_projection: Mat4,
+    instance: u32,
+    mask: u32,
+    pad: [u32; 2],
+}
+
+/// The pass.
+pub struct DirectShadowsPass {
+    pipeline: GraphicsPipeline,
+    atlas: Image,
+    drawn: Option<(ShadowPlan, Vec<Affine3A>)>,
+    device: Arc<Device>,
+}
+
+impl DirectShadowsPass {
+    /// Makes the pipeline.
+    pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
+        let pipeline = GraphicsPipeline::new(
+            device,
+            &GraphicsDescription {
+                name: "direct_shadows",
+                vertex: shaders::DIRECT_SHADOWS_VERT,
+                fragment: shaders::DIRECT_SHADOWS_FRAG,
+                vertex_stride: size_of::<Vertex>() as u32,
+                attributes: &[
+                    (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
+                    (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+                ],
+                colors: &[],
+                depth_bias: Some([0.0, SLOPE_BIAS]),
+            },
+        )?;
+        let atlas = atlas(device, [1, 1])?;
+        Ok(Self { pipeline, atlas, drawn: None, device: Arc::clone(device) })
+    }
+
+    /// Draws the tiles that are out of date.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &ShadowInputs<'_>,
+    ) -> Result<Shadows<'_>, VulkanError> {
+        let view = View {
+            bounds: inputs.bounds,
+            size: inputs.size,
+            max_extent: self.device.limits().max_image_dimension2_d,
+        };
+        let plan = ShadowPlan::new(inputs.pose, &view);
+        let lights = frame.upload(&plan.lights)?;
+        let tiles = frame.upload(&plan.tiles)?;
+        let light_count = u32::try_from(plan.lights.len()).unwrap_or(0);
+        let current = self
+            .drawn
+            .as_ref()
+            .is_some_and(|(tiles, instances)| tiles.tiles == plan.tiles && *instances == inputs.pose.instances);
+        if !current {
+            if self.atlas.extent() != plan.extent {
+                // Frames on their way still read the old one.
+                self.device.wait_idle()?;
+                self.atlas = atlas(&self.device, plan.extent)?;
+            }
+            self.draw(frame, inputs, &plan)?;
+            self.drawn = Some((plan, inputs.pose.instances.clone()));
+        }
+        Ok(Shadows { atlas: &self.atlas, lights, tiles, light_count })
+    }
+
+    fn draw(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &ShadowInputs<'_>,
+        plan: &ShadowPlan,
+    ) -> Result<(), VulkanError> {
+        let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
+        inputs.tracer.bind_masks(pass).draw(&Targets { colors: &[], depth: &self.atlas }, |list| {
+            list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
+            for tile in &plan.tiles {
+                let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];
+                list.viewport(corner, [plan.tile_size; 2]);
+                for draw in &inputs.scene.shadow_draws {
+                    let push = Push {
+                        view_projection: tile.view_projection,
+                        instance: draw.instance,
+                        mask: inputs.scene.masks[draw.material as usize],
+                        pad: [0; 2],
+                    };
+                    list.draw(&push, draw.first, draw.count);
+                }
+            }
+        })
+    }
+}
+
+fn atlas(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    Image::new(
+        device,
+        &ImageDescription {
+            name: "shadow_atlas",
+            format: vk::Format::D32_SFLOAT,
+            extent,
+            layers: None,
+            levels: 1,
+            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        },
+    )
+}

@@ -1,0 +1,152 @@
+//! `gbuffer`: position, normal, albedo, specular, instance and motion of the nearest surface, by raster.
+
+use std::mem::offset_of;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::scene_buffers::{SceneBuffers, Vertex};
+use super::tracer::Tracer;
+use crate::vulkan::{
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets, Upload,
+    VulkanError, shaders, vk,
+};
+
+/// Formats of the colour targets, in the order of the shader's outputs.
+const FORMATS: [vk::Format; 6] = [
+    vk::Format::R32G32B32A32_SFLOAT,
+    vk::Format::R16G16B16A16_SFLOAT,
+    vk::Format::R16G16B16A16_SFLOAT,
+    vk::Format::R16G16B16A16_SFLOAT,
+    vk::Format::R32G32_UINT,
+    vk::Format::R16G16_SFLOAT,
+];
+
+/// What the pass writes.
+pub struct GBuffer {
+    /// xyz: world position; w: view depth, 0 where no surface is.
+    pub position: Image,
+    /// xy: shading normal; zw: geometric normal; octahedral, both on the side that is seen.
+    pub normal: Image,
+    /// rgb: diffuse albedo, linear.
+    pub albedo: Image,
+    /// rgb: Ks; a: Ns.
+    pub specular: Image,
+    /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides.
+    pub instance: Image,
+    /// Movement since the last frame, as a fraction of the picture.
+    pub motion: Image,
+    depth: Image,
+}
+
+/// What the pass reads.
+pub struct GBufferInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// Instances of this frame.
+    pub instances: &'a Upload,
+    /// The scene.
+    pub scene: &'a SceneBuffers,
+    /// For its alpha masks.
+    pub tracer: &'a Tracer,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    instance: u32,
+    material: u32,
+}
+
+/// The pass.
+pub struct GBufferPass {
+    pipeline: GraphicsPipeline,
+    materials: MaterialSets,
+    targets: GBuffer,
+}
+
+impl GBufferPass {
+    /// Makes the pipeline and the images, of `extent` texels.
+    pub fn new(device: &Arc<Device>, scene: &SceneBuffers, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let attributes = [
+            (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
+            (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal) as u32),
+            (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+        ];
+        let pipeline = GraphicsPipeline::new(
+            device,
+            &GraphicsDescription {
+                name: "gbuffer",
+                vertex: shaders::GBUFFER_VERT,
+                fragment: shaders::GBUFFER_FRAG,
+                vertex_stride: size_of::<Vertex>() as u32,
+                attributes: &attributes,
+                colors: &FORMATS,
+                depth_bias: None,
+            },
+        )?;
+        let images: Vec<&Image> =
+            scene.material_textures.iter().map(|&texture| &scene.textures[texture]).collect();
+        let materials = MaterialSets::new(device, &pipeline, &images, &scene.sampler)?;
+        let target = |name: &str, format, usage| {
+            Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
+        };
+        let color = |name: &str, index: usize| {
+            target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT)
+        };
+        let targets = GBuffer {
+            position: color("gbuffer_position", 0)?,
+            normal: color("gbuffer_normal", 1)?,
+            albedo: color("gbuffer_albedo", 2)?,
+            specular: color("gbuffer_specular", 3)?,
+            instance: color("gbuffer_instance", 4)?,
+            motion: color("gbuffer_motion", 5)?,
+            depth: target(
+                "gbuffer_depth",
+                vk::Format::D32_SFLOAT,
+                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            )?,
+        };
+        Ok(Self { pipeline, materials, targets })
+    }
+
+    /// What the last frame wrote.
+    pub fn output(&self) -> &GBuffer {
+        &self.targets
+    }
+
+    /// Draws the scene.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &GBufferInputs<'_>,
+    ) -> Result<&GBuffer, VulkanError> {
+        let targets = &self.targets;
+        let colors = [
+            &targets.position,
+            &targets.normal,
+            &targets.albedo,
+            &targets.specular,
+            &targets.instance,
+            &targets.motion,
+        ];
+        let pass = frame
+            .draw_pass("gbuffer", &self.pipeline)
+            .read("frame", inputs.frame)
+            .read("instances", inputs.instances)
+            .read("materials", &inputs.scene.materials);
+        inputs.tracer.bind_masks(pass).draw(&Targets { colors: &colors, depth: &targets.depth }, |list| {
+            list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
+            let mut bound = None;
+            for draw in &inputs.scene.draws {
+                if bound != Some(draw.material) {
+                    list.material(&self.materials, draw.material as usize);
+                    bound = Some(draw.material);
+                }
+                let push = Push { instance: draw.instance, material: draw.material };
+                list.draw(&push, draw.first, draw.count);
+            }
+        })?;
+        Ok(targets)
+    }
+}

@@ -1,0 +1,145 @@
+//! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
+//! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec4;
+
+use super::gbuffer::GBuffer;
+use super::scene_buffers::transform_rows;
+use super::storage_image;
+use super::structs::SetParameters;
+use crate::scene::{Camera, Pose};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+
+/// What the pass reads.
+pub struct ReprojectionInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// One layer a set.
+    pub set_buffers: &'a Image,
+    /// Instances of this frame.
+    pub instances: &'a Upload,
+    /// Where everything stands.
+    pub pose: &'a Pose,
+    /// What this frame drew.
+    pub drawn: DrawnSet,
+    /// Scale up what is there by total flux over present flux.
+    pub scale_missing: bool,
+    /// Luminous flux of each set now, for those that have never been drawn.
+    pub set_flux: &'a [f32],
+}
+
+/// The set that this frame drew.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnSet {
+    /// Its index.
+    pub set: u32,
+    /// What its buffer's irradiance is multiplied by.
+    pub irradiance_scale: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    instance_count: u32,
+    scale_missing: u32,
+    total_flux: f32,
+    pad: u32,
+}
+
+/// The pass.
+pub struct IndirectReprojectionPass {
+    pipeline: ComputePipeline,
+    irradiance: Image,
+    history: Buffer,
+    parameters: Vec<SetParameters>,
+}
+
+impl IndirectReprojectionPass {
+    /// Makes the pipeline, its image of `extent` texels and the history of `sets` frames.
+    pub fn new(
+        device: &Arc<Device>,
+        extent: [u32; 2],
+        sets: u32,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        let never = SetParameters { forward: Vec4::new(0.0, 0.0, 0.0, -1.0), ..SetParameters::default() };
+        let history = u64::from(sets) * instances as u64 * size_of::<[Vec4; 3]>() as u64;
+        Ok(Self {
+            pipeline: ComputePipeline::new(
+                device,
+                "indirect_reprojection",
+                shaders::INDIRECT_REPROJECTION_COMP,
+            )?,
+            irradiance: storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
+            history: Buffer::new(device, "instance_history", history)?,
+            parameters: vec![never; sets as usize],
+        })
+    }
+
+    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.
+    pub fn output(&self) -> &Image {
+        &self.irradiance
+    }
+
+    /// Notes what this frame drew, then brings all sets together.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &ReprojectionInputs<'_>,
+    ) -> Result<&Image, VulkanError> {
+        let set = inputs.drawn.set as usize;
+        let extent = self.irradiance.extent();
+        self.parameters[set] = parameters(&inputs.pose.camera, extent, &inputs.drawn, inputs.set_flux[set]);
+        let rows = transform_rows(inputs.pose);
+        if !rows.is_empty() {
+            let upload = frame.upload(&rows)?;
+            let offset = set * size_of_val(rows.as_slice());
+            frame.copy(&upload, &self.history, offset as u64);
+        }
+        let total_flux = self
+            .parameters
+            .iter()
+            .zip(inputs.set_flux)
+            .map(|(drawn, now)| if drawn.forward.w < 0.0 { *now } else { drawn.forward.w })
+            .sum();
+        let push = Push {
+            instance_count: u32::try_from(rows.len()).unwrap_or(0),
+            scale_missing: u32::from(inputs.scale_missing),
+            total_flux,
+            pad: 0,
+        };
+        let parameters = frame.upload(&self.parameters)?;
+        frame
+            .pass("indirect_reprojection", &self.pipeline)
+            .read("frame", inputs.frame)
+            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("gbuffer_instance", &inputs.gbuffer.instance)
+            .read("set_buffers", inputs.set_buffers)
+            .read("set_parameters", &parameters)
+            .read("instances", inputs.instances)
+            .read("instance_history", &self.history)
+            .write("irradiance", &self.irradiance)
+            .push(&push)
+            .dispatch_over(extent)?;
+        Ok(&self.irradiance)
+    }
+}
+
+fn parameters(camera: &Camera, extent: [u32; 2], drawn: &DrawnSet, flux: f32) -> SetParameters {
+    let view = camera.view_matrix();
+    let (right, up, back) = (view.row(0).truncate(), view.row(1).truncate(), view.row(2).truncate());
+    let tan_y = (camera.vertical_fov * 0.5).tan();
+    let tan_x = tan_y * extent[0] as f32 / extent[1] as f32;
+    SetParameters {
+        eye: camera.eye.extend(1.0 / drawn.irradiance_scale),
+        to_x: (right / tan_x).extend(tan_x * tan_x),
+        to_y: (-up / tan_y).extend(tan_y * tan_y),
+        forward: (-back).extend(flux),
+    }
+}

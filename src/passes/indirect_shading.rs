@@ -1,0 +1,108 @@
+//! `indirect_shading`: irradiance of the frame's set from its visible VPLs, then the discontinuity filter,
+//! which joins the classes of each pixel's neighbourhood and writes the set buffer.
+
+use std::sync::Arc;
+
+use super::gbuffer::GBuffer;
+use super::indirect_shadows::{Chunk, UploadedSet, class_grid};
+use super::storage_image;
+use crate::vulkan::{
+    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
+};
+
+/// What the pass reads.
+pub struct IndirectShadingInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// The VPLs.
+    pub set: &'a UploadedSet,
+    /// One bit a pixel and VPL.
+    pub visibility: &'a Buffer,
+}
+
+/// The pass.
+pub struct IndirectShadingPass {
+    gather: ComputePipeline,
+    filter: ComputePipeline,
+    class_irradiance: Image,
+    set_buffers: Image,
+    interleave: u32,
+}
+
+impl IndirectShadingPass {
+    /// Makes the pipelines and `sets` set buffers of `extent` texels.
+    pub fn new(
+        device: &Arc<Device>,
+        extent: [u32; 2],
+        interleave: u32,
+        sets: u32,
+    ) -> Result<Self, VulkanError> {
+        Ok(Self {
+            gather: ComputePipeline::new(device, "indirect_shading", shaders::INDIRECT_SHADING_COMP)?,
+            filter: ComputePipeline::new(device, "discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            class_irradiance: storage_image(
+                device,
+                "class_irradiance",
+                vk::Format::R32G32B32A32_SFLOAT,
+                extent,
+            )?,
+            set_buffers: Image::new(
+                device,
+                &ImageDescription {
+                    name: "set_buffers",
+                    format: vk::Format::R16G16B16A16_SFLOAT,
+                    extent,
+                    layers: Some(sets),
+                    levels: 1,
+                    usage: vk::ImageUsageFlags::STORAGE,
+                },
+            )?,
+            interleave,
+        })
+    }
+
+    /// The set buffers, one layer each: rgb: scaled irradiance; a: view depth.
+    pub fn output(&self) -> &Image {
+        &self.set_buffers
+    }
+
+    /// Adds up the VPLs of one chunk.
+    pub fn gather(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &IndirectShadingInputs<'_>,
+        chunk: &Chunk,
+    ) -> Result<(), VulkanError> {
+        frame
+            .pass("indirect_shading", &self.gather)
+            .read("frame", inputs.frame)
+            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("vpls", &inputs.set.vpls)
+            .read("class_starts", &inputs.set.class_starts)
+            .read("visibility", inputs.visibility)
+            .write("class_irradiance", &self.class_irradiance)
+            .push(chunk)
+            .dispatch_threads(class_grid(self.class_irradiance.extent(), self.interleave))
+    }
+
+    /// Filters into the set buffer of this frame's set.
+    pub fn filter(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &IndirectShadingInputs<'_>,
+    ) -> Result<&Image, VulkanError> {
+        frame
+            .pass("indirect_shading", &self.filter)
+            .read("frame", inputs.frame)
+            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("class_irradiance", &self.class_irradiance)
+            .read("class_flux", &inputs.set.class_flux)
+            .write("set_buffers", &self.set_buffers)
+            .dispatch_over(self.set_buffers.extent())?;
+        Ok(&self.set_buffers)
+    }
+}

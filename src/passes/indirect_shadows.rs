@@ -1,0 +1,141 @@
+//! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling).
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::gbuffer::GBuffer;
+use super::tracer::Tracer;
+use crate::vpl::SetVpls;
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
+
+/// Most bytes of visibility bits that are kept at a time; a set whose VPLs need more goes in chunks.
+const MAX_VISIBILITY_BYTES: u64 = 64 << 20;
+
+/// The VPLs of the frame's set, uploaded.
+pub struct UploadedSet {
+    /// `GpuVpl`s, class by class.
+    pub vpls: Upload,
+    /// First VPL of each class, and the end.
+    pub class_starts: Upload,
+    /// Luminous flux of each class over all sets.
+    pub class_flux: Upload,
+    /// Words of 32 visibility bits that the largest class needs.
+    pub words: u32,
+}
+
+impl UploadedSet {
+    /// Uploads a set, and the luminous flux of each class over all sets.
+    pub fn new(frame: &mut Frame<'_>, set: &SetVpls, class_flux: &[f32]) -> Result<Self, VulkanError> {
+        let largest = set.class_starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        Ok(Self {
+            vpls: frame.upload(&set.vpls)?,
+            class_starts: frame.upload(&set.class_starts)?,
+            class_flux: frame.upload(class_flux)?,
+            words: largest.div_ceil(32),
+        })
+    }
+}
+
+/// A run of words of every class, done in one go.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Chunk {
+    /// First word.
+    pub first_word: u32,
+    /// Number of words.
+    pub word_count: u32,
+}
+
+/// What the pass reads.
+pub struct IndirectShadowsInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// The VPLs.
+    pub set: &'a UploadedSet,
+    /// What casts the rays.
+    pub tracer: &'a Tracer,
+}
+
+/// The pass.
+pub struct IndirectShadowsPass {
+    pipeline: ComputePipeline,
+    visibility: Buffer,
+    counters: Buffer,
+    words: u32,
+    extent: [u32; 2],
+    interleave: u32,
+}
+
+impl IndirectShadowsPass {
+    /// Makes the pipeline and visibility memory for sets of `set_size` slots.
+    pub fn new(
+        device: &Arc<Device>,
+        extent: [u32; 2],
+        interleave: u32,
+        set_size: u32,
+    ) -> Result<Self, VulkanError> {
+        let plane = u64::from(extent[0]) * u64::from(extent[1]) * 4;
+        let needed = set_size.div_ceil(interleave * interleave).div_ceil(32).max(1);
+        let words = needed.min(u32::try_from((MAX_VISIBILITY_BYTES / plane).max(1)).unwrap_or(1));
+        Ok(Self {
+            pipeline: ComputePipeline::new(device, "indirect_shadows", shaders::INDIRECT_SHADOWS_COMP)?,
+            visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
+            counters: Buffer::new(device, "ray_counters", 16)?,
+            words,
+            extent,
+            interleave,
+        })
+    }
+
+    /// The chunks that a set's VPLs are done in; at least one, so that an empty set gives black.
+    pub fn chunks(&self, set: &UploadedSet) -> Vec<Chunk> {
+        (0..set.words.max(1))
+            .step_by(self.words as usize)
+            .map(|first_word| Chunk { first_word, word_count: self.words.min(set.words - first_word.min(set.words)) })
+            .collect()
+    }
+
+    /// The rays of this frame, low and high word; cleared by [`Self::start`].
+    pub fn counters(&self) -> &Buffer {
+        &self.counters
+    }
+
+    /// One bit a pixel and VPL of the chunk.
+    pub fn visibility(&self) -> &Buffer {
+        &self.visibility
+    }
+
+    /// Forgets the rays of the last frame.
+    pub fn start(&self, frame: &mut Frame<'_>) {
+        frame.clear(&self.counters);
+    }
+
+    /// Casts the rays of one chunk.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &IndirectShadowsInputs<'_>,
+        chunk: &Chunk,
+    ) -> Result<&Buffer, VulkanError> {
+        let pass = frame
+            .pass("indirect_shadows", &self.pipeline)
+            .read("frame", inputs.frame)
+            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("vpls", &inputs.set.vpls)
+            .read("class_starts", &inputs.set.class_starts)
+            .write("visibility", &self.visibility)
+            .write("counters", &self.counters)
+            .push(chunk);
+        inputs.tracer.bind(pass).dispatch_threads(class_grid(self.extent, self.interleave))?;
+        Ok(&self.visibility)
+    }
+}
+
+/// Threads for `interleaved_pixel` of shaders/include/vpls.glsl: pixels of a class in x and y, classes in z.
+pub fn class_grid(extent: [u32; 2], interleave: u32) -> [u32; 3] {
+    [extent[0].div_ceil(interleave), extent[1].div_ceil(interleave), interleave * interleave]
+}

@@ -1,0 +1,33 @@
+//! The GPU passes of a frame, one file each, with the shader of the same name.
+//!
+//! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
+//! [`crate::vulkan::Frame`].
+
+pub mod combine;
+pub mod direct_shading;
+pub mod direct_shadows;
+pub mod gbuffer;
+pub mod indirect_reprojection;
+pub mod indirect_shading;
+pub mod indirect_shadows;
+pub mod scene_buffers;
+pub mod shadow_tiles;
+pub mod structs;
+pub mod tracer;
+
+use std::sync::Arc;
+
+use crate::vulkan::{Device, Image, ImageDescription, VulkanError, vk};
+
+/// An image of the picture's size that compute shaders write.
+fn storage_image(
+    device: &Arc<Device>,
+    name: &str,
+    format: vk::Format,
+    extent: [u32; 2],
+) -> Result<Image, VulkanError> {
+    Image::new(
+        device,
+        &ImageDescription { name, format, extent, layers: None, levels: 1, usage: vk::ImageUsageFlags::STORAGE },
+    )
+}

@@ -1,0 +1,348 @@
+//! The frame of algorithm 1: three stages on the CPU, seven passes on the device.
+//!
+//! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
+//! draws one frame, the CPU prepares the next.
+
+mod picture;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::Mat4;
+
+use crate::bvh::TwoLevelBvh;
+use crate::passes::combine::{CombineInputs, CombinePass};
+use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
+use crate::passes::direct_shadows::{DirectShadowsPass, ShadowInputs};
+use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
+use crate::passes::indirect_reprojection::{DrawnSet, IndirectReprojectionPass, ReprojectionInputs};
+use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
+use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
+use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::structs::FrameUniforms;
+use crate::passes::tracer::Tracer;
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts, percentile};
+use crate::scene::{Camera, LightKind, Pose, Scene};
+use crate::settings::{MissingSets, Settings, TracerKind};
+use crate::vpl::{SlotState, VplManager, World};
+use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// Vulkan failed.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// The hardware tracer was asked for.
+    #[error("--tracer hardware: there is no hardware tracer yet; use --tracer software")]
+    NoHardwareTracer,
+}
+
+/// Draws a scene, frame by frame.
+pub struct Renderer {
+    scene: Arc<Scene>,
+    settings: Settings,
+    bvh: TwoLevelBvh,
+    vpls: VplManager,
+    lengths: Lengths,
+    previous_view_projection: Option<Mat4>,
+    pending: VecDeque<Pending>,
+    reports: Vec<FrameReport>,
+    frame_count: u64,
+
+    buffers: SceneBuffers,
+    tracer: Tracer,
+    gbuffer: GBufferPass,
+    direct_shadows: DirectShadowsPass,
+    direct_shading: DirectShadingPass,
+    indirect_shadows: IndirectShadowsPass,
+    indirect_shading: IndirectShadingPass,
+    indirect_reprojection: IndirectReprojectionPass,
+    combine: CombinePass,
+    // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
+    frames: Frames,
+    device: Arc<Device>,
+}
+
+/// How large the scene is.
+#[derive(Clone, Copy, Debug)]
+struct Lengths {
+    /// Radius of the bounding sphere, world units.
+    radius: f32,
+    /// A typical distance between surfaces that light each other, world units.
+    transport: f32,
+}
+
+/// A frame on its way.
+struct Pending {
+    frame: u64,
+    cpu_ms: [f64; 3],
+    vpls: VplCounts,
+}
+
+impl Renderer {
+    /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, and shoots
+    /// all VPLs for the scene as it stands in `pose`.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        pose: &Pose,
+    ) -> Result<Self, RenderError> {
+        if settings.tracer == TracerKind::Hardware {
+            return Err(RenderError::NoHardwareTracer);
+        }
+        let bvh = TwoLevelBvh::build(scene, &pose.instances);
+        let world = World { scene, pose, bvh: &bvh };
+        let vpls = VplManager::new(world, settings);
+        let (low, high) = bvh.bounds();
+        let radius = (high - low).length() * 0.5;
+        let lengths = Lengths { radius, transport: transport_length(scene, &bvh).unwrap_or(radius) };
+
+        let extent = settings.size;
+        let sets = settings.temporal_sets;
+        let set_size = settings.vpls.div_ceil(sets);
+        let buffers = SceneBuffers::new(device, scene)?;
+        Ok(Self {
+            tracer: Tracer::new(device, &bvh)?,
+            gbuffer: GBufferPass::new(device, &buffers, extent)?,
+            direct_shadows: DirectShadowsPass::new(device)?,
+            direct_shading: DirectShadingPass::new(device, extent)?,
+            indirect_shadows: IndirectShadowsPass::new(device, extent, settings.interleave, set_size)?,
+            indirect_shading: IndirectShadingPass::new(device, extent, settings.interleave, sets)?,
+            indirect_reprojection: IndirectReprojectionPass::new(
+                device,
+                extent,
+                sets,
+                scene.instances.len(),
+            )?,
+            combine: CombinePass::new(device, extent)?,
+            frames: Frames::new(device)?,
+            device: Arc::clone(device),
+            scene: Arc::clone(scene),
+            settings: settings.clone(),
+            bvh,
+            vpls,
+            lengths,
+            previous_view_projection: None,
+            pending: VecDeque::new(),
+            reports: Vec::new(),
+            frame_count: 0,
+            buffers,
+        })
+    }
+
+    /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it.
+    pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
+        let scene = Arc::clone(&self.scene);
+        let set = u32::try_from(self.frame_count % u64::from(self.settings.temporal_sets)).unwrap_or(0);
+
+        // The CPU's stages, while the device is busy with the frame before.
+        let (_, bvh_update) = timed(|| self.bvh.update(&pose.instances));
+        let world = World { scene: &scene, pose, bvh: &self.bvh };
+        let (_, vpl_invalidation) = timed(|| self.vpls.invalidate(world));
+        let ((vpls, flux), vpl_replacement) = timed(|| {
+            self.vpls.replace(world);
+            (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
+        });
+        let counters = self.vpls.counters();
+
+        let (mut frame, finished) = self.frames.begin()?;
+        if let Some(times) = finished {
+            self.reports.extend(report(&mut self.pending, &times));
+        }
+        self.tracer.update(&mut frame, &self.bvh)?;
+        let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
+        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
+        let uniforms = FrameUniforms {
+            set,
+            irradiance_scale,
+            ..uniforms(&scene, &self.settings, self.lengths, &pose.camera, self.previous_view_projection)
+        };
+        self.previous_view_projection = Some(uniforms.view_projection);
+        let light_count = pose.lights.iter().filter(|light| !matches!(light.kind, LightKind::Area { .. })).count();
+        let uniforms =
+            FrameUniforms { light_count: u32::try_from(light_count).unwrap_or(u32::MAX), ..uniforms };
+        let uniforms = frame.upload(&[uniforms])?;
+        let vpls = UploadedSet::new(&mut frame, &vpls, &flux.classes)?;
+
+        // The device's passes.
+        let gbuffer = self.gbuffer.record(
+            &mut frame,
+            &GBufferInputs {
+                frame: &uniforms,
+                instances: &instances,
+                scene: &self.buffers,
+                tracer: &self.tracer,
+            },
+        )?;
+        let shadows = self.direct_shadows.record(
+            &mut frame,
+            &ShadowInputs {
+                instances: &instances,
+                scene: &self.buffers,
+                tracer: &self.tracer,
+                pose,
+                bounds: self.bvh.bounds(),
+                size: self.settings.size,
+            },
+        )?;
+        let direct = self.direct_shading.record(
+            &mut frame,
+            &DirectShadingInputs { frame: &uniforms, gbuffer, shadows: &shadows, scene: &self.buffers },
+        )?;
+        self.indirect_shadows.start(&mut frame);
+        let shading = IndirectShadingInputs {
+            frame: &uniforms,
+            gbuffer,
+            set: &vpls,
+            visibility: self.indirect_shadows.visibility(),
+        };
+        for chunk in self.indirect_shadows.chunks(&vpls) {
+            let rays =
+                IndirectShadowsInputs { frame: &uniforms, gbuffer, set: &vpls, tracer: &self.tracer };
+            self.indirect_shadows.record(&mut frame, &rays, &chunk)?;
+            self.indirect_shading.gather(&mut frame, &shading, &chunk)?;
+        }
+        let set_buffers = self.indirect_shading.filter(&mut frame, &shading)?;
+        let irradiance = self.indirect_reprojection.record(
+            &mut frame,
+            &ReprojectionInputs {
+                frame: &uniforms,
+                gbuffer,
+                set_buffers,
+                instances: &instances,
+                pose,
+                drawn: DrawnSet { set, irradiance_scale },
+                scale_missing: self.settings.missing_sets == MissingSets::Scale,
+                set_flux: &flux.sets,
+            },
+        )?;
+        self.combine.record(
+            &mut frame,
+            &CombineInputs {
+                frame: &uniforms,
+                direct,
+                irradiance,
+                albedo: &gbuffer.albedo,
+                exposure: self.settings.exposure,
+            },
+        )?;
+        frame.read_back(self.indirect_shadows.counters());
+        frame.submit()?;
+
+        self.pending.push_back(Pending {
+            frame: self.frame_count,
+            cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
+            vpls: VplCounts {
+                slots: counters.slots.into(),
+                valid: counters.valid.into(),
+                escaped: counters.escaped.into(),
+                invalidated: counters.invalidated.into(),
+                shot: counters.shot.into(),
+            },
+        });
+        self.frame_count += 1;
+        Ok(())
+    }
+
+    /// Waits for all frames and gives the reports that were not given yet, in order.
+    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
+        for times in self.frames.finish()? {
+            self.reports.extend(report(&mut self.pending, &times));
+        }
+        Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// The VPLs as they are now.
+    pub fn vpls(&self) -> &VplManager {
+        &self.vpls
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // What the passes own may still be in use by a frame on its way.
+        let _ = self.device.wait_idle();
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64() * 1e3)
+}
+
+fn uniforms(
+    scene: &Scene,
+    settings: &Settings,
+    lengths: Lengths,
+    camera: &Camera,
+    previous: Option<Mat4>,
+) -> FrameUniforms {
+    let aspect = settings.size[0] as f32 / settings.size[1] as f32;
+    // Near and far swapped: reversed depth keeps its precision far away.
+    let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
+    let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
+    let clamp = settings.clamp / (lengths.transport * lengths.transport);
+    FrameUniforms {
+        view_projection,
+        previous_view_projection: previous.unwrap_or(view_projection),
+        eye: camera.eye.extend(lengths.radius),
+        background: scene.background.extend(clamp),
+        size: settings.size,
+        interleave: settings.interleave,
+        light_count: 0,
+        position_cutoff: settings.position_cutoff,
+        irradiance_scale: 1.0,
+        set: 0,
+        sets: settings.temporal_sets,
+    }
+}
+
+/// A power of two that brings the irradiance of VPLs of this flux, spread over surfaces about `length`
+/// apart, near 1: half floats then neither overflow nor lose digits, whatever the scene's units.
+fn irradiance_scale(flux: f32, length: f32) -> f32 {
+    let typical = flux / (6.0 * length * length);
+    if typical.is_normal() { typical.log2().round().clamp(-100.0, 100.0).exp2().recip() } else { 1.0 }
+}
+
+/// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
+/// large ground plane does not change.
+fn transport_length(scene: &Scene, bvh: &TwoLevelBvh) -> Option<f32> {
+    let pose = scene.pose(0.0);
+    let settings = Settings { vpls: 1024, bounces: 2, temporal_sets: 1, ..Settings::default() };
+    let manager = VplManager::new(World { scene, pose: &pose, bvh }, &settings);
+    let slots: Vec<_> = manager.slots().collect();
+    let lengths = slots.iter().filter(|slot| slot.state == SlotState::Valid).filter_map(|slot| {
+        Some(slot.position.distance(slots[slot.parent? as usize].position))
+    });
+    percentile(lengths, 0.5)
+}
+
+/// Joins what the CPU knows of a frame with the device's times.
+fn report(pending: &mut VecDeque<Pending>, times: &FrameTimes) -> Option<FrameReport> {
+    let known = pending.pop_front()?;
+    let mut passes = PassTimes::default();
+    let device_passes = times.passes.iter().map(|(name, ms)| (*name, *ms));
+    for (name, ms) in PASS_NAMES.into_iter().zip(known.cpu_ms).chain(device_passes) {
+        if let Some(index) = PASS_NAMES.iter().position(|known| *known == name) {
+            passes.0[index] += ms;
+        }
+    }
+    let word = |index: usize| {
+        times.readback.get(index * 4..index * 4 + 4).map_or(0, |bytes| {
+            u64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+        })
+    };
+    Some(FrameReport {
+        frame: known.frame,
+        figures: FrameFigures {
+            total_ms: passes.0.iter().sum(),
+            passes,
+            vpls: known.vpls,
+            shadow_rays: word(0) | word(1) << 32,
+        },
+    })
+}

@@ -1,0 +1,100 @@
+//! From the device's images to a [`Picture`].
+
+use super::{RenderError, Renderer};
+use crate::output::{Layer, Picture};
+use crate::vulkan::Image;
+
+impl Renderer {
+    /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
+    pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
+        let [width, height] = self.settings.size.map(|side| side as usize);
+        let display = self.combine.display().read_layer(&self.device, 0, 4)?;
+        let mut picture = Picture {
+            width,
+            height,
+            colour: self.read_floats(self.combine.colour())?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
+            display: bytemuck::cast_slice(&display).to_vec(),
+            layers: Vec::new(),
+        };
+        if layers {
+            picture.layers = self.read_layers()?;
+        }
+        Ok(picture)
+    }
+
+    /// How many set buffers have seen the surface of each pixel of the last frame.
+    pub fn read_set_counts(&self) -> Result<Vec<u32>, RenderError> {
+        let irradiance = self.read_floats(self.indirect_reprojection.output())?;
+        Ok(irradiance.into_iter().map(|pixel| pixel[3] as u32).collect())
+    }
+
+    fn read_layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let gbuffer = self.gbuffer.output();
+        let position = self.read_floats(&gbuffer.position)?;
+        let normal = self.read_halves(&gbuffer.normal, 4)?;
+        let albedo = self.read_halves(&gbuffer.albedo, 4)?;
+        let specular = self.read_halves(&gbuffer.specular, 4)?;
+        let motion = self.read_halves(&gbuffer.motion, 2)?;
+        let ids = gbuffer.instance.read_layer(&self.device, 0, 8)?;
+        let ids: Vec<[u32; 2]> = bytemuck::cast_slice(&ids).to_vec();
+        let direct = self.read_floats(self.direct_shading.output())?;
+        let irradiance = self.read_floats(self.indirect_reprojection.output())?;
+        let seen = |index: usize| ids[index][0] > 0;
+        let normals: Vec<[f32; 4]> = (0..normal.len())
+            .map(|index| {
+                let [x, y, ..] = normal[index];
+                let n = if seen(index) { octahedral_decode(x, y) } else { glam::Vec3::ZERO };
+                n.extend(0.0).to_array()
+            })
+            .collect();
+        let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
+        let depth = position.iter().map(|pixel| pixel[3]).collect();
+        Ok(vec![
+            layer("direct", &["R", "G", "B"], &direct),
+            layer("indirect", &["R", "G", "B"], &irradiance),
+            layer("albedo", &["R", "G", "B"], &albedo),
+            layer("normal", &["X", "Y", "Z"], &normals),
+            layer("position", &["X", "Y", "Z"], &position),
+            single("depth", "Z", depth),
+            layer("specular", &["R", "G", "B", "shininess"], &specular),
+            single("instance", "id", instances),
+            layer("motion", &["X", "Y"], &motion),
+        ])
+    }
+
+    fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
+        Ok(bytemuck::pod_collect_to_vec(&image.read_layer(&self.device, 0, 16)?))
+    }
+
+    fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {
+        let bytes = image.read_layer(&self.device, 0, channels as u64 * 2)?;
+        let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&bytes);
+        let widen = |texel: &[u16]| {
+            let mut wide = [0.0; 4];
+            for (target, source) in wide.iter_mut().zip(texel) {
+                *target = exr::prelude::f16::from_bits(*source).to_f32();
+            }
+            wide
+        };
+        Ok(halves.chunks_exact(channels).map(widen).collect())
+    }
+}
+
+fn layer(name: &str, channels: &[&str], pixels: &[[f32; 4]]) -> Layer {
+    let channel = |(index, name): (usize, &&str)| {
+        ((*name).to_owned(), pixels.iter().map(|pixel| pixel[index]).collect())
+    };
+    Layer { name: name.to_owned(), channels: channels.iter().enumerate().map(channel).collect() }
+}
+
+fn single(name: &str, channel: &str, values: Vec<f32>) -> Layer {
+    Layer { name: name.to_owned(), channels: vec![(channel.to_owned(), values)] }
+}
+
+/// Twin of `octahedral_decode` in shaders/include/gbuffer.glsl.
+fn octahedral_decode(x: f32, y: f32) -> glam::Vec3 {
+    let z = 1.0 - x.abs() - y.abs();
+    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
+    let (x, y) = if z < 0.0 { ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)) } else { (x, y) };
+    glam::Vec3::new(x, y, z).normalize()
+}

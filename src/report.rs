@@ -1,0 +1,249 @@
+//! What was measured, frame by frame, and the JSON report of `render`.
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use crate::settings::Settings;
+
+/// The passes of a frame, in order: the names of files, shaders, timers, labels and report keys.
+pub const PASS_NAMES: [&str; 10] = [
+    "bvh_update",
+    "vpl_invalidation",
+    "vpl_replacement",
+    "gbuffer",
+    "direct_shadows",
+    "direct_shading",
+    "indirect_shadows",
+    "indirect_shading",
+    "indirect_reprojection",
+    "combine",
+];
+
+/// The commit that the program was built from, or `unknown` outside a git checkout.
+pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
+    Some(commit) => commit,
+    None => "unknown",
+};
+
+/// Milliseconds of each pass, in the order of [`PASS_NAMES`]; written as a map from name to time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassTimes(pub [f64; PASS_NAMES.len()]);
+
+impl Serialize for PassTimes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(PASS_NAMES.len()))?;
+        for (name, milliseconds) in PASS_NAMES.iter().zip(self.0) {
+            map.serialize_entry(name, &milliseconds)?;
+        }
+        map.end()
+    }
+}
+
+/// How many VPLs were in which state when the frame was drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct VplCounts {
+    /// All slots.
+    pub slots: u64,
+    /// Slots with a usable VPL.
+    pub valid: u64,
+    /// Slots whose ray left the scene.
+    pub escaped: u64,
+    /// Slots that this frame found invalid.
+    pub invalidated: u64,
+    /// Slots that this frame shot.
+    pub shot: u64,
+}
+
+/// What was measured of one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FrameFigures {
+    /// From the start of the frame's work on the CPU to the end of its work on the GPU, milliseconds.
+    pub total_ms: f64,
+    /// Each pass.
+    pub passes: PassTimes,
+    /// The VPLs.
+    pub vpls: VplCounts,
+    /// Occlusion rays cast by the shaders.
+    pub shadow_rays: u64,
+}
+
+/// One frame with its figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// Number of the frame, from 0.
+    pub frame: u64,
+    /// What was measured.
+    #[serde(flatten)]
+    pub figures: FrameFigures,
+}
+
+/// The figures of a run, each taken over all frames by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Half of the frames stayed at or below.
+    pub median: FrameFigures,
+    /// 95 % of the frames stayed at or below.
+    pub p95: FrameFigures,
+}
+
+impl Summary {
+    /// Sums up `frames`; none if there are none.
+    pub fn of(frames: &[FrameReport]) -> Option<Self> {
+        Some(Self { median: figures_at(frames, 0.5)?, p95: figures_at(frames, 0.95)? })
+    }
+}
+
+/// The report of a run of `render`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RenderReport {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the device.
+    pub device: String,
+    /// Name and version of its driver.
+    pub driver: String,
+    /// The settings that were used.
+    pub settings: Settings,
+    /// See [`COMMIT`].
+    pub commit: &'static str,
+    /// Every frame, in order.
+    pub frames: Vec<FrameReport>,
+    /// Median and 95th percentile; none if there are no frames.
+    pub summary: Option<Summary>,
+}
+
+impl RenderReport {
+    /// The report of `frames`, rendered on a device of this name and driver.
+    pub fn new(
+        scene: &str,
+        device: &str,
+        driver: &str,
+        settings: &Settings,
+        frames: Vec<FrameReport>,
+    ) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            device: device.to_owned(),
+            driver: driver.to_owned(),
+            settings: settings.clone(),
+            commit: COMMIT,
+            summary: Summary::of(&frames),
+            frames,
+        }
+    }
+
+    /// The run in one line.
+    pub fn headline(&self) -> String {
+        let median_ms = self.summary.map_or(0.0, |summary| summary.median.total_ms);
+        let frames = self.frames.len();
+        format!("{frames} frames of {} on {}, {median_ms:.1} ms a frame (median)", self.scene, self.device)
+    }
+}
+
+/// The smallest of `values` that at least the share `quantile` (0 to 1) of them does not exceed
+/// (nearest rank, so it is always one of the values); none if there are none.
+pub fn percentile<Value: Copy + PartialOrd>(
+    values: impl IntoIterator<Item = Value>,
+    quantile: f64,
+) -> Option<Value> {
+    let mut values: Vec<_> = values.into_iter().collect();
+    values.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    let rank = (quantile * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied()
+}
+
+fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
+    let figure =
+        |get: fn(&FrameFigures) -> f64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
+    let count =
+        |get: fn(&FrameFigures) -> u64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
+    let mut passes = PassTimes::default();
+    for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
+        *milliseconds = percentile(frames.iter().map(|frame| frame.figures.passes.0[pass]), quantile)?;
+    }
+    Some(FrameFigures {
+        total_ms: figure(|frame| frame.total_ms)?,
+        passes,
+        vpls: VplCounts {
+            slots: count(|frame| frame.vpls.slots)?,
+            valid: count(|frame| frame.vpls.valid)?,
+            escaped: count(|frame| frame.vpls.escaped)?,
+            invalidated: count(|frame| frame.vpls.invalidated)?,
+            shot: count(|frame| frame.vpls.shot)?,
+        },
+        shadow_rays: count(|frame| frame.shadow_rays)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let tenths = (1..=10).rev().map(f64::from);
+        assert_eq!(percentile(tenths.clone(), 0.0), Some(1.0));
+        assert_eq!(percentile(tenths.clone(), 0.5), Some(5.0));
+        assert_eq!(percentile(tenths.clone(), 0.95), Some(10.0));
+        assert_eq!(percentile(tenths, 1.0), Some(10.0));
+        assert_eq!(percentile(1..=100, 0.95), Some(95));
+        assert_eq!(percentile([3, 1, 2], 0.5), Some(2));
+        assert_eq!(percentile([7], 0.95), Some(7));
+        assert_eq!(percentile([0u8; 0], 0.5), None);
+    }
+
+    fn frame(number: u64) -> FrameReport {
+        let mut passes = PassTimes::default();
+        for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
+            *milliseconds = (number * 10 + pass as u64) as f64;
+        }
+        FrameReport {
+            frame: number,
+            figures: FrameFigures {
+                total_ms: number as f64 + 0.5,
+                passes,
+                vpls: VplCounts { slots: 512, valid: 500, escaped: 12, invalidated: 0, shot: number },
+                shadow_rays: 1000 - number,
+            },
+        }
+    }
+
+    #[test]
+    fn a_summary_takes_every_figure_by_itself() {
+        let frames: Vec<_> = (0..3).map(frame).collect();
+        let summary = Summary::of(&frames).unwrap();
+        assert_eq!(summary.median.total_ms, 1.5);
+        assert_eq!(summary.median.passes.0[9], 19.0);
+        assert_eq!((summary.median.shadow_rays, summary.p95.shadow_rays), (999, 1000));
+        assert_eq!((summary.p95.vpls.shot, summary.p95.vpls.slots), (2, 512));
+        assert_eq!(Summary::of(&[]), None);
+    }
+
+    #[test]
+    fn the_report_has_the_keys_of_the_design() {
+        let frames: Vec<_> = (0..2).map(frame).collect();
+        let report =
+            RenderReport::new("cornell-box", "some device", "some driver", &Settings::default(), frames);
+        assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
+        let json = serde_json::to_value(&report).unwrap();
+        let keys = |value: &serde_json::Value| -> Vec<String> {
+            value.as_object().unwrap().keys().cloned().collect()
+        };
+        let sorted = |mut names: Vec<&str>| {
+            names.sort_unstable();
+            names.into_iter().map(str::to_owned).collect::<Vec<_>>()
+        };
+        let top = vec!["scene", "device", "driver", "settings", "commit", "frames", "summary"];
+        assert_eq!(keys(&json), sorted(top));
+        let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
+        let counts = vec!["slots", "valid", "escaped", "invalidated", "shot"];
+        let first = &json["frames"][0];
+        assert_eq!(keys(first), sorted([figures.clone(), vec!["frame"]].concat()));
+        for part in [first, &json["summary"]["median"], &json["summary"]["p95"]] {
+            assert_eq!(keys(&part["passes"]), sorted(PASS_NAMES.to_vec()));
+            assert_eq!(keys(&part["vpls"]), sorted(counts.clone()));
+        }
+        assert_eq!(keys(&json["summary"]["p95"]), sorted(figures));
+        assert_eq!(json["settings"]["exposure"], "auto");
+    }
+}

@@ -1,0 +1,84 @@
+//! How settings are written: on the command line, and in scene files and reports.
+
+use serde::Deserialize;
+
+/// A whole number that fits a setting.
+pub(super) fn parse_whole(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u32::MAX))
+}
+
+/// A number; whether it is in range, [`super::Settings::check`] says.
+pub(super) fn parse_number(text: &str) -> Result<f32, String> {
+    text.parse().map_err(|_| "must be a number such as 0.5".to_owned())
+}
+
+/// `1280x720` -> width and height.
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
+        .ok_or_else(|| "must be a width and a height such as 1280x720".to_owned())
+}
+
+/// `1/60` or `0.02` -> seconds.
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    let parts: (Result<f64, _>, Result<f64, _>) = match text.split_once('/') {
+        Some((numerator, denominator)) => (numerator.trim().parse(), denominator.trim().parse()),
+        None => (text.parse(), Ok(1.0)),
+    };
+    match parts {
+        (Ok(numerator), Ok(denominator)) => Ok(numerator / denominator),
+        _ => Err("must be seconds such as 1/60 or 0.02".to_owned()),
+    }
+}
+
+/// `auto` -> none, `-1.5` -> stops.
+pub(super) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
+    match text {
+        "auto" => Ok(None),
+        stops => stops.parse().map(Some).map_err(|_| "must be auto or stops such as -1.5".to_owned()),
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a number or a text")]
+enum NumberOrText<Number> {
+    Number(Number),
+    Text(String),
+}
+
+/// Reads `0.02` or `"1/60"`.
+pub(super) fn seconds_from_number_or_text<'de, D>(deserializer: D) -> Result<f64, D::Error>
+where
+    D: serde::Deserializer<'de>,
+{
+    match NumberOrText::deserialize(deserializer)? {
+        NumberOrText::Number(seconds) => Ok(seconds),
+        NumberOrText::Text(text) => parse_seconds(&text).map_err(serde::de::Error::custom),
+    }
+}
+
+/// Exposure as `"auto"` or a number of stops.
+pub(super) mod exposure_or_auto {
+    use super::NumberOrText;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(in super::super) fn serialize<S>(exposure: &Option<f32>, serializer: S) -> Result<S::Ok, S::Error>
+    where
+        S: Serializer,
+    {
+        match exposure {
+            Some(stops) => stops.serialize(serializer),
+            None => "auto".serialize(serializer),
+        }
+    }
+
+    pub(in super::super) fn deserialize<'de, D>(deserializer: D) -> Result<Option<f32>, D::Error>
+    where
+        D: Deserializer<'de>,
+    {
+        match NumberOrText::deserialize(deserializer)? {
+            NumberOrText::Number(stops) => Ok(Some(stops)),
+            NumberOrText::Text(text) => super::parse_exposure(&text).map_err(serde::de::Error::custom),
+        }
+    }
+}

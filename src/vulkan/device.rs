@@ -1,0 +1,342 @@
+//! Physical device choice, the logical device, its queue and allocator, and one-time submissions.
+
+use std::mem::ManuallyDrop;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use ash::{ext, vk};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use serde::Serialize;
+
+use super::{Instance, VulkanError};
+
+/// What a physical device is and whether glowworm can use it.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceInfo {
+    /// Place in the list, for `--device`.
+    pub index: usize,
+    /// Marketing name.
+    pub name: String,
+    /// discrete, integrated, virtual, cpu or other.
+    pub kind: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// Vulkan version, major.minor.patch.
+    pub vulkan: String,
+    /// Whether the device offers ray queries (the hardware tracer).
+    pub ray_query: bool,
+    /// Why glowworm cannot use it; none if it can.
+    pub unusable: Option<String>,
+}
+
+/// A logical device with one queue that can do graphics, compute and transfers.
+pub struct Device {
+    raw: ash::Device,
+    debug: Option<ext::debug_utils::Device>,
+    allocator: ManuallyDrop<Mutex<Allocator>>,
+    limits: vk::PhysicalDeviceLimits,
+    queue: vk::Queue,
+    queue_family: u32,
+    info: DeviceInfo,
+    instance: Arc<Instance>,
+}
+
+impl Device {
+    /// All devices, best first: discrete before integrated before virtual before CPU.
+    pub fn list(instance: &Instance) -> Result<Vec<DeviceInfo>, VulkanError> {
+        Ok(physical_devices(instance)?.into_iter().map(|(_, info)| info).collect())
+    }
+
+    /// Opens the device that `wanted` names (an index of [`Self::list`] or a part of a name), or the
+    /// first usable one.
+    pub fn open(instance: &Arc<Instance>, wanted: Option<&str>) -> Result<Arc<Self>, VulkanError> {
+        let devices = physical_devices(instance)?;
+        let (physical, info) = choose(devices, wanted)?;
+        let queue_family = queue_family(instance.raw(), physical)
+            .ok_or_else(|| VulkanError::NoDevice(format!("{} has no graphics queue", info.name)))?;
+        let raw = create_device(instance.raw(), physical, queue_family)?;
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.raw().clone(),
+            device: raw.clone(),
+            physical_device: physical,
+            debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+            buffer_device_address: false,
+            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+        })
+        .map_err(|error| VulkanError::NoDevice(format!("{}: {error}", info.name)))?;
+        // SAFETY: the device was created with one queue of this family; `physical` is of `instance`.
+        let (queue, properties) = unsafe {
+            let queue = raw.get_device_queue(queue_family, 0);
+            (queue, instance.raw().get_physical_device_properties(physical))
+        };
+        let debug = instance
+            .has_debug_utils()
+            .then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        Ok(Arc::new(Self {
+            raw,
+            debug,
+            allocator: ManuallyDrop::new(Mutex::new(allocator)),
+            limits: properties.limits,
+            queue,
+            queue_family,
+            info,
+            instance: Arc::clone(instance),
+        }))
+    }
+
+    /// What the device is.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    /// The device's limits.
+    pub fn limits(&self) -> &vk::PhysicalDeviceLimits {
+        &self.limits
+    }
+
+    /// What the validation layer has said so far.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.instance.validation_messages()
+    }
+
+    /// Waits until the device has done all that was submitted.
+    pub fn wait_idle(&self) -> Result<(), VulkanError> {
+        // SAFETY: the queue is used from one thread at a time (frames and uploads borrow the renderer).
+        unsafe { self.raw.device_wait_idle() }.map_err(VulkanError::call("waiting", "device"))
+    }
+
+    pub(super) fn raw(&self) -> &ash::Device {
+        &self.raw
+    }
+
+    pub(super) fn queue(&self) -> vk::Queue {
+        self.queue
+    }
+
+    pub(super) fn queue_family(&self) -> u32 {
+        self.queue_family
+    }
+
+    pub(super) fn debug(&self) -> Option<&ext::debug_utils::Device> {
+        self.debug.as_ref()
+    }
+
+    pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives `handle` a name that debuggers and validation messages show.
+    pub(super) fn set_name(&self, handle: impl vk::Handle, name: &str) {
+        let Some(debug) = &self.debug else { return };
+        let Ok(name) = std::ffi::CString::new(name) else { return };
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // SAFETY: `handle` is a live object of this device. A failed naming harms nothing.
+        let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+    }
+
+    /// Records commands with `record`, submits them and waits until they are done.
+    pub(super) fn run_once(
+        &self,
+        record: impl FnOnce(vk::CommandBuffer),
+    ) -> Result<(), VulkanError> {
+        let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
+        // SAFETY: pool and buffer are used here only and freed after the wait.
+        unsafe {
+            let error = |result| VulkanError::call("one-time submission", "commands")(result);
+            let pool = self.raw.create_command_pool(&pool_info, None).map_err(error)?;
+            let result = self.run_in_pool(pool, record);
+            self.raw.destroy_command_pool(pool, None);
+            result.map_err(error)
+        }
+    }
+
+    fn run_in_pool(
+        &self,
+        pool: vk::CommandPool,
+        record: impl FnOnce(vk::CommandBuffer),
+    ) -> Result<(), vk::Result> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        let begin = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer comes from `pool`, is submitted once and waited for.
+        unsafe {
+            let commands = self.raw.allocate_command_buffers(&info)?[0];
+            self.raw.begin_command_buffer(commands, &begin)?;
+            record(commands);
+            self.raw.end_command_buffer(commands)?;
+            let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+            let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
+            self.raw.queue_submit2(self.queue, &[submit], vk::Fence::null())?;
+            self.raw.queue_wait_idle(self.queue)
+        }
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: every object of the device holds an `Arc` of it, so none is left; the allocator frees
+        // its memory before the device goes.
+        unsafe {
+            let _ = self.raw.device_wait_idle();
+            ManuallyDrop::drop(&mut self.allocator);
+            self.raw.destroy_device(None);
+        }
+    }
+}
+
+fn physical_devices(
+    instance: &Instance,
+) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
+    // SAFETY: plain query.
+    let raw = unsafe { instance.raw().enumerate_physical_devices() }
+        .map_err(VulkanError::call("enumeration", "devices"))?;
+    let mut devices: Vec<_> =
+        raw.into_iter().map(|device| (device, rank_and_info(instance.raw(), device))).collect();
+    devices.sort_by_key(|(_, (rank, _))| *rank);
+    Ok(devices
+        .into_iter()
+        .enumerate()
+        .map(|(index, (device, (_, info)))| (device, DeviceInfo { index, ..info }))
+        .collect())
+}
+
+fn rank_and_info(instance: &ash::Instance, device: vk::PhysicalDevice) -> (u32, DeviceInfo) {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: `device` is of `instance`; the chained structs are part of Vulkan 1.2.
+    let extensions = unsafe {
+        instance.get_physical_device_properties2(device, &mut properties);
+        instance.enumerate_device_extension_properties(device).unwrap_or_default()
+    };
+    let core = properties.properties;
+    let version = core.api_version;
+    let (rank, kind) = match core.device_type {
+        vk::PhysicalDeviceType::DISCRETE_GPU => (0, "discrete"),
+        vk::PhysicalDeviceType::INTEGRATED_GPU => (1, "integrated"),
+        vk::PhysicalDeviceType::VIRTUAL_GPU => (2, "virtual"),
+        vk::PhysicalDeviceType::CPU => (3, "cpu"),
+        _ => (4, "other"),
+    };
+    let text = |name: Result<&std::ffi::CStr, _>| {
+        name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
+    };
+    let info = DeviceInfo {
+        index: 0,
+        name: text(core.device_name_as_c_str()),
+        kind: kind.to_owned(),
+        driver: format!(
+            "{} {}",
+            text(driver.driver_name_as_c_str()),
+            text(driver.driver_info_as_c_str())
+        ),
+        vulkan: format!(
+            "{}.{}.{}",
+            vk::api_version_major(version),
+            vk::api_version_minor(version),
+            vk::api_version_patch(version)
+        ),
+        ray_query: extensions
+            .iter()
+            .any(|extension| extension.extension_name_as_c_str() == Ok(ash::khr::ray_query::NAME)),
+        unusable: why_unusable(instance, device, &core),
+    };
+    (rank, info)
+}
+
+fn why_unusable(
+    instance: &ash::Instance,
+    device: vk::PhysicalDevice,
+    core: &vk::PhysicalDeviceProperties,
+) -> Option<String> {
+    if core.api_version < vk::API_VERSION_1_3 {
+        return Some("it does not offer Vulkan 1.3".to_owned());
+    }
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
+    // SAFETY: the device offers 1.3, so the chained struct is known to it.
+    unsafe { instance.get_physical_device_features2(device, &mut features) };
+    if features13.dynamic_rendering == vk::FALSE || features13.synchronization2 == vk::FALSE {
+        return Some("it lacks dynamic rendering or synchronization2".to_owned());
+    }
+    if core.limits.timestamp_compute_and_graphics == vk::FALSE {
+        return Some("it has no timestamps".to_owned());
+    }
+    if core.limits.max_color_attachments < 6 {
+        return Some("it draws into fewer than 6 colour attachments at once".to_owned());
+    }
+    if queue_family(instance, device).is_none() {
+        return Some("it has no queue for graphics and compute".to_owned());
+    }
+    None
+}
+
+fn choose(
+    devices: Vec<(vk::PhysicalDevice, DeviceInfo)>,
+    wanted: Option<&str>,
+) -> Result<(vk::PhysicalDevice, DeviceInfo), VulkanError> {
+    let available = devices
+        .iter()
+        .map(|(_, info)| format!("{} {}", info.index, info.name))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if devices.is_empty() {
+        return Err(VulkanError::NoDevice(
+            "no driver offers any (Debian/Ubuntu: apt install mesa-vulkan-drivers)".to_owned(),
+        ));
+    }
+    let Some(wanted) = wanted else {
+        let reasons: Vec<String> = devices
+            .iter()
+            .filter_map(|(_, info)| Some(format!("{}: {}", info.name, info.unusable.as_ref()?)))
+            .collect();
+        return devices
+            .into_iter()
+            .find(|(_, info)| info.unusable.is_none())
+            .ok_or_else(|| VulkanError::NoDevice(reasons.join("; ")));
+    };
+    let matches = |info: &DeviceInfo| match wanted.parse::<usize>() {
+        Ok(index) => info.index == index,
+        Err(_) => info.name.to_lowercase().contains(&wanted.to_lowercase()),
+    };
+    let found = devices
+        .into_iter()
+        .find(|(_, info)| matches(info))
+        .ok_or(VulkanError::UnknownDevice { wanted: wanted.to_owned(), available })?;
+    match &found.1.unusable {
+        Some(reason) => Err(VulkanError::NoDevice(format!("{}: {reason}", found.1.name))),
+        None => Ok(found),
+    }
+}
+
+fn queue_family(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<u32> {
+    let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+    // SAFETY: `device` is of `instance`.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(device) };
+    let index = families.iter().position(|family| {
+        family.queue_flags.contains(needed) && family.timestamp_valid_bits > 0
+    })?;
+    u32::try_from(index).ok()
+}
+
+fn create_device(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    queue_family: u32,
+) -> Result<ash::Device, VulkanError> {
+    // SAFETY: `physical` is of `instance`.
+    let offered = unsafe { instance.get_physical_device_features(physical) };
+    let features = vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(offered.sampler_anisotropy == vk::TRUE);
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(queue_family)
+        .queue_priorities(&[1.0])];
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default()
+        .dynamic_rendering(true)
+        .synchronization2(true);
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_features(&features)
+        .push_next(&mut features13);
+    // SAFETY: every pointer in `info` outlives the call; the features were checked or asked for as offered.
+    unsafe { instance.create_device(physical, &info, None) }
+        .map_err(VulkanError::call("creation", "device"))
+}

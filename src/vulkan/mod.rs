@@ -1,0 +1,36 @@
+//! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking, timers.
+//!
+//! Every object frees itself when dropped and keeps alive what it was made from. A [`Frame`] records
+//! passes: resources are bound by the names that the shaders give them, and a small tracker in each
+//! resource plans the barriers.
+
+#![allow(unsafe_code)]
+
+mod access;
+mod device;
+mod error;
+mod frame;
+mod instance;
+mod memory;
+mod pass;
+mod pipeline;
+mod reflect;
+mod sampler;
+mod upload;
+
+/// The compiled shaders, one constant a file.
+pub mod shaders {
+    include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+}
+
+pub use access::Access;
+pub use ash::vk;
+pub use device::{Device, DeviceInfo};
+pub use error::VulkanError;
+pub use frame::{Frame, FrameTimes, Frames, Upload};
+pub use instance::{Instance, InstanceOptions};
+pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
+pub use pass::{DrawList, Pass, Resource, Targets};
+pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
+pub use reflect::{BindingKind, Reflection};
+pub use sampler::Sampler;

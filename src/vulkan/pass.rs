@@ -1,0 +1,396 @@
+//! Recording one pass: bind by name, push constants, dispatch or draw.
+
+use std::collections::BTreeMap;
+
+use ash::vk;
+use bytemuck::Pod;
+
+use super::access::{Access, Barrier};
+use super::frame::Recorder;
+use super::pipeline::Layout;
+use super::reflect::BindingKind;
+use super::{
+    Buffer, BufferSlice, ComputePipeline, GraphicsPipeline, Image, MaterialSets, VulkanError,
+};
+
+/// Something that can be bound.
+#[derive(Clone, Copy)]
+pub enum Resource<'a> {
+    /// A buffer or a part of one.
+    Buffer(BufferSlice<'a>),
+    /// A whole image.
+    Image(&'a Image),
+}
+
+impl<'a> From<&'a Image> for Resource<'a> {
+    fn from(image: &'a Image) -> Self {
+        Self::Image(image)
+    }
+}
+
+impl<'a, T> From<T> for Resource<'a>
+where
+    BufferSlice<'a>: From<T>,
+{
+    fn from(buffer: T) -> Self {
+        Self::Buffer(buffer.into())
+    }
+}
+
+struct Bound<'a> {
+    resource: Resource<'a>,
+    write: bool,
+}
+
+/// Images that a graphics pass clears to zero and draws into.
+pub struct Targets<'a> {
+    /// Colour images.
+    pub colors: &'a [&'a Image],
+    /// Depth image, cleared to 0 (infinitely far away).
+    pub depth: &'a Image,
+}
+
+/// A pass being recorded. Mistakes in bindings come out of the final call.
+pub struct Pass<'f> {
+    recorder: Recorder<'f>,
+    name: &'static str,
+    pipeline: vk::Pipeline,
+    layout: &'f Layout,
+    compute: bool,
+    bound: BTreeMap<&'f str, Bound<'f>>,
+    push: Vec<u8>,
+}
+
+impl<'f> Pass<'f> {
+    pub(super) fn compute(
+        recorder: Recorder<'f>,
+        name: &'static str,
+        pipeline: &'f ComputePipeline,
+    ) -> Self {
+        Self::new(recorder, name, pipeline.raw, &pipeline.layout, true)
+    }
+
+    pub(super) fn graphics(
+        recorder: Recorder<'f>,
+        name: &'static str,
+        pipeline: &'f GraphicsPipeline,
+    ) -> Self {
+        Self::new(recorder, name, pipeline.raw, &pipeline.layout, false)
+    }
+
+    fn new(
+        recorder: Recorder<'f>,
+        name: &'static str,
+        pipeline: vk::Pipeline,
+        layout: &'f Layout,
+        compute: bool,
+    ) -> Self {
+        Self { recorder, name, pipeline, layout, compute, bound: BTreeMap::new(), push: Vec::new() }
+    }
+
+    /// Binds what the shader reads under `name`.
+    #[must_use]
+    pub fn read(mut self, name: &'f str, resource: impl Into<Resource<'f>>) -> Self {
+        self.bound.insert(name, Bound { resource: resource.into(), write: false });
+        self
+    }
+
+    /// Binds what the shader writes, or reads and writes, under `name`.
+    #[must_use]
+    pub fn write(mut self, name: &'f str, resource: impl Into<Resource<'f>>) -> Self {
+        self.bound.insert(name, Bound { resource: resource.into(), write: true });
+        self
+    }
+
+    /// Sets the push constants.
+    #[must_use]
+    pub fn push<T: Pod>(mut self, constants: &T) -> Self {
+        self.push = bytemuck::bytes_of(constants).to_vec();
+        self
+    }
+
+    /// Runs the shader with one thread for each texel of `extent`.
+    pub fn dispatch_over(self, extent: [u32; 2]) -> Result<(), VulkanError> {
+        self.dispatch_threads([extent[0], extent[1], 1])
+    }
+
+    /// Runs the shader with at least the given number of threads in each dimension.
+    pub fn dispatch_threads(mut self, threads: [u32; 3]) -> Result<(), VulkanError> {
+        let size = self.layout.reflection.group_size;
+        let groups = [0, 1, 2].map(|axis| threads[axis].div_ceil(size[axis].max(1)));
+        let limits = self.recorder.device().limits().max_compute_work_group_count;
+        if let Some(axis) = (0..3).find(|&axis| groups[axis] > limits[axis]) {
+            let what = format!("pass {} with {} groups", self.name, groups[axis]);
+            return Err(VulkanError::Limit { what, limit: u64::from(limits[axis]) });
+        }
+        self.recorder.begin_scope(self.name);
+        self.bind(&[])?;
+        // SAFETY: pipeline, descriptors and push constants are bound and checked against the shader.
+        unsafe {
+            let raw = self.recorder.device().raw();
+            raw.cmd_dispatch(self.recorder.commands(), groups[0], groups[1], groups[2]);
+        }
+        self.recorder.end_scope();
+        Ok(())
+    }
+
+    /// Clears the targets and draws into them what `draw` lists.
+    pub fn draw(
+        mut self,
+        targets: &Targets<'_>,
+        draw: impl FnOnce(&mut DrawList<'_>),
+    ) -> Result<(), VulkanError> {
+        self.recorder.begin_scope(self.name);
+        let mut images: Vec<(&Image, Barrier)> = Vec::new();
+        for image in targets.colors {
+            images.extend(
+                image.tracker.use_image(Access::ColorAttachment, false).map(|barrier| (*image, barrier)),
+            );
+        }
+        images.extend(
+            targets
+                .depth
+                .tracker
+                .use_image(Access::DepthAttachment, false)
+                .map(|barrier| (targets.depth, barrier)),
+        );
+        self.bind(&images)?;
+        let colors: Vec<_> = targets
+            .colors
+            .iter()
+            .map(|image| {
+                vk::RenderingAttachmentInfo::default()
+                    .image_view(image.view)
+                    .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+                    .load_op(vk::AttachmentLoadOp::CLEAR)
+                    .store_op(vk::AttachmentStoreOp::STORE)
+            })
+            .collect();
+        let depth = vk::RenderingAttachmentInfo::default()
+            .image_view(targets.depth.view)
+            .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .store_op(vk::AttachmentStoreOp::STORE);
+        let [width, height] = targets.depth.extent();
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let info = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .color_attachments(&colors)
+            .depth_attachment(&depth);
+        let commands = self.recorder.commands();
+        // SAFETY: the targets are in attachment layout and live until the frame is done.
+        unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
+        let mut list = DrawList { pass: &self };
+        list.viewport([0, 0], [width, height]);
+        draw(&mut list);
+        // SAFETY: closes what was begun above.
+        unsafe { self.recorder.device().raw().cmd_end_rendering(commands) };
+        self.recorder.end_scope();
+        Ok(())
+    }
+
+    /// Checks the bindings, records barriers, binds pipeline, descriptors and push constants.
+    fn bind(&mut self, targets: &[(&Image, Barrier)]) -> Result<(), VulkanError> {
+        self.check_bindings()?;
+        let mut images = targets.to_vec();
+        let mut buffers = Vec::new();
+        for (name, binding) in self.layout.pass_bindings() {
+            let bound = &self.bound[name];
+            let access = match (self.compute, bound.write) {
+                (true, true) => Access::ComputeWrite,
+                (true, false) => Access::ComputeRead,
+                (false, _) => Access::GraphicsRead,
+            };
+            match bound.resource {
+                Resource::Buffer(slice) => buffers.extend(slice.buffer.tracker.use_buffer(access)),
+                Resource::Image(image) => {
+                    let storage = binding.kind == BindingKind::StorageImage;
+                    images.extend(
+                        image.tracker.use_image(access, storage).map(|barrier| (image, barrier)),
+                    );
+                }
+            }
+        }
+        self.recorder.barriers(&images, &buffers);
+        let set = self.recorder.descriptor_set(self.layout, self.name)?;
+        self.write_descriptors(set);
+        let point = if self.compute {
+            vk::PipelineBindPoint::COMPUTE
+        } else {
+            vk::PipelineBindPoint::GRAPHICS
+        };
+        let commands = self.recorder.commands();
+        // SAFETY: set and layout match; the pipeline outlives the frame (its owner waits before dropping it).
+        unsafe {
+            let raw = self.recorder.device().raw();
+            raw.cmd_bind_pipeline(commands, point, self.pipeline);
+            raw.cmd_bind_descriptor_sets(commands, point, self.layout.raw, 0, &[set], &[]);
+            if !self.push.is_empty() {
+                raw.cmd_push_constants(commands, self.layout.raw, self.layout.stages, 0, &self.push);
+            }
+        }
+        Ok(())
+    }
+
+    fn check_bindings(&self) -> Result<(), VulkanError> {
+        let wrong = |binding: &str, problem: String| VulkanError::Binding {
+            pass: self.name.to_owned(),
+            binding: binding.to_owned(),
+            problem,
+        };
+        for (name, binding) in self.layout.pass_bindings() {
+            let Some(bound) = self.bound.get(name) else {
+                return Err(wrong(name, "is missing".to_owned()));
+            };
+            if !fits(binding.kind, bound) {
+                let how = if bound.write { "write" } else { "read" };
+                let what = match bound.resource {
+                    Resource::Buffer(_) => "a buffer",
+                    Resource::Image(_) => "an image",
+                };
+                return Err(wrong(name, format!("is {:?}, but {what} to {how} was given", binding.kind)));
+            }
+        }
+        let known: Vec<&str> = self.layout.pass_bindings().map(|(name, _)| name).collect();
+        if let Some(name) = self.bound.keys().find(|name| !known.contains(*name)) {
+            return Err(wrong(name, "is not in the shader".to_owned()));
+        }
+        let wanted = self.layout.reflection.push_size as usize;
+        // Draws push their own constants, one by one.
+        if self.compute && self.push.len() != wanted {
+            return Err(wrong("push constants", format!("have {} bytes, not {wanted}", self.push.len())));
+        }
+        Ok(())
+    }
+
+    fn write_descriptors(&self, set: vk::DescriptorSet) {
+        let mut buffer_infos = Vec::new();
+        let mut image_infos = Vec::new();
+        let mut order = Vec::new();
+        for (name, binding) in self.layout.pass_bindings() {
+            match self.bound[name].resource {
+                Resource::Buffer(slice) => {
+                    order.push((binding, true, buffer_infos.len()));
+                    buffer_infos.push([vk::DescriptorBufferInfo {
+                        buffer: slice.buffer.raw,
+                        offset: slice.offset,
+                        range: slice.size,
+                    }]);
+                }
+                Resource::Image(image) => {
+                    order.push((binding, false, image_infos.len()));
+                    image_infos.push([vk::DescriptorImageInfo {
+                        sampler: vk::Sampler::null(),
+                        image_view: image.view,
+                        image_layout: image.tracker.layout(),
+                    }]);
+                }
+            }
+        }
+        let writes: Vec<_> = order
+            .into_iter()
+            .map(|(binding, is_buffer, index)| {
+                let write = vk::WriteDescriptorSet::default()
+                    .dst_set(set)
+                    .dst_binding(binding.binding)
+                    .descriptor_type(binding.kind.descriptor_type());
+                if is_buffer {
+                    write.buffer_info(&buffer_infos[index])
+                } else {
+                    write.image_info(&image_infos[index])
+                }
+            })
+            .collect();
+        // SAFETY: the set was just allocated with this layout; the resources outlive the frame.
+        unsafe { self.recorder.device().raw().update_descriptor_sets(&writes, &[]) };
+    }
+}
+
+fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
+    match (kind, bound.resource) {
+        (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
+        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => {
+            !bound.write
+        }
+        (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
+        (BindingKind::StorageImage, Resource::Image(_)) => true,
+        _ => false,
+    }
+}
+
+/// The draws of one graphics pass.
+pub struct DrawList<'p> {
+    pass: &'p Pass<'p>,
+}
+
+impl DrawList<'_> {
+    /// Draws into a part of the targets from now on.
+    pub fn viewport(&mut self, offset: [u32; 2], extent: [u32; 2]) {
+        let viewport = vk::Viewport {
+            x: offset[0] as f32,
+            y: offset[1] as f32,
+            width: extent[0] as f32,
+            height: extent[1] as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let scissor = vk::Rect2D {
+            offset: vk::Offset2D {
+                x: i32::try_from(offset[0]).unwrap_or(0),
+                y: i32::try_from(offset[1]).unwrap_or(0),
+            },
+            extent: vk::Extent2D { width: extent[0], height: extent[1] },
+        };
+        // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
+            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
+        }
+    }
+
+    /// Takes vertices and 32-bit indices from here on.
+    pub fn geometry(&mut self, vertices: &Buffer, indices: &Buffer) {
+        // SAFETY: both buffers live until the frame is done and were filled before it.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            let commands = self.pass.recorder.commands();
+            raw.cmd_bind_vertex_buffers(commands, 0, &[vertices.raw], &[0]);
+            raw.cmd_bind_index_buffer(commands, indices.raw, 0, vk::IndexType::UINT32);
+        }
+    }
+
+    /// Uses the textures of a material from now on.
+    pub fn material(&mut self, sets: &MaterialSets, index: usize) {
+        // SAFETY: the set was made for set 1 of a pipeline with this layout.
+        unsafe {
+            self.pass.recorder.device().raw().cmd_bind_descriptor_sets(
+                self.pass.recorder.commands(),
+                vk::PipelineBindPoint::GRAPHICS,
+                self.pass.layout.raw,
+                1,
+                &[sets.sets[index]],
+                &[],
+            );
+        }
+    }
+
+    /// Draws `count` indices from `first` on with these push constants.
+    pub fn draw<T: Pod>(&mut self, constants: &T, first: u32, count: u32) {
+        let bytes = bytemuck::bytes_of(constants);
+        assert_eq!(
+            bytes.len(),
+            self.pass.layout.reflection.push_size as usize,
+            "push constants of pass {}",
+            self.pass.name
+        );
+        // SAFETY: the indices lie within the bound buffers, which the scene's upload made together.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            let commands = self.pass.recorder.commands();
+            raw.cmd_push_constants(commands, self.pass.layout.raw, self.pass.layout.stages, 0, bytes);
+            raw.cmd_draw_indexed(commands, count, 1, first, 0, 0);
+        }
+    }
+}

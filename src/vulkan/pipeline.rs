@@ -1,0 +1,362 @@
+//! Compute and graphics pipelines whose layouts come from their shaders.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::reflect::{Binding, BindingKind};
+use super::{Device, Image, Reflection, Sampler, VulkanError};
+
+/// The set that a pass binds by name.
+pub(super) const PASS_SET: u32 = 0;
+/// The set that changes from draw to draw.
+const MATERIAL_SET: u32 = 1;
+
+impl BindingKind {
+    pub(super) fn descriptor_type(self) -> vk::DescriptorType {
+        match self {
+            Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
+            Self::StorageBuffer | Self::ReadOnlyStorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+            Self::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+            Self::CombinedImageSampler => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        }
+    }
+}
+
+/// Descriptor set layouts, push constants and what the shaders call them.
+pub(super) struct Layout {
+    pub raw: vk::PipelineLayout,
+    pub sets: Vec<vk::DescriptorSetLayout>,
+    pub reflection: Reflection,
+    pub stages: vk::ShaderStageFlags,
+    device: Arc<Device>,
+}
+
+impl Layout {
+    fn new(
+        device: &Arc<Device>,
+        name: &str,
+        reflection: Reflection,
+        stages: vk::ShaderStageFlags,
+    ) -> Result<Self, VulkanError> {
+        let limit = device.limits().max_push_constants_size;
+        if reflection.push_size > limit {
+            let what = format!("pass {name} with {} bytes of push constants", reflection.push_size);
+            return Err(VulkanError::Limit { what, limit: u64::from(limit) });
+        }
+        let mut layout = Self {
+            raw: vk::PipelineLayout::null(),
+            sets: Vec::new(),
+            reflection,
+            stages,
+            device: Arc::clone(device),
+        };
+        for set in [PASS_SET, MATERIAL_SET] {
+            let bindings: Vec<_> = layout
+                .reflection
+                .bindings
+                .values()
+                .filter(|binding| binding.set == set)
+                .map(|binding| {
+                    vk::DescriptorSetLayoutBinding::default()
+                        .binding(binding.binding)
+                        .descriptor_type(binding.kind.descriptor_type())
+                        .descriptor_count(1)
+                        .stage_flags(stages)
+                })
+                .collect();
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            // SAFETY: `info` is complete; the layout is destroyed in `drop`.
+            let raw = unsafe { device.raw().create_descriptor_set_layout(&info, None) }
+                .map_err(VulkanError::call("creation", format!("set layout of {name}")))?;
+            layout.sets.push(raw);
+        }
+        let push = [vk::PushConstantRange::default()
+            .stage_flags(stages)
+            .size(layout.reflection.push_size)];
+        let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layout.sets);
+        if layout.reflection.push_size > 0 {
+            info = info.push_constant_ranges(&push);
+        }
+        // SAFETY: the set layouts live as long as the pipeline layout.
+        layout.raw = unsafe { device.raw().create_pipeline_layout(&info, None) }
+            .map_err(VulkanError::call("creation", format!("layout of {name}")))?;
+        Ok(layout)
+    }
+
+    /// The bindings that a pass has to name.
+    pub(super) fn pass_bindings(&self) -> impl Iterator<Item = (&str, &Binding)> {
+        self.reflection
+            .bindings
+            .iter()
+            .filter(|(_, binding)| binding.set == PASS_SET)
+            .map(|(name, binding)| (name.as_str(), binding))
+    }
+}
+
+impl Drop for Layout {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before dropping a pipeline that a submitted frame uses.
+        unsafe {
+            self.device.raw().destroy_pipeline_layout(self.raw, None);
+            for set in &self.sets {
+                self.device.raw().destroy_descriptor_set_layout(*set, None);
+            }
+        }
+    }
+}
+
+/// A compute shader, ready to run.
+pub struct ComputePipeline {
+    pub(super) raw: vk::Pipeline,
+    pub(super) layout: Layout,
+}
+
+impl ComputePipeline {
+    /// Makes a pipeline of a compiled shader. `name` is for messages and debuggers.
+    pub fn new(device: &Arc<Device>, name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
+        let reflection = Reflection::new(name, spirv)?;
+        let layout = Layout::new(device, name, reflection, vk::ShaderStageFlags::COMPUTE)?;
+        let module = ShaderModule::new(device, name, spirv)?;
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .layout(layout.raw);
+        // SAFETY: the module is valid SPIR-V for the layout that was read from it.
+        let made = unsafe {
+            device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
+        };
+        let raw = made
+            .map_err(|(_, result)| VulkanError::call("creation", format!("pipeline {name}"))(result))?[0];
+        device.set_name(raw, name);
+        Ok(Self { raw, layout })
+    }
+
+    /// What the shader asks for.
+    pub fn reflection(&self) -> &Reflection {
+        &self.layout.reflection
+    }
+}
+
+impl Drop for ComputePipeline {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
+        unsafe { self.layout.device.raw().destroy_pipeline(self.raw, None) };
+    }
+}
+
+/// What a graphics pipeline is made of.
+pub struct GraphicsDescription<'a> {
+    /// For messages and debuggers.
+    pub name: &'a str,
+    /// Compiled vertex shader.
+    pub vertex: &'a [u8],
+    /// Compiled fragment shader.
+    pub fragment: &'a [u8],
+    /// Bytes from one vertex to the next.
+    pub vertex_stride: u32,
+    /// Format and offset of each vertex attribute, by location.
+    pub attributes: &'a [(vk::Format, u32)],
+    /// Formats of the colour targets.
+    pub colors: &'a [vk::Format],
+    /// Constant and slope-scaled depth bias.
+    pub depth_bias: Option<[f32; 2]>,
+}
+
+/// Vertex and fragment shader with fixed state: triangles, both sides, reversed depth (greater is nearer).
+pub struct GraphicsPipeline {
+    pub(super) raw: vk::Pipeline,
+    pub(super) layout: Layout,
+}
+
+impl GraphicsPipeline {
+    /// Makes a pipeline that draws into `colors` and a 32-bit depth buffer.
+    pub fn new(
+        device: &Arc<Device>,
+        description: &GraphicsDescription<'_>,
+    ) -> Result<Self, VulkanError> {
+        let name = description.name;
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        let reflection = Reflection::new(name, description.vertex)?
+            .merge(Reflection::new(name, description.fragment)?);
+        let layout = Layout::new(device, name, reflection, stages)?;
+        let vertex = ShaderModule::new(device, name, description.vertex)?;
+        let fragment = ShaderModule::new(device, name, description.fragment)?;
+        let shaders = [
+            vertex.stage(vk::ShaderStageFlags::VERTEX),
+            fragment.stage(vk::ShaderStageFlags::FRAGMENT),
+        ];
+        let raw = create_graphics(device, description, &shaders, layout.raw)
+            .map_err(VulkanError::call("creation", format!("pipeline {name}")))?;
+        device.set_name(raw, name);
+        Ok(Self { raw, layout })
+    }
+}
+
+impl Drop for GraphicsPipeline {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
+        unsafe { self.layout.device.raw().destroy_pipeline(self.raw, None) };
+    }
+}
+
+fn create_graphics(
+    device: &Device,
+    description: &GraphicsDescription<'_>,
+    shaders: &[vk::PipelineShaderStageCreateInfo<'_>],
+    layout: vk::PipelineLayout,
+) -> Result<vk::Pipeline, vk::Result> {
+    let attributes: Vec<_> = (0..)
+        .zip(description.attributes)
+        .map(|(location, &(format, offset))| {
+            vk::VertexInputAttributeDescription { location, binding: 0, format, offset }
+        })
+        .collect();
+    let vertices = [vk::VertexInputBindingDescription {
+        binding: 0,
+        stride: description.vertex_stride,
+        input_rate: vk::VertexInputRate::VERTEX,
+    }];
+    let input = vk::PipelineVertexInputStateCreateInfo::default()
+        .vertex_binding_descriptions(&vertices)
+        .vertex_attribute_descriptions(&attributes);
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+        .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let [constant, slope] = description.depth_bias.unwrap_or_default();
+    let raster = vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(vk::PolygonMode::FILL)
+        .cull_mode(vk::CullModeFlags::NONE)
+        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+        .depth_bias_enable(description.depth_bias.is_some())
+        .depth_bias_constant_factor(constant)
+        .depth_bias_slope_factor(slope)
+        .line_width(1.0);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default()
+        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(true)
+        .depth_write_enable(true)
+        .depth_compare_op(vk::CompareOp::GREATER);
+    let blends: Vec<_> = description
+        .colors
+        .iter()
+        .map(|_| {
+            vk::PipelineColorBlendAttachmentState::default()
+                .color_write_mask(vk::ColorComponentFlags::RGBA)
+        })
+        .collect();
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+    let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .color_attachment_formats(description.colors)
+        .depth_attachment_format(vk::Format::D32_SFLOAT);
+    let info = vk::GraphicsPipelineCreateInfo::default()
+        .stages(shaders)
+        .vertex_input_state(&input)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport)
+        .rasterization_state(&raster)
+        .multisample_state(&samples)
+        .depth_stencil_state(&depth)
+        .color_blend_state(&blend)
+        .dynamic_state(&dynamic)
+        .layout(layout)
+        .push_next(&mut rendering);
+    // SAFETY: every pointer in `info` outlives the call; the modules fit the layout read from them.
+    unsafe { device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) }
+        .map(|pipelines| pipelines[0])
+        .map_err(|(_, result)| result)
+}
+
+struct ShaderModule {
+    raw: vk::ShaderModule,
+    device: Arc<Device>,
+}
+
+impl ShaderModule {
+    fn new(device: &Arc<Device>, name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
+        let problem = |problem: String| VulkanError::Shader { name: name.to_owned(), problem };
+        let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv))
+            .map_err(|error| problem(error.to_string()))?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&words);
+        // SAFETY: `words` is SPIR-V that glslang made.
+        let raw = unsafe { device.raw().create_shader_module(&info, None) }
+            .map_err(VulkanError::call("creation", format!("shader {name}")))?;
+        Ok(Self { raw, device: Arc::clone(device) })
+    }
+
+    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
+    }
+}
+
+impl Drop for ShaderModule {
+    fn drop(&mut self) {
+        // SAFETY: pipelines keep what they need of a module.
+        unsafe { self.device.raw().destroy_shader_module(self.raw, None) };
+    }
+}
+
+/// One descriptor set a material: its albedo texture.
+pub struct MaterialSets {
+    pool: vk::DescriptorPool,
+    pub(super) sets: Vec<vk::DescriptorSet>,
+    device: Arc<Device>,
+}
+
+impl MaterialSets {
+    /// Makes the sets for `pipeline`, whose set 1 has one combined image sampler; one set an image.
+    pub fn new(
+        device: &Arc<Device>,
+        pipeline: &GraphicsPipeline,
+        images: &[&Image],
+        sampler: &Sampler,
+    ) -> Result<Self, VulkanError> {
+        let count = u32::try_from(images.len()).unwrap_or(u32::MAX).max(1);
+        let sizes = [vk::DescriptorPoolSize {
+            ty: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            descriptor_count: count,
+        }];
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
+        // SAFETY: `info` is complete; the pool is destroyed in `drop`.
+        let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
+            .map_err(VulkanError::call("creation", "material descriptors"))?;
+        let mut made = Self { pool, sets: Vec::new(), device: Arc::clone(device) };
+        let layout = pipeline.layout.sets[MATERIAL_SET as usize];
+        for image in images {
+            let layouts = [layout];
+            let info = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(pool)
+                .set_layouts(&layouts);
+            // SAFETY: the pool was sized for one set an image; image and sampler outlive their use.
+            unsafe {
+                let set = device
+                    .raw()
+                    .allocate_descriptor_sets(&info)
+                    .map_err(VulkanError::call("allocation", "material descriptors"))?[0];
+                let image_info = [vk::DescriptorImageInfo {
+                    sampler: sampler.raw,
+                    image_view: image.view,
+                    image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+                }];
+                let write = vk::WriteDescriptorSet::default()
+                    .dst_set(set)
+                    .dst_binding(0)
+                    .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                    .image_info(&image_info);
+                device.raw().update_descriptor_sets(&[write], &[]);
+                made.sets.push(set);
+            }
+        }
+        Ok(made)
+    }
+}
+
+impl Drop for MaterialSets {
+    fn drop(&mut self) {
+        // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
+        unsafe { self.device.raw().destroy_descriptor_pool(self.pool, None) };
+    }
+}

@@ -1,0 +1,297 @@
+//! The program as a person meets it: exit codes, one clear line for each failure, files left alone.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// A run of the program in a folder of its own.
+struct Run {
+    folder: TempDir,
+    environment: Vec<(&'static str, String)>,
+}
+
+impl Run {
+    fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap(), environment: Vec::new() }
+    }
+
+    fn with(mut self, variable: &'static str, value: impl Into<String>) -> Self {
+        self.environment.push((variable, value.into()));
+        self
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    fn glowworm(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_glowworm"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .envs(self.environment.iter().map(|(variable, value)| (variable, value)))
+            .env_remove("RUST_LOG")
+            .env_remove("RUST_BACKTRACE")
+            .stdin(Stdio::null())
+            .output()
+            .unwrap()
+    }
+
+    /// Renders a small picture; of an option given twice, the later one counts.
+    fn render(&self, scene: &str, arguments: &[&str]) -> Output {
+        let small = ["--size", "16x8", "--frames", "1", "--vpls", "16", "--out", "a.png"];
+        self.glowworm(&[&["render", scene], &small[..], arguments].concat())
+    }
+
+    fn files(&self) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(self.folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Asserts that the run failed with `code` and said, besides notes and warnings, one line,
+/// an error, with every one of `says`.
+#[track_caller]
+fn assert_fails(output: &Output, code: i32, says: &[&str]) {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+    let is_remark =
+        |line: &&str| ["note", "warning"].iter().any(|kind| line.starts_with(&format!("glowworm: {kind}: ")));
+    let errors: Vec<_> = message.lines().filter(|line| !is_remark(line)).collect();
+    assert_eq!(errors.len(), 1, "{message}");
+    assert!(errors[0].starts_with("glowworm: error: "), "{message}");
+    assert!(!message.contains("panicked") && !message.contains("internal error"), "{message}");
+    for part in says {
+        assert!(message.contains(part), "{part:?} is not in {message:?}");
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let run = Run::new();
+    for arguments in [&["--help"][..], &["-h"], &["--version"], &["render", "--help"], &["info", "--help"]] {
+        let output = run.glowworm(arguments);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty());
+    }
+    let help = String::from_utf8(run.glowworm(&["render", "--help"]).stdout).unwrap();
+    for option in ["--temporal-sets", "--position-cutoff", "--json", "--layers", "--device", "1280x720"] {
+        assert!(help.contains(option), "{option}");
+    }
+}
+
+#[test]
+fn wrong_options_are_wrong_usage() {
+    let run = Run::new();
+    for (option, value, says) in [
+        ("--vpls", "0", "--vpls 0: must be 1 to 65536"),
+        ("--vpls", "-3", "--vpls"),
+        ("--bounces", "17", "--bounces 17: must be 1 to 16"),
+        ("--size", "0x0", "--size 0x0: must be 1x1 to 16384x16384"),
+        ("--size", "100000x100000", "--size 100000x100000"),
+        ("--size", "big", "--size"),
+        ("--temporal-sets", "600", "--temporal-sets 600: must be 1 to 64"),
+        ("--time-step", "1/0", "--time-step"),
+        ("--clamp", "nan", "--clamp NaN"),
+        ("--frames", "0", "--frames"),
+        ("--tracer", "magic", "--tracer"),
+        ("--no-such-option", "1", "--no-such-option"),
+    ] {
+        assert_fails(&run.render("cornell-box", &[option, value]), 2, &[says]);
+    }
+    assert!(run.files().is_empty());
+}
+
+#[test]
+fn more_temporal_sets_than_vpls_are_wrong_usage() {
+    let run = Run::new();
+    let output = run.render("cornell-box", &["--vpls", "8"]);
+    assert_fails(&output, 2, &["--temporal-sets is 16", "--vpls, which is 8"]);
+}
+
+#[test]
+fn what_is_no_subcommand_is_wrong_usage() {
+    let run = Run::new();
+    assert_fails(&run.glowworm(&["rendr", "cornell-box"]), 2, &["cornell-box"]);
+    assert_fails(&run.glowworm(&["render"]), 2, &["--out", "SCENE"]);
+    let output = run.glowworm(&["frobnicate"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("frobnicate: neither a subcommand nor a scene"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
+    // Without a driver anything later than these checks would fail in another way.
+    let run = without_driver();
+    fs::write(run.path("file"), "").unwrap();
+    for (out, code, says) in [
+        ("missing/a.png", 1, "there is no folder missing"),
+        ("file/a.png", 1, "there is no folder file"),
+        ("a.jpg", 2, "a.jpg: unknown kind of picture"),
+        ("a", 2, "must end in .png or .exr"),
+        ("a{frame:x}.png", 2, "{frame:x}"),
+    ] {
+        assert_fails(&run.render("cornell-box", &["--out", out]), code, &[says]);
+    }
+    fs::create_dir(run.path("folder.png")).unwrap();
+    assert_fails(&run.render("cornell-box", &["--out", "folder.png"]), 1, &["folder.png: is not a file"]);
+    assert_fails(&run.render("cornell-box", &["--layers"]), 2, &["a.png: --layers needs an .exr"]);
+    assert_fails(&run.render("cornell-box", &["--json", "missing/a.json"]), 1, &["missing/a.json"]);
+    assert_eq!(run.files(), ["file", "folder.png"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_is_found_before_rendering() {
+    use std::os::unix::fs::PermissionsExt;
+    let run = without_driver();
+    let folder = run.path("locked");
+    fs::create_dir(&folder).unwrap();
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
+    let root_writes_anyway = fs::write(Path::new(&folder).join("probe"), "").is_ok();
+    let out = if root_writes_anyway { "/proc/a.png" } else { "locked/a.png" };
+    assert_fails(&run.render("cornell-box", &["--out", out]), 1, &[out, "cannot be written"]);
+}
+
+#[test]
+fn a_failed_run_leaves_old_files_alone() {
+    let run = without_driver();
+    fs::write(run.path("a.png"), "old").unwrap();
+    assert_eq!(run.render("cornell-box", &[]).status.code(), Some(1));
+    assert_eq!(fs::read(run.path("a.png")).unwrap(), b"old");
+    assert_eq!(run.files(), ["a.png"]);
+}
+
+/// The loader finds no driver.
+fn without_driver() -> Run {
+    Run::new().with("VK_DRIVER_FILES", "/nonexistent").with("VK_ICD_FILENAMES", "/nonexistent")
+}
+
+#[test]
+fn without_a_driver_it_says_so() {
+    let run = without_driver();
+    assert_fails(&run.render("cornell-box", &[]), 1, &["no usable Vulkan device"]);
+    assert_fails(&run.glowworm(&["info"]), 1, &["no usable Vulkan device"]);
+}
+
+/// The system's loader cannot be taken away for one test, so one that is found first and cannot be
+/// loaded stands in for it: to the program both are a failed `dlopen`.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_loader_it_says_so() {
+    let run = Run::new();
+    for name in ["libvulkan.so.1", "libvulkan.so"] {
+        fs::write(run.path(name), "not a library").unwrap();
+    }
+    let folder = run.path("");
+    let run = run.with("LD_LIBRARY_PATH", folder);
+    assert_fails(&run.render("cornell-box", &[]), 1, &["no Vulkan", "libvulkan"]);
+    assert_fails(&run.glowworm(&["info"]), 1, &["no Vulkan"]);
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let run = Run::new();
+    assert_fails(
+        &run.render("cornell-box", &["--device", "no such device"]),
+        1,
+        &["--device no such device"],
+    );
+    assert_fails(&run.render("cornell-box", &["--device", "77"]), 1, &["--device 77"]);
+    assert_fails(&run.render("no-such-scene", &[]), 1, &["no-such-scene"]);
+    assert_fails(&run.render("no/such.toml", &[]), 1, &["no/such.toml"]);
+    assert!(run.files().is_empty());
+}
+
+#[test]
+fn mistakes_in_a_scene_files_settings_name_the_file() {
+    let run = Run::new();
+    for (settings, says) in
+        [("vpls = 0", "[settings] vpls = 0"), ("vlps = 9", "vlps"), ("size = \"big\"", "expected")]
+    {
+        let scene = format!("[settings]\n{settings}\n\n[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n");
+        fs::write(run.path("my.toml"), scene).unwrap();
+        assert_fails(&run.render("my.toml", &[]), 1, &["my.toml", says]);
+    }
+}
+
+#[test]
+fn devices_are_listed() {
+    let run = Run::new();
+    let output = run.glowworm(&["info", "--json", "devices.json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.lines().any(|line| line.starts_with("0: ") && line.contains("would be used")), "{text}");
+    let report: serde_json::Value =
+        serde_json::from_slice(&fs::read(run.path("devices.json")).unwrap()).unwrap();
+    assert_eq!(report["used"], 0);
+    assert!(report["devices"][0]["name"].is_string());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let run = Run::new();
+    // Closing the pipe before the program writes makes its write fail.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let status = Command::new(env!("CARGO_BIN_EXE_glowworm"))
+        .args(["render", "--help"])
+        .current_dir(run.folder.path())
+        .stdout(writer)
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(0));
+}
+
+#[test]
+fn pictures_and_report_are_written() {
+    let run = Run::new();
+    let sequence = ["--frames", "3", "--out", "f{frame:02}.exr", "--json", "a.json"];
+    let output = run.render("cornell-box", &[&sequence[..], &["--layers", "--validate"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(run.files(), ["a.json", "f00.exr", "f01.exr", "f02.exr"]);
+    assert_eq!(image::image_dimensions(run.path("f02.exr")).unwrap(), (16, 8));
+    let report: serde_json::Value = serde_json::from_slice(&fs::read(run.path("a.json")).unwrap()).unwrap();
+    assert_eq!(report["scene"], "cornell-box");
+    assert_eq!(report["settings"]["vpls"], 16);
+    let frames = report["frames"].as_array().unwrap();
+    assert_eq!(frames.iter().map(|frame| frame["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [0, 1, 2]);
+    for figures in [&frames[0], &report["summary"]["median"], &report["summary"]["p95"]] {
+        for pass in glowworm::report::PASS_NAMES {
+            assert!(figures["passes"][pass].is_number(), "{pass}");
+        }
+    }
+}
+
+#[test]
+fn the_same_arguments_give_the_same_bits() {
+    let run = Run::new();
+    for out in ["a.exr", "b.exr"] {
+        let output = run.render("cornell-box", &["--frames", "4", "--out", out, "--layers"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    assert!(fs::read(run.path("a.exr")).unwrap() == fs::read(run.path("b.exr")).unwrap());
+}
+
+#[test]
+fn without_arguments_a_picture_stands_in_for_the_window() {
+    let run = Run::new();
+    let output = run.glowworm(&["--size", "16x8", "--vpls", "16"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("glowworm: warning: there is no window yet"));
+    assert_eq!(image::image_dimensions(run.path("glowworm-cornell-box.png")).unwrap(), (16, 8));
+}

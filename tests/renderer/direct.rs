@@ -1,0 +1,102 @@
+//! Direct light against its formula and shadow maps against rays.
+
+use glam::Vec3;
+use glowworm::bvh::{Ray, TwoLevelBvh};
+use glowworm::scene::{LightKind, spot_falloff};
+
+use super::support::{Lab, exact, layer, luminance, scene};
+
+/// A floor with a block on it, lit by `light`.
+fn floor(light: &str) -> String {
+    format!(
+        r#"
+        [[models]]
+        name = "floor"
+        primitive = "quad"
+        size = [20, 1, 20]
+        material = {{ albedo = [0.5, 0.5, 0.5] }}
+        [[models]]
+        name = "block"
+        primitive = "box"
+        material = {{ albedo = [0.5, 0.5, 0.5] }}
+        [[instances]]
+        model = "floor"
+        [[instances]]
+        model = "block"
+        translation = [0, 0.5, 0]
+        [[lights]]
+        {light}
+        [camera]
+        eye = [0.6, 2.4, 2.6]
+        target = [-0.2, 0.2, 0]
+        vfov_deg = 50
+        "#
+    )
+}
+
+/// Compares every pixel with the formula and a shadow ray; only pixels at shadow edges may differ.
+fn check(light: &str) {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(&floor(light));
+    let mut settings = exact([160, 120]);
+    settings.vpls = 4;
+    let picture = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
+    let pose = scene.pose(0.0);
+    let bvh = TwoLevelBvh::build(&scene, &pose.instances);
+    let light = &pose.lights[0];
+    let (mut wrong, mut lit, mut shadowed) = (0, 0, 0);
+    let pixels = layer(&picture, "direct");
+    for ((direct, position), normal) in
+        pixels.iter().zip(layer(&picture, "position")).zip(layer(&picture, "normal"))
+    {
+        let (p, n) = (Vec3::from(position), Vec3::from(normal));
+        if n == Vec3::ZERO {
+            continue;
+        }
+        let (to_light, power, reach) = match light.kind {
+            LightKind::Directional { irradiance } => (-light.direction, irradiance, 1e6),
+            LightKind::Point { intensity } => {
+                let d = light.position - p;
+                (d.normalize(), intensity / d.length_squared(), d.length())
+            }
+            LightKind::Spot { intensity, inner_angle, outer_angle } => {
+                let d = light.position - p;
+                let falloff = spot_falloff(-d.normalize().dot(light.direction), inner_angle, outer_angle);
+                (d.normalize(), intensity * falloff / d.length_squared(), d.length())
+            }
+            LightKind::Area { .. } => unreachable!(),
+        };
+        let ray = Ray { origin: p + n * 1e-4, direction: to_light, t_min: 0.0, t_max: reach };
+        let cosine = n.dot(to_light).max(0.0);
+        let seen = cosine > 0.0 && !bvh.occluded(&ray);
+        let expected = if seen { luminance(&(power * cosine * 0.5 / std::f32::consts::PI).to_array()) } else { 0.0 };
+        lit += u32::from(seen);
+        shadowed += u32::from(!seen);
+        if (luminance(direct) - expected).abs() > 0.03 * expected + 1e-4 {
+            wrong += 1;
+        }
+    }
+    assert!(lit > 1000 && shadowed > 500, "{lit} lit, {shadowed} shadowed pixels");
+    let share = wrong as f32 / (lit + shadowed) as f32;
+    assert!(share < 0.04, "{share} of the pixels are neither lit nor shadowed as they should be");
+}
+
+#[test]
+fn point_light() {
+    check("type = \"point\"\nposition = [2, 4, 1]\nintensity = [30, 30, 30]");
+}
+
+#[test]
+fn spot_light() {
+    check("type = \"spot\"\nposition = [3, 5, 1]\ndirection = [-3, -5, -1]\nintensity = [60, 60, 60]\ninner_deg = 20\nouter_deg = 32");
+}
+
+#[test]
+fn wide_spot_light() {
+    check("type = \"spot\"\nposition = [1, 4, 1]\ndirection = [0, -1, 0]\nintensity = [60, 60, 60]\ninner_deg = 70\nouter_deg = 85");
+}
+
+#[test]
+fn directional_light() {
+    check("type = \"directional\"\ndirection = [-1, -1.5, -0.4]\nirradiance = [3, 3, 3]");
+}

@@ -1,0 +1,108 @@
+//! After any change has ended, the picture is what a fresh start would have shown.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, Vec3};
+use glowworm::scene::{Pose, Scene};
+use glowworm::settings::Settings;
+
+use super::support::{Lab, indirect, relative_differences, scene};
+
+const ROOM: &str = r#"
+[[models]]
+name = "room"
+primitive = "box"
+size = [4, 3, 4]
+material = { albedo = [0.7, 0.6, 0.5] }
+[[models]]
+name = "block"
+primitive = "box"
+size = [0.8, 0.8, 0.8]
+material = { albedo = [0.2, 0.4, 0.8] }
+[[instances]]
+model = "room"
+[[instances]]
+name = "block"
+model = "block"
+translation = [0.5, -1.0, -0.5]
+dynamic = true
+[[lights]]
+type = "point"
+position = [-0.5, 0.8, 0.3]
+intensity = [5, 5, 5]
+[[lights]]
+type = "spot"
+position = [1.0, 1.2, 1.0]
+direction = [-0.3, -1, -0.3]
+intensity = [9, 8, 7]
+inner_deg = 15
+outer_deg = 25
+[camera]
+eye = [0, 0, 1.9]
+target = [0, -0.2, 0]
+vfov_deg = 75
+"#;
+
+/// Moves by `change` (0 to 1 and on) for 20 frames, waits as long as the renderer may take to forget, and
+/// compares with a fresh start.
+fn check(change: impl Fn(&mut Pose, f32)) {
+    let Some(lab) = Lab::open() else { return };
+    let scene: Arc<Scene> = scene(ROOM);
+    let settings =
+        Settings { size: [80, 60], vpls: 200, temporal_sets: 8, budget: 32, interleave: 2, ..Settings::default() };
+    let pose_at = |time: f32| {
+        let mut pose = scene.pose(0.0);
+        change(&mut pose, time);
+        pose
+    };
+    let mut renderer = lab.renderer(&scene, &settings, &pose_at(0.0));
+    for frame in 0..20 {
+        renderer.render(&pose_at(frame as f32 / 19.0)).unwrap();
+    }
+    let end = pose_at(1.0);
+    for _ in 0..settings.vpls.div_ceil(settings.budget) + settings.temporal_sets {
+        renderer.render(&end).unwrap();
+    }
+    let mut fresh = lab.renderer(&scene, &settings, &end);
+    for _ in 0..settings.temporal_sets {
+        fresh.render(&end).unwrap();
+    }
+    let (average, worst) = relative_differences(&indirect(&renderer), &indirect(&fresh));
+    assert!(average < 1e-4 && worst < 2e-3, "differs by {average} in the mean, {worst} at most");
+    for report in renderer.finish().unwrap() {
+        assert!(report.figures.vpls.shot <= 32, "frame {} broke the budget", report.frame);
+    }
+}
+
+#[test]
+fn a_moved_light_is_forgotten() {
+    check(|pose, time| pose.lights[0].position += Vec3::new(1.2, -0.6, -0.8) * time);
+}
+
+#[test]
+fn a_moved_object_is_forgotten() {
+    check(|pose, time| {
+        let turn = Affine3A::from_rotation_translation(
+            Quat::from_rotation_y(time),
+            Vec3::new(-1.5, 0.7, 0.9) * time,
+        );
+        pose.instances[1] = turn * pose.instances[1];
+    });
+}
+
+#[test]
+fn a_spot_that_turns_away_and_back_is_forgotten() {
+    check(|pose, time| {
+        let angle = 1.5 * (time * std::f32::consts::PI).sin();
+        pose.lights[1].direction = Quat::from_rotation_x(angle) * pose.lights[1].direction;
+    });
+}
+
+#[test]
+fn a_changed_intensity_is_forgotten() {
+    check(|pose, time| {
+        if let glowworm::scene::LightKind::Point { intensity } = &mut pose.lights[0].kind {
+            *intensity *= 1.0 + 2.0 * time;
+        }
+    });
+}

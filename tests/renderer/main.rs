@@ -1,0 +1,9 @@
+//! The renderer on a real Vulkan device, with validation: known answers, stillness, motion, shadows.
+
+mod direct;
+mod forgetting;
+mod motion;
+mod pictures;
+mod sphere;
+mod support;
+mod temporal;

@@ -1,0 +1,119 @@
+//! Reprojection: nothing darkens where the camera sees something new, and moving things keep their light.
+
+use glam::{Affine3A, Vec3};
+use glowworm::scene::{Camera, Pose};
+use glowworm::settings::{MissingSets, Settings};
+
+use super::support::{Lab, channel, indirect, luminance, mean, scene};
+
+const HALL: &str = r#"
+[[models]]
+name = "hall"
+primitive = "box"
+size = [8, 4, 6]
+material = { albedo = [0.7, 0.65, 0.6] }
+[[models]]
+name = "pillar"
+primitive = "box"
+size = [0.5, 4, 0.5]
+material = { albedo = [0.6, 0.6, 0.6] }
+[[models]]
+name = "crate"
+primitive = "box"
+size = [1, 1, 1]
+material = { albedo = [0.3, 0.5, 0.8] }
+[[instances]]
+model = "hall"
+[[instances]]
+model = "pillar"
+[[instances]]
+name = "crate"
+model = "crate"
+translation = [-1.5, -1.2, 0.5]
+dynamic = true
+[[lights]]
+type = "point"
+position = [0, 1.5, 2]
+intensity = [20, 20, 20]
+[camera]
+eye = [-0.5, 0, 2.8]
+target = [-0.5, 0, 0]
+vfov_deg = 60
+"#;
+
+const SETS: u32 = 16;
+
+fn settings(missing_sets: MissingSets) -> Settings {
+    Settings { size: [160, 96], temporal_sets: SETS, missing_sets, ..Settings::default() }
+}
+
+fn strafed(pose: &Pose, distance: f32) -> Pose {
+    let shift = Vec3::X * distance;
+    let camera = Camera { eye: pose.camera.eye + shift, target: pose.camera.target + shift, ..pose.camera };
+    Pose { camera, ..pose.clone() }
+}
+
+/// Mean irradiance of the pixels that a strafe past the pillar uncovers, over their converged value: in
+/// their first frame and T/2 frames later.
+fn uncovered_brightness(lab: &Lab, missing_sets: MissingSets) -> (f32, f32) {
+    const STEPS: u16 = 12;
+    const STEP: f32 = 0.06;
+    let scene = scene(HALL);
+    let rest = scene.pose(0.0);
+    let end = strafed(&rest, f32::from(STEPS) * STEP);
+    let settings = settings(missing_sets);
+    let mut converged = lab.renderer(&scene, &settings, &end);
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    for _ in 0..SETS {
+        converged.render(&end).unwrap();
+        renderer.render(&rest).unwrap();
+    }
+    for step in 1..=STEPS {
+        renderer.render(&strafed(&rest, f32::from(step) * STEP)).unwrap();
+    }
+    let counts = renderer.read_set_counts().unwrap();
+    let new: Vec<usize> = (0..counts.len()).filter(|&pixel| counts[pixel] == 1).collect();
+    assert!(new.len() > 40, "only {} pixels are new", new.len());
+    let over = |picture: Vec<[f32; 3]>| mean(new.iter().map(|&pixel| luminance(&picture[pixel])));
+    let expected = over(indirect(&converged));
+    let first = over(indirect(&renderer));
+    for _ in 0..SETS / 2 {
+        renderer.render(&end).unwrap();
+    }
+    (first / expected, over(indirect(&renderer)) / expected)
+}
+
+#[test]
+fn disocclusion_does_not_darken() {
+    let Some(lab) = Lab::open() else { return };
+    let (first, later) = uncovered_brightness(&lab, MissingSets::Scale);
+    assert!((first - 1.0).abs() < 0.25, "new pixels are {first} as bright as they should be");
+    assert!((later - 1.0).abs() < 0.10, "after T/2 frames {later}");
+    let (dark, _) = uncovered_brightness(&lab, MissingSets::Dark);
+    assert!(dark < 0.3, "--missing-sets dark shows {dark}");
+}
+
+#[test]
+fn a_moving_object_keeps_its_history() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(HALL);
+    let pose_at = |frame: u32| {
+        let mut pose = scene.pose(0.0);
+        let shift = Vec3::new(0.02, 0.01, 0.0) * frame as f32;
+        pose.instances[2] = Affine3A::from_translation(shift) * pose.instances[2];
+        pose
+    };
+    let settings = settings(MissingSets::Scale);
+    let mut renderer = lab.renderer(&scene, &settings, &pose_at(0));
+    for frame in 0..2 * SETS {
+        renderer.render(&pose_at(frame)).unwrap();
+    }
+    let instances = channel(&renderer.read_picture(true).unwrap(), "instance");
+    let counts = renderer.read_set_counts().unwrap();
+    let on_crate: Vec<u32> =
+        instances.iter().zip(&counts).filter(|(id, _)| **id == 2.0).map(|(_, count)| *count).collect();
+    assert!(on_crate.len() > 100, "the crate covers {} pixels", on_crate.len());
+    println!("{:?}", (0..=16).map(|k| on_crate.iter().filter(|c| **c == k).count()).collect::<Vec<_>>());
+    let whole = on_crate.iter().filter(|count| **count == SETS).count() as f32 / on_crate.len() as f32;
+    assert!(whole > 0.9, "{whole} of its pixels have all sets");
+}

@@ -1,0 +1,138 @@
+//! A device with validation, scenes from text, and what to read from a renderer.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glowworm::output::Picture;
+use glowworm::renderer::Renderer;
+use glowworm::scene::{Pose, Scene, load_scene};
+use glowworm::settings::Settings;
+use glowworm::vulkan::{Device, Instance, InstanceOptions};
+
+/// A device whose validation messages fail the test when it goes.
+pub struct Lab {
+    pub device: Arc<Device>,
+}
+
+impl Lab {
+    /// Opens the first usable device with validation on. Without one, or without the layer, the test
+    /// says so and is skipped; with `GLOWWORM_REQUIRE_ALL=1` it fails.
+    pub fn open() -> Option<Self> {
+        let opened = Instance::new(InstanceOptions { validate: true })
+            .and_then(|instance| Device::open(&instance, None));
+        match opened {
+            Ok(device) => Some(Self { device }),
+            Err(error) => {
+                skip(&error.to_string());
+                None
+            }
+        }
+    }
+
+    /// A renderer at `pose` that has not drawn anything yet.
+    pub fn renderer(&self, scene: &Arc<Scene>, settings: &Settings, pose: &Pose) -> Renderer {
+        settings.check().unwrap();
+        Renderer::new(&self.device, scene, settings, pose).unwrap()
+    }
+
+    /// A renderer that has drawn `frames` frames of the scene as it stands at time 0.
+    pub fn rendered(&self, scene: &Arc<Scene>, settings: &Settings, frames: u32) -> Renderer {
+        let pose = scene.pose(0.0);
+        let mut renderer = self.renderer(scene, settings, &pose);
+        for _ in 0..frames {
+            renderer.render(&pose).unwrap();
+        }
+        renderer
+    }
+}
+
+impl Drop for Lab {
+    fn drop(&mut self) {
+        let messages = self.device.validation_messages();
+        if !std::thread::panicking() {
+            assert!(messages.is_empty(), "validation: {messages:#?}");
+        }
+    }
+}
+
+/// Says aloud that a test cannot run; fails where all must.
+pub fn skip(reason: &str) {
+    eprintln!("SKIPPED: {reason}");
+    assert!(std::env::var_os("GLOWWORM_REQUIRE_ALL").is_none(), "GLOWWORM_REQUIRE_ALL is set, but: {reason}");
+}
+
+/// Where the downloadable models are.
+pub fn assets() -> Option<PathBuf> {
+    let assets = std::env::var_os("GLOWWORM_ASSETS").map(PathBuf::from);
+    if assets.is_none() {
+        skip("GLOWWORM_ASSETS is not set");
+    }
+    assets
+}
+
+/// A scene by name or file.
+pub fn named_scene(name: &str, assets: Option<&Path>) -> Arc<Scene> {
+    Arc::new(load_scene(name, assets).unwrap())
+}
+
+/// A scene from the text of a scene file.
+pub fn scene(text: &str) -> Arc<Scene> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.toml");
+    std::fs::write(&file, text).unwrap();
+    named_scene(file.to_str().unwrap(), None)
+}
+
+/// Settings for small, exact pictures: no clamp, no interleaving.
+pub fn exact(size: [u32; 2]) -> Settings {
+    Settings { size, clamp: 0.0, interleave: 1, temporal_sets: 1, vpls: 256, ..Settings::default() }
+}
+
+/// Three channels of a layer of the last frame, pixel by pixel.
+pub fn layer(picture: &Picture, name: &str) -> Vec<[f32; 3]> {
+    let layer = picture.layers.iter().find(|layer| layer.name == name).unwrap();
+    let channel = |index: usize| &layer.channels[index].1;
+    (0..channel(0).len()).map(|at| [0, 1, 2].map(|index| channel(index)[at])).collect()
+}
+
+/// The one channel of a layer.
+pub fn channel(picture: &Picture, name: &str) -> Vec<f32> {
+    picture.layers.iter().find(|layer| layer.name == name).unwrap().channels[0].1.clone()
+}
+
+/// Indirect irradiance of the last frame.
+pub fn indirect(renderer: &Renderer) -> Vec<[f32; 3]> {
+    layer(&renderer.read_picture(true).unwrap(), "indirect")
+}
+
+pub fn luminance(rgb: &[f32; 3]) -> f32 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+pub fn mean(values: impl IntoIterator<Item = f32>) -> f32 {
+    let (mut sum, mut count) = (0.0f64, 0u32);
+    for value in values {
+        sum += f64::from(value);
+        count += 1;
+    }
+    (sum / f64::from(count.max(1))) as f32
+}
+
+/// Mean and greatest relative difference in luminance of `ours` from `expected`, where that is not black.
+pub fn relative_differences(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> (f32, f32) {
+    assert_eq!(ours.len(), expected.len());
+    let differences: Vec<f32> = ours
+        .iter()
+        .zip(expected)
+        .filter(|(_, expected)| luminance(expected) > 0.0)
+        .map(|(ours, expected)| (luminance(ours) - luminance(expected)).abs() / luminance(expected))
+        .collect();
+    assert!(!differences.is_empty(), "everything expected is black");
+    (mean(differences.iter().copied()), differences.iter().copied().fold(0.0, f32::max))
+}
+
+/// The value below which the share `quantile` of `values` lies.
+pub fn quantile(mut values: Vec<f32>, quantile: f32) -> f32 {
+    values.sort_by(f32::total_cmp);
+    values[((values.len() - 1) as f32 * quantile).round() as usize]
+}

@@ -1,0 +1,98 @@
+//! Temporal sets and interleaving change when and where VPLs are used, not what comes out.
+
+use glowworm::settings::Settings;
+
+use super::support::{Lab, exact, indirect, layer, luminance, mean, named_scene, relative_differences};
+
+fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
+    Settings { vpls, temporal_sets, interleave, ..Settings { size: [96, 96], ..Settings::default() } }
+}
+
+#[test]
+fn sixteen_sets_show_what_one_shows() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    for (interleave, most_mean, most) in [(1, 0.001, 0.01), (4, 0.005, f32::INFINITY)] {
+        let many = indirect(&lab.rendered(&scene, &cornell(512, 16, interleave), 16));
+        let one = indirect(&lab.rendered(&scene, &cornell(512, 1, interleave), 1));
+        let (average, worst) = relative_differences(&many, &one);
+        for (i,(a,b)) in many.iter().zip(&one).enumerate() { let r=(luminance(a)-luminance(b)).abs()/luminance(b); if r>0.01 {println!("{} {} {a:?} {b:?}", i%96,i/96);} }
+        assert!(average <= most_mean && worst <= most, "interleave {interleave}: {average}, {worst}");
+    }
+}
+
+#[test]
+fn interleaving_keeps_the_brightness() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let settings = |interleave| Settings { size: [192, 192], exposure: Some(0.0), ..cornell(1024, 1, interleave) };
+    let picture = |interleave| lab.rendered(&scene, &settings(interleave), 1).read_picture(true).unwrap();
+    let (with, without) = (picture(4), picture(1));
+    let brightness = |picture| mean(layer(picture, "indirect").iter().map(luminance));
+    let ratio = brightness(&with) / brightness(&without);
+    assert!((ratio - 1.0).abs() <= 0.005, "mean brightness changes by {ratio}");
+    let squares = with.display.iter().zip(&without.display).flat_map(|(with, without)| {
+        [0, 1, 2].map(|c| ((f32::from(with[c]) - f32::from(without[c])) / 255.0).powi(2))
+    });
+    let rmse = mean(squares).sqrt();
+    assert!(rmse <= 0.02, "tone-mapped pixels differ by {rmse}");
+}
+
+#[test]
+fn a_static_scene_stands_still() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let settings = Settings { budget: 16, ..cornell(128, 8, 4) };
+    let pose = scene.pose(0.0);
+    let mut renderer = lab.renderer(&scene, &settings, &pose);
+    let mut pictures = Vec::new();
+    for frame in 1..=32 {
+        renderer.render(&pose).unwrap();
+        if frame % 16 == 0 {
+            pictures.push(renderer.read_picture(true).unwrap());
+        }
+    }
+    assert!(pictures[0] == pictures[1], "frames 2T and 4T differ");
+    let reports = renderer.finish().unwrap();
+    assert_eq!(reports.len(), 32);
+    for report in reports {
+        assert_eq!(report.figures.vpls.shot, 0, "frame {} shot VPLs", report.frame);
+        assert!(report.figures.shadow_rays > 0);
+    }
+}
+
+#[test]
+fn reruns_are_the_same_bits() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let picture = || lab.rendered(&scene, &cornell(100, 4, 4), 6).read_picture(true).unwrap();
+    assert!(picture() == picture());
+}
+
+#[test]
+fn uneven_divisions_keep_the_brightness() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let brightness = |vpls, temporal_sets, interleave, bounces| {
+        let settings =
+            Settings { vpls, temporal_sets, interleave, bounces, size: [61, 47], ..exact([61, 47]) };
+        mean(indirect(&lab.rendered(&scene, &settings, temporal_sets)).iter().map(luminance))
+    };
+    for (vpls, sets, interleave) in [(1021, 7, 3), (999, 13, 5), (2000, 64, 8), (1025, 1, 7)] {
+        let ratio = brightness(vpls, sets, interleave, 3) / brightness(vpls, 1, 1, 3);
+        assert!((ratio - 1.0).abs() < 0.02, "{vpls} VPLs, {sets} sets, interleave {interleave}: {ratio}");
+    }
+}
+
+#[test]
+fn extremes_work() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    for (vpls, temporal_sets, interleave, bounces, size) in
+        [(1, 1, 1, 1, [1, 1]), (64, 64, 8, 16, [5, 3]), (65_536, 64, 8, 16, [16, 9]), (65_536, 1, 1, 2, [2, 2])]
+    {
+        let settings = Settings { vpls, temporal_sets, interleave, bounces, size, ..Settings::default() };
+        let picture = lab.rendered(&scene, &settings, 3).read_picture(false).unwrap();
+        assert!(picture.colour.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
+    }
+}
