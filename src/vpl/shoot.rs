@@ -104,8 +104,9 @@ impl VplManager {
         }
     }
 
-    /// The ray that shooting `slot` again would trace now, and the weight of what it carries; none if its path has ended before, or would
-    /// end on its parent's surface. Not for slots that lie on their light.
+    /// The ray that shooting `slot` again would trace now, and the weight of what it carries; none if its
+    /// path has ended before, or would end on its parent's
+    /// surface. Not for slots that lie on their light.
     pub(super) fn ray_of(&self, slot: u32) -> Option<(Ray, f32)> {
         let address = &self.deal.addresses[slot as usize];
         let emitter = &self.watch.emitters[address.light as usize];
