@@ -18,7 +18,7 @@ layout(set = 0, binding = 5, rgba16f) uniform writeonly image2DArray set_buffers
 
 const float MIN_NORMAL_COSINE = 0.9;
 // Share of the flux that the n x n window has to bring; else a window three times as wide is tried.
-const float MIN_PRESENT = 0.5;
+const float MIN_PRESENT = 0.95;
 
 struct Sum {
     vec3 irradiance;

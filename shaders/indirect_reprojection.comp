@@ -51,7 +51,11 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
     vec2 texel = (ndc * 0.5 + 0.5) * size - 0.5;
     vec2 base = floor(texel);
     vec2 part = texel - base;
-    float cutoff = frame.position_cutoff * depth;
+    // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
+    float cosine = abs(dot(n, v)) * inversesqrt(dot(v, v));
+    float footprint = depth * 2.0 / size.y * inversesqrt(dot(parameters.to_y.xyz, parameters.to_y.xyz)) / max(cosine, 0.05);
+    float near = 0.25 * frame.position_cutoff * depth;
+    float cutoff = max(4.0 * near, 1.5 * footprint);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int i = 0; i < 4; i++) {
@@ -66,7 +70,7 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
         vec3 ray = parameters.forward.xyz + at_ndc.x * parameters.to_x.w * parameters.to_x.xyz
             + at_ndc.y * parameters.to_y.w * parameters.to_y.xyz;
         vec3 offset = ray * stored.w - v;
-        if (dot(offset, offset) > cutoff * cutoff || abs(dot(offset, n)) > 0.25 * cutoff) continue;
+        if (dot(offset, offset) > cutoff * cutoff || abs(dot(offset, n)) > near) continue;
         sum += weight * stored.rgb;
         weights += weight;
     }

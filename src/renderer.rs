@@ -93,12 +93,14 @@ impl Renderer {
         if settings.tracer == TracerKind::Hardware {
             return Err(RenderError::NoHardwareTracer);
         }
-        let bvh = TwoLevelBvh::build(scene, &pose.instances);
-        let world = World { scene, pose, bvh: &bvh };
-        let vpls = VplManager::new(world, settings);
+        let rest = scene.pose(0.0);
+        let mut bvh = TwoLevelBvh::build(scene, &rest.instances);
+        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
+        bvh.update(&pose.instances);
+        let vpls = VplManager::new(World { scene, pose, bvh: &bvh }, settings);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
-        let lengths = Lengths { radius, transport: transport_length(scene, &bvh).unwrap_or(radius) };
+        let lengths = Lengths { radius, transport: transport.unwrap_or(radius) };
 
         let extent = settings.size;
         let sets = settings.temporal_sets;
@@ -161,7 +163,8 @@ impl Renderer {
             ..uniforms(&scene, &self.settings, self.lengths, &pose.camera, self.previous_view_projection)
         };
         self.previous_view_projection = Some(uniforms.view_projection);
-        let light_count = pose.lights.iter().filter(|light| !matches!(light.kind, LightKind::Area { .. })).count();
+        let light_count =
+            pose.lights.iter().filter(|light| !matches!(light.kind, LightKind::Area { .. })).count();
         let uniforms =
             FrameUniforms { light_count: u32::try_from(light_count).unwrap_or(u32::MAX), ..uniforms };
         let uniforms = frame.upload(&[uniforms])?;
@@ -200,8 +203,7 @@ impl Renderer {
             visibility: self.indirect_shadows.visibility(),
         };
         for chunk in self.indirect_shadows.chunks(&vpls) {
-            let rays =
-                IndirectShadowsInputs { frame: &uniforms, gbuffer, set: &vpls, tracer: &self.tracer };
+            let rays = IndirectShadowsInputs { frame: &uniforms, gbuffer, set: &vpls, tracer: &self.tracer };
             self.indirect_shadows.record(&mut frame, &rays, &chunk)?;
             self.indirect_shading.gather(&mut frame, &shading, &chunk)?;
         }
@@ -309,15 +311,15 @@ fn irradiance_scale(flux: f32, length: f32) -> f32 {
 }
 
 /// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
-/// large ground plane does not change.
-fn transport_length(scene: &Scene, bvh: &TwoLevelBvh) -> Option<f32> {
-    let pose = scene.pose(0.0);
+/// large ground plane does not change. None where no VPL has a parent.
+fn transport_length(rest: World<'_>) -> Option<f32> {
     let settings = Settings { vpls: 1024, bounces: 2, temporal_sets: 1, ..Settings::default() };
-    let manager = VplManager::new(World { scene, pose: &pose, bvh }, &settings);
+    let manager = VplManager::new(rest, &settings);
     let slots: Vec<_> = manager.slots().collect();
-    let lengths = slots.iter().filter(|slot| slot.state == SlotState::Valid).filter_map(|slot| {
-        Some(slot.position.distance(slots[slot.parent? as usize].position))
-    });
+    let lengths = slots
+        .iter()
+        .filter(|slot| slot.state == SlotState::Valid)
+        .filter_map(|slot| Some(slot.position.distance(slots[slot.parent? as usize].position)));
     percentile(lengths, 0.5)
 }
 
@@ -332,9 +334,10 @@ fn report(pending: &mut VecDeque<Pending>, times: &FrameTimes) -> Option<FrameRe
         }
     }
     let word = |index: usize| {
-        times.readback.get(index * 4..index * 4 + 4).map_or(0, |bytes| {
-            u64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
-        })
+        times
+            .readback
+            .get(index * 4..index * 4 + 4)
+            .map_or(0, |bytes| u64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])))
     };
     Some(FrameReport {
         frame: known.frame,

@@ -12,10 +12,7 @@ fn check_against_brute_force(world: &World, count: usize, seed: u64) -> usize {
     let mut random = Random::new(seed);
     let (min, max) = bvh.bounds();
     let rays: Vec<Ray> = (0..count).map(|_| random.ray(min, max)).collect();
-    let hits = rays
-        .iter()
-        .map(|ray| world.check(&bvh, ray))
-        .filter(|&hit| hit);
+    let hits = rays.iter().map(|ray| world.check(&bvh, ray)).filter(|&hit| hit);
     hits.count()
 }
 
@@ -23,11 +20,7 @@ fn check_against_brute_force(world: &World, count: usize, seed: u64) -> usize {
 fn random_instances_agree_with_brute_force() {
     for seed in 0..8 {
         let mut random = Random::new(seed);
-        let mut world = World::new(vec![
-            soup(&mut random, 60),
-            tetrahedron(),
-            soup(&mut random, 7),
-        ]);
+        let mut world = World::new(vec![soup(&mut random, 60), tetrahedron(), soup(&mut random, 7)]);
         for index in 0..12 {
             world.place(index % 3, random.transform(1.0, 3.0), index % 2 == 1);
         }
@@ -38,20 +31,14 @@ fn random_instances_agree_with_brute_force() {
 
 #[test]
 fn scales_and_places_agree_with_brute_force() {
-    for (scale, offset) in [
-        (0.01, 0.0),
-        (100.0, 0.0),
-        (1.0, 1000.0),
-        (1e-6, 0.0),
-        (1e6, 1e6),
-    ] {
+    for (scale, offset) in [(0.01, 0.0), (100.0, 0.0), (1.0, 1000.0), (1e-6, 0.0), (1e6, 1e6)] {
         let mut random = Random::new(7);
         let mut world = World::new(vec![soup(&mut random, 80)]);
         if offset > 100.0 * scale {
             world.tolerance = 2e-2;
         }
-        let outer = Affine3A::from_translation(Vec3::splat(offset))
-            * Affine3A::from_scale(Vec3::splat(scale));
+        let outer =
+            Affine3A::from_translation(Vec3::splat(offset)) * Affine3A::from_scale(Vec3::splat(scale));
         for index in 0..5 {
             world.place(0, outer * random.transform(1.0, 2.0), index == 0);
         }
@@ -77,10 +64,7 @@ fn length_of_the_direction_only_scales_t() {
                 ..ray
             };
             let (a, b) = (bvh.intersect(&ray), bvh.intersect(&scaled));
-            assert_eq!(
-                a.map(|h| (h.triangle, h.t)),
-                b.map(|h| (h.triangle, h.t * factor))
-            );
+            assert_eq!(a.map(|h| (h.triangle, h.t)), b.map(|h| (h.triangle, h.t * factor)));
         }
     }
 }
@@ -90,15 +74,11 @@ fn one_triangle() {
     let mut world = World::new(vec![mesh(&[[Vec3::ZERO, Vec3::X, Vec3::Y]])]);
     world.place(0, Affine3A::IDENTITY, false);
     let bvh = world.build();
-    let hit = bvh
-        .intersect(&ray(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z * 2.0))
-        .expect("in front of the triangle");
+    let hit =
+        bvh.intersect(&ray(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z * 2.0)).expect("in front of the triangle");
     assert_eq!((hit.t, hit.instance, hit.triangle), (1.0, 0, 0));
     assert_eq!(hit.barycentrics, glam::Vec2::new(0.25, 0.5));
-    assert!(
-        bvh.intersect(&ray(Vec3::new(0.6, 0.6, 2.0), Vec3::NEG_Z))
-            .is_none()
-    );
+    assert!(bvh.intersect(&ray(Vec3::new(0.6, 0.6, 2.0), Vec3::NEG_Z)).is_none());
     check_against_brute_force(&world, 1000, 1);
 }
 
@@ -115,10 +95,7 @@ fn nothing_to_hit() {
     collapsed.place(0, Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), false);
     for world in [empty, hollow, invisible, collapsed] {
         let mut bvh = world.build();
-        assert!(
-            bvh.intersect(&ray(Vec3::new(0.1, 0.1, 5.0), Vec3::NEG_Z))
-                .is_none()
-        );
+        assert!(bvh.intersect(&ray(Vec3::new(0.1, 0.1, 5.0), Vec3::NEG_Z)).is_none());
         assert!(!bvh.occluded(&ray(Vec3::new(0.1, 0.1, 5.0), Vec3::NEG_Z)));
         assert_eq!(bvh.bounds(), (Vec3::splat(-0.5), Vec3::splat(0.5)));
         assert!(bvh.update(&world.transforms()).is_empty());
@@ -148,9 +125,7 @@ fn degenerate_triangles_are_never_hit() {
     triangles.push([Vec3::NEG_X, Vec3::X, Vec3::Y]);
     let mut world = World::new(vec![mesh(&triangles)]);
     world.place(0, Affine3A::IDENTITY, false);
-    let hit = world
-        .build()
-        .intersect(&ray(Vec3::new(0.0, 0.2, 1.0), Vec3::NEG_Z));
+    let hit = world.build().intersect(&ray(Vec3::new(0.0, 0.2, 1.0), Vec3::NEG_Z));
     assert_eq!(hit.map(|hit| hit.triangle), Some(5));
 }
 
@@ -170,13 +145,7 @@ fn flat_boxes_are_hit() {
                 target[axis] = offset;
                 let slanted = ray(target - normal * 5.0 + random.direction(), normal);
                 let straight = ray(target - normal * 5.0, normal * 3.0);
-                for ray in [
-                    straight,
-                    Ray {
-                        direction: target - slanted.origin,
-                        ..slanted
-                    },
-                ] {
+                for ray in [straight, Ray { direction: target - slanted.origin, ..slanted }] {
                     let hit = bvh.intersect(&ray).expect("the plane lies across the ray");
                     assert_eq!(hit.instance, 0);
                     assert!(bvh.occluded(&ray));
@@ -267,11 +236,7 @@ fn alpha_masks_let_rays_through() {
     let mut world = World::new(vec![masked_square()]);
     world.scene.materials.push(material(Some(0)));
     // A board of 2 x 2 texels: there on one diagonal only.
-    world.scene.alpha_masks.push(glowworm::scene::AlphaMask {
-        width: 2,
-        height: 2,
-        bits: vec![0b1001],
-    });
+    world.scene.alpha_masks.push(glowworm::scene::AlphaMask { width: 2, height: 2, bits: vec![0b1001] });
     world.place(0, Affine3A::from_scale(Vec3::new(4.0, 4.0, 1.0)), false);
     let bvh = world.build();
     let mut random = Random::new(4);
@@ -298,23 +263,11 @@ fn segment_bounds_are_open() {
         (-3.0, 0.5, false),
         (0.0, f32::INFINITY, true),
     ] {
-        let ray = Ray {
-            t_min,
-            t_max,
-            ..ray(from, Vec3::NEG_Z)
-        };
-        assert_eq!(
-            bvh.intersect(&ray).is_some(),
-            expected,
-            "({t_min}, {t_max})"
-        );
+        let ray = Ray { t_min, t_max, ..ray(from, Vec3::NEG_Z) };
+        assert_eq!(bvh.intersect(&ray).is_some(), expected, "({t_min}, {t_max})");
         assert_eq!(bvh.occluded(&ray), expected, "({t_min}, {t_max})");
     }
-    let behind = Ray {
-        t_min: -2.0,
-        t_max: 0.0,
-        ..ray(from, Vec3::Z)
-    };
+    let behind = Ray { t_min: -2.0, t_max: 0.0, ..ray(from, Vec3::Z) };
     assert_eq!(bvh.intersect(&behind).map(|hit| hit.t), Some(-1.0));
 }
 

@@ -34,11 +34,7 @@ fn masked_world(random: &mut Random) -> World {
     let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
     world.scene.materials.push(material(Some(1)));
     for (width, height) in [(3, 5), (9, 7)] {
-        world.scene.alpha_masks.push(AlphaMask {
-            width,
-            height,
-            bits: vec![0x9a3c_55aa, 0x1234_5678],
-        });
+        world.scene.alpha_masks.push(AlphaMask { width, height, bits: vec![0x9a3c_55aa, 0x1234_5678] });
     }
     world
 }
@@ -83,12 +79,8 @@ fn twin_agrees_on_flat_boxes_and_deep_trees() {
         .map(|i| {
             let radius = 1.004f32.powi(i);
             let turn = Quat::from_rotation_y(0.01 * i as f32);
-            [
-                Vec3::X,
-                Vec3::new(-0.5, 0.9, 0.1),
-                Vec3::new(-0.5, -0.9, -0.1),
-            ]
-            .map(|corner| turn * corner * radius)
+            [Vec3::X, Vec3::new(-0.5, 0.9, 0.1), Vec3::new(-0.5, -0.9, -0.1)]
+                .map(|corner| turn * corner * radius)
         })
         .collect();
     let mut world = World::new(vec![grid(0, 8), grid(1, 8), mesh(&shells)]);

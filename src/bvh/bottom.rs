@@ -36,11 +36,8 @@ pub(super) struct BottomLevels {
 impl BottomLevels {
     /// Builds all meshes over all cores.
     pub(super) fn build(scene: &Scene) -> Self {
-        let built: Vec<_> = scene
-            .meshes
-            .par_iter()
-            .map(|mesh| MeshBvh::build(mesh, &scene.materials))
-            .collect();
+        let built: Vec<_> =
+            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
         let mut levels = Self::default();
         for mesh in built {
             levels.append(mesh);
@@ -59,11 +56,10 @@ impl BottomLevels {
         for triangle in mesh.triangles.iter_mut().filter(|t| t.masked != 0) {
             triangle.masked += first_masked;
         }
-        self.roots
-            .push((!mesh.bvh.nodes.is_empty()).then_some(MeshRoot {
-                root: first_node,
-                bounds: mesh.bvh.total_aabb,
-            }));
+        self.roots.push(
+            (!mesh.bvh.nodes.is_empty())
+                .then_some(MeshRoot { root: first_node, bounds: mesh.bvh.total_aabb }),
+        );
         self.nodes.append(&mut mesh.bvh.nodes);
         self.triangles.append(&mut mesh.triangles);
         self.masked.append(&mut mesh.masked);
@@ -80,18 +76,15 @@ struct MeshBvh {
 impl MeshBvh {
     fn build(mesh: &Mesh, materials: &[Material]) -> Self {
         // Leave out what could never be hit.
-        let corners =
-            |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
+        let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
             .filter(|&id| {
                 let [v0, v1, v2] = corners(id);
                 !is_degenerate(v0, v1, v2)
             })
             .collect();
-        let boxes: Vec<Aabb> = ids
-            .iter()
-            .map(|&id| Aabb::from_points(&corners(id).map(Vec3A::from)))
-            .collect();
+        let boxes: Vec<Aabb> =
+            ids.iter().map(|&id| Aabb::from_points(&corners(id).map(Vec3A::from))).collect();
         let bvh = build_wide(&boxes, BvhBuildParams::medium_build(), BOTTOM_DEPTH);
 
         // Lay out the triangles in the order of the leaves.
@@ -119,22 +112,12 @@ impl MeshBvh {
                 }
             })
             .collect();
-        Self {
-            bvh,
-            triangles,
-            masked,
-        }
+        Self { bvh, triangles, masked }
     }
 }
 
 fn masked_triangle(mesh: &Mesh, id: u32, mask: usize) -> GpuMaskedTriangle {
-    let [uv0, uv1, uv2] = mesh.triangles[id as usize]
-        .map(|vertex| mesh.uvs.get(vertex as usize).copied().unwrap_or_default());
-    GpuMaskedTriangle {
-        uv0,
-        uv1,
-        uv2,
-        mask: mask as u32,
-        pad: 0,
-    }
+    let [uv0, uv1, uv2] =
+        mesh.triangles[id as usize].map(|vertex| mesh.uvs.get(vertex as usize).copied().unwrap_or_default());
+    GpuMaskedTriangle { uv0, uv1, uv2, mask: mask as u32, pad: 0 }
 }

@@ -161,11 +161,7 @@ impl TwoLevelBvh {
     /// What changes when dynamic instances move.
     pub fn dynamic_gpu_layout(&self) -> GpuBvhUpdate {
         let regions = Regions::of(self);
-        self.level_layout(
-            &self.dynamic_level,
-            regions.dynamic_node,
-            regions.dynamic_instance,
-        )
+        self.level_layout(&self.dynamic_level, regions.dynamic_node, regions.dynamic_instance)
     }
 
     /// What changes in the rare case that a static instance was moved: when
@@ -175,12 +171,7 @@ impl TwoLevelBvh {
         self.level_layout(&self.static_level, regions.static_node, 0)
     }
 
-    fn level_layout(
-        &self,
-        level: &TopLevel,
-        first_node: usize,
-        first_instance: usize,
-    ) -> GpuBvhUpdate {
+    fn level_layout(&self, level: &TopLevel, first_node: usize, first_instance: usize) -> GpuBvhUpdate {
         let to_absolute = |node: &CwBvhNode| CwBvhNode {
             child_base_idx: node.child_base_idx + first_node as u32,
             primitive_base_idx: node.primitive_base_idx + first_instance as u32,
@@ -197,11 +188,7 @@ impl TwoLevelBvh {
 
     fn roots(&self, regions: &Regions) -> GpuBvhRoots {
         let root = |level: &TopLevel, first: usize| {
-            if level.nodes.is_empty() {
-                NO_ROOT
-            } else {
-                first as u32
-            }
+            if level.nodes.is_empty() { NO_ROOT } else { first as u32 }
         };
         GpuBvhRoots {
             static_root: root(&self.static_level, regions.static_node),
@@ -267,12 +254,7 @@ fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
         .map(|mask| {
             let first_word = bits.len() as u32;
             bits.extend_from_slice(&mask.bits);
-            GpuMask {
-                first_word,
-                width: mask.width,
-                height: mask.height,
-                pad: 0,
-            }
+            GpuMask { first_word, width: mask.width, height: mask.height, pad: 0 }
         })
         .collect();
     (table, bits)

@@ -183,9 +183,7 @@ impl TwoLevelBvh {
             .into_iter()
             .filter_map(|level| level.bounds)
             .reduce(|a, b| a.union(&b))
-            .map_or((Vec3::splat(-0.5), Vec3::splat(0.5)), |bounds| {
-                (bounds.min.into(), bounds.max.into())
-            })
+            .map_or((Vec3::splat(-0.5), Vec3::splat(0.5)), |bounds| (bounds.min.into(), bounds.max.into()))
     }
 
     /// How often the static top level was built: 1 unless a static instance was moved.

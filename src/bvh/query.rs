@@ -22,11 +22,7 @@ pub(super) struct Query<'a, const ANY: bool> {
 
 impl<'a, const ANY: bool> Query<'a, ANY> {
     pub(super) fn new(bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
-        Self {
-            bvh,
-            ray: *ray,
-            best: None,
-        }
+        Self { bvh, ray: *ray, best: None }
     }
 
     /// The closest hit, or any one.
@@ -38,10 +34,7 @@ impl<'a, const ANY: bool> Query<'a, ANY> {
             if level.nodes.is_empty() {
                 continue;
             }
-            let mut visitor = InstanceVisitor {
-                query: &mut self,
-                level,
-            };
+            let mut visitor = InstanceVisitor { query: &mut self, level };
             if traverse(&level.nodes, 0, &ray, &mut stack, &mut visitor) {
                 break;
             }
@@ -123,12 +116,7 @@ impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
         if !nearer || !is_opaque(bvh, triangle, barycentrics) {
             return false;
         }
-        let hit = Hit {
-            t,
-            instance: self.instance,
-            triangle: triangle.id,
-            barycentrics,
-        };
+        let hit = Hit { t, instance: self.instance, triangle: triangle.id, barycentrics };
         self.query.offer(hit) && ANY
     }
 }

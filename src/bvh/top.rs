@@ -48,23 +48,12 @@ impl TopLevel {
             let tight = transformed(&mesh.bounds, &transform);
             boxes.push(padded(tight, &transform, &world_to_object));
             bounds = Some(bounds.map_or(tight, |sum| sum.union(&tight)));
-            placed.push(PlacedInstance {
-                world_to_object,
-                root: mesh.root,
-                instance,
-            });
+            placed.push(PlacedInstance { world_to_object, root: mesh.root, instance });
         }
-        let params = BvhBuildParams {
-            max_prims_per_leaf: 1,
-            ..BvhBuildParams::fast_build()
-        };
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::fast_build() };
         let bvh = build_wide(&boxes, params, TOP_DEPTH);
         let in_leaf_order = bvh.primitive_indices.iter();
-        Self {
-            placed: in_leaf_order.map(|&i| placed[i as usize]).collect(),
-            nodes: bvh.nodes,
-            bounds,
-        }
+        Self { placed: in_leaf_order.map(|&i| placed[i as usize]).collect(), nodes: bvh.nodes, bounds }
     }
 }
 
@@ -85,9 +74,5 @@ fn padded(bounds: Aabb, transform: &Affine3A, world_to_object: &Affine3A) -> Aab
 
 fn absolute(matrix: &Mat3A) -> Mat3A {
     let absolute = |axis: Vec3A| axis.abs();
-    Mat3A::from_cols(
-        absolute(matrix.x_axis),
-        absolute(matrix.y_axis),
-        absolute(matrix.z_axis),
-    )
+    Mat3A::from_cols(absolute(matrix.x_axis), absolute(matrix.y_axis), absolute(matrix.z_axis))
 }

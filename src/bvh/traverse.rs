@@ -35,12 +35,7 @@ impl BoxRay {
         let sign = Vec3::from(negative.map(|negative| if negative { -1.0 } else { 1.0 }));
         let bits = [4, 2, 1];
         let positive: u32 = (0..3).filter(|&i| !negative[i]).map(|i| bits[i]).sum();
-        Self {
-            origin,
-            inverse: sign / size,
-            negative,
-            octant: positive * 0x0101_0101,
-        }
+        Self { origin, inverse: sign / size, negative, octant: positive * 0x0101_0101 }
     }
 }
 
@@ -52,10 +47,7 @@ pub(super) struct Stack {
 
 impl Stack {
     pub(super) fn new() -> Self {
-        Self {
-            entries: [[0; 2]; STACK_SIZE],
-            len: 0,
-        }
+        Self { entries: [[0; 2]; STACK_SIZE], len: 0 }
     }
 
     #[inline(always)]
@@ -117,10 +109,7 @@ pub(super) fn traverse(
         }
 
         // Go on with its inner children, or with what was left for later.
-        group = [
-            node.child_base_idx,
-            hits & 0xff00_0000 | u32::from(node.imask),
-        ];
+        group = [node.child_base_idx, hits & 0xff00_0000 | u32::from(node.imask)];
         if group[1] >> 24 == 0 {
             if stack.len == floor {
                 return false;

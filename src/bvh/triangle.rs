@@ -38,16 +38,8 @@ impl TriangleRay {
         };
         let axes = [(main + 1) % 3, (main + 2) % 3, main];
         let along = direction[main];
-        let shear = Vec3::new(
-            direction[axes[0]] / along,
-            direction[axes[1]] / along,
-            1.0 / along,
-        );
-        Self {
-            origin,
-            axes,
-            shear,
-        }
+        let shear = Vec3::new(direction[axes[0]] / along, direction[axes[1]] / along, 1.0 / along);
+        Self { origin, axes, shear }
     }
 
     /// Meets the plane within the edges, both sides, at any t. A degenerate triangle is never hit.
@@ -71,21 +63,14 @@ impl TriangleRay {
         // Interpolate the distance along the main axis.
         let scale = 1.0 / det;
         let t = (u * az + v * bz + w * cz) * scale * self.shear.z;
-        Some(TriangleHit {
-            t,
-            barycentrics: Vec2::new(v * scale, w * scale),
-        })
+        Some(TriangleHit { t, barycentrics: Vec2::new(v * scale, w * scale) })
     }
 
     #[inline(always)]
     fn shear_vertex(&self, vertex: Vec3) -> [f32; 3] {
         let relative = vertex - self.origin;
         let along = relative[self.axes[2]];
-        [
-            relative[self.axes[0]] - self.shear.x * along,
-            relative[self.axes[1]] - self.shear.y * along,
-            along,
-        ]
+        [relative[self.axes[0]] - self.shear.x * along, relative[self.axes[1]] - self.shear.y * along, along]
     }
 }
 
@@ -96,10 +81,7 @@ pub(super) fn is_degenerate(v0: Vec3, v1: Vec3, v2: Vec3) -> bool {
         return true;
     }
     let [a, b, c] = [v0, v1, v2].map(DVec3::from);
-    let longest = (b - a)
-        .length_squared()
-        .max((c - a).length_squared())
-        .max((c - b).length_squared());
+    let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
     let doubled_area = (b - a).cross(c - a).length();
     doubled_area <= longest * f64::from(f32::EPSILON)
 }

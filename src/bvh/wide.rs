@@ -26,12 +26,7 @@ pub(super) fn build_wide(boxes: &[Aabb], params: BvhBuildParams, max_depth: usiz
     if depth(&bvh.nodes) <= max_depth {
         return bvh;
     }
-    let bvh = bvh2_to_cwbvh(
-        &median_split(boxes),
-        params.max_prims_per_leaf.clamp(1, 3),
-        true,
-        false,
-    );
+    let bvh = bvh2_to_cwbvh(&median_split(boxes), params.max_prims_per_leaf.clamp(1, 3), true, false);
     assert!(depth(&bvh.nodes) <= max_depth, "a balanced tree is shallow");
     bvh
 }
@@ -59,22 +54,16 @@ fn median_split(boxes: &[Aabb]) -> Bvh2 {
     let mut pending = vec![(0, 0..boxes.len())];
     while let Some((index, range)) = pending.pop() {
         let primitives = &mut bvh.primitive_indices[range.clone()];
-        let bounds = primitives
-            .iter()
-            .fold(Aabb::empty(), |sum, &i| sum.union(&boxes[i as usize]));
+        let bounds = primitives.iter().fold(Aabb::empty(), |sum, &i| sum.union(&boxes[i as usize]));
         if primitives.len() == 1 {
             bvh.nodes[index] = Bvh2Node::new(bounds, 1, range.start as u32);
             continue;
         }
         let size = bounds.diagonal();
-        let axis = (0..3)
-            .max_by(|&a, &b| size[a].total_cmp(&size[b]))
-            .unwrap_or(0);
+        let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
         let middle = primitives.len() / 2;
         let centre = |i: u32| boxes[i as usize].center()[axis];
-        primitives.select_nth_unstable_by(middle, |&a, &b| {
-            centre(a).total_cmp(&centre(b)).then(a.cmp(&b))
-        });
+        primitives.select_nth_unstable_by(middle, |&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
         let children = bvh.nodes.len();
         bvh.nodes[index] = Bvh2Node::new(bounds, 0, children as u32);
         bvh.nodes.extend([Bvh2Node::default(); 2]);

@@ -12,8 +12,8 @@ use super::shadow_tiles::{ShadowPlan, View};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload, VulkanError,
-    shaders, vk,
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload,
+    VulkanError, shaders, vk,
 };
 
 /// Slope-scaled bias: about the reach of the filter in texels. Negative, since depth is reversed.
@@ -101,10 +101,9 @@ impl DirectShadowsPass {
         let lights = frame.upload(&plan.lights)?;
         let tiles = frame.upload(&plan.tiles)?;
         let light_count = u32::try_from(plan.lights.len()).unwrap_or(0);
-        let current = self
-            .drawn
-            .as_ref()
-            .is_some_and(|(tiles, instances)| tiles.tiles == plan.tiles && *instances == inputs.pose.instances);
+        let current = self.drawn.as_ref().is_some_and(|(tiles, instances)| {
+            tiles.tiles == plan.tiles && *instances == inputs.pose.instances
+        });
         if !current {
             if self.atlas.extent() != plan.extent {
                 // Frames on their way still read the old one.

@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 use super::scene_buffers::{SceneBuffers, Vertex};
 use super::tracer::Tracer;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets, Upload,
-    VulkanError, shaders, vk,
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
+    Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -91,9 +91,8 @@ impl GBufferPass {
         let target = |name: &str, format, usage| {
             Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
         };
-        let color = |name: &str, index: usize| {
-            target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT)
-        };
+        let color =
+            |name: &str, index: usize| target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT);
         let targets = GBuffer {
             position: color("gbuffer_position", 0)?,
             normal: color("gbuffer_normal", 1)?,
@@ -116,11 +115,7 @@ impl GBufferPass {
     }
 
     /// Draws the scene.
-    pub fn record(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &GBufferInputs<'_>,
-    ) -> Result<&GBuffer, VulkanError> {
+    pub fn record(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<&GBuffer, VulkanError> {
         let targets = &self.targets;
         let colors = [
             &targets.position,

@@ -94,7 +94,10 @@ impl IndirectShadowsPass {
     pub fn chunks(&self, set: &UploadedSet) -> Vec<Chunk> {
         (0..set.words.max(1))
             .step_by(self.words as usize)
-            .map(|first_word| Chunk { first_word, word_count: self.words.min(set.words - first_word.min(set.words)) })
+            .map(|first_word| Chunk {
+                first_word,
+                word_count: self.words.min(set.words - first_word.min(set.words)),
+            })
             .collect()
     }
 

@@ -28,6 +28,13 @@ fn storage_image(
 ) -> Result<Image, VulkanError> {
     Image::new(
         device,
-        &ImageDescription { name, format, extent, layers: None, levels: 1, usage: vk::ImageUsageFlags::STORAGE },
+        &ImageDescription {
+            name,
+            format,
+            extent,
+            layers: None,
+            levels: 1,
+            usage: vk::ImageUsageFlags::STORAGE,
+        },
     )
 }

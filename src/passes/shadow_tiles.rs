@@ -48,11 +48,7 @@ impl ShadowPlan {
         let count: usize = lit.iter().map(|light| tile_count(light)).sum();
         let (tile_size, columns, rows) = arrange(count, view);
         let radius = (view.bounds.1 - view.bounds.0).length() * 0.5;
-        let mut plan = Self {
-            extent: [columns * tile_size, rows * tile_size],
-            tile_size,
-            ..Self::default()
-        };
+        let mut plan = Self { extent: [columns * tile_size, rows * tile_size], tile_size, ..Self::default() };
         for light in lit {
             let first_tile = plan.tiles.len();
             let matrices = match light.kind {
@@ -90,10 +86,8 @@ fn arrange(count: usize, view: &View) -> (u32, u32, u32) {
     let count = u32::try_from(count.max(1)).unwrap_or(u32::MAX);
     let columns = f64::from(count).sqrt().ceil() as u32;
     let rows = count.div_ceil(columns);
-    let mut size = view.size[0]
-        .max(view.size[1])
-        .next_power_of_two()
-        .clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
+    let mut size =
+        view.size[0].max(view.size[1]).next_power_of_two().clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
     while size > 1
         && (u64::from(count) * u64::from(size) * u64::from(size) > MAX_TEXELS
             || columns * size > view.max_extent)
@@ -136,13 +130,7 @@ fn perspective(position: Vec3, forward: Vec3, tangent: f32, near: f32) -> Mat4 {
     projection * view
 }
 
-fn perspective_tile(
-    position: Vec3,
-    forward: Vec3,
-    tangent: f32,
-    radius: f32,
-    size: u32,
-) -> (Mat4, Vec4) {
+fn perspective_tile(position: Vec3, forward: Vec3, tangent: f32, radius: f32, size: u32) -> (Mat4, Vec4) {
     let tangent = tangent * (1.0 + 2.0 * GUARD_TEXELS / size as f32);
     let matrix = perspective(position, forward, tangent, 1e-4 * radius);
     (matrix, Vec4::new(2.0 * tangent / size as f32, 1.0, 0.0, 0.0))

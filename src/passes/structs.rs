@@ -135,8 +135,10 @@ mod tests {
     fn check(spirv: &[u8], name: &str, offsets: &[(&str, usize)], size: usize) {
         let reflection = Reflection::new(name, spirv).unwrap();
         let members = reflection.structs.get(name).unwrap_or_else(|| panic!("no struct {name}"));
-        let ours: Vec<_> =
-            offsets.iter().map(|(name, offset)| ((*name).to_owned(), u32::try_from(*offset).unwrap())).collect();
+        let ours: Vec<_> = offsets
+            .iter()
+            .map(|(name, offset)| ((*name).to_owned(), u32::try_from(*offset).unwrap()))
+            .collect();
         assert_eq!(*members, ours, "{name}");
         if let Some(stride) = reflection.strides.get(name) {
             assert_eq!(*stride as usize, size, "stride of {name}");
@@ -152,18 +154,41 @@ mod tests {
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         same_layout!(
-            shaders::COMBINE_COMP, FrameUniforms, view_projection, previous_view_projection, eye, background,
-            size, interleave, light_count, position_cutoff, irradiance_scale, set, sets
+            shaders::COMBINE_COMP,
+            FrameUniforms,
+            view_projection,
+            previous_view_projection,
+            eye,
+            background,
+            size,
+            interleave,
+            light_count,
+            position_cutoff,
+            irradiance_scale,
+            set,
+            sets
         );
         same_layout!(
-            shaders::GBUFFER_FRAG, InstanceData, object_to_world, world_to_object, previous_object_to_world,
-            dynamic, mirrored, pad0, pad1
+            shaders::GBUFFER_FRAG,
+            InstanceData,
+            object_to_world,
+            world_to_object,
+            previous_object_to_world,
+            dynamic,
+            mirrored,
+            pad0,
+            pad1
         );
+        same_layout!(shaders::GBUFFER_FRAG, MaterialData, albedo, specular, emission, mask, pad0, pad1, pad2);
         same_layout!(
-            shaders::GBUFFER_FRAG, MaterialData, albedo, specular, emission, mask, pad0, pad1, pad2
-        );
-        same_layout!(
-            shaders::DIRECT_SHADING_COMP, LightData, position, direction, power, kind, first_tile, tile_count,
+            shaders::DIRECT_SHADING_COMP,
+            LightData,
+            position,
+            direction,
+            power,
+            kind,
+            first_tile,
+            tile_count,
             pad0
         );
         same_layout!(shaders::DIRECT_SHADING_COMP, ShadowTile, view_projection, rectangle, texel);

@@ -12,7 +12,11 @@ impl Renderer {
         let mut picture = Picture {
             width,
             height,
-            colour: self.read_floats(self.combine.colour())?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
+            colour: self
+                .read_floats(self.combine.colour())?
+                .into_iter()
+                .map(|[r, g, b, _]| [r, g, b])
+                .collect(),
             display: bytemuck::cast_slice(&display).to_vec(),
             layers: Vec::new(),
         };

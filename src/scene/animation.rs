@@ -4,7 +4,7 @@
 //! Positions follow a cubic Hermite spline with Catmull-Rom tangents (Catmull and Rom 1974, for
 //! unevenly spaced keys), rotations are interpolated by slerp.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec3};
 
 /// How a camera, light or instance moves, relative to its rest pose. Both parts may be present.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,19 +37,42 @@ pub struct Rotation {
     pub pivot: Option<Vec3>,
 }
 
+/// A rigid motion of a thing that has an origin of its own, which stays exact where nothing moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// About the thing's own origin.
+    pub rotation: Quat,
+    /// Where its origin is now, world space.
+    pub position: Vec3,
+}
+
+impl Motion {
+    /// Object to world of a thing that rests at `rest`.
+    pub fn transform(&self, rest: &Affine3A) -> Affine3A {
+        Affine3A {
+            matrix3: Mat3A::from_quat(self.rotation) * rest.matrix3,
+            translation: self.position.into(),
+        }
+    }
+}
+
 impl Animation {
-    /// The world-space motion at `time` (seconds) of a thing whose own origin rests at `origin`: first the
+    /// How a thing whose own origin rests at `origin` (world space) has moved at `time` (seconds): first the
     /// keyed rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
-    pub fn motion(&self, time: f64, origin: Vec3) -> Affine3A {
+    pub fn motion(&self, time: f64, origin: Vec3) -> Motion {
         let key = self.key_at(time);
-        let mut motion = rotation_about(key.rotation, origin);
+        let mut motion = Motion { rotation: key.rotation, position: origin };
         if let Some(rotation) = &self.rotation {
             // Whole turns are taken off in f64, so that a long run stays exact.
             let angle = (f64::from(rotation.speed) * time).rem_euclid(std::f64::consts::TAU);
             let turn = Quat::from_axis_angle(rotation.axis, angle as f32);
-            motion = rotation_about(turn, rotation.pivot.unwrap_or(origin)) * motion;
+            motion.rotation = turn * motion.rotation;
+            if let Some(pivot) = rotation.pivot {
+                motion.position = pivot + turn * (origin - pivot);
+            }
         }
-        Affine3A::from_translation(key.translation) * motion
+        motion.position += key.translation;
+        motion
     }
 
     /// The interpolated key at `time`; rest when there are no keys.
@@ -57,11 +80,7 @@ impl Animation {
         let keys = &self.keyframes;
         let next = keys.partition_point(|key| key.time <= time);
         let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-            return Keyframe {
-                time,
-                translation: Vec3::ZERO,
-                rotation: Quat::IDENTITY,
-            };
+            return Keyframe { time, translation: Vec3::ZERO, rotation: Quat::IDENTITY };
         };
         if next == 0 {
             return Keyframe { time, ..*first };
@@ -75,11 +94,7 @@ impl Animation {
         let tangent = |i: usize| self.tangent(i) * span as f32;
         Keyframe {
             time,
-            translation: hermite(
-                [a.translation, b.translation],
-                [tangent(next - 1), tangent(next)],
-                s,
-            ),
+            translation: hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
             rotation: a.rotation.slerp(b.rotation, s).normalize(),
         }
     }
@@ -93,30 +108,15 @@ impl Animation {
 
     /// At most how far a thing that rests at `origin` moves away from there, in scene units.
     pub fn reach(&self, origin: Vec3) -> f32 {
-        let farthest = self
-            .keyframes
-            .iter()
-            .map(|key| key.translation.length())
-            .fold(0.0, f32::max);
+        let farthest = self.keyframes.iter().map(|key| key.translation.length()).fold(0.0, f32::max);
         // A Catmull-Rom spline overshoots its keys by less than half of the step between two of them.
-        let steps = self
-            .keyframes
-            .windows(2)
-            .map(|pair| pair[1].translation.distance(pair[0].translation));
+        let steps = self.keyframes.windows(2).map(|pair| pair[1].translation.distance(pair[0].translation));
         let orbit = self
             .rotation
             .and_then(|rotation| rotation.pivot)
             .map_or(0.0, |pivot| 2.0 * pivot.distance(origin));
         farthest + 0.5 * steps.fold(0.0, f32::max) + orbit
     }
-}
-
-fn rotation_about(rotation: Quat, pivot: Vec3) -> Affine3A {
-    if rotation == Quat::IDENTITY {
-        // Exact identity: resting things must not pick up rounding errors.
-        return Affine3A::IDENTITY;
-    }
-    Affine3A::from_rotation_translation(rotation, pivot - rotation * pivot)
 }
 
 fn hermite(ends: [Vec3; 2], tangents: [Vec3; 2], s: f32) -> Vec3 {
@@ -132,24 +132,14 @@ mod tests {
     use super::*;
 
     fn key(time: f64, translation: Vec3, degrees: f32) -> Keyframe {
-        Keyframe {
-            time,
-            translation,
-            rotation: Quat::from_rotation_y(degrees.to_radians()),
-        }
+        Keyframe { time, translation, rotation: Quat::from_rotation_y(degrees.to_radians()) }
     }
 
     #[test]
     fn passes_through_keys_and_holds_outside() {
-        let keys = [
-            key(1.0, Vec3::X, 0.0),
-            key(2.0, Vec3::new(3.0, 1.0, 0.0), 90.0),
-            key(4.0, Vec3::Z, 180.0),
-        ];
-        let animation = Animation {
-            keyframes: keys.to_vec(),
-            rotation: None,
-        };
+        let keys =
+            [key(1.0, Vec3::X, 0.0), key(2.0, Vec3::new(3.0, 1.0, 0.0), 90.0), key(4.0, Vec3::Z, 180.0)];
+        let animation = Animation { keyframes: keys.to_vec(), rotation: None };
         for expected in &keys {
             let got = animation.key_at(expected.time);
             assert!(got.translation.distance(expected.translation) < 1e-6);
@@ -161,13 +151,8 @@ mod tests {
 
     #[test]
     fn evenly_keyed_line_is_uniform_motion() {
-        let keyframes = (0..5)
-            .map(|i| key(f64::from(i), Vec3::X * i as f32, 0.0))
-            .collect();
-        let animation = Animation {
-            keyframes,
-            rotation: None,
-        };
+        let keyframes = (0..5).map(|i| key(f64::from(i), Vec3::X * i as f32, 0.0)).collect();
+        let animation = Animation { keyframes, rotation: None };
         for i in 0..=40 {
             let time = f64::from(i) * 0.1;
             assert!((animation.key_at(time).translation.x - time as f32).abs() < 1e-5);
@@ -182,10 +167,7 @@ mod tests {
             key(4.0, Vec3::Y, 0.0),
             key(5.0, Vec3::Z, 0.0),
         ];
-        let animation = Animation {
-            keyframes,
-            rotation: None,
-        };
+        let animation = Animation { keyframes, rotation: None };
         let at = |time: f64| animation.key_at(time).translation;
         for knot in [1.0, 4.0] {
             let before = (at(knot) - at(knot - 1e-3)) / 1e-3;
@@ -196,42 +178,23 @@ mod tests {
 
     #[test]
     fn constant_rotation_goes_about_its_pivot() {
-        let rotation = Rotation {
-            axis: Vec3::Y,
-            speed: std::f32::consts::FRAC_PI_2,
-            pivot: Some(Vec3::X),
-        };
-        let animation = Animation {
-            keyframes: Vec::new(),
-            rotation: Some(rotation),
-        };
-        let moved = animation
-            .motion(1.0, Vec3::ZERO)
-            .transform_point3(Vec3::new(2.0, 5.0, 0.0));
-        assert!(moved.distance(Vec3::new(1.0, 5.0, -1.0)) < 1e-5, "{moved}");
-        let own = Animation {
-            rotation: Some(Rotation {
-                pivot: None,
-                ..rotation
-            }),
-            ..animation
-        };
-        let origin = Vec3::new(7.0, 0.0, 3.0);
-        assert!(
-            own.motion(0.7, origin)
-                .transform_point3(origin)
-                .distance(origin)
-                < 1e-5
-        );
+        let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
+        let animation = Animation { keyframes: Vec::new(), rotation: Some(rotation) };
+        let motion = animation.motion(1.0, Vec3::new(2.0, 5.0, 0.0));
+        let expected = Vec3::new(1.0, 5.0, -1.0);
+        assert!(motion.position.distance(expected) < 1e-5, "{motion:?}");
+        assert!((motion.rotation * Vec3::X).distance(Vec3::NEG_Z) < 1e-6);
+        let own = Animation { rotation: Some(Rotation { pivot: None, ..rotation }), ..animation };
+        let origin = Vec3::new(7.0, 0.1, 3.3);
+        assert_eq!(own.motion(0.7, origin).position, origin);
     }
 
     #[test]
     fn rest_is_exactly_rest() {
-        let animation = Animation {
-            keyframes: vec![key(0.0, Vec3::ZERO, 0.0)],
-            rotation: None,
-        };
-        assert_eq!(animation.motion(3.0, Vec3::ONE), Affine3A::IDENTITY);
+        let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], rotation: None };
+        let rest = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.3), Vec3::new(0.1, 0.2, 0.3));
+        let motion = animation.motion(3.0, rest.translation.into());
+        assert_eq!(motion.transform(&rest), rest);
     }
 
     #[test]

@@ -47,9 +47,7 @@ pub(super) fn light(scene: &mut Scene) {
     let intensity = std::f32::consts::PI * offset.length_squared();
     scene.lights.push(Light {
         name: "made up".into(),
-        kind: LightKind::Point {
-            intensity: Vec3::splat(intensity),
-        },
+        kind: LightKind::Point { intensity: Vec3::splat(intensity) },
         position,
         direction: Vec3::NEG_Y,
         animation: None,

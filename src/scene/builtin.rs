@@ -9,14 +9,7 @@ use super::mesh::Mesh;
 use super::{Instance, Scene};
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 6] = [
-    "cornell-box",
-    "sponza",
-    "sibenik",
-    "conference",
-    "classroom",
-    "living-room",
-];
+pub const NAMES: [&str; 6] = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -36,103 +29,24 @@ const MILLIMETRE: f32 = 1e-3;
 /// The walls of the Cornell box: material and corners in millimetres, seen from inside. The ceiling has
 /// a hole where the light sits, so it comes as four strips around that.
 const WALLS: [(u32, [[f32; 3]; 4]); 8] = [
-    (
-        WHITE,
-        [
-            [552.8, 0.0, 0.0],
-            [0.0, 0.0, 0.0],
-            [0.0, 0.0, 559.2],
-            [549.6, 0.0, 559.2],
-        ],
-    ),
-    (
-        WHITE,
-        [
-            [556.0, 548.8, 0.0],
-            [556.0, 548.8, 227.0],
-            [0.0, 548.8, 227.0],
-            [0.0, 548.8, 0.0],
-        ],
-    ),
-    (
-        WHITE,
-        [
-            [556.0, 548.8, 332.0],
-            [556.0, 548.8, 559.2],
-            [0.0, 548.8, 559.2],
-            [0.0, 548.8, 332.0],
-        ],
-    ),
-    (
-        WHITE,
-        [
-            [556.0, 548.8, 227.0],
-            [556.0, 548.8, 332.0],
-            [343.0, 548.8, 332.0],
-            [343.0, 548.8, 227.0],
-        ],
-    ),
-    (
-        WHITE,
-        [
-            [213.0, 548.8, 227.0],
-            [213.0, 548.8, 332.0],
-            [0.0, 548.8, 332.0],
-            [0.0, 548.8, 227.0],
-        ],
-    ),
-    (
-        WHITE,
-        [
-            [549.6, 0.0, 559.2],
-            [0.0, 0.0, 559.2],
-            [0.0, 548.8, 559.2],
-            [556.0, 548.8, 559.2],
-        ],
-    ),
-    (
-        GREEN,
-        [
-            [0.0, 0.0, 559.2],
-            [0.0, 0.0, 0.0],
-            [0.0, 548.8, 0.0],
-            [0.0, 548.8, 559.2],
-        ],
-    ),
-    (
-        RED,
-        [
-            [552.8, 0.0, 0.0],
-            [549.6, 0.0, 559.2],
-            [556.0, 548.8, 559.2],
-            [556.0, 548.8, 0.0],
-        ],
-    ),
+    (WHITE, [[552.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [549.6, 0.0, 559.2]]),
+    (WHITE, [[556.0, 548.8, 0.0], [556.0, 548.8, 227.0], [0.0, 548.8, 227.0], [0.0, 548.8, 0.0]]),
+    (WHITE, [[556.0, 548.8, 332.0], [556.0, 548.8, 559.2], [0.0, 548.8, 559.2], [0.0, 548.8, 332.0]]),
+    (WHITE, [[556.0, 548.8, 227.0], [556.0, 548.8, 332.0], [343.0, 548.8, 332.0], [343.0, 548.8, 227.0]]),
+    (WHITE, [[213.0, 548.8, 227.0], [213.0, 548.8, 332.0], [0.0, 548.8, 332.0], [0.0, 548.8, 227.0]]),
+    (WHITE, [[549.6, 0.0, 559.2], [0.0, 0.0, 559.2], [0.0, 548.8, 559.2], [556.0, 548.8, 559.2]]),
+    (GREEN, [[0.0, 0.0, 559.2], [0.0, 0.0, 0.0], [0.0, 548.8, 0.0], [0.0, 548.8, 559.2]]),
+    (RED, [[552.8, 0.0, 0.0], [549.6, 0.0, 559.2], [556.0, 548.8, 559.2], [556.0, 548.8, 0.0]]),
 ];
 
 /// Ground plan (x, z in millimetres, counter-clockwise seen from above) and height of the two blocks.
 const BLOCKS: [([[f32; 2]; 4], f32); 2] = [
-    (
-        [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]],
-        165.0,
-    ),
-    (
-        [
-            [423.0, 247.0],
-            [265.0, 296.0],
-            [314.0, 456.0],
-            [472.0, 406.0],
-        ],
-        330.0,
-    ),
+    ([[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]], 165.0),
+    ([[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]], 330.0),
 ];
 
-const LIGHT: [[f32; 3]; 4] = [
-    [343.0, 548.8, 227.0],
-    [343.0, 548.8, 332.0],
-    [213.0, 548.8, 332.0],
-    [213.0, 548.8, 227.0],
-];
+const LIGHT: [[f32; 3]; 4] =
+    [[343.0, 548.8, 227.0], [343.0, 548.8, 332.0], [213.0, 548.8, 332.0], [213.0, 548.8, 227.0]];
 
 const WHITE: u32 = 0;
 const RED: u32 = 1;
@@ -141,15 +55,10 @@ const EMITTER: u32 = 3;
 
 /// Mesh of the Cornell box (metres) with its materials, which `first_material` offsets.
 pub(super) fn cornell_model(first_material: u32) -> (Mesh, Vec<Material>) {
-    let mut mesh = Mesh {
-        name: "cornell-box".into(),
-        ..Mesh::default()
-    };
+    let mut mesh = Mesh { name: "cornell-box".into(), ..Mesh::default() };
     let mut push = |corners: &[[f32; 3]], material: u32| {
-        let corners: Vec<Vec3> = corners
-            .iter()
-            .map(|corner| Vec3::from_array(*corner) * MILLIMETRE)
-            .collect();
+        let corners: Vec<Vec3> =
+            corners.iter().map(|corner| Vec3::from_array(*corner) * MILLIMETRE).collect();
         mesh.push_polygon(&corners, first_material + material);
     };
     for (material, corners) in WALLS {
@@ -159,15 +68,7 @@ pub(super) fn cornell_model(first_material: u32) -> (Mesh, Vec<Material>) {
         push(&plan.map(|[x, z]| [x, height, z]), WHITE);
         for i in 0..4 {
             let ([ax, az], [bx, bz]) = (plan[i], plan[(i + 1) % 4]);
-            push(
-                &[
-                    [ax, 0.0, az],
-                    [bx, 0.0, bz],
-                    [bx, height, bz],
-                    [ax, height, az],
-                ],
-                WHITE,
-            );
+            push(&[[ax, 0.0, az], [bx, 0.0, bz], [bx, height, bz], [ax, height, az]], WHITE);
         }
     }
     push(&LIGHT, EMITTER);
@@ -190,9 +91,7 @@ pub(super) fn cornell_box() -> Scene {
     let (mesh, materials) = cornell_model(0);
     scene.meshes.push(mesh);
     scene.materials = materials;
-    scene
-        .instances
-        .push(Instance::fixed("cornell-box", 0, Affine3A::IDENTITY));
+    scene.instances.push(Instance::fixed("cornell-box", 0, Affine3A::IDENTITY));
     scene.add_area_light(0);
     // Published: at (278, 273, -800) along +z, focal length 0.035 and film 0.025 high.
     let eye = Vec3::new(278.0, 273.0, -800.0) * MILLIMETRE;
@@ -222,36 +121,22 @@ mod tests {
             let normal = (b - a).cross(c - a).normalize();
             assert!(normal.dot(mesh.normals[triangle[0] as usize]) > 0.999);
             let centre = (a + b + c) / 3.0;
-            let block = (a.max(b).max(c)).max_element() < 0.54
-                && a.min(b).min(c).x > 0.05
-                && centre.y > 1e-4;
+            let block = (a.max(b).max(c)).max_element() < 0.54 && a.min(b).min(c).x > 0.05 && centre.y > 1e-4;
             let towards = if block {
-                let own = if centre.x + 0.5 * centre.z < 0.37 {
-                    [0.186, 0.168]
-                } else {
-                    [0.368, 0.351]
-                };
+                let own = if centre.x + 0.5 * centre.z < 0.37 { [0.186, 0.168] } else { [0.368, 0.351] };
                 centre - Vec3::new(own[0], 0.05, own[1])
             } else {
                 middle - centre
             };
-            assert!(
-                normal.dot(towards) > 0.0,
-                "triangle {i} at {centre} looks along {normal}"
-            );
+            assert!(normal.dot(towards) > 0.0, "triangle {i} at {centre} looks along {normal}");
         }
     }
 
     #[test]
     fn cornell_light_has_its_published_size() {
         let scene = cornell_box();
-        let LightKind::Area { triangles, .. } = &scene.lights[0].kind else {
-            panic!("an area light")
-        };
-        let area: f32 = triangles
-            .iter()
-            .map(|t| scene.meshes[0].triangle_area(t.triangle))
-            .sum();
+        let LightKind::Area { triangles, .. } = &scene.lights[0].kind else { panic!("an area light") };
+        let area: f32 = triangles.iter().map(|t| scene.meshes[0].triangle_area(t.triangle)).sum();
         assert!((area - 0.130 * 0.105).abs() < 1e-7);
         assert!((scene.camera.vertical_fov.to_degrees() - 39.3).abs() < 0.05);
     }

@@ -1,6 +1,8 @@
 //! A pinhole camera.
 
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Mat4, Quat, Vec3};
+
+use super::animation::Motion;
 
 /// Where the picture is taken from. Right-handed, y up; Vulkan clip space with reversed depth is the
 /// renderer's business.
@@ -35,14 +37,14 @@ impl Camera {
         }
     }
 
-    /// This camera after the rigid motion `motion`.
-    pub fn moved(&self, motion: &Affine3A) -> Self {
-        Self {
-            eye: motion.transform_point3(self.eye),
-            target: motion.transform_point3(self.target),
-            up: motion.transform_vector3(self.up),
-            ..*self
-        }
+    /// This camera where `motion` has brought its eye.
+    pub fn moved(&self, motion: &Motion) -> Self {
+        let target = if motion.rotation == Quat::IDENTITY {
+            self.target + (motion.position - self.eye)
+        } else {
+            motion.position + motion.rotation * (self.target - self.eye)
+        };
+        Self { eye: motion.position, target, up: motion.rotation * self.up, ..*self }
     }
 
     /// Unit view direction.

@@ -58,17 +58,17 @@ pub(super) fn clip_to_box(mesh: &mut Mesh, min: Vec3, max: Vec3) {
 
 fn corner(mesh: &Mesh, vertex: u32) -> Corner {
     let i = vertex as usize;
-    Corner {
-        position: mesh.positions[i],
-        normal: mesh.normals[i],
-        uv: mesh.uvs[i],
-    }
+    Corner { position: mesh.positions[i], normal: mesh.normals[i], uv: mesh.uvs[i] }
 }
 
 fn clip_polygon(mut polygon: Vec<Corner>, min: Vec3, max: Vec3) -> Vec<Corner> {
     for axis in 0..3 {
         polygon = clip_half_space(&polygon, |corner| corner.position[axis] - min[axis]);
         polygon = clip_half_space(&polygon, |corner| max[axis] - corner.position[axis]);
+    }
+    for corner in &mut polygon {
+        // Rounding must not widen the bounds.
+        corner.position = corner.position.clamp(min, max);
     }
     polygon
 }
@@ -95,22 +95,12 @@ mod tests {
 
     #[test]
     fn a_large_plane_is_cut_to_the_box() {
-        let corners =
-            [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+        let corners = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
         let mut mesh = Mesh::polygon("plane", &corners, 3);
-        clip_to_box(
-            &mut mesh,
-            Vec3::new(-1.0, -1.0, -2.0),
-            Vec3::new(1.0, 1.0, 3.0),
-        );
-        let area: f32 = (0..mesh.triangles.len() as u32)
-            .map(|i| mesh.triangle_area(i))
-            .sum();
+        clip_to_box(&mut mesh, Vec3::new(-1.0, -1.0, -2.0), Vec3::new(1.0, 1.0, 3.0));
+        let area: f32 = (0..mesh.triangles.len() as u32).map(|i| mesh.triangle_area(i)).sum();
         assert!((area - 10.0).abs() < 1e-4);
-        assert_eq!(
-            mesh.bounds(),
-            (Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 0.0, 3.0))
-        );
+        assert_eq!(mesh.bounds(), (Vec3::new(-1.0, 0.0, -2.0), Vec3::new(1.0, 0.0, 3.0)));
         for (i, uv) in mesh.uvs.iter().enumerate() {
             let expected = Vec2::new(mesh.positions[i].x + 9.0, mesh.positions[i].z + 9.0) / 18.0;
             assert!(uv.distance(expected) < 1e-5);

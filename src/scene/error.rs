@@ -17,10 +17,7 @@ pub struct Place {
 impl Place {
     /// A place in `file`.
     pub fn new(file: &Path, line: Option<usize>) -> Self {
-        Self {
-            file: file.to_owned(),
-            line,
-        }
+        Self { file: file.to_owned(), line }
     }
 }
 
@@ -75,14 +72,7 @@ pub enum SceneError {
 impl SceneError {
     /// Wrong content at `line` of `file`; line breaks in `problem` are folded, so that it stays one line.
     pub(super) fn invalid(file: &Path, line: Option<usize>, problem: impl Into<String>) -> Self {
-        let problem = problem
-            .into()
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        Self::Invalid {
-            place: Place::new(file, line),
-            problem,
-        }
+        let problem = problem.into().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self::Invalid { place: Place::new(file, line), problem }
     }
 }

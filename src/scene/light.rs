@@ -82,10 +82,8 @@ impl Light {
         let mut light = self.clone();
         if let Some(animation) = &self.animation {
             let motion = animation.motion(time, self.position);
-            light.position = motion.transform_point3(self.position);
-            light.direction = motion
-                .transform_vector3(self.direction)
-                .normalize_or(self.direction);
+            light.position = motion.position;
+            light.direction = (motion.rotation * self.direction).normalize_or(self.direction);
         }
         light
     }
@@ -96,21 +94,12 @@ impl Light {
     pub fn flux(&self, scene: &Scene, pose: &Pose, bounds: &BoundingSphere) -> Vec3 {
         match &self.kind {
             LightKind::Point { intensity } => *intensity * (4.0 * PI),
-            LightKind::Spot {
-                intensity,
-                inner_angle,
-                outer_angle,
-            } => {
+            LightKind::Spot { intensity, inner_angle, outer_angle } => {
                 // Smoothstep is 1/2 on average, so the soft rim counts for half of its solid angle.
                 *intensity * (2.0 * PI * (1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos())))
             }
-            LightKind::Directional { irradiance } => {
-                *irradiance * (PI * bounds.radius * bounds.radius)
-            }
-            LightKind::Area {
-                instance,
-                triangles,
-            } => {
+            LightKind::Directional { irradiance } => *irradiance * (PI * bounds.radius * bounds.radius),
+            LightKind::Area { instance, triangles } => {
                 let mesh = &scene.meshes[scene.instances[*instance].mesh];
                 let transform = &pose.instances[*instance];
                 let power = triangles.iter().map(|emitter| {

@@ -15,22 +15,13 @@ use super::{Instance, Scene, bare_obj, builtin, obj, scene_build};
 /// One line that names the file, the line or key where there is one, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
     let path = Path::new(name);
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase());
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("toml") if path.is_file() => {
             let read = std::fs::read(path);
-            let bytes = read.map_err(|reason| SceneError::Unreadable {
-                file: path.to_owned(),
-                reason,
-            })?;
+            let bytes = read.map_err(|reason| SceneError::Unreadable { file: path.to_owned(), reason })?;
             let text = String::from_utf8(bytes).map_err(|_| {
-                SceneError::invalid(
-                    path,
-                    None,
-                    "is not UTF-8 text; save the scene file as UTF-8 TOML",
-                )
+                SceneError::invalid(path, None, "is not UTF-8 text; save the scene file as UTF-8 TOML")
             })?;
             load_toml(path, &text, assets)
         }
@@ -53,9 +44,7 @@ fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(path));
     let mesh = obj::add_obj(path, &mut scene)?;
     let name = scene.name.clone();
-    scene
-        .instances
-        .push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
+    scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
     bare_obj::frame(&mut scene);
     bare_obj::light(&mut scene);

@@ -65,10 +65,7 @@ impl Material {
 
     /// A black surface that emits `radiance`, W/m^2/sr.
     pub fn emitter(name: &str, radiance: Vec3) -> Self {
-        Self {
-            emission: radiance,
-            ..Self::lambertian(name, Vec3::ZERO)
-        }
+        Self { emission: radiance, ..Self::lambertian(name, Vec3::ZERO) }
     }
 
     /// Linear albedo at `uv`: Kd times the texture (bilinear, repeating, level 0).

@@ -88,9 +88,7 @@ impl Mesh {
 
     /// Keeps the triangles that `keep` likes, by their index.
     pub(super) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
-        let kept: Vec<usize> = (0..self.triangles.len())
-            .filter(|&i| keep(self, i))
-            .collect();
+        let kept: Vec<usize> = (0..self.triangles.len()).filter(|&i| keep(self, i)).collect();
         self.triangles = kept.iter().map(|&i| self.triangles[i]).collect();
         self.triangle_materials = kept.iter().map(|&i| self.triangle_materials[i]).collect();
     }
@@ -98,14 +96,9 @@ impl Mesh {
     /// Drops the triangles that have no area.
     pub(super) fn drop_degenerate_triangles(&mut self) {
         self.retain_triangles(|mesh, i| {
-            let [a, b, c] = mesh
-                .triangle_positions(i as u32)
-                .map(|corner| corner.as_dvec3());
+            let [a, b, c] = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
             let (ab, ac, bc) = (b - a, c - a, c - b);
-            let longest = ab
-                .length_squared()
-                .max(ac.length_squared())
-                .max(bc.length_squared());
+            let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
             ab.cross(ac).length() > DEGENERATE * longest
         });
     }
@@ -151,21 +144,11 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             triangle_materials: vec![0],
         };
-        let at = |u, v| {
-            mesh.interpolate(SurfacePoint {
-                triangle: 0,
-                barycentrics: Vec2::new(u, v),
-            })
-        };
+        let at = |u, v| mesh.interpolate(SurfacePoint { triangle: 0, barycentrics: Vec2::new(u, v) });
         assert_eq!(at(1.0, 0.0).position, Vec3::X);
         assert_eq!(at(0.0, 1.0).uv, Vec2::Y);
         assert_eq!(at(0.5, 0.0).geometric_normal, Vec3::Z);
-        assert!(
-            at(0.5, 0.0)
-                .normal
-                .distance(Vec3::new(1.0, 0.0, 1.0).normalize())
-                < 1e-6
-        );
+        assert!(at(0.5, 0.0).normal.distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6);
         assert_eq!(mesh.bounds(), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
         assert_eq!(mesh.triangle_area(0), 0.5);
     }

@@ -16,6 +16,7 @@ mod mesh;
 mod mtl;
 mod normals;
 mod obj;
+mod obj_materials;
 mod obj_text;
 mod polygon;
 mod primitives;
@@ -25,7 +26,7 @@ mod scene_lights;
 mod scene_models;
 mod texture;
 
-pub use animation::{Animation, Keyframe, Rotation};
+pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::NAMES as BUILTIN_SCENES;
 pub use camera::Camera;
 pub use error::{Place, SceneError};
@@ -57,14 +58,7 @@ pub struct Instance {
 impl Instance {
     /// A visible static instance of mesh `mesh` at `transform` (object to world).
     pub fn fixed(name: &str, mesh: usize, transform: Affine3A) -> Self {
-        Self {
-            name: name.to_owned(),
-            mesh,
-            transform,
-            animation: None,
-            dynamic: false,
-            visible: true,
-        }
+        Self { name: name.to_owned(), mesh, transform, animation: None, dynamic: false, visible: true }
     }
 }
 
@@ -121,10 +115,7 @@ impl BoundingSphere {
     /// The sphere about the box (min, max).
     pub fn around((min, max): (Vec3, Vec3)) -> Self {
         let radius = 0.5 * min.distance(max);
-        Self {
-            center: 0.5 * (min + max),
-            radius: radius.max(f32::MIN_POSITIVE),
-        }
+        Self { center: 0.5 * (min + max), radius: radius.max(f32::MIN_POSITIVE) }
     }
 }
 
@@ -152,7 +143,7 @@ impl Scene {
         let transform = |instance: &Instance| match &instance.animation {
             Some(animation) => {
                 let origin = Vec3::from(instance.transform.translation);
-                animation.motion(time, origin) * instance.transform
+                animation.motion(time, origin).transform(&instance.transform)
             }
             None => instance.transform,
         };
@@ -169,16 +160,9 @@ impl Scene {
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are
     /// none. Looks at every vertex.
     pub fn bounds(&self, pose: &Pose) -> (Vec3, Vec3) {
-        let visible = self
-            .instances
-            .iter()
-            .zip(&pose.instances)
-            .filter(|(instance, _)| instance.visible);
+        let visible = self.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);
         let points = visible.flat_map(|(instance, transform)| {
-            self.meshes[instance.mesh]
-                .positions
-                .iter()
-                .map(|point| transform.transform_point3(*point))
+            self.meshes[instance.mesh].positions.iter().map(|point| transform.transform_point3(*point))
         });
         mesh::bounds_of(points).unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)))
     }
@@ -198,10 +182,13 @@ impl Scene {
 
     /// Triangles of all instances together.
     pub fn triangle_count(&self) -> usize {
-        self.instances
-            .iter()
-            .map(|instance| self.meshes[instance.mesh].triangles.len())
-            .sum()
+        self.instances.iter().map(|instance| self.meshes[instance.mesh].triangles.len()).sum()
+    }
+
+    /// Whether any triangle of mesh `mesh` emits light.
+    pub fn is_emissive(&self, mesh: usize) -> bool {
+        let materials = &self.meshes[mesh].triangle_materials;
+        materials.iter().any(|&material| self.materials[material as usize].is_emissive())
     }
 
     /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.
@@ -209,25 +196,14 @@ impl Scene {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let emission = |(triangle, &material): (usize, &u32)| {
             let material = &self.materials[material as usize];
-            let emitter = AreaTriangle {
-                triangle: triangle as u32,
-                radiance: material.emission,
-            };
+            let emitter = AreaTriangle { triangle: triangle as u32, radiance: material.emission };
             material.is_emissive().then_some(emitter)
         };
-        let triangles: Vec<_> = mesh
-            .triangle_materials
-            .iter()
-            .enumerate()
-            .filter_map(emission)
-            .collect();
+        let triangles: Vec<_> = mesh.triangle_materials.iter().enumerate().filter_map(emission).collect();
         if !triangles.is_empty() {
             self.lights.push(Light {
                 name: self.instances[instance].name.clone(),
-                kind: LightKind::Area {
-                    instance,
-                    triangles,
-                },
+                kind: LightKind::Area { instance, triangles },
                 position: Vec3::ZERO,
                 direction: Vec3::NEG_Y,
                 animation: None,

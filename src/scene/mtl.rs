@@ -1,19 +1,12 @@
-//! Material libraries: checks an MTL, has tobj parse it, and loads what its materials refer to.
+//! Material libraries: checks an MTL and has tobj parse it.
 //!
-//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, and from each a [`Material`] with its
-//! texture and alpha mask in the scene. Whatever is odd becomes a warning, never an error.
+//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, whose values are finite and in range.
+//! Whatever is odd becomes a warning, never an error.
 
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use image::DynamicImage;
-use rayon::prelude::*;
-
-use super::Scene;
-use super::material::{AlphaMask, Material, Texture};
-use super::texture;
 
 /// Warnings that one file may cause; the rest are counted.
 const MAX_WARNINGS: usize = 8;
@@ -33,18 +26,15 @@ pub(super) fn read_libraries(
             None => argument.split_whitespace().collect(),
         };
         for name in names {
-            let bytes =
-                find_file(folder, name).map(|path| std::fs::read(&path).map(|bytes| (path, bytes)));
+            let bytes = find_file(folder, name).map(|path| std::fs::read(&path).map(|bytes| (path, bytes)));
             match bytes {
                 Some(Ok((path, bytes))) => materials.extend(parse(&path, &bytes, warnings)),
                 Some(Err(error)) => warnings.push(format!(
                     "{}: material library {name} could not be read ({error}); grey stands in",
                     file.display()
                 )),
-                None => warnings.push(format!(
-                    "{}: material library {name} is missing; grey stands in",
-                    file.display()
-                )),
+                None => warnings
+                    .push(format!("{}: material library {name} is missing; grey stands in", file.display())),
             }
         }
     }
@@ -52,7 +42,7 @@ pub(super) fn read_libraries(
 }
 
 /// Finds `name` below `folder`: as written, with any case, or its last component alone.
-fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
+pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);
     if exact.is_file() {
@@ -69,16 +59,9 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
         path = if exact.exists() {
             exact
         } else {
-            let folder = if path.as_os_str().is_empty() {
-                Path::new(".")
-            } else {
-                &path
-            };
-            let mut entries: Vec<_> = std::fs::read_dir(folder)
-                .ok()?
-                .flatten()
-                .map(|entry| entry.path())
-                .collect();
+            let folder = if path.as_os_str().is_empty() { Path::new(".") } else { &path };
+            let mut entries: Vec<_> =
+                std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).collect();
             entries.sort();
             let same = |path: &PathBuf| {
                 path.file_name()
@@ -109,10 +92,7 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
         Ok((materials, _)) => materials,
         Err(error) => {
-            warnings.push(format!(
-                "{}: could not be parsed ({error}); grey stands in",
-                path.display()
-            ));
+            warnings.push(format!("{}: could not be parsed ({error}); grey stands in", path.display()));
             Vec::new()
         }
     }
@@ -127,14 +107,7 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
         "newmtl" => writeln!(clean, "newmtl {rest}"),
         "kd" | "ks" => {
             let (colour, problem) = colour(&keyword, rest, 1.0)?;
-            let _ = writeln!(
-                clean,
-                "K{} {} {} {}",
-                &keyword[1..],
-                colour.x,
-                colour.y,
-                colour.z
-            );
+            let _ = writeln!(clean, "K{} {} {} {}", &keyword[1..], colour.x, colour.y, colour.z);
             return problem.map_or(Ok(()), Err);
         }
         "ke" => {
@@ -144,18 +117,10 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
         }
         "ns" | "d" => {
             // `d -halo 0.5` fades with the angle; take its floor.
-            let word = rest
-                .trim_start_matches("-halo")
-                .split_whitespace()
-                .next()
-                .unwrap_or("");
-            let value: f32 = word
-                .parse()
-                .map_err(|_| format!("{keyword} is not a number; ignored"))?;
+            let word = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
+            let value: f32 = word.parse().map_err(|_| format!("{keyword} is not a number; ignored"))?;
             if !(value >= 0.0 && value.is_finite()) {
-                return Err(format!(
-                    "{keyword} {word} is negative or not finite; ignored"
-                ));
+                return Err(format!("{keyword} {word} is negative or not finite; ignored"));
             }
             let name = if keyword == "ns" { "Ns" } else { "d" };
             writeln!(clean, "{name} {value}")
@@ -165,11 +130,7 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
             if file.is_empty() {
                 return Err(format!("{keyword} names no file; ignored"));
             }
-            let name = if keyword == "map_kd" {
-                "map_Kd"
-            } else {
-                "map_d"
-            };
+            let name = if keyword == "map_kd" { "map_Kd" } else { "map_d" };
             writeln!(clean, "{name} {file}")
         }
         _ => Ok(()),
@@ -179,26 +140,15 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
 
 /// A colour of one or three numbers, clamped to [0, max], with a warning where that changed it.
 fn colour(keyword: &str, rest: &str, max: f32) -> Result<(Vec3, Option<String>), String> {
-    let numbers: Vec<f32> = rest
-        .split_whitespace()
-        .map_while(|word| word.parse().ok())
-        .collect();
+    let numbers: Vec<f32> = rest.split_whitespace().map_while(|word| word.parse().ok()).collect();
     let given = match numbers[..] {
         [grey] => Vec3::splat(grey),
         [r, g, b, ..] => Vec3::new(r, g, b),
         _ => {
-            return Err(format!(
-                "{keyword} \"{rest}\" is not a colour of three numbers; ignored"
-            ));
+            return Err(format!("{keyword} \"{rest}\" is not a colour of three numbers; ignored"));
         }
     };
-    let usable = given.to_array().map(|c| {
-        if c.is_finite() {
-            c.clamp(0.0, max)
-        } else {
-            0.0
-        }
-    });
+    let usable = given.to_array().map(|c| if c.is_finite() { c.clamp(0.0, max) } else { 0.0 });
     let usable = Vec3::from_array(usable);
     let problem = (usable != given)
         .then(|| format!("{keyword} {rest} is outside what is possible; clamped to {usable}"));
@@ -213,8 +163,8 @@ fn without_options(mut rest: &str) -> &str {
         let (fixed, numbers) = match option {
             "-o" | "-s" | "-t" => (0, 3),
             "-mm" => (2, 0),
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost"
-            | "-imfchan" | "-type" => (1, 0),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan"
+            | "-type" => (1, 0),
             _ => return rest,
         };
         rest = tail.trim_start();
@@ -227,138 +177,6 @@ fn without_options(mut rest: &str) -> &str {
         }
     }
     rest
-}
-
-/// The images that a model's materials name, read once each.
-struct Images(HashMap<String, Result<DynamicImage, String>>);
-
-impl Images {
-    fn read(file: &Path, materials: &[tobj::Material]) -> Self {
-        let folder = file.parent().unwrap_or(Path::new(""));
-        let names = materials
-            .iter()
-            .flat_map(|m| [&m.diffuse_texture, &m.dissolve_texture])
-            .flatten();
-        let names: std::collections::BTreeSet<&String> = names.collect();
-        let read = |name: &&String| {
-            let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
-            (
-                (*name).clone(),
-                path.and_then(|path| texture::read_image(&path)),
-            )
-        };
-        Self(
-            names
-                .into_iter()
-                .collect::<Vec<_>>()
-                .par_iter()
-                .map(read)
-                .collect(),
-        )
-    }
-
-    fn get(&self, name: &str) -> Result<&DynamicImage, &str> {
-        match self.0.get(name) {
-            Some(Ok(image)) => Ok(image),
-            Some(Err(problem)) => Err(problem),
-            None => Err("was not read"),
-        }
-    }
-}
-
-/// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
-pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
-    let images = Images::read(file, materials);
-    let textures = add_textures(file, materials, &images, scene);
-    let mut masks: HashMap<(Option<&str>, Option<&str>, u32), Option<usize>> = HashMap::new();
-    for material in materials {
-        let colour_map = material.diffuse_texture.as_deref();
-        let opacity_map = material.dissolve_texture.as_deref();
-        let dissolve = material.dissolve.unwrap_or(1.0);
-        let alpha_mask = *masks
-            .entry((colour_map, opacity_map, dissolve.to_bits()))
-            .or_insert_with(|| {
-                let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
-                scene.alpha_masks.push(mask);
-                Some(scene.alpha_masks.len() - 1)
-            });
-        scene.materials.push(Material {
-            name: material.name.clone(),
-            albedo: Vec3::from_array(
-                material
-                    .diffuse
-                    .unwrap_or([if colour_map.is_some() { 1.0 } else { 0.5 }; 3]),
-            ),
-            specular: Vec3::from_array(material.specular.unwrap_or_default()),
-            shininess: material.shininess.unwrap_or(1.0),
-            emission: Vec3::from_array(material.emissive.unwrap_or_default()),
-            albedo_texture: colour_map.and_then(|name| textures.get(name).copied()),
-            alpha_mask,
-        });
-    }
-}
-
-/// Adds every colour map, with mip levels; what cannot be read is stood in for. Names to scene indices.
-fn add_textures(
-    file: &Path,
-    materials: &[tobj::Material],
-    images: &Images,
-    scene: &mut Scene,
-) -> HashMap<String, usize> {
-    let mut names: Vec<&str> = Vec::new();
-    for material in materials {
-        for (name, stand_in) in [
-            (
-                &material.diffuse_texture,
-                "a magenta and black checkerboard stands in",
-            ),
-            (&material.dissolve_texture, "nothing is cut away"),
-        ] {
-            let Some(name) = name else { continue };
-            if let Err(problem) = images.get(name) {
-                let line = format!("{}: texture {name} {problem}; {stand_in}", file.display());
-                if !scene.warnings.contains(&line) {
-                    scene.warnings.push(line);
-                }
-            }
-        }
-        names.extend(
-            material
-                .diffuse_texture
-                .as_deref()
-                .filter(|name| !names.contains(name)),
-        );
-    }
-    let build = |name: &&str| match images.get(name) {
-        Ok(image) => {
-            let texels = texture::to_srgb8(image);
-            Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
-        }
-        Err(_) => Texture::missing(name),
-    };
-    let first = scene.textures.len();
-    scene.textures.par_extend(names.par_iter().map(build));
-    names
-        .iter()
-        .enumerate()
-        .map(|(i, name)| ((*name).to_owned(), first + i))
-        .collect()
-}
-
-/// Where a surface is cut away: `map_d` if there is one, else the alpha of `map_Kd`, times `d`.
-fn mask_of(
-    colour_map: Option<&str>,
-    opacity_map: Option<&str>,
-    dissolve: f32,
-    images: &Images,
-) -> Option<AlphaMask> {
-    let from_opacity = opacity_map.and_then(|name| texture::opacity(images.get(name).ok()?, true));
-    let from_colour =
-        || colour_map.and_then(|name| texture::opacity(images.get(name).ok()?, false));
-    let (width, height, opacity) = from_opacity
-        .or_else(from_colour)
-        .unwrap_or((1, 1, vec![255]));
-    AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }
 
 #[cfg(test)]
@@ -388,16 +206,9 @@ mod tests {
         assert_eq!(materials[0].diffuse, Some([1.0, 0.0, 0.0]));
         assert_eq!(materials[0].specular, Some([0.5; 3]));
         assert_eq!(materials[0].emissive, Some([5.0, 0.0, 0.0]));
-        assert_eq!(
-            (materials[0].shininess, materials[0].dissolve),
-            (None, None)
-        );
+        assert_eq!((materials[0].shininess, materials[0].dissolve), (None, None));
         assert_eq!(warnings.len(), 7, "{warnings:?}");
-        assert!(
-            warnings[0].starts_with("m.mtl:2: kd 2 -1 nan"),
-            "{}",
-            warnings[0]
-        );
+        assert!(warnings[0].starts_with("m.mtl:2: kd 2 -1 nan"), "{}", warnings[0]);
     }
 
     #[test]

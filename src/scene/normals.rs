@@ -35,9 +35,8 @@ pub(super) fn fill_missing(mesh: &mut Mesh) {
             let normal = if group.len() > MAX_VALENCE {
                 corner.face_normal
             } else {
-                let near = group
-                    .iter()
-                    .filter(|other| other.face_normal.dot(corner.face_normal) >= crease_cos);
+                let near =
+                    group.iter().filter(|other| other.face_normal.dot(corner.face_normal) >= crease_cos);
                 let sum: Vec3 = near.map(|other| other.face_normal * other.angle).sum();
                 sum.normalize_or(corner.face_normal)
             };
@@ -64,18 +63,12 @@ fn corner_groups(mesh: &Mesh) -> Vec<Vec<Corner>> {
     let mut by_position: HashMap<[u32; 3], usize> = HashMap::new();
     for (triangle, vertices) in mesh.triangles.iter().enumerate() {
         let points = vertices.map(|vertex| mesh.positions[vertex as usize]);
-        let face_normal = (points[1] - points[0])
-            .cross(points[2] - points[0])
-            .normalize_or(Vec3::Y);
+        let face_normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or(Vec3::Y);
         for corner in 0..3 {
             if mesh.normals[vertices[corner] as usize] != Vec3::ZERO {
                 continue;
             }
-            let [here, next, last] = [
-                points[corner],
-                points[(corner + 1) % 3],
-                points[(corner + 2) % 3],
-            ];
+            let [here, next, last] = [points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]];
             let angle = (next - here).angle_between(last - here);
             // Adding zero turns -0 into +0, which is the same place.
             let key = (here + 0.0).to_array().map(f32::to_bits);
@@ -84,12 +77,7 @@ fn corner_groups(mesh: &Mesh) -> Vec<Vec<Corner>> {
                 groups.len() - 1
             });
             let angle = if angle.is_finite() { angle } else { 0.0 };
-            groups[group].push(Corner {
-                triangle,
-                corner,
-                face_normal,
-                angle,
-            });
+            groups[group].push(Corner { triangle, corner, face_normal, angle });
         }
     }
     groups
@@ -130,12 +118,7 @@ mod tests {
     fn creases_split_shared_vertices() {
         let mut mesh = Mesh {
             name: "roof".into(),
-            positions: vec![
-                Vec3::ZERO,
-                Vec3::Z,
-                Vec3::new(1.0, -1.0, 0.0),
-                Vec3::new(-1.0, -1.0, 0.0),
-            ],
+            positions: vec![Vec3::ZERO, Vec3::Z, Vec3::new(1.0, -1.0, 0.0), Vec3::new(-1.0, -1.0, 0.0)],
             normals: vec![Vec3::ZERO; 4],
             uvs: vec![glam::Vec2::ZERO; 4],
             triangles: vec![[0, 1, 2], [1, 0, 3]],
@@ -146,11 +129,7 @@ mod tests {
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.triangle_positions(i as u32);
             let flat = (b - a).cross(c - a).normalize();
-            assert!(
-                triangle
-                    .iter()
-                    .all(|&v| mesh.normals[v as usize].distance(flat) < 1e-6)
-            );
+            assert!(triangle.iter().all(|&v| mesh.normals[v as usize].distance(flat) < 1e-6));
         }
     }
 }

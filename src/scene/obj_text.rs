@@ -32,11 +32,7 @@ pub(super) struct ObjText {
 struct Corner([Option<usize>; 3]);
 
 /// Names and kinds of the three index lists of a face.
-const LISTS: [(&str, &str); 3] = [
-    ("vertex", "v"),
-    ("texture coordinate", "vt"),
-    ("normal", "vn"),
-];
+const LISTS: [(&str, &str); 3] = [("vertex", "v"), ("texture coordinate", "vt"), ("normal", "vn")];
 
 impl ObjText {
     /// Checks and rewrites `bytes`, the content of `file`.
@@ -122,10 +118,8 @@ impl Scan<'_> {
 
     fn numbers(&self, line: usize, statement: &str, least: usize) -> Result<Vec<f32>, SceneError> {
         let (_, rest) = split(statement);
-        let numbers: Vec<f32> = without_comment(rest)
-            .split_whitespace()
-            .map_while(|word| word.parse().ok())
-            .collect();
+        let numbers: Vec<f32> =
+            without_comment(rest).split_whitespace().map_while(|word| word.parse().ok()).collect();
         if numbers.len() < least {
             let short: String = statement.chars().take(60).collect();
             return Err(self.error(
@@ -144,10 +138,9 @@ impl Scan<'_> {
                 let n = self.numbers(line, statement, 1)?;
                 let v = n.get(1).copied().unwrap_or(0.0);
                 if !n[0].is_finite() || !v.is_finite() {
-                    return Err(self.error(
-                        line,
-                        "texture coordinate is not finite; fix or re-export the model",
-                    ));
+                    return Err(
+                        self.error(line, "texture coordinate is not finite; fix or re-export the model")
+                    );
                 }
                 self.totals[1] += 1;
                 // fmt::Write on a String cannot fail.
@@ -157,9 +150,7 @@ impl Scan<'_> {
             "vn" => {
                 let n = self.numbers(line, statement, 3)?;
                 // A zero normal is made anew from its faces.
-                let normal = Vec3::new(n[0], n[1], n[2])
-                    .try_normalize()
-                    .unwrap_or(Vec3::ZERO);
+                let normal = Vec3::new(n[0], n[1], n[2]).try_normalize().unwrap_or(Vec3::ZERO);
                 self.totals[2] += 1;
                 let _ = writeln!(self.out.text, "vn {} {} {}", normal.x, normal.y, normal.z);
                 Ok(())
@@ -174,10 +165,9 @@ impl Scan<'_> {
         let w = if n.len() == 4 { n[3] } else { 1.0 };
         let position = Vec3::new(n[0], n[1], n[2]) / w;
         if !position.is_finite() {
-            return Err(self.error(
-                line,
-                "vertex position is not a finite number; fix or re-export the model",
-            ));
+            return Err(
+                self.error(line, "vertex position is not a finite number; fix or re-export the model")
+            );
         }
         if position.abs().max_element() > MAX_COORDINATE {
             return Err(self.error(
@@ -187,11 +177,7 @@ impl Scan<'_> {
         }
         self.totals[0] += 1;
         self.positions.push(position);
-        let _ = writeln!(
-            self.out.text,
-            "v {} {} {}",
-            position.x, position.y, position.z
-        );
+        let _ = writeln!(self.out.text, "v {} {} {}", position.x, position.y, position.z);
         Ok(())
     }
 
@@ -217,9 +203,7 @@ impl Scan<'_> {
 
     fn face(&mut self, line: usize, rest: &str) -> Result<(), SceneError> {
         let words = without_comment(rest).split_whitespace();
-        let corners = words
-            .map(|word| self.corner(line, word))
-            .collect::<Result<Vec<_>, _>>()?;
+        let corners = words.map(|word| self.corner(line, word)).collect::<Result<Vec<_>, _>>()?;
         if corners.len() < 3 {
             // Points and lines have no surface.
             return Ok(());
@@ -230,10 +214,7 @@ impl Scan<'_> {
             self.out.text.push_str("o part\n");
         }
         let index = |corner: &Corner, list: usize| corner.0[list].map_or(0, |index| index + 1);
-        let points: Vec<Vec3> = corners
-            .iter()
-            .map(|corner| self.positions[index(corner, 0) - 1])
-            .collect();
+        let points: Vec<Vec3> = corners.iter().map(|corner| self.positions[index(corner, 0) - 1]).collect();
         for triangle in triangulate(&points) {
             self.out.text.push('f');
             for corner in triangle.map(|i| &corners[i]) {
@@ -252,14 +233,12 @@ impl Scan<'_> {
 
     fn corner(&self, line: usize, word: &str) -> Result<Corner, SceneError> {
         let mut corner = Corner([None; 3]);
+        let parts = word.split('/').count();
         for (list, part) in word.split('/').enumerate() {
-            if list >= 3 || (list == 0 && part.is_empty()) {
+            if parts > 3 || (list == 0 && part.is_empty()) {
                 return Err(self.error(
                     line,
-                    format!(
-                        "cannot read the face vertex \"{}\"; fix or re-export the model",
-                        clip(word)
-                    ),
+                    format!("cannot read the face vertex \"{}\"; fix or re-export the model", clip(word)),
                 ));
             }
             if !part.is_empty() {
@@ -274,18 +253,11 @@ impl Scan<'_> {
         let Ok(index) = part.parse::<i64>() else {
             return Err(self.error(
                 line,
-                format!(
-                    "\"{}\" is not a {name} index; fix or re-export the model",
-                    clip(part)
-                ),
+                format!("\"{}\" is not a {name} index; fix or re-export the model", clip(part)),
             ));
         };
         // Positive indices count from 1 over the whole file, negative ones back from here.
-        let absolute = if index < 0 {
-            index.saturating_add(self.seen[list] as i64)
-        } else {
-            index - 1
-        };
+        let absolute = if index < 0 { index.saturating_add(self.seen[list] as i64) } else { index - 1 };
         match usize::try_from(absolute) {
             Ok(found) if found < self.totals[list] => Ok(found),
             _ => Err(self.error(

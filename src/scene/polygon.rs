@@ -28,22 +28,11 @@ pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
 /// The corners on the polygon's plane, counter-clockwise; none if it has no area.
 fn project(corners: &[Vec3]) -> Option<Vec<Vec2>> {
     let local: Vec<Vec3> = corners.iter().map(|corner| *corner - corners[0]).collect();
-    let area: Vec3 = (0..local.len())
-        .map(|i| local[i].cross(local[(i + 1) % local.len()]))
-        .sum();
+    let area: Vec3 = (0..local.len()).map(|i| local[i].cross(local[(i + 1) % local.len()])).sum();
     let normal = area.try_normalize()?;
     let (x, y) = normal.any_orthonormal_pair();
-    let (x, y) = if x.cross(y).dot(normal) > 0.0 {
-        (x, y)
-    } else {
-        (y, x)
-    };
-    Some(
-        local
-            .iter()
-            .map(|point| Vec2::new(point.dot(x), point.dot(y)))
-            .collect(),
-    )
+    let (x, y) = if x.cross(y).dot(normal) > 0.0 { (x, y) } else { (y, x) };
+    Some(local.iter().map(|point| Vec2::new(point.dot(x), point.dot(y))).collect())
 }
 
 /// Twice the signed area of corner `i` of the ring and its two neighbours; negative at a reflex corner.
@@ -60,9 +49,9 @@ fn clip_ears(flat: &[Vec2], mut ring: Vec<usize>) -> Vec<[usize; 3]> {
         let is_ear = |i: usize| {
             let ear = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
             turn(flat, &ring, i) > 0.0
-                && !ring.iter().any(|corner| {
-                    !ear.contains(corner) && contains(ear.map(|e| flat[e]), flat[*corner])
-                })
+                && !ring
+                    .iter()
+                    .any(|corner| !ear.contains(corner) && contains(ear.map(|e| flat[e]), flat[*corner]))
         };
         // A ring that crosses itself may have no ear left: cut any corner, so that the loop ends.
         let i = (0..n).find(|&i| is_ear(i)).unwrap_or(1);
@@ -94,8 +83,7 @@ mod tests {
 
     #[test]
     fn concave_polygons_keep_their_area() {
-        let arrow =
-            [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]].map(|[x, y]| Vec3::new(x, y, 2.0));
+        let arrow = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]].map(|[x, y]| Vec3::new(x, y, 2.0));
         for start in 0..4 {
             let mut turned = arrow;
             turned.rotate_left(start);
@@ -124,8 +112,8 @@ mod tests {
     #[test]
     fn degenerate_polygons_do_not_hang() {
         assert_eq!(triangulate(&[Vec3::ONE; 7]).len(), 5);
-        let bow = [[0., 0.], [1., 1.], [1., 0.], [0., 1.], [0.5, -1.]]
-            .map(|[x, y]: [f32; 2]| Vec3::new(x, y, 0.0));
+        let bow =
+            [[0., 0.], [1., 1.], [1., 0.], [0., 1.], [0.5, -1.]].map(|[x, y]: [f32; 2]| Vec3::new(x, y, 0.0));
         assert_eq!(triangulate(&bow).len(), 3);
     }
 }

@@ -13,29 +13,19 @@ impl Mesh {
     /// A flat convex polygon, its front where `corners` go counter-clockwise. Texture coordinates of a
     /// quad run from (0, 1) at the first corner to (1, 0) at the third.
     pub fn polygon(name: &str, corners: &[Vec3], material: u32) -> Self {
-        let mut mesh = Self {
-            name: name.to_owned(),
-            ..Self::default()
-        };
+        let mut mesh = Self { name: name.to_owned(), ..Self::default() };
         mesh.push_polygon(corners, material);
         mesh
     }
 
     /// Adds a flat convex polygon of at least three corners with vertices of its own.
     pub fn push_polygon(&mut self, corners: &[Vec3], material: u32) {
-        const QUAD_UVS: [Vec2; 4] = [
-            Vec2::new(0.0, 1.0),
-            Vec2::new(1.0, 1.0),
-            Vec2::new(1.0, 0.0),
-            Vec2::ZERO,
-        ];
+        const QUAD_UVS: [Vec2; 4] =
+            [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0), Vec2::ZERO];
         let first = self.positions.len() as u32;
         // Newell's sum is the area vector of any flat polygon, whatever corner is sharpest.
         let area = (0..corners.len()).fold(Vec3::ZERO, |sum, i| {
-            let (a, b) = (
-                corners[i] - corners[0],
-                corners[(i + 1) % corners.len()] - corners[0],
-            );
+            let (a, b) = (corners[i] - corners[0], corners[(i + 1) % corners.len()] - corners[0]);
             sum + a.cross(b)
         });
         let normal = area.normalize_or(Vec3::Y);
@@ -52,22 +42,14 @@ impl Mesh {
 
     /// An axis-aligned box about the origin with edges of length `size`, flat shaded.
     pub fn cuboid(name: &str, size: Vec3, material: u32) -> Self {
-        let mut mesh = Self {
-            name: name.to_owned(),
-            ..Self::default()
-        };
+        let mut mesh = Self { name: name.to_owned(), ..Self::default() };
         for axis in 0..3 {
             for sign in [-1.0, 1.0] {
                 let normal = Vec3::AXES[axis] * sign;
                 let tangent = Vec3::AXES[(axis + 1) % 3];
                 let bitangent = normal.cross(tangent);
                 let corner = |s: f32, t: f32| (normal + tangent * s + bitangent * t) * size * 0.5;
-                let corners = [
-                    corner(-1.0, -1.0),
-                    corner(1.0, -1.0),
-                    corner(1.0, 1.0),
-                    corner(-1.0, 1.0),
-                ];
+                let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
                 mesh.push_polygon(&corners, material);
             }
         }
@@ -84,10 +66,7 @@ impl Mesh {
         Self {
             name: name.to_owned(),
             positions: points.iter().map(|point| *point * radius).collect(),
-            uvs: points
-                .iter()
-                .map(|point| latitude_longitude(*point))
-                .collect(),
+            uvs: points.iter().map(|point| latitude_longitude(*point)).collect(),
             normals: points,
             triangle_materials: vec![material; triangles.len()],
             triangles,
@@ -108,10 +87,7 @@ impl Mesh {
 
 fn latitude_longitude(point: Vec3) -> Vec2 {
     let longitude = point.z.atan2(point.x) / std::f32::consts::TAU + 0.5;
-    Vec2::new(
-        longitude,
-        point.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI,
-    )
+    Vec2::new(longitude, point.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI)
 }
 
 fn icosahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
@@ -134,10 +110,7 @@ fn icosahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
         for b in a + 1..12 {
             for c in b + 1..12 {
                 if near(a, b) && near(b, c) && near(a, c) {
-                    let outward = (points[b] - points[a])
-                        .cross(points[c] - points[a])
-                        .dot(points[a])
-                        > 0.0;
+                    let outward = (points[b] - points[a]).cross(points[c] - points[a]).dot(points[a]) > 0.0;
                     let face = if outward { [a, b, c] } else { [a, c, b] };
                     triangles.push(face.map(|corner| corner as u32));
                 }
@@ -169,10 +142,7 @@ mod tests {
     fn area_and_volume(mesh: &Mesh) -> (f32, f32) {
         (0..mesh.triangles.len() as u32).fold((0.0, 0.0), |(area, volume), i| {
             let [a, b, c] = mesh.triangle_positions(i);
-            (
-                area + mesh.triangle_area(i),
-                volume + a.dot(b.cross(c)) / 6.0,
-            )
+            (area + mesh.triangle_area(i), volume + a.dot(b.cross(c)) / 6.0)
         })
     }
 
@@ -180,11 +150,7 @@ mod tests {
     fn sphere_is_round_and_faces_outwards() {
         let mesh = Mesh::sphere("sphere", 2.0, 6, 0);
         assert_eq!(mesh.triangles.len(), 81_920);
-        assert!(
-            mesh.positions
-                .iter()
-                .all(|p| (p.length() - 2.0).abs() < 1e-5)
-        );
+        assert!(mesh.positions.iter().all(|p| (p.length() - 2.0).abs() < 1e-5));
         let (area, volume) = area_and_volume(&mesh);
         assert!((area / (16.0 * std::f32::consts::PI) - 1.0).abs() < 1e-3);
         assert!((volume / (32.0 / 3.0 * std::f32::consts::PI) - 1.0).abs() < 1e-3);
@@ -197,10 +163,7 @@ mod tests {
         let (area, volume) = area_and_volume(&mesh);
         assert_eq!((area, volume), (22.0, 6.0));
         let (min, max) = mesh.bounds();
-        assert_eq!(
-            (min, max),
-            (Vec3::new(-0.5, -1.0, -1.5), Vec3::new(0.5, 1.0, 1.5))
-        );
+        assert_eq!((min, max), (Vec3::new(-0.5, -1.0, -1.5), Vec3::new(0.5, 1.0, 1.5)));
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.triangle_positions(i as u32);
             assert!((b - a).cross(c - a).dot(mesh.normals[triangle[0] as usize]) > 0.0);

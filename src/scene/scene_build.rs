@@ -14,8 +14,7 @@ use super::scene_file::{
     AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
 };
 use super::{
-    Animation, Camera, Instance, Keyframe, Rotation, Scene, bare_obj, obj, scene_lights,
-    scene_models,
+    Animation, Camera, Instance, Keyframe, Rotation, Scene, bare_obj, obj, scene_lights, scene_models,
 };
 
 /// Builds the scene of `file`, whose content was `text`.
@@ -61,11 +60,7 @@ pub(super) struct Entry<'a> {
 impl Entry<'_> {
     /// An error about this table.
     pub fn error(&self, problem: impl AsRef<str>) -> SceneError {
-        SceneError::invalid(
-            self.path,
-            Some(self.line),
-            format!("{}: {}", self.what, problem.as_ref()),
-        )
+        SceneError::invalid(self.path, Some(self.line), format!("{}: {}", self.what, problem.as_ref()))
     }
 
     /// A vector all of whose components are finite.
@@ -100,8 +95,7 @@ impl Entry<'_> {
     pub fn direction(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let vector = self.vector(key, value)?.as_dvec3();
         let unit = vector.try_normalize();
-        unit.map(|unit| unit.as_vec3())
-            .ok_or_else(|| self.error(format!("{key} must not be zero")))
+        unit.map(|unit| unit.as_vec3()).ok_or_else(|| self.error(format!("{key} must not be zero")))
     }
 
     /// The value of a key that this table must have.
@@ -113,11 +107,7 @@ impl Entry<'_> {
 impl<'a> Builder<'a> {
     /// Names the table at `span` for error messages.
     pub fn entry(&self, span: &Range<usize>, what: impl Into<String>) -> Entry<'a> {
-        Entry {
-            path: self.path,
-            line: line_of(self.text, span),
-            what: what.into(),
-        }
+        Entry { path: self.path, line: line_of(self.text, span), what: what.into() }
     }
 
     fn build(&mut self, file: &SceneFile) -> Result<(), SceneError> {
@@ -129,11 +119,7 @@ impl<'a> Builder<'a> {
             scene_models::add_model(self, model)?;
         }
         for instance in &file.instances {
-            let name = instance
-                .as_ref()
-                .name
-                .as_ref()
-                .unwrap_or(&instance.as_ref().model);
+            let name = instance.as_ref().name.as_ref().unwrap_or(&instance.as_ref().model);
             let entry = self.entry(&instance.span(), format!("instance \"{name}\""));
             self.add_instance(&entry, instance.as_ref())?;
         }
@@ -155,7 +141,7 @@ impl<'a> Builder<'a> {
 
     /// The `[settings]` as written; keys and types have been checked by the parse.
     fn settings(&self, file: &SceneFile) -> Result<toml::Table, SceneError> {
-        if file._settings.is_none() {
+        if file.settings.is_none() {
             return Ok(toml::Table::new());
         }
         let mut table: toml::Table = toml::from_str(self.text)
@@ -180,20 +166,14 @@ impl<'a> Builder<'a> {
         let Some(&mesh) = self.models.get(&instance.model) else {
             let mut known: Vec<&str> = self.models.keys().map(String::as_str).collect();
             known.sort_unstable();
-            let known = if known.is_empty() {
-                "none".to_owned()
-            } else {
-                known.join(", ")
-            };
-            return Err(entry.error(format!(
-                "no model is called \"{}\" (there are: {known})",
-                instance.model
-            )));
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            return Err(
+                entry.error(format!("no model is called \"{}\" (there are: {known})", instance.model))
+            );
         };
-        let name = instance
-            .name
-            .clone()
-            .unwrap_or_else(|| instance.model.clone());
+        let name = instance.name.clone().unwrap_or_else(|| instance.model.clone());
+        let transform = transform_of(entry, instance)?;
+        check_not_mirrored(entry, &transform, self.scene.is_emissive(mesh))?;
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {
@@ -201,7 +181,7 @@ impl<'a> Builder<'a> {
         }
         self.instances.insert(name.clone(), index);
         self.scene.instances.push(Instance {
-            transform: transform_of(entry, instance)?,
+            transform,
             dynamic: instance.dynamic.unwrap_or(animation.is_some()) || animation.is_some(),
             animation,
             visible: instance.visible.unwrap_or(true),
@@ -226,32 +206,18 @@ impl<'a> Builder<'a> {
             return Err(entry.error(format!("vfov_deg must be from 0.01 to 170, is {vfov}")));
         }
         self.scene.camera_animation = animation_of(self, entry, camera.animation.as_ref())?;
-        let mut fitted = Camera {
-            up,
-            vertical_fov: vfov.to_radians(),
-            ..Camera::looking(eye, target)
-        };
+        let mut fitted = Camera { up, vertical_fov: vfov.to_radians(), ..Camera::looking(eye, target) };
         let bounds = self.scene.bounding_sphere(&self.scene.pose(0.0));
-        let reach = self
-            .scene
-            .camera_animation
-            .as_ref()
-            .map_or(0.0, |animation| animation.reach(eye));
+        let reach = self.scene.camera_animation.as_ref().map_or(0.0, |animation| animation.reach(eye));
         bare_obj::fit_depths(&mut fitted, &bounds, reach);
         let far = entry.number("far", camera.far.unwrap_or(fitted.far))?;
         // A far plane that was given may lie nearer than the near plane that was fitted.
         let near = camera.near.unwrap_or(fitted.near.min(1e-3 * far));
         let near = entry.number("near", near)?;
         if near <= 0.0 || near >= far {
-            return Err(entry.error(format!(
-                "near must be above 0 and below far (near {near}, far {far})"
-            )));
+            return Err(entry.error(format!("near must be above 0 and below far (near {near}, far {far})")));
         }
-        self.scene.camera = Camera {
-            near,
-            far,
-            ..fitted
-        };
+        self.scene.camera = Camera { near, far, ..fitted };
         Ok(())
     }
 }
@@ -271,14 +237,19 @@ fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, Sce
     Ok(transform)
 }
 
+/// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
+pub(super) fn check_not_mirrored(entry: &Entry, transform: &Affine3A, emits: bool) -> Result<(), SceneError> {
+    if emits && transform.matrix3.determinant() < 0.0 {
+        return Err(entry.error("an instance that emits light must not be mirrored by a negative scale"));
+    }
+    Ok(())
+}
+
 fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, SceneError> {
     match rotation {
         None => Ok(Quat::IDENTITY),
         Some(RotationEntry::Euler(degrees)) => {
-            let [x, y, z] = entry
-                .vector("rotation", degrees)?
-                .to_array()
-                .map(f32::to_radians);
+            let [x, y, z] = entry.vector("rotation", degrees)?.to_array().map(f32::to_radians);
             Ok(Quat::from_euler(EulerRot::XYZEx, x, y, z))
         }
         Some(RotationEntry::AxisAngle(turn)) => {
@@ -304,15 +275,11 @@ pub(super) fn animation_of(
     for key in &animation.keyframes {
         let finite = key.time.is_finite();
         if !finite || keyframes.last().is_some_and(|last| last.time >= key.time) {
-            return Err(entry.error(format!(
-                "keyframe times must be finite and rise (time {})",
-                key.time
-            )));
+            return Err(entry.error(format!("keyframe times must be finite and rise (time {})", key.time)));
         }
         keyframes.push(Keyframe {
             time: key.time,
-            translation: entry
-                .vector("keyframes.translation", key.translation.unwrap_or_default())?,
+            translation: entry.vector("keyframes.translation", key.translation.unwrap_or_default())?,
             rotation: rotation_of(&entry, key.rotation)?,
         });
     }
@@ -320,20 +287,12 @@ pub(super) fn animation_of(
         None => None,
         Some(spin) => Some(Rotation {
             axis: entry.direction("rotation.axis", spin.axis)?,
-            speed: entry
-                .number("rotation.degrees_per_second", spin.degrees_per_second)?
-                .to_radians(),
-            pivot: spin
-                .pivot
-                .map(|pivot| entry.vector("rotation.pivot", pivot))
-                .transpose()?,
+            speed: entry.number("rotation.degrees_per_second", spin.degrees_per_second)?.to_radians(),
+            pivot: spin.pivot.map(|pivot| entry.vector("rotation.pivot", pivot)).transpose()?,
         }),
     };
     if keyframes.is_empty() && rotation.is_none() {
         return Err(entry.error("needs keyframes or a rotation"));
     }
-    Ok(Some(Animation {
-        keyframes,
-        rotation,
-    }))
+    Ok(Some(Animation { keyframes, rotation }))
 }

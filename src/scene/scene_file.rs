@@ -28,8 +28,7 @@ pub(super) struct SceneFile {
     #[serde(default)]
     pub lights: Vec<Spanned<LightEntry>>,
     /// Deserialised only to check keys and types.
-    #[serde(default, rename = "settings")]
-    pub _settings: Option<Settings>,
+    pub settings: Option<Settings>,
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.
@@ -111,7 +110,6 @@ pub(super) struct InstanceEntry {
 )]
 pub(super) enum RotationEntry {
     Euler([f32; 3]),
-    #[serde(rename_all = "kebab-case")]
     AxisAngle(AxisAngle),
 }
 

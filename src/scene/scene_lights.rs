@@ -10,20 +10,15 @@ use super::error::SceneError;
 use super::light::{Light, LightKind};
 use super::material::Material;
 use super::mesh::Mesh;
-use super::scene_build::{Builder, Entry, animation_of};
+use super::scene_build::{Builder, Entry, animation_of, check_not_mirrored};
 use super::scene_file::{LightEntry, LightType};
 use super::{Instance, Scene};
 
 /// Adds one light.
-pub(super) fn add_light(
-    builder: &mut Builder,
-    light: &Spanned<LightEntry>,
-) -> Result<(), SceneError> {
+pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> Result<(), SceneError> {
     let entry_light = light.as_ref();
-    let name = entry_light
-        .name
-        .clone()
-        .unwrap_or_else(|| format!("light {}", builder.scene.lights.len() + 1));
+    let name =
+        entry_light.name.clone().unwrap_or_else(|| format!("light {}", builder.scene.lights.len() + 1));
     let entry = builder.entry(&light.span(), format!("light \"{name}\""));
     let light = entry_light;
     check_keys(&entry, light)?;
@@ -37,45 +32,27 @@ pub(super) fn add_light(
     let intensity = |key| entry.power(key, entry.required(key, light.intensity)?);
     let direction = |key| entry.direction(key, entry.required(key, light.direction)?);
     let (kind, position, direction) = match light.kind {
-        LightType::Point => (
-            LightKind::Point {
-                intensity: intensity("intensity")?,
-            },
-            position("position")?,
-            Vec3::NEG_Y,
-        ),
-        LightType::Spot => (
-            spot(&entry, light, intensity("intensity")?)?,
-            position("position")?,
-            direction("direction")?,
-        ),
+        LightType::Point => {
+            (LightKind::Point { intensity: intensity("intensity")? }, position("position")?, Vec3::NEG_Y)
+        }
+        LightType::Spot => {
+            (spot(&entry, light, intensity("intensity")?)?, position("position")?, direction("direction")?)
+        }
         LightType::Directional | LightType::Area => {
-            let irradiance = entry.power(
-                "irradiance",
-                entry.required("irradiance", light.irradiance)?,
-            )?;
-            (
-                LightKind::Directional { irradiance },
-                Vec3::ZERO,
-                direction("direction")?,
-            )
+            let irradiance = entry.power("irradiance", entry.required("irradiance", light.irradiance)?)?;
+            (LightKind::Directional { irradiance }, Vec3::ZERO, direction("direction")?)
         }
     };
     let animation = animation_of(builder, &entry, light.animation.as_ref())?;
-    builder.scene.lights.push(Light {
-        name,
-        kind,
-        position,
-        direction,
-        animation,
-    });
+    builder.scene.lights.push(Light { name, kind, position, direction, animation });
     Ok(())
 }
 
 /// Adds the area lights of the instances that no light of the file has claimed.
 pub(super) fn add_emissive_instances(scene: &mut Scene) {
     for instance in 0..scene.instances.len() {
-        let claimed = |light: &Light| matches!(light.kind, LightKind::Area { instance: i, .. } if i == instance);
+        let claimed =
+            |light: &Light| matches!(light.kind, LightKind::Area { instance: i, .. } if i == instance);
         if !scene.lights.iter().any(claimed) {
             scene.add_area_light(instance);
         }
@@ -98,18 +75,14 @@ fn check_keys(entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
         ("visible", light.visible.is_some(), &[Area]),
     ] {
         if given && !kinds.contains(&light.kind) {
-            return Err(entry.error(format!(
-                "the key {key} does not belong to a light of this type"
-            )));
+            return Err(entry.error(format!("the key {key} does not belong to a light of this type")));
         }
     }
     if light.kind == Area && polygon == light.instance.is_some() {
         return Err(entry.error("an area light needs either the key polygon or the key instance"));
     }
     if light.instance.is_some() && (light.visible.is_some() || light.animation.is_some()) {
-        return Err(
-            entry.error("visible and animation belong to the instance that this light names")
-        );
+        return Err(entry.error("visible and animation belong to the instance that this light names"));
     }
     Ok(())
 }
@@ -122,20 +95,11 @@ fn spot(entry: &Entry, light: &LightEntry, intensity: Vec3) -> Result<LightKind,
             "cone half angles must be 0 <= inner_deg < outer_deg < 180 (inner {inner}, outer {outer})"
         )));
     }
-    Ok(LightKind::Spot {
-        intensity,
-        inner_angle: inner.to_radians(),
-        outer_angle: outer.to_radians(),
-    })
+    Ok(LightKind::Spot { intensity, inner_angle: inner.to_radians(), outer_angle: outer.to_radians() })
 }
 
 /// An area light of its own: a quad about its middle, so that it turns about that when it is animated.
-fn add_quad(
-    builder: &mut Builder,
-    entry: &Entry,
-    light: &LightEntry,
-    name: &str,
-) -> Result<(), SceneError> {
+fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str) -> Result<(), SceneError> {
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let polygon = entry.required("polygon", light.polygon)?;
     let mut corners = [Vec3::ZERO; 4];
@@ -148,20 +112,12 @@ fn add_quad(
     let scene = &mut builder.scene;
     let material = scene.materials.len() as u32;
     scene.materials.push(Material::emitter(name, radiance));
-    scene.meshes.push(Mesh::polygon(
-        name,
-        &corners.map(|corner| corner - middle),
-        material,
-    ));
+    scene.meshes.push(Mesh::polygon(name, &corners.map(|corner| corner - middle), material));
     scene.instances.push(Instance {
         dynamic: animation.is_some(),
         animation,
         visible: light.visible.unwrap_or(true),
-        ..Instance::fixed(
-            name,
-            scene.meshes.len() - 1,
-            Affine3A::from_translation(middle),
-        )
+        ..Instance::fixed(name, scene.meshes.len() - 1, Affine3A::from_translation(middle))
     });
     scene.add_area_light(scene.instances.len() - 1);
     Ok(())
@@ -175,9 +131,7 @@ fn check_quad(entry: &Entry, corners: &[Vec3; 4]) -> Result<(), SceneError> {
     let normals: Vec<Vec3> = (0..4).filter_map(normal_at).collect();
     // Corners in one line turn nowhere, and corners of a bow tie turn both ways.
     if normals.len() < 4 || normals.iter().any(|normal| normal.dot(normals[0]) < 0.99) {
-        return Err(
-            entry.error("polygon must be a flat convex quad of four different corners in order")
-        );
+        return Err(entry.error("polygon must be a flat convex quad of four different corners in order"));
     }
     Ok(())
 }
@@ -194,14 +148,12 @@ fn light_instance(
     };
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let scene = &mut builder.scene;
+    check_not_mirrored(entry, &scene.instances[index].transform, true)?;
     let mut mesh = scene.meshes[scene.instances[index].mesh].clone();
     let mut emissive = std::collections::HashMap::new();
     for material in &mut mesh.triangle_materials {
         *material = *emissive.entry(*material).or_insert_with(|| {
-            let shining = Material {
-                emission: radiance,
-                ..scene.materials[*material as usize].clone()
-            };
+            let shining = Material { emission: radiance, ..scene.materials[*material as usize].clone() };
             scene.materials.push(shining);
             scene.materials.len() as u32 - 1
         });

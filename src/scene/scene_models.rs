@@ -19,10 +19,7 @@ use super::{Scene, builtin, obj};
 const DOWNLOAD: &str = "see the credits in the scene file";
 
 /// Adds the mesh of a model.
-pub(super) fn add_model(
-    builder: &mut Builder,
-    model: &Spanned<ModelEntry>,
-) -> Result<(), SceneError> {
+pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> Result<(), SceneError> {
     let entry = builder.entry(&model.span(), format!("model \"{}\"", model.as_ref().name));
     let model = model.as_ref();
     if builder.models.contains_key(&model.name) {
@@ -33,10 +30,8 @@ pub(super) fn add_model(
         let folder = builder.path.parent().unwrap_or(Path::new(""));
         let file = folder.join(path);
         if !file.is_file() {
-            return Err(entry.error(format!(
-                "path {} is not a file; it is relative to the scene file",
-                file.display()
-            )));
+            return Err(entry
+                .error(format!("path {} is not a file; it is relative to the scene file", file.display())));
         }
         obj::add_obj(&file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
@@ -44,9 +39,9 @@ pub(super) fn add_model(
         obj::add_obj(&file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
         if name != "cornell-box" {
-            return Err(entry.error(format!(
-                "no built-in model is called \"{name}\" (there is: cornell-box)"
-            )));
+            return Err(
+                entry.error(format!("no built-in model is called \"{name}\" (there is: cornell-box)"))
+            );
         }
         let (mesh, materials) = builtin::cornell_model(builder.scene.materials.len() as u32);
         builder.scene.materials.extend(materials);
@@ -68,35 +63,21 @@ fn push(scene: &mut Scene, mesh: Mesh) -> usize {
 }
 
 fn check_keys(entry: &Entry, model: &ModelEntry) -> Result<(), SceneError> {
-    let sources = [
-        model.path.is_some(),
-        model.asset.is_some(),
-        model.builtin.is_some(),
-        model.primitive.is_some(),
-    ];
+    let sources =
+        [model.path.is_some(), model.asset.is_some(), model.builtin.is_some(), model.primitive.is_some()];
     if sources.iter().filter(|given| **given).count() != 1 {
         return Err(entry.error("needs exactly one of the keys path, asset, builtin and primitive"));
     }
     let primitive = model.primitive.is_some();
     for (key, given, fits) in [
         ("size", model.size.is_some(), primitive),
-        (
-            "subdivisions",
-            model.subdivisions.is_some(),
-            model.primitive == Some(Primitive::Sphere),
-        ),
+        ("subdivisions", model.subdivisions.is_some(), model.primitive == Some(Primitive::Sphere)),
         ("material", model.material.is_some(), primitive),
         ("download", model.download.is_some(), model.asset.is_some()),
-        (
-            "without_materials",
-            !model.without_materials.is_empty(),
-            !primitive,
-        ),
+        ("without_materials", !model.without_materials.is_empty(), !primitive),
     ] {
         if given && !fits {
-            return Err(entry.error(format!(
-                "the key {key} does not belong to this kind of model"
-            )));
+            return Err(entry.error(format!("the key {key} does not belong to this kind of model")));
         }
     }
     Ok(())
@@ -133,25 +114,15 @@ fn primitive_mesh(
     }
     let subdivisions = model.subdivisions.unwrap_or(4);
     if subdivisions > 8 {
-        return Err(entry.error(format!(
-            "subdivisions must be from 0 to 8, is {subdivisions}"
-        )));
+        return Err(entry.error(format!("subdivisions must be from 0 to 8, is {subdivisions}")));
     }
     let material = builder.scene.materials.len() as u32;
-    builder
-        .scene
-        .materials
-        .push(material_of(entry, &model.name, model.material.as_ref())?);
+    builder.scene.materials.push(material_of(entry, &model.name, model.material.as_ref())?);
     Ok(match primitive {
         Primitive::Quad => {
             let half = 0.5 * size;
             let corner = |x: f32, z: f32| Vec3::new(x * half.x, 0.0, z * half.z);
-            let corners = [
-                corner(-1.0, 1.0),
-                corner(1.0, 1.0),
-                corner(1.0, -1.0),
-                corner(-1.0, -1.0),
-            ];
+            let corners = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
             Mesh::polygon(&model.name, &corners, material)
         }
         Primitive::Box => Mesh::cuboid(&model.name, size, material),
@@ -159,11 +130,7 @@ fn primitive_mesh(
     })
 }
 
-fn material_of(
-    entry: &Entry,
-    name: &str,
-    material: Option<&MaterialEntry>,
-) -> Result<Material, SceneError> {
+fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> Result<Material, SceneError> {
     let grey = Material::grey(name);
     let Some(material) = material else {
         return Ok(grey);
@@ -183,9 +150,7 @@ fn material_of(
     let emission = entry.power("material.emission", material.emission.unwrap_or_default())?;
     let shininess = entry.number("material.shininess", material.shininess.unwrap_or(1.0))?;
     if shininess < 0.0 {
-        return Err(entry.error(format!(
-            "material.shininess must not be negative, is {shininess}"
-        )));
+        return Err(entry.error(format!("material.shininess must not be negative, is {shininess}")));
     }
     Ok(Material {
         albedo: share("material.albedo", material.albedo, grey.albedo)?,
@@ -197,32 +162,20 @@ fn material_of(
 }
 
 /// Drops the triangles of the materials that the model is to go without, and what is outside of its box.
-fn leave_out(
-    entry: &Entry,
-    model: &ModelEntry,
-    scene: &mut Scene,
-    mesh: usize,
-) -> Result<(), SceneError> {
+fn leave_out(entry: &Entry, model: &ModelEntry, scene: &mut Scene, mesh: usize) -> Result<(), SceneError> {
     let mesh = &mut scene.meshes[mesh];
     for name in &model.without_materials {
         let named = |material: u32| scene.materials[material as usize].name == *name;
         let before = mesh.triangles.len();
         mesh.retain_triangles(|mesh, i| !named(mesh.triangle_materials[i]));
         if mesh.triangles.len() == before {
-            return Err(entry.error(format!(
-                "without_materials: it has no triangles of material \"{name}\""
-            )));
+            return Err(entry.error(format!("without_materials: it has no triangles of material \"{name}\"")));
         }
     }
     if let Some(clip) = &model.clip {
-        let (min, max) = (
-            entry.vector("clip.min", clip.min)?,
-            entry.vector("clip.max", clip.max)?,
-        );
+        let (min, max) = (entry.vector("clip.min", clip.min)?, entry.vector("clip.max", clip.max)?);
         if !min.cmplt(max).all() {
-            return Err(entry.error(format!(
-                "clip.min must be below clip.max (min {min}, max {max})"
-            )));
+            return Err(entry.error(format!("clip.min must be below clip.max (min {min}, max {max})")));
         }
         clip_to_box(mesh, min, max);
     }

@@ -2,11 +2,12 @@
 //!
 //! In: image files. Out: [`Texture`]s with every mip level, filtered in linear light, and [`AlphaMask`]s.
 
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
-use image::{DynamicImage, RgbaImage};
+use image::{DynamicImage, ImageFormat, RgbaImage};
 
 use super::material::{AlphaMask, Texture};
 
@@ -19,11 +20,7 @@ const MAX_EXTENT: u32 = 16_384;
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let s = i as f32 / 255.0;
-        if s <= 0.04045 {
-            s / 12.92
-        } else {
-            ((s + 0.055) / 1.055).powf(2.4)
-        }
+        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
     })
 });
 
@@ -35,11 +32,7 @@ pub fn srgb_to_linear(encoded: u8) -> f32 {
 /// Encodes one linear channel, clamped to [0, 1], as 8-bit sRGB (IEC 61966-2-1).
 pub fn linear_to_srgb(linear: f32) -> u8 {
     let l = linear.clamp(0.0, 1.0);
-    let s = if l <= 0.003_130_8 {
-        l * 12.92
-    } else {
-        1.055 * l.powf(1.0 / 2.4) - 0.055
-    };
+    let s = if l <= 0.003_130_8 { l * 12.92 } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
     (s * 255.0 + 0.5) as u8
 }
 
@@ -57,21 +50,13 @@ impl Texture {
             let smaller = half(*w, *h, texels);
             levels.push(smaller);
         }
-        Self {
-            name: name.to_owned(),
-            levels,
-        }
+        Self { name: name.to_owned(), levels }
     }
 
     /// The stand-in for an image that could not be read: an 8 x 8 magenta and black checkerboard.
     pub fn missing(name: &str) -> Self {
-        let texels = (0..64).flat_map(|i| {
-            if (i % 8 + i / 8) % 2 == 0 {
-                [255, 0, 255, 255]
-            } else {
-                [0, 0, 0, 255]
-            }
-        });
+        let texels =
+            (0..64).flat_map(|i| if (i % 8 + i / 8) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] });
         Self::from_rgba8(name, 8, 8, texels.collect())
     }
 
@@ -80,21 +65,13 @@ impl Texture {
         let (width, height, texels) = &self.levels[0];
         let size = Vec2::new(*width as f32, *height as f32);
         let wrapped = uv - uv.floor();
-        let at = if wrapped.is_finite() {
-            wrapped * size - 0.5
-        } else {
-            Vec2::ZERO
-        };
+        let at = if wrapped.is_finite() { wrapped * size - 0.5 } else { Vec2::ZERO };
         let (base, frac) = (at.floor(), at - at.floor());
         let texel = |dx: i64, dy: i64| {
             let x = (base.x as i64 + dx).rem_euclid(i64::from(*width)) as usize;
             let y = (base.y as i64 + dy).rem_euclid(i64::from(*height)) as usize;
             let i = 4 * (y * *width as usize + x);
-            Vec3::new(
-                srgb_to_linear(texels[i]),
-                srgb_to_linear(texels[i + 1]),
-                srgb_to_linear(texels[i + 2]),
-            )
+            Vec3::new(srgb_to_linear(texels[i]), srgb_to_linear(texels[i + 1]), srgb_to_linear(texels[i + 2]))
         };
         let top = texel(0, 0).lerp(texel(1, 0), frac.x);
         let bottom = texel(0, 1).lerp(texel(1, 1), frac.x);
@@ -104,14 +81,19 @@ impl Texture {
 
 /// Reads and decodes an image; the error is half a sentence for a warning.
 pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
-    let reader =
-        image::ImageReader::open(path).map_err(|error| format!("could not be read ({error})"))?;
-    let reader = reader
-        .with_guessed_format()
-        .map_err(|error| format!("could not be read ({error})"))?;
-    let image = reader
-        .decode()
-        .map_err(|error| format!("could not be decoded ({error})"))?;
+    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let mut reader = image::ImageReader::new(Cursor::new(&bytes));
+    // TGA has no signature, so the name decides where the content does not.
+    if let Ok(format) = ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    let reader = reader.with_guessed_format().map_err(unreadable)?;
+    // The decoder fills what is missing of a JPEG with grey and says nothing.
+    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(&bytes) {
+        return Err("is truncated".into());
+    }
+    let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
     if image.width() == 0 || image.height() == 0 {
         return Err("is empty".into());
     }
@@ -119,6 +101,27 @@ pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
         return Err(format!("is larger than {MAX_EXTENT} x {MAX_EXTENT} texels"));
     }
     Ok(image)
+}
+
+/// Whether a JPEG (ITU-T T.81) reaches its end-of-image marker. Markers are walked segment by segment,
+/// because an embedded thumbnail has an end of its own.
+fn jpeg_is_complete(bytes: &[u8]) -> bool {
+    const END_OF_IMAGE: u8 = 0xd9;
+    let mut at = 2;
+    while let Some(&[mark, kind]) = bytes.get(at..at + 2).and_then(|pair| pair.first_chunk::<2>()) {
+        match (mark, kind) {
+            (0xff, END_OF_IMAGE) => return true,
+            // Entropy-coded data, stuffed bytes, fill bytes and markers without a length.
+            (..=0xfe, _) | (0xff, 0xff) => at += 1,
+            (0xff, 0x00..=0x01 | 0xd0..=0xd8) => at += 2,
+            (0xff, _) => {
+                let length =
+                    bytes.get(at + 2..at + 4).map_or(0, |l| usize::from(l[0]) << 8 | usize::from(l[1]));
+                at += 2 + length.max(2);
+            }
+        }
+    }
+    false
 }
 
 /// RGBA8 with sRGB-encoded colour; floating-point images, which are linear, are encoded.
@@ -129,12 +132,7 @@ pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
             RgbaImage::from_fn(linear.width(), linear.height(), |x, y| {
                 let [r, g, b, a] = linear.get_pixel(x, y).0;
                 let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-                image::Rgba([
-                    linear_to_srgb(r),
-                    linear_to_srgb(g),
-                    linear_to_srgb(b),
-                    alpha,
-                ])
+                image::Rgba([linear_to_srgb(r), linear_to_srgb(g), linear_to_srgb(b), alpha])
             })
         }
         _ => image.to_rgba8(),
@@ -165,11 +163,7 @@ impl AlphaMask {
         for (i, alpha) in opacity.iter().enumerate() {
             bits[i / 32] |= u32::from(there(alpha)) << (i % 32);
         }
-        Some(Self {
-            width,
-            height,
-            bits,
-        })
+        Some(Self { width, height, bits })
     }
 }
 
@@ -194,8 +188,7 @@ fn half(width: u32, height: u32, texels: &[u8]) -> (u32, u32, Vec<u8>) {
             for (sy, wy) in taps(y, height, h) {
                 for (sx, wx) in taps(x, width, w) {
                     let i = 4 * (sy as usize * width as usize + sx as usize);
-                    let texel =
-                        Vec3::from_array(std::array::from_fn(|c| srgb_to_linear(texels[i + c])));
+                    let texel = Vec3::from_array(std::array::from_fn(|c| srgb_to_linear(texels[i + c])));
                     let a = f32::from(texels[i + 3]) / 255.0;
                     colour += texel * (a * wx * wy);
                     plain += texel * (wx * wy);
@@ -216,11 +209,7 @@ mod tests {
 
     fn checkerboard(width: u32, height: u32) -> Texture {
         let texels = (0..width * height).flat_map(|i| {
-            let v = if (i % width + i / width) % 2 == 0 {
-                255
-            } else {
-                0
-            };
+            let v = if (i % width + i / width).is_multiple_of(2) { 255 } else { 0 };
             [v, v, v, 255]
         });
         Texture::from_rgba8("checkerboard", width, height, texels.collect())
@@ -229,18 +218,11 @@ mod tests {
     #[test]
     fn checkerboard_is_averaged_in_linear_light() {
         let texture = checkerboard(8, 8);
-        let sizes: Vec<_> = texture
-            .levels
-            .iter()
-            .map(|level| (level.0, level.1))
-            .collect();
+        let sizes: Vec<_> = texture.levels.iter().map(|level| (level.0, level.1)).collect();
         assert_eq!(sizes, [(8, 8), (4, 4), (2, 2), (1, 1)]);
         // Half of the light is 188 in sRGB, not 128.
         for level in &texture.levels[1..] {
-            assert!(
-                level.2.chunks(4).all(|texel| texel == [188, 188, 188, 255]),
-                "{level:?}"
-            );
+            assert!(level.2.chunks(4).all(|texel| texel == [188, 188, 188, 255]), "{level:?}");
         }
     }
 
@@ -250,25 +232,14 @@ mod tests {
             let texels = (0..width * height).flat_map(|i| [(i * 37 % 256) as u8, 0, 255, 255]);
             let texture = Texture::from_rgba8("odd", width, height, texels.collect());
             let mean = |level: &(u32, u32, Vec<u8>)| {
-                level
-                    .2
-                    .chunks(4)
-                    .map(|texel| srgb_to_linear(texel[0]))
-                    .sum::<f32>()
+                level.2.chunks(4).map(|texel| srgb_to_linear(texel[0])).sum::<f32>()
                     / (level.0 * level.1) as f32
             };
             let first = mean(&texture.levels[0]);
             for level in &texture.levels {
-                assert!(
-                    (mean(level) - first).abs() < 0.01,
-                    "{width}x{height}: {} {first}",
-                    mean(level)
-                );
+                assert!((mean(level) - first).abs() < 0.01, "{width}x{height}: {} {first}", mean(level));
             }
-            assert_eq!(
-                texture.levels.last().map(|level| (level.0, level.1)),
-                Some((1, 1))
-            );
+            assert_eq!(texture.levels.last().map(|level| (level.0, level.1)), Some((1, 1)));
         }
     }
 
@@ -283,36 +254,18 @@ mod tests {
     fn sampling_is_bilinear_and_repeats() {
         let texels = vec![0, 0, 0, 255, 255, 255, 255, 255];
         let texture = Texture::from_rgba8("two", 2, 1, texels);
-        for (u, expected) in [
-            (0.25, 0.0),
-            (0.75, 1.0),
-            (0.5, 0.5),
-            (0.0, 0.5),
-            (1.75, 1.0),
-            (-0.25, 1.0),
-        ] {
+        for (u, expected) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.0, 0.5), (1.75, 1.0), (-0.25, 1.0)] {
             let got = texture.sample(Vec2::new(u, 3.3)).x;
             assert!((got - expected).abs() < 1e-5, "{u}: {got}");
         }
-        assert!(
-            texture
-                .sample(Vec2::new(f32::NAN, f32::INFINITY))
-                .is_finite()
-        );
+        assert!(texture.sample(Vec2::new(f32::NAN, f32::INFINITY)).is_finite());
     }
 
     #[test]
     fn masks_hold_alpha_times_dissolve() {
         assert_eq!(AlphaMask::from_opacity(2, 1, &[255, 128], 1.0), None);
         let mask = AlphaMask::from_opacity(2, 1, &[255, 128], 0.9);
-        assert_eq!(
-            mask,
-            Some(AlphaMask {
-                width: 2,
-                height: 1,
-                bits: vec![1]
-            })
-        );
+        assert_eq!(mask, Some(AlphaMask { width: 2, height: 1, bits: vec![1] }));
         let hidden = AlphaMask::from_opacity(1, 1, &[255], 0.4);
         assert!(hidden.is_some_and(|mask| !mask.opaque_at(Vec2::splat(0.3))));
     }

@@ -28,25 +28,24 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Temporal set and pixel class of a slot. A row is a set's share of one turn of the classes: the
-    /// slots that are equal modulo the number of rows. From one turn to the next each row moves on by a
-    /// class; rows start at different ones, neighbouring rows and rows of one set alike.
+    /// Rows of slots: the slots that are equal modulo the number of rows. Each row belongs to one
+    /// temporal set and holds every pixel class once, where there are enough slots.
+    fn rows(&self) -> u32 {
+        self.sets * (self.slots / (self.sets * self.classes)).max(1)
+    }
+
+    /// Temporal set and pixel class of a slot. From slot to slot a row goes on by one class; rows start at
+    /// different ones, neighbouring rows and rows of one set alike.
     pub(super) fn cell(&self, slot: u32) -> (u32, u32) {
-        let (slot, classes) = (u64::from(slot), u64::from(self.classes));
-        let turn = u64::from(self.sets) * classes;
-        let rows = u64::from(self.sets) * u64::from(self.slots).div_ceil(turn).max(1);
-        let row = slot % rows;
-        let class = (slot / rows + row + row * classes / rows) % classes;
-        ((row % u64::from(self.sets)) as u32, class as u32)
+        let (rows, classes) = (u64::from(self.rows()), u64::from(self.classes));
+        let (row, column) = (u64::from(slot) % rows, u64::from(slot) / rows);
+        let class = (column + row + row * classes / rows) % classes;
+        (slot % self.sets, class as u32)
     }
 
     /// The slots to share out among the lights.
     pub(super) fn room(&self) -> Room {
-        Room {
-            slots: self.slots,
-            bounces: self.bounces,
-            seed: self.seed,
-        }
+        Room { slots: self.slots, bounces: self.bounces, seed: self.seed }
     }
 
     /// Seed of a light's sequence.
@@ -70,13 +69,7 @@ pub(super) struct Address {
     pub(super) parent: u32,
 }
 
-const UNUSED: Address = Address {
-    light: NONE,
-    path: 0,
-    bounce: 0,
-    sequence: 0,
-    parent: NONE,
-};
+const UNUSED: Address = Address { light: NONE, path: 0, bounce: 0, sequence: 0, parent: NONE };
 
 /// A deal of all slots.
 #[derive(Clone, Debug, Default)]
@@ -99,11 +92,7 @@ pub(super) struct Deal {
 
 impl Deal {
     pub(super) fn new(quota: Quota, layout: &Layout) -> Self {
-        let mut deal = Self {
-            addresses: vec![UNUSED; layout.slots as usize],
-            quota,
-            ..Self::default()
-        };
+        let mut deal = Self { addresses: vec![UNUSED; layout.slots as usize], quota, ..Self::default() };
         deal.start_paths(layout.bounces);
         deal.lay_out(layout.bounces);
         deal.spread_sequences(layout);
@@ -153,9 +142,8 @@ impl Deal {
     }
 
     fn lay_out(&mut self, bounces: u32) {
-        let lights: Vec<u32> = (0..self.quota.whole.len() as u32)
-            .filter(|&light| !self.light_paths(light).is_empty())
-            .collect();
+        let lights: Vec<u32> =
+            (0..self.quota.whole.len() as u32).filter(|&light| !self.light_paths(light).is_empty()).collect();
         let mut slot = 0;
         for bounce in 0..=bounces {
             for turn in 0..lights.len() {
@@ -189,16 +177,18 @@ impl Deal {
         }
     }
 
-    /// Any block of neighbours in a Sobol sequence is well spread, every k-th point is not: the paths of
-    /// one set, and within it of one class, get a block. A path that was cut short comes last, so that
-    /// which points lack their later bounces does not depend on sets and classes.
+    /// Any block of neighbours in a Sobol sequence is well spread, every k-th point is not. In the order
+    /// of the reversed bits of their row, the paths of one set are such a block, for every power of two
+    /// as T; and which point a slot has does not depend on T. A path that was cut short comes last, so
+    /// that which points lack their later bounces does not depend on T either.
     fn spread_sequences(&mut self, layout: &Layout) {
+        let rows = layout.rows();
         for light in 0..self.quota.whole.len() as u32 {
             let mut order: Vec<usize> = self.light_paths(light).collect();
             let whole = order.iter().map(|&path| self.path(path).len()).max();
             order.sort_by_key(|&path| {
                 let slots = self.path(path);
-                (Some(slots.len()) < whole, layout.cell(slots[0]), path)
+                (Some(slots.len()) < whole, (slots[0] % rows).reverse_bits(), path)
             });
             for (sequence, path) in order.into_iter().enumerate() {
                 for at in self.path_starts[path]..self.path_starts[path + 1] {
@@ -239,31 +229,15 @@ mod tests {
             3 => &[(3.0, 1), (100.0, 0), (0.0, 1), (0.5, 0), (7.0, 1)],
             _ => &[(1.0, 1); 16],
         };
-        let claim = |&(luminous_flux, first_bounce)| Claim {
-            luminous_flux,
-            first_bounce,
-        };
+        let claim = |&(luminous_flux, first_bounce)| Claim { luminous_flux, first_bounce };
         list.iter().map(claim).collect()
     }
 
     fn layouts() -> impl Iterator<Item = Layout> {
-        let sizes = [
-            (512, 2),
-            (513, 3),
-            (100, 16),
-            (37, 1),
-            (1000, 5),
-            (4096, 16),
-        ];
+        let sizes = [(512, 2), (513, 3), (100, 16), (37, 1), (1000, 5), (4096, 16)];
         let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
         sizes.into_iter().flat_map(move |(slots, bounces)| {
-            splits.into_iter().map(move |(sets, classes)| Layout {
-                slots,
-                bounces,
-                sets,
-                classes,
-                seed: 3,
-            })
+            splits.into_iter().map(move |(sets, classes)| Layout { slots, bounces, sets, classes, seed: 3 })
         })
     }
 
@@ -313,33 +287,24 @@ mod tests {
                     count[(set * layout.classes + class) as usize] += 1;
                 }
             }
-            let is_even = |counts: &[u32]| {
-                counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0) <= 1
-            };
+            let spread =
+                |counts: &[u32]| counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0);
             for (what, cells) in counts {
                 let sets = cells.chunks(layout.classes as usize);
                 let sets: Vec<u32> = sets.map(|set| set.iter().sum()).collect();
-                assert!(is_even(&sets), "{what:?} {layout:?} {sets:?}");
-                assert!(is_even(&cells), "{what:?} {layout:?} {cells:?}");
+                assert!(spread(&sets) <= 1, "{what:?} {layout:?} {sets:?}");
+                assert!(spread(&cells) <= 4, "{what:?} {layout:?} {cells:?}");
             }
         });
     }
 
     #[test]
     fn lights_change_sets_from_bounce_to_bounce() {
-        let layout = Layout {
-            slots: 64,
-            bounces: 4,
-            sets: 16,
-            classes: 1,
-            seed: 0,
-        };
+        let layout = Layout { slots: 64, bounces: 4, sets: 16, classes: 1, seed: 0 };
         let (quota, _) = deal_quota(&claims(4), layout.room());
         let deal = Deal::new(quota, &layout);
         for set in 0..16 {
-            let mut lights: Vec<u32> = (0..4)
-                .map(|bounce| deal.addresses[bounce * 16 + set].light)
-                .collect();
+            let mut lights: Vec<u32> = (0..4).map(|bounce| deal.addresses[bounce * 16 + set].light).collect();
             lights.sort_unstable();
             lights.dedup();
             assert_eq!(lights.len(), 4);
@@ -347,21 +312,29 @@ mod tests {
     }
 
     #[test]
-    fn each_cell_has_a_block_of_the_sequence() {
+    fn each_set_has_a_block_of_the_sequence() {
         for_all_deals(|deal, layout| {
+            if !layout.rows().is_power_of_two() {
+                return;
+            }
             for light in 0..deal.quota.whole.len() as u32 {
-                let mut sequences: Vec<(u32, (u32, u32))> = deal
+                let whole = deal.light_paths(light).map(|path| deal.path(path).len()).max();
+                // A path that was cut short has the last point, whatever its cell.
+                let mut sequences: Vec<(u32, u32)> = deal
                     .light_paths(light)
+                    .filter(|&path| Some(deal.path(path).len()) == whole)
                     .map(|path| {
                         let slot = deal.path(path)[0];
                         let address = &deal.addresses[slot as usize];
-                        (address.sequence, layout.cell(slot))
+                        (address.sequence, layout.cell(slot).0)
                     })
                     .collect();
                 sequences.sort_unstable();
                 let indices = sequences.iter().map(|entry| entry.0);
                 assert!(indices.eq(0..sequences.len() as u32), "a permutation");
-                assert!(sequences.is_sorted_by_key(|entry| entry.1), "in blocks");
+                let blocks = sequences.chunk_by(|a, b| a.1 == b.1).count();
+                sequences.sort_unstable_by_key(|entry| entry.1);
+                assert_eq!(blocks, sequences.chunk_by(|a, b| a.1 == b.1).count(), "one block a set");
             }
         });
     }

@@ -25,19 +25,9 @@ pub(super) struct Emitter {
 /// Where a light's paths start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
-    Point {
-        position: Vec3,
-    },
-    Spot {
-        position: Vec3,
-        frame: Frame,
-        cone: SpotCone,
-        outer_angle: f32,
-    },
-    Directional {
-        frame: Frame,
-        disc: FocusedDisc,
-    },
+    Point { position: Vec3 },
+    Spot { position: Vec3, frame: Frame, cone: SpotCone, outer_angle: f32 },
+    Directional { frame: Frame, disc: FocusedDisc },
     Area(AreaTable),
 }
 
@@ -45,32 +35,19 @@ impl Emitter {
     /// `disc` is where a directional light's paths start, whatever its direction.
     pub(super) fn new(world: World<'_>, light: &Light, disc: &FocusedDisc) -> Self {
         let source = match &light.kind {
-            LightKind::Point { .. } => Source::Point {
-                position: light.position,
-            },
-            LightKind::Spot {
-                inner_angle,
-                outer_angle,
-                ..
-            } => Source::Spot {
+            LightKind::Point { .. } => Source::Point { position: light.position },
+            LightKind::Spot { inner_angle, outer_angle, .. } => Source::Spot {
                 position: light.position,
                 frame: Frame::around(light.direction),
                 cone: SpotCone::new(*inner_angle, *outer_angle),
                 outer_angle: *outer_angle,
             },
-            LightKind::Directional { .. } => Source::Directional {
-                frame: Frame::around(light.direction),
-                disc: *disc,
-            },
-            LightKind::Area {
-                instance,
-                triangles,
-            } => {
+            LightKind::Directional { .. } => {
+                Source::Directional { frame: Frame::around(light.direction), disc: *disc }
+            }
+            LightKind::Area { instance, triangles } => {
                 let (flux, table) = AreaTable::new(world, *instance, triangles);
-                return Self {
-                    flux,
-                    source: Source::Area(table),
-                };
+                return Self { flux, source: Source::Area(table) };
             }
         };
         let flux = light.flux(world.scene, world.pose, &disc.bounds);
@@ -98,12 +75,7 @@ impl Emitter {
         let mut weight = 1.0;
         let (origin, direction) = match &self.source {
             Source::Point { position } => (*position, sampling::sphere(u)),
-            Source::Spot {
-                position,
-                frame,
-                cone,
-                ..
-            } => (*position, frame.to_world(cone.sample(u))),
+            Source::Spot { position, frame, cone, .. } => (*position, frame.to_world(cone.sample(u))),
             Source::Directional { frame, disc } => {
                 let (place, density_weight) = disc.sample(u);
                 weight = density_weight;
@@ -113,12 +85,7 @@ impl Emitter {
             }
             Source::Area(_) => return None,
         };
-        let ray = Ray {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        };
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         Some((ray, weight))
     }
 }
@@ -127,12 +94,7 @@ impl Source {
     /// Whether the light sends anything towards the world position `point`, were nothing between.
     pub(super) fn shines_on(&self, point: Vec3) -> bool {
         match self {
-            Self::Spot {
-                position,
-                frame,
-                outer_angle,
-                ..
-            } => {
+            Self::Spot { position, frame, outer_angle, .. } => {
                 let to_point = point - *position;
                 let sine = frame.normal.cross(to_point).length();
                 // Exact for narrow cones too, where the cosine has few digits.
@@ -226,8 +188,7 @@ fn running_shares(powers: &[DVec3]) -> Vec<f32> {
 fn world_area(world: World<'_>, instance: usize, triangle: u32) -> f64 {
     let mesh = &world.scene.meshes[world.scene.instances[instance].mesh];
     let transform = &world.pose.instances[instance];
-    let [a, b, c] = mesh
-        .triangle_positions(triangle)
-        .map(|corner| transform.transform_point3(corner).as_dvec3());
+    let [a, b, c] =
+        mesh.triangle_positions(triangle).map(|corner| transform.transform_point3(corner).as_dvec3());
     0.5 * (b - a).cross(c - a).length()
 }

@@ -37,14 +37,8 @@ pub(super) fn focus_at_rest(scene: &Scene) -> Option<BoundingSphere> {
         quantile(values, 0.5)
     };
     let center = Vec3::new(median(0), median(1), median(2));
-    let distances = middles
-        .iter()
-        .map(|middle| middle.distance(center))
-        .collect();
-    Some(BoundingSphere {
-        center,
-        radius: quantile(distances, 0.9),
-    })
+    let distances = middles.iter().map(|middle| middle.distance(center)).collect();
+    Some(BoundingSphere { center, radius: quantile(distances, 0.9) })
 }
 
 fn quantile(mut values: Vec<f32>, part: f32) -> f32 {
@@ -66,19 +60,10 @@ impl FocusedDisc {
     pub(super) fn new(bounds: &BoundingSphere, focus: Option<&BoundingSphere>) -> Self {
         let narrow = focus.filter(|f| f.radius > 0.0 && f.radius < 0.5 * bounds.radius);
         let Some(focus) = narrow else {
-            return Self {
-                bounds: *bounds,
-                core: bounds.radius,
-            };
+            return Self { bounds: *bounds, core: bounds.radius };
         };
         let radius = bounds.radius + bounds.center.distance(focus.center);
-        Self {
-            bounds: BoundingSphere {
-                center: focus.center,
-                radius,
-            },
-            core: focus.radius,
-        }
+        Self { bounds: BoundingSphere { center: focus.center, radius }, core: focus.radius }
     }
 
     /// Share of the points that fall into the core.
@@ -101,11 +86,8 @@ impl FocusedDisc {
         let share = self.core_share();
         let inside = even.length_squared();
         // The radius in units of the core's, by the inverse of its distribution.
-        let radius = if inside <= share {
-            (inside / share).sqrt()
-        } else {
-            (0.5 * (inside / share - 1.0)).exp()
-        };
+        let radius =
+            if inside <= share { (inside / share).sqrt() } else { (0.5 * (inside / share - 1.0)).exp() };
         let direction = even.normalize_or_zero();
         let place = direction * (radius * self.core / self.bounds.radius);
         (place, self.worth() * radius.max(1.0).powi(2))
@@ -118,10 +100,7 @@ mod tests {
 
     #[test]
     fn weights_make_up_for_density() {
-        let sphere = |radius| BoundingSphere {
-            center: Vec3::ZERO,
-            radius,
-        };
+        let sphere = |radius| BoundingSphere { center: Vec3::ZERO, radius };
         for core in [0.01, 0.1, 0.4, 0.9] {
             let disc = FocusedDisc::new(&sphere(1.0), Some(&sphere(core)));
             let mut flux = [0.0f64; 16];
@@ -136,21 +115,10 @@ mod tests {
                 assert!(p.length() < 1.0 + 1e-5);
             }
             for flux in flux {
-                assert!(
-                    (flux * 16.0 - 1.0).abs() < 0.02,
-                    "core {core}: {}",
-                    flux * 16.0
-                );
+                assert!((flux * 16.0 - 1.0).abs() < 0.02, "core {core}: {}", flux * 16.0);
             }
-            let expected = if core < 0.5 {
-                1.0 / (1.0 - 2.0 * core.ln())
-            } else {
-                core * core
-            };
-            assert!(
-                (in_core as f32 / points as f32 - expected).abs() < 0.01,
-                "core {core}"
-            );
+            let expected = if core < 0.5 { 1.0 / (1.0 - 2.0 * core.ln()) } else { core * core };
+            assert!((in_core as f32 / points as f32 - expected).abs() < 0.01, "core {core}");
         }
     }
 }

@@ -61,10 +61,7 @@ impl VplManager {
         let deal = Deal::new(quota, &self.layout);
         let old = std::mem::replace(&mut self.deal, deal);
         let (slots, surfaces) = (self.slots.clone(), self.surfaces.clone());
-        let mut lost = slots
-            .iter()
-            .filter(|slot| slot.state != SlotState::Invalid)
-            .count();
+        let mut lost = slots.iter().filter(|slot| slot.state != SlotState::Invalid).count();
         for (index, address) in self.deal.addresses.iter().enumerate() {
             let before = match address.light {
                 NONE => None,
@@ -125,13 +122,7 @@ impl VplManager {
             .collect();
         let rays: Vec<Ray> = tests
             .iter()
-            .filter_map(|test| {
-                if let Test::Free(ray) = test {
-                    Some(*ray)
-                } else {
-                    None
-                }
-            })
+            .filter_map(|test| if let Test::Free(ray) = test { Some(*ray) } else { None })
             .collect();
         let mut occluded = world.bvh.occluded_batch(&rays).into_iter();
         // Judge in slot order, so that a parent's end reaches all that come after it.
@@ -182,9 +173,7 @@ impl VplManager {
             return Test::Keep;
         }
         match slot.state {
-            SlotState::Escaped => self
-                .ray_of(index as u32)
-                .map_or(Test::Keep, |(ray, _)| Test::Free(ray)),
+            SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, |(ray, _)| Test::Free(ray)),
             _ if address.bounce == 0 => self.test_on_light(slot, address),
             _ if slot.fresh => self.ray_of(index as u32).map_or(Test::Lose, |(ray, _)| {
                 let t_max = slot.t * BEFORE_HIT;
@@ -196,9 +185,7 @@ impl VplManager {
 
     fn test_on_light(&self, slot: &Slot, address: &Address) -> Test {
         match &self.watch.emitters[address.light as usize].source {
-            Source::Area(table)
-                if table.instance == slot.instance && table.glows(slot.point.triangle) =>
-            {
+            Source::Area(table) if table.instance == slot.instance && table.glows(slot.point.triangle) => {
                 Test::Keep
             }
             _ => Test::Lose,
@@ -210,12 +197,7 @@ impl VplManager {
     fn test_segment(&self, surface: &WorldSurface, address: &Address) -> Test {
         let radius = self.watch.bounds.radius;
         let end = surface.offset_position(radius);
-        let towards = |origin| Ray {
-            origin,
-            direction: end - origin,
-            t_min: 0.0,
-            t_max: 1.0,
-        };
+        let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
         if address.parent != NONE {
             let parent = &self.surfaces[address.parent as usize];
             let along = surface.position - parent.position;
@@ -229,12 +211,9 @@ impl VplManager {
         let source = &self.watch.emitters[address.light as usize].source;
         let ray = match source {
             Source::Point { position } | Source::Spot { position, .. } => towards(*position),
-            Source::Directional { frame, .. } => Ray {
-                origin: end,
-                direction: -frame.normal,
-                t_min: 0.0,
-                t_max: f32::INFINITY,
-            },
+            Source::Directional { frame, .. } => {
+                Ray { origin: end, direction: -frame.normal, t_min: 0.0, t_max: f32::INFINITY }
+            }
             Source::Area(_) => return Test::Lose,
         };
         let arrives = match source {

@@ -158,11 +158,7 @@ impl VplManager {
             watch,
             shares,
         };
-        let whole = |path| Unit {
-            path,
-            start: 0,
-            end: manager.deal.path(path).len(),
-        };
+        let whole = |path| Unit { path, start: 0, end: manager.deal.path(path).len() };
         let units: Vec<Unit> = (0..manager.deal.paths()).map(whole).collect();
         manager.shoot(world, &units);
         manager.count();
@@ -190,8 +186,7 @@ impl VplManager {
     /// Takes stock of all slots.
     fn count(&mut self) {
         self.live.clear();
-        self.live
-            .resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
+        self.live.resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
         self.pending = 0;
         let (mut valid, mut escaped) = (0, 0);
         for (slot, address) in self.slots.iter().zip(&self.deal.addresses) {

@@ -52,14 +52,11 @@ impl Quota {
     pub(super) fn lengths(&self, light: usize, bounces: u32) -> impl Iterator<Item = u32> + '_ {
         let whole = self.whole_length(light, bounces);
         let cuts = self.cuts.iter().filter(move |cut| cut.0 == light as u32);
-        (0..self.whole[light])
-            .map(move |_| whole)
-            .chain(cuts.map(|cut| cut.1))
+        (0..self.whole[light]).map(move |_| whole).chain(cuts.map(|cut| cut.1))
     }
 
     fn used(&self, bounces: u32) -> u32 {
-        let whole = (0..self.whole.len())
-            .map(|light| self.whole[light] * self.whole_length(light, bounces));
+        let whole = (0..self.whole.len()).map(|light| self.whole[light] * self.whole_length(light, bounces));
         whole.sum::<u32>() + self.cuts.iter().map(|cut| cut.1).sum::<u32>()
     }
 }
@@ -77,10 +74,7 @@ pub(super) fn deal_quota(claims: &[Claim], room: Room) -> (Quota, Shares) {
     if chosen.is_empty() || room.slots == 0 {
         return (quota, shares);
     }
-    let least: u32 = chosen
-        .iter()
-        .map(|&light| quota.whole_length(light, room.bounces))
-        .sum();
+    let least: u32 = chosen.iter().map(|&light| quota.whole_length(light, room.bounces)).sum();
     if least <= room.slots {
         apportion(&mut quota, &weights, room);
     } else {
@@ -99,11 +93,7 @@ fn weights(claims: &[Claim]) -> Vec<f64> {
         .iter()
         .map(|claim| {
             let share = flux(claim) / total;
-            if share > 0.0 && share.is_finite() {
-                (share * STEPS).round().max(1.0) / STEPS
-            } else {
-                0.0
-            }
+            if share > 0.0 && share.is_finite() { (share * STEPS).round().max(1.0) / STEPS } else { 0.0 }
         })
         .collect()
 }
@@ -111,9 +101,8 @@ fn weights(claims: &[Claim]) -> Vec<f64> {
 /// At least one path each, the rest in proportion to the weights by largest remainder.
 fn apportion(quota: &mut Quota, weights: &[f64], room: Room) {
     let lights = weights.len();
-    let length: Vec<f64> = (0..lights)
-        .map(|light| f64::from(quota.whole_length(light, room.bounces)))
-        .collect();
+    let length: Vec<f64> =
+        (0..lights).map(|light| f64::from(quota.whole_length(light, room.bounces))).collect();
     // Give one path to each light whose proportional part is less, until all others get more.
     let mut open: Vec<usize> = (0..lights).filter(|&l| weights[l] > 0.0).collect();
     let mut slots_left = f64::from(room.slots);
@@ -181,11 +170,7 @@ fn draw_lots(quota: &mut Quota, shares: &mut Shares, weights: &[f64], room: Room
             let reached = |length: u32| f64::from(u8::from(length > bounce - first));
             let expected = weights[light] / total * (f64::from(paths - 1) + reached(cut_length));
             let drawn: f64 = quota.lengths(light, room.bounces).map(reached).sum();
-            shares[bounce as usize] = if expected > 0.0 {
-                (drawn / expected) as f32
-            } else {
-                0.0
-            };
+            shares[bounce as usize] = if expected > 0.0 { (drawn / expected) as f32 } else { 0.0 };
         }
     }
 }
@@ -217,19 +202,12 @@ mod tests {
     use super::*;
 
     fn claims(list: &[(f32, u32)]) -> Vec<Claim> {
-        let claim = |&(luminous_flux, first_bounce)| Claim {
-            luminous_flux,
-            first_bounce,
-        };
+        let claim = |&(luminous_flux, first_bounce)| Claim { luminous_flux, first_bounce };
         list.iter().map(claim).collect()
     }
 
     fn deal(list: &[(f32, u32)], slots: u32, bounces: u32, seed: u32) -> (Quota, Shares) {
-        let room = Room {
-            slots,
-            bounces,
-            seed,
-        };
+        let room = Room { slots, bounces, seed };
         let (quota, shares) = deal_quota(&claims(list), room);
         assert_eq!(quota.used(bounces), slots);
         (quota, shares)

@@ -42,10 +42,7 @@ impl VplManager {
         let units = self.plan();
         self.shoot(world, &units);
         self.count();
-        units
-            .iter()
-            .map(|unit| (unit.end - unit.start) as u32)
-            .sum()
+        units.iter().map(|unit| (unit.end - unit.start) as u32).sum()
     }
 
     fn plan(&mut self) -> Vec<Unit> {
@@ -74,10 +71,7 @@ impl VplManager {
                 units.push(Unit { path, start, end });
                 left -= end - start;
                 if end < length {
-                    cursor = Cursor {
-                        path,
-                        resume: Some(end),
-                    };
+                    cursor = Cursor { path, resume: Some(end) };
                 }
             }
             self.cursors[turn] = cursor;
@@ -89,12 +83,7 @@ impl VplManager {
     /// where it stopped, even if its beginning is stale again: else a light that keeps moving would
     /// starve the ends of all paths. Once the world stands still it starts over, so that no shot is lost.
     fn start_of(&self, path: usize, wanted: Wanted, resume: Option<usize>) -> Option<usize> {
-        let slots = || {
-            self.deal
-                .path(path)
-                .iter()
-                .map(|&slot| &self.slots[slot as usize])
-        };
+        let slots = || self.deal.path(path).iter().map(|&slot| &self.slots[slot as usize]);
         if !slots().any(|slot| wanted.is(slot)) {
             return None;
         }

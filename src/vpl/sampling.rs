@@ -88,10 +88,7 @@ impl SpotCone {
     /// Half angles in radians.
     pub(super) fn new(inner_angle: f32, outer_angle: f32) -> Self {
         let one_minus_cos = |angle: f32| 2.0 * (0.5 * f64::from(angle)).sin().powi(2);
-        Self {
-            inner: one_minus_cos(inner_angle),
-            outer: one_minus_cos(outer_angle),
-        }
+        Self { inner: one_minus_cos(inner_angle), outer: one_minus_cos(outer_angle) }
     }
 
     /// A direction about +z in proportion to the emission.
@@ -106,11 +103,7 @@ impl SpotCone {
         };
         let sin_theta = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt() as f32;
         let (sin, cos) = (TAU * u.y).sin_cos();
-        Vec3::new(
-            sin_theta * cos,
-            sin_theta * sin,
-            (1.0 - one_minus_cos) as f32,
-        )
+        Vec3::new(sin_theta * cos, sin_theta * sin, (1.0 - one_minus_cos) as f32)
     }
 }
 
@@ -129,11 +122,7 @@ fn inverse_falloff(mass: f64) -> f64 {
         }
         let slope = 1.0 - 3.0 * x * x + 2.0 * x.powi(3);
         let step = x - error / slope;
-        let next = if step > low && step < high {
-            step
-        } else {
-            0.5 * (low + high)
-        };
+        let next = if step > low && step < high { step } else { 0.5 * (low + high) };
         if (next - x).abs() < 1e-12 {
             return next;
         }
@@ -169,11 +158,7 @@ impl Frame {
         };
         // Unit vectors are unit up to rounding only.
         let tangent = (turned - normal * turned.dot(normal)).normalize();
-        Self {
-            tangent,
-            bitangent: normal.cross(tangent),
-            normal,
-        }
+        Self { tangent, bitangent: normal.cross(tangent), normal }
     }
 
     /// From this frame to the world.
@@ -220,22 +205,12 @@ mod tests {
     #[test]
     fn directions_follow_their_densities() {
         let sphere = points().map(sphere);
-        assert_uniform(
-            "sphere",
-            sphere.map(|v| Vec2::new(turn(v), v.z * 0.5 + 0.5)),
-        );
+        assert_uniform("sphere", sphere.map(|v| Vec2::new(turn(v), v.z * 0.5 + 0.5)));
         let cosine = points().map(cosine_hemisphere);
         assert_uniform("cosine", cosine.map(|v| Vec2::new(turn(v), v.z * v.z)));
         let disc = points().map(disc);
-        assert_uniform(
-            "disc",
-            disc.map(|p| Vec2::new(turn(p.extend(0.0)), p.length_squared())),
-        );
-        assert!(
-            points()
-                .map(super::sphere)
-                .all(|v| (v.length() - 1.0).abs() < 1e-6)
-        );
+        assert_uniform("disc", disc.map(|p| Vec2::new(turn(p.extend(0.0)), p.length_squared())));
+        assert!(points().map(super::sphere).all(|v| (v.length() - 1.0).abs() < 1e-6));
     }
 
     #[test]
@@ -250,13 +225,7 @@ mod tests {
 
     #[test]
     fn spots_follow_their_falloff() {
-        for (inner, outer) in [
-            (0.2f32, 0.5f32),
-            (0.0, 1.0),
-            (1.0, 3.0),
-            (0.002, 0.004),
-            (0.7, 0.70001),
-        ] {
+        for (inner, outer) in [(0.2f32, 0.5f32), (0.0, 1.0), (1.0, 3.0), (0.002, 0.004), (0.7, 0.70001)] {
             let cone = SpotCone::new(inner, outer);
             // The integral of the emission from the axis down to 1 - cos = x.
             let (near, falloff) = (cone.inner, cone.outer - cone.inner);
@@ -266,19 +235,14 @@ mod tests {
             };
             let bins = 64;
             let edge = |bin: usize| cone.outer * bin as f64 / bins as f64;
-            let shares: Vec<f64> = (0..bins)
-                .map(|bin| (mass(edge(bin + 1)) - mass(edge(bin))) / mass(cone.outer))
-                .collect();
+            let shares: Vec<f64> =
+                (0..bins).map(|bin| (mass(edge(bin + 1)) - mass(edge(bin))) / mass(cone.outer)).collect();
             let mut counts = vec![0; bins];
             for v in points().map(|u| cone.sample(u)) {
                 // 1 - cos by the sine, which narrow cones keep exact.
                 let sin2 = f64::from(v.x).powi(2) + f64::from(v.y).powi(2);
                 let cos = f64::from(v.z);
-                let x = if cos > 0.0 {
-                    sin2 / (1.0 + cos)
-                } else {
-                    1.0 - cos
-                };
+                let x = if cos > 0.0 { sin2 / (1.0 + cos) } else { 1.0 - cos };
                 assert!(x < cone.outer * 1.001);
                 counts[((x / cone.outer * bins as f64) as usize).min(bins - 1)] += 1;
             }

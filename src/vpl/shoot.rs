@@ -41,9 +41,7 @@ impl VplManager {
     pub(super) fn shoot(&mut self, world: World<'_>, units: &[Unit]) {
         let last = units.iter().map(|unit| unit.end).max().unwrap_or(0);
         for level in 0..last {
-            let wave = units
-                .iter()
-                .filter(|unit| (unit.start..unit.end).contains(&level));
+            let wave = units.iter().filter(|unit| (unit.start..unit.end).contains(&level));
             let jobs: Vec<u32> = wave.map(|unit| self.deal.path(unit.path)[level]).collect();
             self.shoot_wave(world, &jobs);
             self.end_escaped_paths(units, level);
@@ -54,21 +52,12 @@ impl VplManager {
     fn shoot_wave(&mut self, world: World<'_>, jobs: &[u32]) {
         // Aim.
         let this = &*self;
-        let aims: Vec<Aim> = jobs
-            .par_iter()
-            .with_min_len(SLOTS_PER_TASK)
-            .map(|&slot| this.aim(slot))
-            .collect();
+        let aims: Vec<Aim> =
+            jobs.par_iter().with_min_len(SLOTS_PER_TASK).map(|&slot| this.aim(slot)).collect();
         // Trace.
         let rays: Vec<Ray> = aims
             .iter()
-            .filter_map(|aim| {
-                if let Aim::Trace(ray, _) = aim {
-                    Some(*ray)
-                } else {
-                    None
-                }
-            })
+            .filter_map(|aim| if let Aim::Trace(ray, _) = aim { Some(*ray) } else { None })
             .collect();
         let mut hits = world.bvh.intersect_batch(&rays).into_iter();
         let traced: Vec<Option<Hit>> = aims
@@ -105,8 +94,7 @@ impl VplManager {
     }
 
     /// The ray that shooting `slot` again would trace now, and the weight of what it carries; none if its
-    /// path has ended before, or would end on its parent's
-    /// surface. Not for slots that lie on their light.
+    /// path has ended before, or would end on its parent's surface. Not for slots that lie on their light.
     pub(super) fn ray_of(&self, slot: u32) -> Option<(Ray, f32)> {
         let address = &self.deal.addresses[slot as usize];
         let emitter = &self.watch.emitters[address.light as usize];
@@ -131,13 +119,7 @@ impl VplManager {
         (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
     }
 
-    fn land(
-        &self,
-        world: World<'_>,
-        slot: u32,
-        aim: &Aim,
-        hit: Option<Hit>,
-    ) -> (Slot, WorldSurface) {
+    fn land(&self, world: World<'_>, slot: u32, aim: &Aim, hit: Option<Hit>) -> (Slot, WorldSurface) {
         let parent = self.deal.addresses[slot as usize].parent;
         let (fresh, carried) = match parent {
             NONE => (true, Vec3::ONE),
@@ -159,10 +141,7 @@ impl VplManager {
             (Aim::Trace(ray, _), Some(hit)) => (hit, Side::Facing(ray.direction)),
             _ => return (Slot::escaped(fresh), WorldSurface::default()),
         };
-        let point = SurfacePoint {
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
-        };
+        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let mut found = surface::find(world, hit.instance, point, side);
         let throughput = if let Aim::Start(_, _, weight) = aim {
             // The light's own surface emits about the flat triangle's normal.
@@ -171,14 +150,8 @@ impl VplManager {
         } else {
             let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
             let material = mesh.triangle_materials[hit.triangle as usize];
-            let weight = if let Aim::Trace(_, weight) = aim {
-                *weight
-            } else {
-                1.0
-            };
-            carried
-                * weight
-                * world.scene.materials[material as usize].albedo_at(world.scene, found.uv)
+            let weight = if let Aim::Trace(_, weight) = aim { *weight } else { 1.0 };
+            carried * weight * world.scene.materials[material as usize].albedo_at(world.scene, found.uv)
         };
         let filled = Slot {
             state: SlotState::Valid,
@@ -194,10 +167,7 @@ impl VplManager {
 
     /// What comes after an escaped slot has escaped too, even where the budget cuts the unit before it.
     fn end_escaped_paths(&mut self, units: &[Unit], level: usize) {
-        for unit in units
-            .iter()
-            .filter(|unit| (unit.start..unit.end).contains(&level))
-        {
+        for unit in units.iter().filter(|unit| (unit.start..unit.end).contains(&level)) {
             let (path, slots) = (self.deal.path(unit.path), &mut self.slots);
             let shot = slots[path[level] as usize];
             if shot.state == SlotState::Escaped {

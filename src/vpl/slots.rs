@@ -42,21 +42,14 @@ impl Slot {
         fresh: false,
         front: true,
         instance: 0,
-        point: SurfacePoint {
-            triangle: 0,
-            barycentrics: Vec2::ZERO,
-        },
+        point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         t: 0.0,
         throughput: Vec3::ZERO,
     };
 
     /// A slot whose path has left the scene.
     pub(super) fn escaped(fresh: bool) -> Self {
-        Self {
-            state: SlotState::Escaped,
-            fresh,
-            ..Self::INVALID
-        }
+        Self { state: SlotState::Escaped, fresh, ..Self::INVALID }
     }
 }
 

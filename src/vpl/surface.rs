@@ -64,21 +64,9 @@ pub(super) fn find(world: World<'_>, instance: u32, point: SurfacePoint, side: S
     let geometric_normal = front_normal * sign;
     let shading = world_normal(transform, local.normal, front_normal) * sign;
     // A vertex normal that points into the surface says nothing.
-    let normal = if shading.dot(geometric_normal) > 0.0 {
-        shading
-    } else {
-        geometric_normal
-    };
+    let normal = if shading.dot(geometric_normal) > 0.0 { shading } else { geometric_normal };
     let position = transform.transform_point3(local.position);
-    Found {
-        front,
-        surface: WorldSurface {
-            position,
-            geometric_normal,
-            normal,
-        },
-        uv: local.uv,
-    }
+    Found { front, surface: WorldSurface { position, geometric_normal, normal }, uv: local.uv }
 }
 
 /// Normals transform by the inverse transpose, up to its length the signed cofactor matrix, which

@@ -42,10 +42,8 @@ impl VplManager {
     /// Luminous flux of the valid VPLs of each temporal set, and of each pixel class over all sets.
     pub fn flux_by_cell(&self) -> CellFlux {
         let layout = &self.layout;
-        let mut flux = CellFlux {
-            sets: vec![0.0; layout.sets as usize],
-            classes: vec![0.0; layout.classes as usize],
-        };
+        let mut flux =
+            CellFlux { sets: vec![0.0; layout.sets as usize], classes: vec![0.0; layout.classes as usize] };
         for set in 0..layout.sets {
             for class in 0..layout.classes {
                 let cell: f32 = self
@@ -69,25 +67,21 @@ impl VplManager {
 
     /// All slots, for tests and debug views.
     pub fn slots(&self) -> impl Iterator<Item = SlotView> + '_ {
-        self.deal
-            .addresses
-            .iter()
-            .enumerate()
-            .map(|(index, address)| {
-                let (slot, surface) = (&self.slots[index], &self.surfaces[index]);
-                SlotView {
-                    slot: index as u32,
-                    state: slot.state,
-                    light: (address.light != NONE).then_some(address.light),
-                    path: address.path,
-                    bounce: address.bounce,
-                    parent: (address.parent != NONE).then_some(address.parent),
-                    position: surface.position,
-                    normal: surface.normal,
-                    flux: self.flux(index),
-                    stale: address.light != NONE && !slot.fresh,
-                }
-            })
+        self.deal.addresses.iter().enumerate().map(|(index, address)| {
+            let (slot, surface) = (&self.slots[index], &self.surfaces[index]);
+            SlotView {
+                slot: index as u32,
+                state: slot.state,
+                light: (address.light != NONE).then_some(address.light),
+                path: address.path,
+                bounce: address.bounce,
+                parent: (address.parent != NONE).then_some(address.parent),
+                position: surface.position,
+                normal: surface.normal,
+                flux: self.flux(index),
+                stale: address.light != NONE && !slot.fresh,
+            }
+        })
     }
 
     fn gpu_vpl(&self, world: World<'_>, index: usize) -> Option<GpuVpl> {

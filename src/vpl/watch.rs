@@ -43,10 +43,7 @@ impl Watch {
         let focus = focus_at_rest(world.scene);
         let disc = FocusedDisc::new(&bounds, focus.as_ref());
         let lights = world.pose.lights.clone();
-        let emitters: Vec<_> = lights
-            .iter()
-            .map(|light| Emitter::new(world, light, &disc))
-            .collect();
+        let emitters: Vec<_> = lights.iter().map(|light| Emitter::new(world, light, &disc)).collect();
         Self {
             light_changed: vec![false; lights.len()],
             moved: vec![false; world.pose.instances.len()],
@@ -170,8 +167,5 @@ fn stepped_bounds(rest: &BoundingSphere, (min, max): (Vec3, Vec3)) -> BoundingSp
     let needed = farthest.length() / rest.radius;
     // At rest the two differ by rounding only, which must not cost a step.
     let steps = ((needed / 1.001).ln() / STEP.ln()).ceil().max(0.0);
-    BoundingSphere {
-        center: rest.center,
-        radius: 1.001 * rest.radius * STEP.powf(steps),
-    }
+    BoundingSphere { center: rest.center, radius: 1.001 * rest.radius * STEP.powf(steps) }
 }

@@ -46,21 +46,13 @@ impl Access {
             Self::TransferRead => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false),
             Self::TransferWrite => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true),
             Self::ComputeRead => (S::COMPUTE_SHADER, shader_reads, read_layout, false),
-            Self::ComputeWrite => (
-                S::COMPUTE_SHADER,
-                A::SHADER_STORAGE_READ | A::SHADER_STORAGE_WRITE,
-                L::GENERAL,
-                true,
-            ),
-            Self::GraphicsRead => {
-                (S::VERTEX_SHADER | S::FRAGMENT_SHADER, shader_reads, read_layout, false)
+            Self::ComputeWrite => {
+                (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ | A::SHADER_STORAGE_WRITE, L::GENERAL, true)
             }
-            Self::VertexRead => (
-                S::VERTEX_INPUT,
-                A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ,
-                L::UNDEFINED,
-                false,
-            ),
+            Self::GraphicsRead => (S::VERTEX_SHADER | S::FRAGMENT_SHADER, shader_reads, read_layout, false),
+            Self::VertexRead => {
+                (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false)
+            }
             Self::ColorAttachment => (
                 S::COLOR_ATTACHMENT_OUTPUT,
                 A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,

@@ -68,9 +68,7 @@ impl Device {
             let queue = raw.get_device_queue(queue_family, 0);
             (queue, instance.raw().get_physical_device_properties(physical))
         };
-        let debug = instance
-            .has_debug_utils()
-            .then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
         Ok(Arc::new(Self {
             raw,
             debug,
@@ -134,10 +132,7 @@ impl Device {
     }
 
     /// Records commands with `record`, submits them and waits until they are done.
-    pub(super) fn run_once(
-        &self,
-        record: impl FnOnce(vk::CommandBuffer),
-    ) -> Result<(), VulkanError> {
+    pub(super) fn run_once(&self, record: impl FnOnce(vk::CommandBuffer)) -> Result<(), VulkanError> {
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
         // SAFETY: pool and buffer are used here only and freed after the wait.
         unsafe {
@@ -155,8 +150,7 @@ impl Device {
         record: impl FnOnce(vk::CommandBuffer),
     ) -> Result<(), vk::Result> {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-        let begin = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer comes from `pool`, is submitted once and waited for.
         unsafe {
             let commands = self.raw.allocate_command_buffers(&info)?[0];
@@ -183,9 +177,7 @@ impl Drop for Device {
     }
 }
 
-fn physical_devices(
-    instance: &Instance,
-) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
+fn physical_devices(instance: &Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
     // SAFETY: plain query.
     let raw = unsafe { instance.raw().enumerate_physical_devices() }
         .map_err(VulkanError::call("enumeration", "devices"))?;
@@ -223,11 +215,7 @@ fn rank_and_info(instance: &ash::Instance, device: vk::PhysicalDevice) -> (u32, 
         index: 0,
         name: text(core.device_name_as_c_str()),
         kind: kind.to_owned(),
-        driver: format!(
-            "{} {}",
-            text(driver.driver_name_as_c_str()),
-            text(driver.driver_info_as_c_str())
-        ),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
         vulkan: format!(
             "{}.{}.{}",
             vk::api_version_major(version),
@@ -311,9 +299,9 @@ fn queue_family(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<
     let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
     // SAFETY: `device` is of `instance`.
     let families = unsafe { instance.get_physical_device_queue_family_properties(device) };
-    let index = families.iter().position(|family| {
-        family.queue_flags.contains(needed) && family.timestamp_valid_bits > 0
-    })?;
+    let index = families
+        .iter()
+        .position(|family| family.queue_flags.contains(needed) && family.timestamp_valid_bits > 0)?;
     u32::try_from(index).ok()
 }
 
@@ -324,19 +312,16 @@ fn create_device(
 ) -> Result<ash::Device, VulkanError> {
     // SAFETY: `physical` is of `instance`.
     let offered = unsafe { instance.get_physical_device_features(physical) };
-    let features = vk::PhysicalDeviceFeatures::default()
-        .sampler_anisotropy(offered.sampler_anisotropy == vk::TRUE);
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(queue_family)
-        .queue_priorities(&[1.0])];
-    let mut features13 = vk::PhysicalDeviceVulkan13Features::default()
-        .dynamic_rendering(true)
-        .synchronization2(true);
+    let features =
+        vk::PhysicalDeviceFeatures::default().sampler_anisotropy(offered.sampler_anisotropy == vk::TRUE);
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
+    let mut features13 =
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features)
         .push_next(&mut features13);
     // SAFETY: every pointer in `info` outlives the call; the features were checked or asked for as offered.
-    unsafe { instance.create_device(physical, &info, None) }
-        .map_err(VulkanError::call("creation", "device"))
+    unsafe { instance.create_device(physical, &info, None) }.map_err(VulkanError::call("creation", "device"))
 }

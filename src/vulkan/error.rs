@@ -6,7 +6,9 @@ use ash::vk;
 #[derive(Debug, thiserror::Error)]
 pub enum VulkanError {
     /// The loader library is missing.
-    #[error("no Vulkan: the loader library could not be opened ({0}); install it (Debian/Ubuntu: apt install libvulkan1 mesa-vulkan-drivers)")]
+    #[error(
+        "no Vulkan: the loader library could not be opened ({0}); install it (Debian/Ubuntu: apt install libvulkan1 mesa-vulkan-drivers)"
+    )]
     NoLoader(String),
     /// No driver, or none good enough.
     #[error("no usable Vulkan device: {0}")]
@@ -20,7 +22,9 @@ pub enum VulkanError {
         available: String,
     },
     /// The validation layer is missing.
-    #[error("--validate: the layer VK_LAYER_KHRONOS_validation is missing; install it (Debian/Ubuntu: apt install vulkan-validationlayers)")]
+    #[error(
+        "--validate: the layer VK_LAYER_KHRONOS_validation is missing; install it (Debian/Ubuntu: apt install vulkan-validationlayers)"
+    )]
     NoValidation,
     /// A call failed.
     #[error("Vulkan: {operation} of {object} failed: {result}")]
@@ -33,7 +37,9 @@ pub enum VulkanError {
         result: vk::Result,
     },
     /// Memory could not be had.
-    #[error("not enough device memory for {object} ({mebibytes} MiB): {reason}; try a smaller --size, --temporal-sets or scene")]
+    #[error(
+        "not enough device memory for {object} ({mebibytes} MiB): {reason}; try a smaller --size, --temporal-sets or scene"
+    )]
     Memory {
         /// What needed it.
         object: String,

@@ -90,13 +90,11 @@ impl Slot {
         let query_info = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(MAX_TIMESTAMPS);
-        let readback =
-            Buffer::in_memory(device, "frame readback", READBACK_SIZE, MemoryLocation::GpuToCpu)?;
+        let readback = Buffer::in_memory(device, "frame readback", READBACK_SIZE, MemoryLocation::GpuToCpu)?;
         // SAFETY: the infos are complete; everything is destroyed in `drop`.
         unsafe {
             let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
-            let info =
-                vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             Ok(Self {
                 pool,
                 commands: raw.allocate_command_buffers(&info).map_err(error)?[0],
@@ -157,8 +155,7 @@ impl Slot {
             self.chunks = vec![Arc::new(self.new_chunk(size)?)];
         }
         self.chunk_used = 0;
-        let info = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: `finish` waited, so nothing of the slot is in use.
         unsafe {
             let raw = self.device.raw();
@@ -166,8 +163,7 @@ impl Slot {
             raw.reset_fences(&[self.fence]).map_err(error)?;
             raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(error)?;
             for pool in &self.descriptors {
-                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty())
-                    .map_err(error)?;
+                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()).map_err(error)?;
             }
             raw.begin_command_buffer(self.commands, &info).map_err(error)?;
             raw.cmd_reset_query_pool(self.commands, self.queries, 0, MAX_TIMESTAMPS);
@@ -255,19 +251,10 @@ impl Frame<'_> {
         assert!(offset + source.size <= target.size, "copy beyond the end of {}", target.name);
         let barriers = target.tracker.use_buffer(Access::TransferWrite);
         self.barriers(&[], &barriers.into_iter().collect::<Vec<_>>());
-        let region = [vk::BufferCopy {
-            src_offset: source.offset,
-            dst_offset: offset,
-            size: source.size,
-        }];
+        let region = [vk::BufferCopy { src_offset: source.offset, dst_offset: offset, size: source.size }];
         // SAFETY: both ranges lie within their buffers; uploads were written before the submission.
         unsafe {
-            self.device.raw().cmd_copy_buffer(
-                self.slot.commands,
-                source.buffer.raw,
-                target.raw,
-                &region,
-            );
+            self.device.raw().cmd_copy_buffer(self.slot.commands, source.buffer.raw, target.raw, &region);
         }
     }
 
@@ -304,11 +291,7 @@ impl Frame<'_> {
     }
 
     /// Starts recording a graphics pass.
-    pub fn draw_pass<'f>(
-        &'f mut self,
-        name: &'static str,
-        pipeline: &'f GraphicsPipeline,
-    ) -> Pass<'f> {
+    pub fn draw_pass<'f>(&'f mut self, name: &'static str, pipeline: &'f GraphicsPipeline) -> Pass<'f> {
         Pass::graphics(self.recorder(), name, pipeline)
     }
 
@@ -486,12 +469,7 @@ fn record_barriers(
 }
 
 /// Notes a use of `image` outside of passes and records its barrier.
-pub(super) fn barrier_for_image(
-    device: &Device,
-    commands: vk::CommandBuffer,
-    image: &Image,
-    access: Access,
-) {
+pub(super) fn barrier_for_image(device: &Device, commands: vk::CommandBuffer, image: &Image, access: Access) {
     if let Some(barrier) = image.tracker.use_image(access, false) {
         record_barriers(device, commands, &[(image, barrier)], &[]);
     }

@@ -32,8 +32,8 @@ impl Instance {
     /// Loads the loader and creates an instance for Vulkan 1.3.
     pub fn new(options: InstanceOptions) -> Result<Arc<Self>, VulkanError> {
         // SAFETY: the loader is the system's Vulkan library; it stays loaded as long as `_entry` lives.
-        let entry = unsafe { ash::Entry::load() }
-            .map_err(|error| VulkanError::NoLoader(error.to_string()))?;
+        let entry =
+            unsafe { ash::Entry::load() }.map_err(|error| VulkanError::NoLoader(error.to_string()))?;
         let has_debug_utils = has_extension(&entry, None, ext::debug_utils::NAME);
         if options.validate && !has_layer(&entry) {
             return Err(VulkanError::NoValidation);
@@ -66,8 +66,7 @@ impl Instance {
         let functions = ext::debug_utils::Instance::new(&self._entry, &self.raw);
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
-                vk::DebugUtilsMessageSeverityFlagsEXT::ERROR
-                    | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
+                vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
             )
             .message_type(
                 vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
@@ -108,14 +107,13 @@ fn create_instance(
         extensions.push(ext::debug_utils::NAME.as_ptr());
     }
     let layers = if options.validate { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
-    let has_features = options.validate
-        && has_extension(entry, Some(VALIDATION_LAYER), ext::validation_features::NAME);
+    let has_features =
+        options.validate && has_extension(entry, Some(VALIDATION_LAYER), ext::validation_features::NAME);
     if has_features {
         extensions.push(ext::validation_features::NAME.as_ptr());
     }
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-    let mut features =
-        vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut info = vk::InstanceCreateInfo::default()
         .application_info(&application)
         .enabled_extension_names(&extensions)
@@ -142,8 +140,7 @@ fn has_layer(entry: &ash::Entry) -> bool {
 
 fn has_extension(entry: &ash::Entry, layer: Option<&CStr>, name: &CStr) -> bool {
     // SAFETY: plain query.
-    let extensions =
-        unsafe { entry.enumerate_instance_extension_properties(layer) }.unwrap_or_default();
+    let extensions = unsafe { entry.enumerate_instance_extension_properties(layer) }.unwrap_or_default();
     extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
 }
 

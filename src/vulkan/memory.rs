@@ -153,11 +153,7 @@ impl Image {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(description.format)
-            .extent(vk::Extent3D {
-                width: description.extent[0],
-                height: description.extent[1],
-                depth: 1,
-            })
+            .extent(vk::Extent3D { width: description.extent[0], height: description.extent[1], depth: 1 })
             .mip_levels(description.levels)
             .array_layers(description.layers.unwrap_or(1))
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -176,8 +172,8 @@ impl Image {
                 .map_err(VulkanError::call("creation", format!("image {name}")))?;
             (raw, device.raw().get_image_memory_requirements(raw))
         };
-        let allocation = allocate(device, name, requirements, MemoryLocation::GpuOnly, false)
-            .inspect_err(|_| {
+        let allocation =
+            allocate(device, name, requirements, MemoryLocation::GpuOnly, false).inspect_err(|_| {
                 // SAFETY: the image was just made and nothing uses it.
                 unsafe { device.raw().destroy_image(raw, None) };
             })?;
@@ -195,10 +191,8 @@ impl Image {
             device: Arc::clone(device),
         };
         // SAFETY: the allocation was made for this image's requirements.
-        unsafe {
-            device.raw().bind_image_memory(raw, image.allocation.memory(), image.allocation.offset())
-        }
-        .map_err(VulkanError::call("binding memory", format!("image {name}")))?;
+        unsafe { device.raw().bind_image_memory(raw, image.allocation.memory(), image.allocation.offset()) }
+            .map_err(VulkanError::call("binding memory", format!("image {name}")))?;
         device.set_name(raw, name);
         image.view = image.create_view(description.layers.is_some())?;
         Ok(image)

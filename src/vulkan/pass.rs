@@ -9,9 +9,7 @@ use super::access::{Access, Barrier};
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
-use super::{
-    Buffer, BufferSlice, ComputePipeline, GraphicsPipeline, Image, MaterialSets, VulkanError,
-};
+use super::{Buffer, BufferSlice, ComputePipeline, GraphicsPipeline, Image, MaterialSets, VulkanError};
 
 /// Something that can be bound.
 #[derive(Clone, Copy)]
@@ -62,11 +60,7 @@ pub struct Pass<'f> {
 }
 
 impl<'f> Pass<'f> {
-    pub(super) fn compute(
-        recorder: Recorder<'f>,
-        name: &'static str,
-        pipeline: &'f ComputePipeline,
-    ) -> Self {
+    pub(super) fn compute(recorder: Recorder<'f>, name: &'static str, pipeline: &'f ComputePipeline) -> Self {
         Self::new(recorder, name, pipeline.raw, &pipeline.layout, true)
     }
 
@@ -206,20 +200,15 @@ impl<'f> Pass<'f> {
                 Resource::Buffer(slice) => buffers.extend(slice.buffer.tracker.use_buffer(access)),
                 Resource::Image(image) => {
                     let storage = binding.kind == BindingKind::StorageImage;
-                    images.extend(
-                        image.tracker.use_image(access, storage).map(|barrier| (image, barrier)),
-                    );
+                    images.extend(image.tracker.use_image(access, storage).map(|barrier| (image, barrier)));
                 }
             }
         }
         self.recorder.barriers(&images, &buffers);
         let set = self.recorder.descriptor_set(self.layout, self.name)?;
         self.write_descriptors(set);
-        let point = if self.compute {
-            vk::PipelineBindPoint::COMPUTE
-        } else {
-            vk::PipelineBindPoint::GRAPHICS
-        };
+        let point =
+            if self.compute { vk::PipelineBindPoint::COMPUTE } else { vk::PipelineBindPoint::GRAPHICS };
         let commands = self.recorder.commands();
         // SAFETY: set and layout match; the pipeline outlives the frame (its owner waits before dropping it).
         unsafe {
@@ -310,9 +299,7 @@ impl<'f> Pass<'f> {
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
     match (kind, bound.resource) {
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
-        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => {
-            !bound.write
-        }
+        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => !bound.write,
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,
         _ => false,

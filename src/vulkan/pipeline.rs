@@ -72,9 +72,7 @@ impl Layout {
                 .map_err(VulkanError::call("creation", format!("set layout of {name}")))?;
             layout.sets.push(raw);
         }
-        let push = [vk::PushConstantRange::default()
-            .stage_flags(stages)
-            .size(layout.reflection.push_size)];
+        let push = [vk::PushConstantRange::default().stage_flags(stages).size(layout.reflection.push_size)];
         let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layout.sets);
         if layout.reflection.push_size > 0 {
             info = info.push_constant_ranges(&push);
@@ -123,11 +121,9 @@ impl ComputePipeline {
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
             .layout(layout.raw);
         // SAFETY: the module is valid SPIR-V for the layout that was read from it.
-        let made = unsafe {
-            device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
-        };
-        let raw = made
-            .map_err(|(_, result)| VulkanError::call("creation", format!("pipeline {name}"))(result))?[0];
+        let made = unsafe { device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let raw =
+            made.map_err(|(_, result)| VulkanError::call("creation", format!("pipeline {name}"))(result))?[0];
         device.set_name(raw, name);
         Ok(Self { raw, layout })
     }
@@ -171,21 +167,16 @@ pub struct GraphicsPipeline {
 
 impl GraphicsPipeline {
     /// Makes a pipeline that draws into `colors` and a 32-bit depth buffer.
-    pub fn new(
-        device: &Arc<Device>,
-        description: &GraphicsDescription<'_>,
-    ) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, description: &GraphicsDescription<'_>) -> Result<Self, VulkanError> {
         let name = description.name;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let reflection = Reflection::new(name, description.vertex)?
-            .merge(Reflection::new(name, description.fragment)?);
+        let reflection =
+            Reflection::new(name, description.vertex)?.merge(Reflection::new(name, description.fragment)?);
         let layout = Layout::new(device, name, reflection, stages)?;
         let vertex = ShaderModule::new(device, name, description.vertex)?;
         let fragment = ShaderModule::new(device, name, description.fragment)?;
-        let shaders = [
-            vertex.stage(vk::ShaderStageFlags::VERTEX),
-            fragment.stage(vk::ShaderStageFlags::FRAGMENT),
-        ];
+        let shaders =
+            [vertex.stage(vk::ShaderStageFlags::VERTEX), fragment.stage(vk::ShaderStageFlags::FRAGMENT)];
         let raw = create_graphics(device, description, &shaders, layout.raw)
             .map_err(VulkanError::call("creation", format!("pipeline {name}")))?;
         device.set_name(raw, name);
@@ -208,8 +199,11 @@ fn create_graphics(
 ) -> Result<vk::Pipeline, vk::Result> {
     let attributes: Vec<_> = (0..)
         .zip(description.attributes)
-        .map(|(location, &(format, offset))| {
-            vk::VertexInputAttributeDescription { location, binding: 0, format, offset }
+        .map(|(location, &(format, offset))| vk::VertexInputAttributeDescription {
+            location,
+            binding: 0,
+            format,
+            offset,
         })
         .collect();
     let vertices = [vk::VertexInputBindingDescription {
@@ -220,8 +214,8 @@ fn create_graphics(
     let input = vk::PipelineVertexInputStateCreateInfo::default()
         .vertex_binding_descriptions(&vertices)
         .vertex_attribute_descriptions(&attributes);
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-        .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let assembly =
+        vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let [constant, slope] = description.depth_bias.unwrap_or_default();
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
@@ -232,8 +226,8 @@ fn create_graphics(
         .depth_bias_constant_factor(constant)
         .depth_bias_slope_factor(slope)
         .line_width(1.0);
-    let samples = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let samples =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)
         .depth_write_enable(true)
@@ -242,8 +236,7 @@ fn create_graphics(
         .colors
         .iter()
         .map(|_| {
-            vk::PipelineColorBlendAttachmentState::default()
-                .color_write_mask(vk::ColorComponentFlags::RGBA)
+            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)
         })
         .collect();
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
@@ -327,9 +320,7 @@ impl MaterialSets {
         let layout = pipeline.layout.sets[MATERIAL_SET as usize];
         for image in images {
             let layouts = [layout];
-            let info = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(pool)
-                .set_layouts(&layouts);
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
             // SAFETY: the pool was sized for one set an image; image and sampler outlive their use.
             unsafe {
                 let set = device

@@ -53,10 +53,8 @@ pub struct Reflection {
 impl Reflection {
     /// Reads a SPIR-V module. `name` is for messages.
     pub fn new(name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
-        let module = rspirv::dr::load_bytes(spirv).map_err(|error| VulkanError::Shader {
-            name: name.to_owned(),
-            problem: error.to_string(),
-        })?;
+        let module = rspirv::dr::load_bytes(spirv)
+            .map_err(|error| VulkanError::Shader { name: name.to_owned(), problem: error.to_string() })?;
         Ok(Reader::new(&module).read())
     }
 
@@ -114,8 +112,11 @@ impl<'a> Reader<'a> {
         for (&id, instruction) in &self.types {
             match instruction.class.opcode {
                 Op::TypeStruct => {
-                    let name = self.names.get(&id).copied().unwrap_or_default().to_owned();
-                    reflection.structs.insert(name, self.members(id, instruction));
+                    // Structs of local variables have no layout, even where a buffer's has the same name.
+                    if self.member_decoration(id, 0, Decoration::Offset).is_some() {
+                        let name = self.names.get(&id).copied().unwrap_or_default().to_owned();
+                        reflection.structs.insert(name, self.members(id, instruction));
+                    }
                 }
                 Op::TypeRuntimeArray | Op::TypeArray => {
                     let element = id_at(instruction, 0);
@@ -189,9 +190,11 @@ impl<'a> Reader<'a> {
     }
 
     fn group_size(&self) -> [u32; 3] {
-        let mode = self.module.execution_modes.iter().find(|mode| {
-            mode.operands.get(1) == Some(&Operand::ExecutionMode(ExecutionMode::LocalSize))
-        });
+        let mode = self
+            .module
+            .execution_modes
+            .iter()
+            .find(|mode| mode.operands.get(1) == Some(&Operand::ExecutionMode(ExecutionMode::LocalSize)));
         let at = |index: usize| match mode.and_then(|mode| mode.operands.get(index)) {
             Some(Operand::LiteralBit32(size)) => *size,
             _ => 0,

@@ -12,11 +12,7 @@ use super::{Buffer, Device, Image, VulkanError};
 
 impl Buffer {
     /// A device-local buffer that holds `data`.
-    pub fn with_data<T: Pod>(
-        device: &Arc<Device>,
-        name: &str,
-        data: &[T],
-    ) -> Result<Self, VulkanError> {
+    pub fn with_data<T: Pod>(device: &Arc<Device>, name: &str, data: &[T]) -> Result<Self, VulkanError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = Self::new(device, name, bytes.len() as u64)?;
         if bytes.is_empty() {

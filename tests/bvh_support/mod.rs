@@ -48,10 +48,7 @@ impl World {
             settings: toml::Table::new(),
             warnings: Vec::new(),
         };
-        Self {
-            scene,
-            tolerance: 1e-3,
-        }
+        Self { scene, tolerance: 1e-3 }
     }
 
     pub fn place(&mut self, mesh: usize, transform: Affine3A, dynamic: bool) {
@@ -94,24 +91,13 @@ impl World {
         };
         assert!(hit.t > ray.t_min && hit.t < ray.t_max);
         let t = f64::from(hit.t);
-        assert!(
-            nearest.is_infinite() || t <= nearest + blur(nearest),
-            "{t} lies behind {nearest}, {ray:?}"
-        );
+        assert!(nearest.is_infinite() || t <= nearest + blur(nearest), "{t} lies behind {nearest}, {ray:?}");
         let matching = crossings
             .iter()
             .find(|c| (c.instance, c.triangle) == (hit.instance, hit.triangle))
             .expect("the triangle lies across the ray");
-        assert!(
-            matching.inside > -tolerance,
-            "beside the triangle: {}",
-            matching.inside
-        );
-        assert!(
-            (matching.t - t).abs() <= blur(t),
-            "{t} is not {}",
-            matching.t
-        );
+        assert!(matching.inside > -tolerance, "beside the triangle: {}", matching.inside);
+        assert!((matching.t - t).abs() <= blur(t), "{t} is not {}", matching.t);
         true
     }
 
@@ -127,8 +113,7 @@ impl World {
             );
             let translation = placed.transform.translation.as_dvec3();
             for (triangle, corners) in mesh.triangles.iter().enumerate() {
-                let world =
-                    corners.map(|v| rotation * mesh.positions[v as usize].as_dvec3() + translation);
+                let world = corners.map(|v| rotation * mesh.positions[v as usize].as_dvec3() + translation);
                 if let Some((t, inside)) = cross(world, ray) {
                     crossings.push(Crossing {
                         t,
@@ -174,9 +159,7 @@ pub fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
         name: String::new(),
         normals: vec![Vec3::Z; positions.len()],
         uvs: vec![Vec2::ZERO; positions.len()],
-        triangles: (0..triangles.len() as u32)
-            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
-            .collect(),
+        triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         triangle_materials: vec![0; triangles.len()],
         positions,
     }
@@ -219,14 +202,8 @@ pub fn grid(axis: usize, side: u32) -> Mesh {
         })
         .collect();
     let squares = (0..side * side).map(|i| i % side + i / side * corners);
-    let triangles: Vec<[u32; 3]> = squares
-        .flat_map(|i| {
-            [
-                [i, i + 1, i + corners + 1],
-                [i, i + corners + 1, i + corners],
-            ]
-        })
-        .collect();
+    let triangles: Vec<[u32; 3]> =
+        squares.flat_map(|i| [[i, i + 1, i + corners + 1], [i, i + corners + 1, i + corners]]).collect();
     Mesh {
         name: String::new(),
         normals: vec![Vec3::AXES[axis]; positions.len()],
@@ -239,12 +216,7 @@ pub fn grid(axis: usize, side: u32) -> Mesh {
 
 /// A ray without an end.
 pub fn ray(origin: Vec3, direction: Vec3) -> Ray {
-    Ray {
-        origin,
-        direction,
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-    }
+    Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
 }
 
 /// SplitMix64.
@@ -297,12 +269,7 @@ impl Random {
             0 => self.unit(),
             _ => f32::INFINITY,
         };
-        Ray {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max,
-        }
+        Ray { origin, direction, t_min: 0.0, t_max }
     }
 
     /// Rotation, nonuniform scale about `size`, mirrored half of the time, moved by up to `spread`.

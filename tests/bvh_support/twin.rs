@@ -166,11 +166,7 @@ impl<'a> Tracer<'a> {
         let (near, far) = (start - padding, start + padding);
         let planes = [0, 1, 2].map(|axis| {
             let words = self.nodes[node + 2 + axis];
-            if ray.inverse[axis] < 0.0 {
-                UVec4::new(words.z, words.w, words.x, words.y)
-            } else {
-                words
-            }
+            if ray.inverse[axis] < 0.0 { UVec4::new(words.z, words.w, words.x, words.y) } else { words }
         });
         let mut hits = 0;
         for part in 0..2 {
@@ -227,13 +223,7 @@ impl<'a> Tracer<'a> {
         if !accepted || (words[1].w != 0 && !self.is_opaque(words[1].w, barycentrics)) {
             return false;
         }
-        *hit = TracerHit {
-            t,
-            instance,
-            triangle: id,
-            material: words[2].w,
-            barycentrics,
-        };
+        *hit = TracerHit { t, instance, triangle: id, material: words[2].w, barycentrics };
         true
     }
 
@@ -247,9 +237,7 @@ impl<'a> Tracer<'a> {
             + Vec2::new(uv2.x, uv2.y) * barycentrics.y;
         let mask = self.masks[third.z as usize];
         let size = UVec2::new(mask.y, mask.z);
-        let texel = ((uv - uv.floor()) * size.as_vec2())
-            .as_uvec2()
-            .min(size - 1);
+        let texel = ((uv - uv.floor()) * size.as_vec2()).as_uvec2().min(size - 1);
         let bit = texel.y * mask.y + texel.x;
         self.mask_bits[(mask.x + bit / 32) as usize] >> (bit % 32) & 1 == 1
     }
@@ -260,19 +248,12 @@ fn prepare(origin: Vec3, direction: Vec3) -> TracerRay {
     let negative = direction.cmplt(Vec3::ZERO);
     let sign = Vec3::select(negative, Vec3::NEG_ONE, Vec3::ONE);
     let octants = [0x0404_0404, 0x0202_0202, 0x0101_0101];
-    let main_axis = if size.x > size.y && size.x > size.z {
-        0
-    } else {
-        2 - usize::from(size.y > size.z)
-    };
+    let main_axis = if size.x > size.y && size.x > size.z { 0 } else { 2 - usize::from(size.y > size.z) };
     let turned = turn(direction, main_axis);
     TracerRay {
         origin,
         inverse: sign / size.max(Vec3::splat(size.max_element() * SMALLEST_DIRECTION)),
-        octant: (0..3)
-            .filter(|&i| !negative.test(i))
-            .map(|i| octants[i])
-            .sum(),
+        octant: (0..3).filter(|&i| !negative.test(i)).map(|i| octants[i]).sum(),
         main_axis,
         shear: turned.truncate().extend(1.0) / turned.z,
     }
@@ -295,7 +276,5 @@ fn spread(met: u32, meta: u32, octant: u32) -> u32 {
     let shifts = (meta ^ (octant & (inner * 0xff))) & 0x1f1f_1f1f;
     let bits = (meta >> 5) & 0x0707_0707;
     let child = |i: usize| (bits >> (8 * i) & 7) << (shifts >> (8 * i) & 31);
-    (0..4)
-        .filter(|&i| met >> i & 1 == 1)
-        .fold(0, |all, i| all | child(i))
+    (0..4).filter(|&i| met >> i & 1 == 1).fold(0, |all, i| all | child(i))
 }

@@ -48,8 +48,14 @@ vfov_deg = 75
 fn check(change: impl Fn(&mut Pose, f32)) {
     let Some(lab) = Lab::open() else { return };
     let scene: Arc<Scene> = scene(ROOM);
-    let settings =
-        Settings { size: [80, 60], vpls: 200, temporal_sets: 8, budget: 32, interleave: 2, ..Settings::default() };
+    let settings = Settings {
+        size: [80, 60],
+        vpls: 200,
+        temporal_sets: 8,
+        budget: 32,
+        interleave: 2,
+        ..Settings::default()
+    };
     let pose_at = |time: f32| {
         let mut pose = scene.pose(0.0);
         change(&mut pose, time);

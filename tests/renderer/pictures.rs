@@ -12,9 +12,12 @@ fn the_real_scenes_render() {
         let settings = Settings { size: [96, 54], vpls: 128, temporal_sets: 4, ..Settings::default() };
         let picture = lab.rendered(&scene, &settings, 5).read_picture(true).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite()), "{name}");
-        let brightness = mean(picture.display.iter().map(|pixel| {
-            luminance(&[0, 1, 2].map(|channel| f32::from(pixel[channel]) / 255.0))
-        }));
+        let brightness = mean(
+            picture
+                .display
+                .iter()
+                .map(|pixel| luminance(&[0, 1, 2].map(|channel| f32::from(pixel[channel]) / 255.0))),
+        );
         assert!((0.15..0.85).contains(&brightness), "{name} is {brightness} bright");
     }
 }
@@ -40,6 +43,9 @@ fn temporal_sets_are_faster() {
         times[times.len() / 2]
     };
     let (one, sixteen) = (median(1, 3), median(16, 9));
-    println!("sponza 512x512, 512 VPLs, 4x4, {}: T = 1 {one:.0} ms, T = 16 {sixteen:.0} ms", lab.device.info().name);
+    println!(
+        "sponza 512x512, 512 VPLs, 4x4, {}: T = 1 {one:.0} ms, T = 16 {sixteen:.0} ms",
+        lab.device.info().name
+    );
     assert!(one >= 5.0 * sixteen, "T = 16 is only {} times as fast", one / sixteen);
 }

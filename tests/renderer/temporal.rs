@@ -16,7 +16,12 @@ fn sixteen_sets_show_what_one_shows() {
         let many = indirect(&lab.rendered(&scene, &cornell(512, 16, interleave), 16));
         let one = indirect(&lab.rendered(&scene, &cornell(512, 1, interleave), 1));
         let (average, worst) = relative_differences(&many, &one);
-        for (i,(a,b)) in many.iter().zip(&one).enumerate() { let r=(luminance(a)-luminance(b)).abs()/luminance(b); if r>0.01 {println!("{} {} {a:?} {b:?}", i%96,i/96);} }
+        for (i, (a, b)) in many.iter().zip(&one).enumerate() {
+            let r = (luminance(a) - luminance(b)).abs() / luminance(b);
+            if r > 0.01 {
+                println!("{} {} {a:?} {b:?}", i % 96, i / 96);
+            }
+        }
         assert!(average <= most_mean && worst <= most, "interleave {interleave}: {average}, {worst}");
     }
 }
@@ -25,11 +30,13 @@ fn sixteen_sets_show_what_one_shows() {
 fn interleaving_keeps_the_brightness() {
     let Some(lab) = Lab::open() else { return };
     let scene = named_scene("cornell-box", None);
-    let settings = |interleave| Settings { size: [192, 192], exposure: Some(0.0), ..cornell(1024, 1, interleave) };
+    let settings =
+        |interleave| Settings { size: [192, 192], exposure: Some(0.0), ..cornell(1024, 1, interleave) };
     let picture = |interleave| lab.rendered(&scene, &settings(interleave), 1).read_picture(true).unwrap();
     let (with, without) = (picture(4), picture(1));
     let brightness = |picture| mean(layer(picture, "indirect").iter().map(luminance));
     let ratio = brightness(&with) / brightness(&without);
+    println!("ratio {ratio}");
     assert!((ratio - 1.0).abs() <= 0.005, "mean brightness changes by {ratio}");
     let squares = with.display.iter().zip(&without.display).flat_map(|(with, without)| {
         [0, 1, 2].map(|c| ((f32::from(with[c]) - f32::from(without[c])) / 255.0).powi(2))
@@ -88,9 +95,12 @@ fn uneven_divisions_keep_the_brightness() {
 fn extremes_work() {
     let Some(lab) = Lab::open() else { return };
     let scene = named_scene("cornell-box", None);
-    for (vpls, temporal_sets, interleave, bounces, size) in
-        [(1, 1, 1, 1, [1, 1]), (64, 64, 8, 16, [5, 3]), (65_536, 64, 8, 16, [16, 9]), (65_536, 1, 1, 2, [2, 2])]
-    {
+    for (vpls, temporal_sets, interleave, bounces, size) in [
+        (1, 1, 1, 1, [1, 1]),
+        (64, 64, 8, 16, [5, 3]),
+        (65_536, 64, 8, 16, [16, 9]),
+        (65_536, 1, 1, 2, [2, 2]),
+    ] {
         let settings = Settings { vpls, temporal_sets, interleave, bounces, size, ..Settings::default() };
         let picture = lab.rendered(&scene, &settings, 3).read_picture(false).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));

@@ -13,10 +13,7 @@ fn assert_shares(what: &str, counts: &[u32], expected: &[f32]) {
     let total: u32 = counts.iter().sum();
     for (bin, (count, expected)) in counts.iter().zip(expected).enumerate() {
         let got = *count as f32 / total as f32;
-        assert!(
-            (got - expected).abs() < 0.004,
-            "{what}, bin {bin}: {got} instead of {expected}"
-        );
+        assert!((got - expected).abs() < 0.004, "{what}, bin {bin}: {got} instead of {expected}");
     }
 }
 
@@ -53,11 +50,7 @@ fn point_light_is_uniform() {
 
 #[test]
 fn spot_light_follows_its_falloff() {
-    for axis in [
-        Vec3::NEG_Y,
-        Vec3::new(0.48, 0.6, 0.64),
-        Vec3::new(1.0, 2.0, -0.5).normalize(),
-    ] {
+    for axis in [Vec3::NEG_Y, Vec3::new(0.48, 0.6, 0.64), Vec3::new(1.0, 2.0, -0.5).normalize()] {
         let stage = sphere_scene(|_| spot(1.0, Vec3::ZERO, axis));
         let all = positions(&stage, 20_000, 1, 1);
         assert_eq!(all.len(), 20_000);
@@ -71,9 +64,7 @@ fn spot_light_follows_its_falloff() {
         // Integrate the emission over each bin of the cosine, by many small steps.
         let mut expected: Vec<f32> = (0..bins)
             .map(|bin| {
-                (0..200)
-                    .map(|i| density(outer + width * (bin as f32 + (i as f32 + 0.5) / 200.0)))
-                    .sum()
+                (0..200).map(|i| density(outer + width * (bin as f32 + (i as f32 + 0.5) / 200.0))).sum()
             })
             .collect();
         let total: f32 = expected.iter().sum();
@@ -86,10 +77,7 @@ fn spot_light_follows_its_falloff() {
         }
         assert_shares("spot", &counts, &expected);
         let mean = all.iter().sum::<Vec3>() / all.len() as f32;
-        assert!(
-            mean.normalize().dot(axis) > 0.9999,
-            "as much on one side as on the other"
-        );
+        assert!(mean.normalize().dot(axis) > 0.9999, "as much on one side as on the other");
     }
 }
 
@@ -97,16 +85,11 @@ fn spot_light_follows_its_falloff() {
 fn directional_light_is_uniform_across_its_direction() {
     let mut scene = grey_scene(0.5);
     place(&mut scene, square(2.0), Vec3::ZERO, false);
-    scene
-        .lights
-        .push(directional(3.0, Vec3::new(0.5, -1.0, 0.2)));
+    scene.lights.push(directional(3.0, Vec3::new(0.5, -1.0, 0.2)));
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &settings(40_000, 1));
     let mut counts = [0u32; 16];
-    for slot in manager
-        .slots()
-        .filter(|slot| slot.state == SlotState::Valid)
-    {
+    for slot in manager.slots().filter(|slot| slot.state == SlotState::Valid) {
         let cell = ((slot.position + 1.0) * 2.0).clamp(Vec3::ZERO, Vec3::splat(3.99));
         counts[cell.x as usize * 4 + cell.z as usize] += 1;
     }
@@ -114,10 +97,7 @@ fn directional_light_is_uniform_across_its_direction() {
     // The irradiance falls on the square at an angle.
     let cos = Vec3::new(0.5, -1.0, 0.2).normalize().y.abs();
     let flux = flux_of(&manager, |_| true) as f32;
-    assert!(
-        (flux / (3.0 * 4.0 * cos * 0.5) - 1.0).abs() < 0.01,
-        "{flux}"
-    );
+    assert!((flux / (3.0 * 4.0 * cos * 0.5) - 1.0).abs() < 0.01, "{flux}");
 }
 
 #[test]
@@ -178,14 +158,7 @@ fn area_light_weighs_its_triangles() {
     scene.lights.push(lamp);
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &settings(4000, 1));
-    let flux: Vec3 = manager
-        .slots()
-        .filter(|slot| slot.bounce == 0)
-        .map(|slot| slot.flux)
-        .sum();
+    let flux: Vec3 = manager.slots().filter(|slot| slot.bounce == 0).map(|slot| slot.flux).sum();
     let expected = Vec3::new(3.0, 0.0, 1.0) * PI * 0.5;
-    assert!(
-        flux.distance(expected) < 0.01 * expected.length(),
-        "{flux} {expected}"
-    );
+    assert!(flux.distance(expected) < 0.01 * expected.length(), "{flux} {expected}");
 }

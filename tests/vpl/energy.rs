@@ -21,10 +21,7 @@ fn closed_room_keeps_albedo_to_the_power_of_the_bounce() {
         for bounce in 1..=4 {
             let expected = 12.0 * PI * 0.7f64.powi(bounce);
             let got = flux_of(&manager, |slot| slot.bounce == bounce as u32);
-            assert!(
-                (got / expected - 1.0).abs() < 1e-5,
-                "{vpls} {bounce}: {got} {expected}"
-            );
+            assert!((got / expected - 1.0).abs() < 1e-5, "{vpls} {bounce}: {got} {expected}");
         }
     }
 }
@@ -41,24 +38,18 @@ fn sets_add_up_to_the_total() {
     let sets = all_sets(&manager, &stage, &settings);
     let sum: f32 = sets.iter().map(|set| set.flux()).sum();
     let total = manager.total_flux(stage.world());
-    assert!(
-        total > 0.0 && (sum / total - 1.0).abs() < 1e-5,
-        "{sum} {total}"
-    );
+    assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
     // Classes hold what they say.
     let mut seen = vec![false; 333];
-    for set in &sets {
+    for (index, set) in sets.iter().enumerate() {
         assert_eq!(set.class_starts.len(), 5);
         assert_eq!(*set.class_starts.last().unwrap() as usize, set.vpls.len());
         for class in 0..4 {
             let range = set.class_starts[class] as usize..set.class_starts[class + 1] as usize;
-            let flux: f32 = set.vpls[range.clone()]
-                .iter()
-                .map(|vpl| luminance(vpl.flux))
-                .sum();
+            let flux: f32 = set.vpls[range.clone()].iter().map(|vpl| luminance(vpl.flux)).sum();
             assert!((flux - set.class_flux[class]).abs() < 1e-4 * total);
             for vpl in &set.vpls[range] {
-                assert_eq!(vpl.slot / 4 % 4, class as u32);
+                assert_eq!(vpl.slot % 4, index as u32, "slot s is in set s mod T");
                 assert!(!std::mem::replace(&mut seen[vpl.slot as usize], true));
             }
         }
@@ -97,13 +88,8 @@ fn integrating_sphere_is_evenly_lit() {
             })
             .collect();
         let mean = irradiance.iter().sum::<f64>() / irradiance.len() as f64;
-        assert!(
-            (mean / expected - 1.0).abs() < 5e-3,
-            "B {bounces}: {mean} {expected}"
-        );
-        let off = irradiance
-            .iter()
-            .filter(|e| (*e / expected - 1.0).abs() > 0.02);
+        assert!((mean / expected - 1.0).abs() < 5e-3, "B {bounces}: {mean} {expected}");
+        let off = irradiance.iter().filter(|e| (*e / expected - 1.0).abs() > 0.02);
         assert!(off.count() <= 4, "B {bounces}");
     }
 }
@@ -114,14 +100,8 @@ fn four_lights() -> Stage {
     place(&mut scene, room(4.0), Vec3::ZERO, false);
     let lamp = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.9, 0.0), false);
     scene.lights.push(point(0.02, Vec3::new(1.0, 0.0, 1.0)));
-    scene.lights.push(spot(
-        40.0,
-        Vec3::new(-1.0, 0.0, 0.0),
-        Vec3::new(0.2, -1.0, 0.1),
-    ));
-    scene
-        .lights
-        .push(directional(2.0, Vec3::new(0.0, -1.0, 0.0)));
+    scene.lights.push(spot(40.0, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.2, -1.0, 0.1)));
+    scene.lights.push(directional(2.0, Vec3::new(0.0, -1.0, 0.0)));
     scene.lights.push(area(&scene, lamp, 5.0));
     Stage::new(scene)
 }
@@ -147,9 +127,7 @@ fn each_of_four_lights_gets_its_energy() {
                 2.. if sun => 0.0,
                 _ => flux * 0.5f64.powi(bounce as i32),
             };
-            let got = flux_of(&manager, |slot| {
-                slot.light == Some(light as u32) && slot.bounce == bounce
-            });
+            let got = flux_of(&manager, |slot| slot.light == Some(light as u32) && slot.bounce == bounce);
             let tolerance = if sun { 0.01 } else { 1e-4 };
             assert!(
                 (got - expected).abs() <= tolerance * flux,
@@ -165,10 +143,7 @@ fn too_few_slots_for_all_lights_stay_unbiased() {
     for vpls in [1, 2, 5, 7] {
         let (mut mean, seeds) = (0.0, 4000);
         for seed in 0..seeds {
-            let settings = glowworm::settings::Settings {
-                seed,
-                ..settings(vpls, 3)
-            };
+            let settings = glowworm::settings::Settings { seed, ..settings(vpls, 3) };
             let manager = VplManager::new(stage.world(), &settings);
             mean += flux_of(&manager, |slot| slot.bounce == 1) / f64::from(seeds);
         }
@@ -176,10 +151,7 @@ fn too_few_slots_for_all_lights_stay_unbiased() {
         let area = if vpls == 1 { 0.0 } else { 5.0 * PI };
         let soft = 2.0 * PI * (1.0 - 0.5 * (0.3f64.cos() + 0.6f64.cos()));
         let expected = 0.5 * (0.02 * 4.0 * PI + 40.0 * soft + 32.0 + area);
-        assert!(
-            (mean / expected - 1.0).abs() < 0.05,
-            "{vpls}: {mean} {expected}"
-        );
+        assert!((mean / expected - 1.0).abs() < 0.05, "{vpls}: {mean} {expected}");
     }
 }
 
@@ -192,10 +164,7 @@ fn escapes_are_true_zeros_and_invalid_slots_are_made_up_for() {
     let plate = place(&mut scene, square(0.6), Vec3::new(0.0, -5.0, 0.0), true);
     scene.lights.push(point(1.0, Vec3::Y));
     let mut stage = Stage::new(scene);
-    let settings = glowworm::settings::Settings {
-        budget: 1,
-        ..settings(4096, 1)
-    };
+    let settings = glowworm::settings::Settings { budget: 1, ..settings(4096, 1) };
     let mut manager = VplManager::new(stage.world(), &settings);
     let expected = 4.0 * PI / 6.0 * 0.8;
     let whole = flux_of(&manager, |_| true);
@@ -209,10 +178,7 @@ fn escapes_are_true_zeros_and_invalid_slots_are_made_up_for() {
     assert!(counters.invalidated > 100 && counters.valid > 100);
     let live = f64::from(counters.valid + counters.escaped);
     let each = 4.0 * PI / live * 0.8;
-    for slot in manager
-        .slots()
-        .filter(|slot| slot.state == SlotState::Valid)
-    {
+    for slot in manager.slots().filter(|slot| slot.state == SlotState::Valid) {
         assert!((f64::from(slot.flux.x) / each - 1.0).abs() < 1e-5);
     }
 }

@@ -22,24 +22,13 @@ fn open_room() -> Stage {
         walls.push_polygon(&corners, 0);
     }
     place(&mut scene, walls, Vec3::ZERO, false);
-    place(
-        &mut scene,
-        Mesh::cuboid("box", Vec3::ONE, 0),
-        Vec3::new(1.0, 0.6, 0.0),
-        true,
-    );
+    place(&mut scene, Mesh::cuboid("box", Vec3::ONE, 0), Vec3::new(1.0, 0.6, 0.0), true);
     place(&mut scene, square(-0.8), Vec3::new(-1.0, 3.0, 0.5), true);
     let pillar = Mesh::cuboid("pillar", Vec3::new(0.4, 3.0, 0.4), 0);
     place(&mut scene, pillar, Vec3::new(-1.2, 1.6, -1.0), false);
     scene.lights.push(point(3.0, Vec3::new(0.3, 2.5, 0.2)));
-    scene.lights.push(spot(
-        30.0,
-        Vec3::new(2.0, 3.0, 1.0),
-        Vec3::new(-0.5, -1.0, -0.3),
-    ));
-    scene
-        .lights
-        .push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
+    scene.lights.push(spot(30.0, Vec3::new(2.0, 3.0, 1.0), Vec3::new(-0.5, -1.0, -0.3)));
+    scene.lights.push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
     scene.lights.push(area(&scene, LAMP, 4.0));
     Stage::new(scene)
 }
@@ -48,10 +37,7 @@ fn open_room() -> Stage {
 fn assert_forgets(mut stage: Stage, mut change: impl FnMut(u32, &mut Stage)) {
     let mut touched = 0;
     for (vpls, bounces, budget) in [(300, 2, 32), (301, 4, 7), (64, 16, 1)] {
-        let settings = Settings {
-            budget,
-            ..settings(vpls, bounces)
-        };
+        let settings = Settings { budget, ..settings(vpls, bounces) };
         let rest = stage.pose.clone();
         let mut manager = VplManager::new(stage.world(), &settings);
         for frame in 0..20 {
@@ -73,10 +59,7 @@ fn assert_forgets(mut stage: Stage, mut change: impl FnMut(u32, &mut Stage)) {
                 assert_eq!(slot, expected);
             }
         }
-        assert_eq!(
-            all_sets(&manager, &stage, &settings),
-            all_sets(&fresh, &fresh_stage, &settings)
-        );
+        assert_eq!(all_sets(&manager, &stage, &settings), all_sets(&fresh, &fresh_stage, &settings));
         // From now on nothing happens.
         for _ in 0..3 {
             let counters = stage.frame(&mut manager);
@@ -111,8 +94,7 @@ fn moved_object() {
     assert_forgets(open_room(), |frame, stage| {
         let turn = Affine3A::from_rotation_y(0.1 * frame as f32);
         let rest = stage.scene.instances[BOX].transform;
-        stage.pose.instances[BOX] =
-            Affine3A::from_translation(Vec3::X * -0.08 * frame as f32) * rest * turn;
+        stage.pose.instances[BOX] = Affine3A::from_translation(Vec3::X * -0.08 * frame as f32) * rest * turn;
     });
 }
 
@@ -149,9 +131,7 @@ fn object_that_leaves_the_bounds() {
 fn spot_that_turns_away_and_back() {
     assert_forgets(open_room(), |frame, stage| {
         let rest = stage.scene.lights[1].direction;
-        let turn = Quat::from_rotation_x(
-            std::f32::consts::PI * f32::from(frame.min(19 - frame) as u8) / 9.0,
-        );
+        let turn = Quat::from_rotation_x(std::f32::consts::PI * f32::from(frame.min(19 - frame) as u8) / 9.0);
         stage.pose.lights[1].direction = turn * rest;
     });
 }
@@ -166,9 +146,8 @@ fn moved_pillar_that_was_thought_static() {
 #[test]
 fn changed_intensity() {
     assert_forgets(open_room(), |frame, stage| {
-        stage.pose.lights[0].kind = LightKind::Point {
-            intensity: Vec3::new(3.0, 2.0, 1.0) * (1.0 + frame as f32),
-        };
+        stage.pose.lights[0].kind =
+            LightKind::Point { intensity: Vec3::new(3.0, 2.0, 1.0) * (1.0 + frame as f32) };
     });
 }
 

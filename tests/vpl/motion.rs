@@ -9,16 +9,8 @@ use crate::support::*;
 
 /// Moves a light by small steps, shooting everything anew each time, and returns for each step and slot of
 /// `bounce` how far its VPL went.
-fn steps(
-    mut stage: Stage,
-    bounces: u32,
-    bounce: u32,
-    change: impl Fn(u32, &mut Light),
-) -> Vec<f32> {
-    let settings = Settings {
-        budget: 512,
-        ..settings(512, bounces)
-    };
+fn steps(mut stage: Stage, bounces: u32, bounce: u32, change: impl Fn(u32, &mut Light)) -> Vec<f32> {
+    let settings = Settings { budget: 512, ..settings(512, bounces) };
     let mut manager = VplManager::new(stage.world(), &settings);
     let mut distances = Vec::new();
     for step in 0..50 {
@@ -51,11 +43,7 @@ fn first_vpls_follow_a_moving_light() {
     });
     assert_eq!(distances.len(), 512 * 50);
     // At most 1.0 off the centre of a sphere of radius 2, no VPL runs more than a few times faster.
-    assert!(
-        distances[distances.len() - 1] < 0.04,
-        "{:?}",
-        distances.last()
-    );
+    assert!(distances[distances.len() - 1] < 0.04, "{:?}", distances.last());
 }
 
 #[test]
@@ -64,17 +52,8 @@ fn first_vpls_follow_a_turning_spot() {
         let turned = Quat::from_rotation_y(0.005) * Quat::from_rotation_x(0.004) * light.direction;
         light.direction = turned.normalize();
     };
-    let distances = steps(
-        inside_sphere(spot(1.0, Vec3::ZERO, Vec3::NEG_Y)),
-        1,
-        1,
-        turn,
-    );
-    assert!(
-        distances[distances.len() - 1] < 0.05,
-        "{:?}",
-        distances.last()
-    );
+    let distances = steps(inside_sphere(spot(1.0, Vec3::ZERO, Vec3::NEG_Y)), 1, 1, turn);
+    assert!(distances[distances.len() - 1] < 0.05, "{:?}", distances.last());
 }
 
 #[test]
@@ -91,18 +70,12 @@ fn second_vpls_follow_too() {
 fn vpls_on_a_plane_follow() {
     let mut scene = grey_scene(0.5);
     place(&mut scene, square(100.0), Vec3::ZERO, false);
-    scene
-        .lights
-        .push(spot(1.0, Vec3::new(0.0, 3.0, 0.0), Vec3::NEG_Y));
+    scene.lights.push(spot(1.0, Vec3::new(0.0, 3.0, 0.0), Vec3::NEG_Y));
     let distances = steps(Stage::new(scene), 1, 1, |_, light| {
         light.position += Vec3::new(0.02, 0.0, 0.01);
     });
     let step = Vec3::new(0.02, 0.0, 0.01).length();
-    assert!(
-        distances
-            .iter()
-            .all(|distance| (distance - step).abs() < 1e-3)
-    );
+    assert!(distances.iter().all(|distance| (distance - step).abs() < 1e-3));
 }
 
 #[test]
@@ -111,10 +84,7 @@ fn vpls_ride_on_their_object() {
     let floor = place(&mut scene, square(2.0), Vec3::ZERO, true);
     scene.lights.push(directional(1.0, Vec3::NEG_Y));
     let mut stage = Stage::new(scene);
-    let settings = Settings {
-        budget: 1,
-        ..settings(200, 1)
-    };
+    let settings = Settings { budget: 1, ..settings(200, 1) };
     let manager = VplManager::new(stage.world(), &settings);
     let before = all_sets(&manager, &stage, &settings);
     stage.move_instance(floor, Vec3::new(0.0, 0.25, 0.0));
@@ -132,29 +102,13 @@ fn scaled(scale: f32) -> Stage {
     let mut scene = grey_scene(0.6);
     let at = |x, y, z| Vec3::new(x, y, z) * scale;
     place(&mut scene, square(6.0 * scale), Vec3::ZERO, false);
-    place(
-        &mut scene,
-        Mesh::cuboid("wall", at(6.0, 3.0, 0.1), 0),
-        at(0.0, 1.5, -3.0),
-        false,
-    );
-    place(
-        &mut scene,
-        Mesh::sphere("ball", 0.5 * scale, 3, 0),
-        at(1.0, 0.6, 0.0),
-        true,
-    );
+    place(&mut scene, Mesh::cuboid("wall", at(6.0, 3.0, 0.1), 0), at(0.0, 1.5, -3.0), false);
+    place(&mut scene, Mesh::sphere("ball", 0.5 * scale, 3, 0), at(1.0, 0.6, 0.0), true);
     let lamp = place(&mut scene, square(-0.8 * scale), at(-1.0, 3.0, 0.5), true);
     let power = scale * scale;
     scene.lights.push(point(3.0 * power, at(0.3, 2.5, 0.2)));
-    scene.lights.push(spot(
-        30.0 * power,
-        at(2.0, 3.0, 1.0),
-        Vec3::new(-0.5, -1.0, -0.3),
-    ));
-    scene
-        .lights
-        .push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
+    scene.lights.push(spot(30.0 * power, at(2.0, 3.0, 1.0), Vec3::new(-0.5, -1.0, -0.3)));
+    scene.lights.push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
     scene.lights.push(area(&scene, lamp, 4.0));
     Stage::new(scene)
 }
@@ -180,18 +134,13 @@ fn scale_changes_nothing() {
             let same = slot.state == expected.state
                 && (slot.state != SlotState::Valid
                     || ((slot.position / scale).distance(expected.position) < 1e-2
-                        && (slot.flux / (scale * scale) - expected.flux)
-                            .abs()
-                            .max_element()
+                        && (slot.flux / (scale * scale) - expected.flux).abs().max_element()
                             < 1e-3 * expected.flux.max_element()));
             differ += u32::from(!same);
         }
         // Powers of two round alike; else a ray that barely meets an edge may go either way.
         let exact = scale.log2().fract() == 0.0;
-        assert!(
-            differ <= if exact { 0 } else { 5 },
-            "{scale}: {differ} of 512 slots differ"
-        );
+        assert!(differ <= if exact { 0 } else { 5 }, "{scale}: {differ} of 512 slots differ");
     }
 }
 
@@ -207,13 +156,7 @@ fn mirrored_and_stretched_instances_are_lit_on_the_side_that_is_hit() {
         * Affine3A::from_translation(Vec3::new(0.0, -0.2, 0.0));
     scene.lights.push(Light {
         kind: match area(&scene, shell, 1.0).kind {
-            LightKind::Area {
-                instance,
-                triangles,
-            } => LightKind::Area {
-                instance,
-                triangles,
-            },
+            LightKind::Area { instance, triangles } => LightKind::Area { instance, triangles },
             other => other,
         },
         ..point(1.0, Vec3::ZERO)
@@ -221,10 +164,7 @@ fn mirrored_and_stretched_instances_are_lit_on_the_side_that_is_hit() {
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &settings(400, 2));
     assert!(manager.counters().escaped < 8, "{:?}", manager.counters());
-    for slot in manager
-        .slots()
-        .filter(|slot| slot.state == SlotState::Valid)
-    {
+    for slot in manager.slots().filter(|slot| slot.state == SlotState::Valid) {
         if slot.bounce == 0 {
             assert_eq!(slot.normal, Vec3::NEG_Y, "the mirrored light shines down");
         } else if slot.position.y.abs() > 0.3 {

@@ -19,12 +19,7 @@ fn sphere_with(light: glowworm::scene::Light) -> Stage {
 fn static_scene_never_shoots() {
     let mut scene = grey_scene(0.5);
     place(&mut scene, square(4.0), Vec3::ZERO, false);
-    place(
-        &mut scene,
-        Mesh::cuboid("box", Vec3::ONE, 0),
-        Vec3::new(0.0, 0.5, 0.0),
-        true,
-    );
+    place(&mut scene, Mesh::cuboid("box", Vec3::ONE, 0), Vec3::new(0.0, 0.5, 0.0), true);
     scene.lights.push(point(1.0, Vec3::new(0.7, 1.5, 0.2)));
     let mut stage = Stage::new(scene);
     let settings = settings(512, 3);
@@ -41,10 +36,7 @@ fn static_scene_never_shoots() {
 fn nothing_starves_while_the_light_keeps_moving() {
     for (vpls, bounces, budget) in [(96, 16, 1), (96, 16, 5), (100, 3, 7)] {
         let mut stage = sphere_with(point(1.0, Vec3::ZERO));
-        let settings = Settings {
-            budget,
-            ..settings(vpls, bounces)
-        };
+        let settings = Settings { budget, ..settings(vpls, bounces) };
         let mut manager = VplManager::new(stage.world(), &settings);
         let mut last_change = vec![0; vpls as usize];
         let mut positions: Vec<Vec3> = manager.slots().map(|slot| slot.position).collect();
@@ -53,11 +45,7 @@ fn nothing_starves_while_the_light_keeps_moving() {
         for frame in 1..=4 * round {
             let angle = frame as f32 * 0.05;
             stage.pose.lights[0].position = Vec3::new(angle.cos(), 0.3, angle.sin()) * 0.5;
-            assert_eq!(
-                stage.frame(&mut manager).shot,
-                budget,
-                "all of the budget is of use"
-            );
+            assert_eq!(stage.frame(&mut manager).shot, budget, "all of the budget is of use");
             for slot in manager.slots() {
                 let (at, last) = (slot.slot as usize, slot.position);
                 if positions[at] != last || slot.state == SlotState::Escaped {
@@ -74,10 +62,7 @@ fn nothing_starves_while_the_light_keeps_moving() {
 fn no_shot_is_lost_once_the_world_stands_still() {
     for moving_frames in 1..20 {
         let mut stage = sphere_with(point(1.0, Vec3::ZERO));
-        let settings = Settings {
-            budget: 3,
-            ..settings(80, 16)
-        };
+        let settings = Settings { budget: 3, ..settings(80, 16) };
         let mut manager = VplManager::new(stage.world(), &settings);
         for _ in 0..moving_frames {
             stage.pose.lights[0].position.x += 0.02;
@@ -100,10 +85,7 @@ fn invalid_slots_come_first() {
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.99, 0.0), true);
     scene.lights.push(point(1.0, Vec3::new(0.0, 0.5, 0.0)));
     let mut stage = Stage::new(scene);
-    let settings = Settings {
-        budget: 16,
-        ..settings(256, 2)
-    };
+    let settings = Settings { budget: 16, ..settings(256, 2) };
     let mut manager = VplManager::new(stage.world(), &settings);
     stage.pose.lights[0].position.x = 0.01;
     stage.move_instance(plate, Vec3::new(0.0, 1.5, 0.0));
@@ -113,21 +95,13 @@ fn invalid_slots_come_first() {
     manager.replace(stage.world());
     // Only paths that held an invalid slot were touched.
     for (old, new) in before.iter().zip(manager.slots()) {
-        let hurt = before
-            .iter()
-            .any(|slot| slot.path == old.path && slot.state == SlotState::Invalid);
+        let hurt = before.iter().any(|slot| slot.path == old.path && slot.state == SlotState::Invalid);
         assert!(hurt || (old.position, old.stale) == (new.position, new.stale));
     }
     while manager.counters().valid + manager.counters().escaped < 256 {
-        let invalid = manager
-            .slots()
-            .filter(|slot| slot.state == SlotState::Invalid)
-            .count();
+        let invalid = manager.slots().filter(|slot| slot.state == SlotState::Invalid).count();
         stage.frame(&mut manager);
-        let left = manager
-            .slots()
-            .filter(|slot| slot.state == SlotState::Invalid)
-            .count();
+        let left = manager.slots().filter(|slot| slot.state == SlotState::Invalid).count();
         assert!(left < invalid);
     }
 }
@@ -136,12 +110,7 @@ fn invalid_slots_come_first() {
 fn descendants_go_in_the_same_frame() {
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
-    let lid = place(
-        &mut scene,
-        Mesh::cuboid("lid", Vec3::splat(0.2), 0),
-        Vec3::splat(1.5),
-        true,
-    );
+    let lid = place(&mut scene, Mesh::cuboid("lid", Vec3::splat(0.2), 0), Vec3::splat(1.5), true);
     scene.lights.push(point(1.0, Vec3::ZERO));
     let mut stage = Stage::new(scene);
     let mut manager = VplManager::new(stage.world(), &settings(512, 4));
@@ -157,20 +126,11 @@ fn plate_slides_out_from_under_its_vpls() {
     let mut scene = grey_scene(0.5);
     place(&mut scene, square(8.0), Vec3::ZERO, false);
     let plate = place(&mut scene, square(2.0), Vec3::new(0.0, 0.5, 0.0), true);
-    scene
-        .lights
-        .push(spot(1.0, Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y));
+    scene.lights.push(spot(1.0, Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y));
     let mut stage = Stage::new(scene);
-    let settings = Settings {
-        budget: 3,
-        ..settings(128, 1)
-    };
+    let settings = Settings { budget: 3, ..settings(128, 1) };
     let mut manager = VplManager::new(stage.world(), &settings);
-    assert!(
-        manager
-            .slots()
-            .all(|slot| (slot.position.y - 0.5).abs() < 1e-5)
-    );
+    assert!(manager.slots().all(|slot| (slot.position.y - 0.5).abs() < 1e-5));
     for frame in 1..80 {
         let slid = frame as f32 * 0.05;
         stage.move_instance(plate, Vec3::new(slid, 0.0, 0.0));
@@ -183,17 +143,11 @@ fn plate_slides_out_from_under_its_vpls() {
                 assert!(on_floor || on_plate, "{p} hangs in the air");
                 // And it still lies in the light.
                 let to_vpl = (p - Vec3::new(0.0, 2.0, 0.0)).normalize();
-                assert!(
-                    to_vpl.dot(Vec3::NEG_Y) > 0.6f32.cos() - 1e-4,
-                    "{p} in the dark"
-                );
+                assert!(to_vpl.dot(Vec3::NEG_Y) > 0.6f32.cos() - 1e-4, "{p} in the dark");
             }
         }
     }
-    assert!(
-        manager.slots().all(|slot| slot.position.y.abs() < 1e-5),
-        "all on the floor"
-    );
+    assert!(manager.slots().all(|slot| slot.position.y.abs() < 1e-5), "all on the floor");
 }
 
 #[test]

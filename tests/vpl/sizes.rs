@@ -64,12 +64,8 @@ fn every_small_number_of_slots() {
 fn most_slots() {
     let mut stage = lit_room(15);
     for bounces in [1, 16] {
-        let settings = Settings {
-            temporal_sets: 64,
-            interleave: 8,
-            budget: 4096,
-            ..settings(65_536, bounces)
-        };
+        let settings =
+            Settings { temporal_sets: 64, interleave: 8, budget: 4096, ..settings(65_536, bounces) };
         let mut manager = VplManager::new(stage.world(), &settings);
         let counters = manager.counters();
         assert_eq!(counters.valid + counters.escaped, 65_536);
@@ -90,9 +86,7 @@ fn without_light_there_is_nothing() {
             | glowworm::scene::LightKind::Spot { intensity, .. } => *intensity = Vec3::ZERO,
             glowworm::scene::LightKind::Directional { irradiance } => *irradiance = Vec3::ZERO,
             glowworm::scene::LightKind::Area { triangles, .. } => {
-                triangles
-                    .iter_mut()
-                    .for_each(|triangle| triangle.radiance = Vec3::ZERO);
+                triangles.iter_mut().for_each(|triangle| triangle.radiance = Vec3::ZERO);
             }
         }
     }
@@ -104,10 +98,7 @@ fn without_light_there_is_nothing() {
             assert_eq!((counters.valid, counters.escaped, counters.shot), (0, 0, 0));
             assert_eq!(manager.total_flux(stage.world()), 0.0);
             let sets = all_sets(&manager, &stage, &settings);
-            assert!(
-                sets.iter()
-                    .all(|set| set.vpls.is_empty() && set.class_starts == [0; 5])
-            );
+            assert!(sets.iter().all(|set| set.vpls.is_empty() && set.class_starts == [0; 5]));
         }
         // Light comes back.
         stage.pose.lights = vec![point(1.0, Vec3::ZERO)];
@@ -138,8 +129,5 @@ fn empty_scene_lets_everything_escape() {
     let mut manager = VplManager::new(stage.world(), &settings(64, 2));
     stage.pose.lights[0].position.x = 1.0;
     let counters = stage.frame(&mut manager);
-    assert_eq!(
-        (counters.escaped, counters.valid, counters.shot),
-        (64, 0, 0)
-    );
+    assert_eq!((counters.escaped, counters.valid, counters.shot), (64, 0, 0));
 }

@@ -21,11 +21,7 @@ impl Stage {
     }
 
     pub fn world(&self) -> World<'_> {
-        World {
-            scene: &self.scene,
-            pose: &self.pose,
-            bvh: &self.bvh,
-        }
+        World { scene: &self.scene, pose: &self.pose, bvh: &self.bvh }
     }
 
     /// The same scene and pose, with nothing kept from before.
@@ -59,31 +55,19 @@ impl Stage {
 }
 
 pub fn settings(vpls: u32, bounces: u32) -> Settings {
-    Settings {
-        vpls,
-        bounces,
-        temporal_sets: 4.min(vpls),
-        interleave: 2,
-        ..Settings::default()
-    }
+    Settings { vpls, bounces, temporal_sets: 4.min(vpls), interleave: 2, ..Settings::default() }
 }
 
 /// A scene with material 0 of grey `albedo`.
 pub fn grey_scene(albedo: f32) -> Scene {
     let mut scene = Scene::new("test");
-    scene
-        .materials
-        .push(Material::lambertian("grey", Vec3::splat(albedo)));
+    scene.materials.push(Material::lambertian("grey", Vec3::splat(albedo)));
     scene
 }
 
 /// Adds a mesh with an instance of it; returns the instance.
 pub fn place(scene: &mut Scene, mesh: Mesh, at: Vec3, dynamic: bool) -> usize {
-    let mut instance = Instance::fixed(
-        &mesh.name,
-        scene.meshes.len(),
-        Affine3A::from_translation(at),
-    );
+    let mut instance = Instance::fixed(&mesh.name, scene.meshes.len(), Affine3A::from_translation(at));
     instance.dynamic = dynamic;
     scene.meshes.push(mesh);
     scene.instances.push(instance);
@@ -93,12 +77,8 @@ pub fn place(scene: &mut Scene, mesh: Mesh, at: Vec3, dynamic: bool) -> usize {
 /// A horizontal square of edge `size` about the origin, facing up (or down for a negative size).
 pub fn square(size: f32) -> Mesh {
     let (h, d) = (0.5 * size.abs(), 0.5 * size);
-    let corners = [
-        Vec3::new(-d, 0.0, h),
-        Vec3::new(d, 0.0, h),
-        Vec3::new(d, 0.0, -h),
-        Vec3::new(-d, 0.0, -h),
-    ];
+    let corners =
+        [Vec3::new(-d, 0.0, h), Vec3::new(d, 0.0, h), Vec3::new(d, 0.0, -h), Vec3::new(-d, 0.0, -h)];
     Mesh::polygon("square", &corners, 0)
 }
 
@@ -123,11 +103,7 @@ pub fn point(intensity: f32, position: Vec3) -> Light {
 }
 
 pub fn spot(intensity: f32, position: Vec3, direction: Vec3) -> Light {
-    let kind = LightKind::Spot {
-        intensity: Vec3::splat(intensity),
-        inner_angle: 0.3,
-        outer_angle: 0.6,
-    };
+    let kind = LightKind::Spot { intensity: Vec3::splat(intensity), inner_angle: 0.3, outer_angle: 0.6 };
     light(kind, position, direction)
 }
 
@@ -140,32 +116,20 @@ pub fn directional(irradiance: f32, direction: Vec3) -> Light {
 pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
     let triangles = scene.meshes[scene.instances[instance].mesh].triangles.len();
     let triangles = (0..triangles as u32)
-        .map(|triangle| AreaTriangle {
-            triangle,
-            radiance: Vec3::splat(radiance),
-        })
+        .map(|triangle| AreaTriangle { triangle, radiance: Vec3::splat(radiance) })
         .collect();
-    let kind = LightKind::Area {
-        instance,
-        triangles,
-    };
+    let kind = LightKind::Area { instance, triangles };
     light(kind, Vec3::ZERO, Vec3::NEG_Y)
 }
 
 /// All sets, as they would be drawn.
 pub fn all_sets(manager: &VplManager, stage: &Stage, settings: &Settings) -> Vec<SetVpls> {
-    (0..settings.temporal_sets)
-        .map(|set| manager.set_vpls(stage.world(), set))
-        .collect()
+    (0..settings.temporal_sets).map(|set| manager.set_vpls(stage.world(), set)).collect()
 }
 
 /// Red flux of the slots that `filter` takes, summed.
 pub fn flux_of(manager: &VplManager, filter: impl Fn(&SlotView) -> bool) -> f64 {
-    manager
-        .slots()
-        .filter(filter)
-        .map(|slot| f64::from(slot.flux.x))
-        .sum()
+    manager.slots().filter(filter).map(|slot| f64::from(slot.flux.x)).sum()
 }
 
 /// Asserts that no slot outlives its parent.
