@@ -8,9 +8,10 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::World;
+use super::focus::FocusedDisc;
 use super::sampling::{self, Frame, SpotCone};
 use crate::bvh::Ray;
-use crate::scene::{AreaTriangle, BoundingSphere, Light, LightKind, SurfacePoint, luminance};
+use crate::scene::{AreaTriangle, Light, LightKind, SurfacePoint, luminance};
 
 /// A light ready to shoot paths.
 #[derive(Clone, Debug)]
@@ -26,13 +27,13 @@ pub(super) struct Emitter {
 pub(super) enum Source {
     Point { position: Vec3 },
     Spot { position: Vec3, frame: Frame, cone: SpotCone, outer_angle: f32 },
-    Directional { frame: Frame, bounds: BoundingSphere },
+    Directional { frame: Frame, disc: FocusedDisc },
     Area(AreaTable),
 }
 
 impl Emitter {
-    /// `bounds` is what a directional light's paths must cover.
-    pub(super) fn new(world: World<'_>, light: &Light, bounds: &BoundingSphere) -> Self {
+    /// `disc` is where a directional light's paths start, whatever its direction.
+    pub(super) fn new(world: World<'_>, light: &Light, disc: &FocusedDisc) -> Self {
         let source = match &light.kind {
             LightKind::Point { .. } => Source::Point { position: light.position },
             LightKind::Spot { inner_angle, outer_angle, .. } => Source::Spot {
@@ -42,14 +43,14 @@ impl Emitter {
                 outer_angle: *outer_angle,
             },
             LightKind::Directional { .. } => {
-                Source::Directional { frame: Frame::around(light.direction), bounds: *bounds }
+                Source::Directional { frame: Frame::around(light.direction), disc: *disc }
             }
             LightKind::Area { instance, triangles } => {
                 let (flux, table) = AreaTable::new(world, *instance, triangles);
                 return Self { flux, source: Source::Area(table) };
             }
         };
-        let flux = light.flux(world.scene, world.pose, bounds);
+        let flux = light.flux(world.scene, world.pose, &disc.bounds);
         Self { flux, source }
     }
 
@@ -61,19 +62,31 @@ impl Emitter {
         }
     }
 
-    /// A path's first ray; none for area lights, whose paths start with a VPL.
-    pub(super) fn first_ray(&self, u: Vec2) -> Option<Ray> {
+    /// Luminous flux that is worth paths.
+    pub(super) fn luminous_claim(&self) -> f32 {
+        match &self.source {
+            Source::Directional { disc, .. } => luminance(self.flux) * disc.worth(),
+            _ => luminance(self.flux),
+        }
+    }
+
+    /// A path's first ray and its weight; none for area lights, whose paths start with a VPL.
+    pub(super) fn first_ray(&self, u: Vec2) -> Option<(Ray, f32)> {
+        let mut weight = 1.0;
         let (origin, direction) = match &self.source {
             Source::Point { position } => (*position, sampling::sphere(u)),
             Source::Spot { position, frame, cone, .. } => (*position, frame.to_world(cone.sample(u))),
-            Source::Directional { frame, bounds } => {
+            Source::Directional { frame, disc } => {
+                let (place, density_weight) = disc.sample(u);
+                weight = density_weight;
                 // The disc stands off by the radius and a little, to start outside whatever it covers.
-                let on_disc = sampling::disc(u).extend(-1.01);
-                (bounds.center + frame.to_world(on_disc) * bounds.radius, frame.normal)
+                let offset = frame.to_world(place.extend(-1.01)) * disc.bounds.radius;
+                (disc.bounds.center + offset, frame.normal)
             }
             Source::Area(_) => return None,
         };
-        Some(Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY })
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
+        Some((ray, weight))
     }
 }
 

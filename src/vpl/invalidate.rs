@@ -173,9 +173,9 @@ impl VplManager {
             return Test::Keep;
         }
         match slot.state {
-            SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, Test::Free),
+            SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, |(ray, _)| Test::Free(ray)),
             _ if address.bounce == 0 => self.test_on_light(slot, address),
-            _ if slot.fresh => self.ray_of(index as u32).map_or(Test::Lose, |ray| {
+            _ if slot.fresh => self.ray_of(index as u32).map_or(Test::Lose, |(ray, _)| {
                 let t_max = slot.t * BEFORE_HIT;
                 Test::Free(Ray { t_max, ..ray })
             }),

@@ -4,12 +4,13 @@
 //! sorted by pixel class. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
 //!
 //! - `quota`, `deal`: how many paths each light gets, and which slot is for which path and bounce.
-//! - `emitter`, `sampling`: where paths start and how they go on.
+//! - `emitter`, `focus`, `sampling`: where paths start and how they go on.
 //! - `shoot`: filling slots; `invalidate`: what the world no longer supports; `replace`: what to shoot next.
 //! - `watch`: what changed in the world; `upload`: what the shaders get.
 
 mod deal;
 mod emitter;
+mod focus;
 mod invalidate;
 mod quota;
 mod replace;

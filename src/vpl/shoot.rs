@@ -32,8 +32,8 @@ enum Aim {
     Escape,
     /// The slot lies on the light itself.
     Start(u32, SurfacePoint, Vec3),
-    /// A ray must be traced.
-    Trace(Ray),
+    /// A ray must be traced; what it carries is weighted.
+    Trace(Ray, f32),
 }
 
 impl VplManager {
@@ -55,13 +55,15 @@ impl VplManager {
         let aims: Vec<Aim> =
             jobs.par_iter().with_min_len(SLOTS_PER_TASK).map(|&slot| this.aim(slot)).collect();
         // Trace.
-        let rays: Vec<Ray> =
-            aims.iter().filter_map(|aim| if let Aim::Trace(ray) = aim { Some(*ray) } else { None }).collect();
+        let rays: Vec<Ray> = aims
+            .iter()
+            .filter_map(|aim| if let Aim::Trace(ray, _) = aim { Some(*ray) } else { None })
+            .collect();
         let mut hits = world.bvh.intersect_batch(&rays).into_iter();
         let traced: Vec<Option<Hit>> = aims
             .iter()
             .map(|aim| match aim {
-                Aim::Trace(_) => hits.next().flatten(),
+                Aim::Trace(..) => hits.next().flatten(),
                 _ => None,
             })
             .collect();
@@ -85,12 +87,15 @@ impl VplManager {
             let (point, weight) = table.sample(sampling::sequence_point(address.sequence, 0, seed));
             return Aim::Start(table.instance, point, weight);
         }
-        self.ray_of(slot).map_or(Aim::Escape, Aim::Trace)
+        match self.ray_of(slot) {
+            Some((ray, weight)) => Aim::Trace(ray, weight),
+            None => Aim::Escape,
+        }
     }
 
-    /// The ray that shooting `slot` again would trace now; none if its path has ended before, or would
-    /// end on its parent's surface. Not for slots that lie on their light.
-    pub(super) fn ray_of(&self, slot: u32) -> Option<Ray> {
+    /// The ray that shooting `slot` again would trace now, and the weight of what it carries; none if its
+    /// path has ended before, or would end on its parent's surface. Not for slots that lie on their light.
+    pub(super) fn ray_of(&self, slot: u32) -> Option<(Ray, f32)> {
         let address = &self.deal.addresses[slot as usize];
         let emitter = &self.watch.emitters[address.light as usize];
         let seed = self.layout.light_seed(address.light);
@@ -105,12 +110,13 @@ impl VplManager {
         let parent = &self.surfaces[address.parent as usize];
         let direction = Frame::around(parent.normal).to_world(sampling::cosine_hemisphere(u));
         // A direction above the shading normal's plane but below the surface carries no light.
-        (direction.dot(parent.geometric_normal) > 0.0).then(|| Ray {
+        let ray = Ray {
             origin: parent.offset_position(self.watch.bounds.radius),
             direction,
             t_min: 0.0,
             t_max: f32::INFINITY,
-        })
+        };
+        (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
     }
 
     fn land(&self, world: World<'_>, slot: u32, aim: &Aim, hit: Option<Hit>) -> (Slot, WorldSurface) {
@@ -132,7 +138,7 @@ impl VplManager {
                 };
                 (hit, Side::Front(true))
             }
-            (Aim::Trace(ray), Some(hit)) => (hit, Side::Facing(ray.direction)),
+            (Aim::Trace(ray, _), Some(hit)) => (hit, Side::Facing(ray.direction)),
             _ => return (Slot::escaped(fresh), WorldSurface::default()),
         };
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
@@ -144,7 +150,8 @@ impl VplManager {
         } else {
             let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
             let material = mesh.triangle_materials[hit.triangle as usize];
-            carried * world.scene.materials[material as usize].albedo_at(world.scene, found.uv)
+            let weight = if let Aim::Trace(_, weight) = aim { *weight } else { 1.0 };
+            carried * weight * world.scene.materials[material as usize].albedo_at(world.scene, found.uv)
         };
         let filled = Slot {
             state: SlotState::Valid,

@@ -8,8 +8,9 @@ use glam::{Affine3A, Vec3};
 
 use super::World;
 use super::emitter::{Emitter, Source};
+use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
-use crate::scene::{BoundingSphere, Light, LightKind, Scene, luminance};
+use crate::scene::{BoundingSphere, Light, LightKind, Scene};
 
 /// Keeps the last world and compares.
 #[derive(Clone, Debug)]
@@ -29,6 +30,7 @@ pub(super) struct Watch {
     /// Whether any flux or the number of lights changed.
     pub(super) flux_changed: bool,
     rest_bounds: BoundingSphere,
+    focus: Option<BoundingSphere>,
     lights: Vec<Light>,
     transforms: Vec<Affine3A>,
 }
@@ -38,8 +40,10 @@ impl Watch {
     pub(super) fn new(world: World<'_>) -> Self {
         let rest_bounds = BoundingSphere::around(bounds_at_rest(world.scene));
         let bounds = stepped_bounds(&rest_bounds, world.bvh.bounds());
+        let focus = focus_at_rest(world.scene);
+        let disc = FocusedDisc::new(&bounds, focus.as_ref());
         let lights = world.pose.lights.clone();
-        let emitters: Vec<_> = lights.iter().map(|light| Emitter::new(world, light, &bounds)).collect();
+        let emitters: Vec<_> = lights.iter().map(|light| Emitter::new(world, light, &disc)).collect();
         Self {
             light_changed: vec![false; lights.len()],
             moved: vec![false; world.pose.instances.len()],
@@ -50,6 +54,7 @@ impl Watch {
             emitters,
             bounds,
             rest_bounds,
+            focus,
             lights,
         }
     }
@@ -78,7 +83,7 @@ impl Watch {
         self.emitters
             .iter()
             .map(|emitter| Claim {
-                luminous_flux: luminance(emitter.flux),
+                luminous_flux: emitter.luminous_claim(),
                 first_bounce: emitter.first_bounce(),
             })
             .collect()
@@ -99,6 +104,7 @@ impl Watch {
 
     fn compare_lights(&mut self, world: World<'_>) {
         let now = &world.pose.lights;
+        let disc = FocusedDisc::new(&self.bounds, self.focus.as_ref());
         self.flux_changed = self.lights.len() != now.len();
         self.lights.truncate(now.len());
         self.emitters.truncate(now.len());
@@ -114,7 +120,7 @@ impl Watch {
                 self.light_changed.push(false);
                 continue;
             }
-            let emitter = Emitter::new(world, light, &self.bounds);
+            let emitter = Emitter::new(world, light, &disc);
             match self.emitters.get_mut(index) {
                 None => {
                     self.light_changed.push(true);

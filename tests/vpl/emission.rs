@@ -101,6 +101,26 @@ fn directional_light_is_uniform_across_its_direction() {
 }
 
 #[test]
+fn sun_finds_a_house_on_a_wide_plain() {
+    let mut scene = grey_scene(0.5);
+    place(&mut scene, square(200.0), Vec3::ZERO, false);
+    let dome = Mesh::sphere("dome", 1.0, 4, 0);
+    place(&mut scene, dome, Vec3::new(30.0, 0.0, 20.0), false);
+    scene.lights.push(directional(3.0, Vec3::NEG_Y));
+    let stage = Stage::new(scene);
+    let manager = VplManager::new(stage.world(), &settings(4096, 1));
+    let is_on_dome =
+        |slot: &glowworm::vpl::SlotView| slot.state == SlotState::Valid && slot.position.y > 1e-4;
+    let on_dome = manager.slots().filter(is_on_dome).count();
+    assert!(on_dome > 250, "{on_dome}");
+    // And yet each place gets what falls on it.
+    let flux = flux_of(&manager, is_on_dome) as f32;
+    assert!((flux / (3.0 * PI * 0.5) - 1.0).abs() < 0.03, "{flux}");
+    let flux = flux_of(&manager, |_| true) as f32;
+    assert!((flux / (3.0 * 40_000.0 * 0.5) - 1.0).abs() < 0.03, "{flux}");
+}
+
+#[test]
 fn area_light_starts_evenly_and_shines_by_the_cosine() {
     // A small light in the middle of a large sphere, so that where it starts hardly matters.
     let stage = sphere_scene(|scene| {

@@ -41,7 +41,7 @@ fn sets_add_up_to_the_total() {
     assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
     // Classes hold what they say.
     let mut seen = vec![false; 333];
-    for set in &sets {
+    for (index, set) in sets.iter().enumerate() {
         assert_eq!(set.class_starts.len(), 5);
         assert_eq!(*set.class_starts.last().unwrap() as usize, set.vpls.len());
         for class in 0..4 {
@@ -49,7 +49,7 @@ fn sets_add_up_to_the_total() {
             let flux: f32 = set.vpls[range.clone()].iter().map(|vpl| luminance(vpl.flux)).sum();
             assert!((flux - set.class_flux[class]).abs() < 1e-4 * total);
             for vpl in &set.vpls[range] {
-                assert_eq!(vpl.slot / 4 % 4, class as u32);
+                assert_eq!(vpl.slot % 4, index as u32, "slot s is in set s mod T");
                 assert!(!std::mem::replace(&mut seen[vpl.slot as usize], true));
             }
         }
