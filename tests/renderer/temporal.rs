@@ -37,7 +37,7 @@ fn interleaving_keeps_the_brightness() {
     let brightness = |picture| mean(layer(picture, "indirect").iter().map(luminance));
     let ratio = brightness(&with) / brightness(&without);
 
- assert!((ratio - 1.0).abs() <= 0.005, "mean brightness changes by {ratio}");
+    assert!((ratio - 1.0).abs() <= 0.005, "mean brightness changes by {ratio}");
     let squares = with.display.iter().zip(&without.display).flat_map(|(with, without)| {
         [0, 1, 2].map(|c| ((f32::from(with[c]) - f32::from(without[c])) / 255.0).powi(2))
     });
