@@ -3,6 +3,7 @@
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
+mod passes;
 mod picture;
 
 use std::collections::VecDeque;
@@ -12,21 +13,17 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
-use crate::passes::combine::{CombineInputs, CombinePass};
-use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
-use crate::passes::direct_shadows::{DirectShadowsPass, ShadowInputs};
-use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
-use crate::passes::indirect_reprojection::{DrawnSet, IndirectReprojectionPass, ReprojectionInputs};
-use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
-use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
+use crate::passes::indirect_reprojection::DrawnSet;
+use crate::passes::indirect_shadows::UploadedSet;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
 use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts, percentile};
-use crate::scene::{Camera, LightKind, Pose, Scene};
-use crate::settings::{MissingSets, Settings, TracerKind};
-use crate::vpl::{SlotState, VplManager, World};
+use crate::scene::{Camera, Light, LightKind, Pose, Scene};
+use crate::settings::{Settings, TracerKind};
+use crate::vpl::{CellFlux, SetVpls, SlotState, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+use passes::{PassInputs, Passes};
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -53,13 +50,7 @@ pub struct Renderer {
 
     buffers: SceneBuffers,
     tracer: Tracer,
-    gbuffer: GBufferPass,
-    direct_shadows: DirectShadowsPass,
-    direct_shading: DirectShadingPass,
-    indirect_shadows: IndirectShadowsPass,
-    indirect_shading: IndirectShadingPass,
-    indirect_reprojection: IndirectReprojectionPass,
-    combine: CombinePass,
+    passes: Passes,
     // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
     frames: Frames,
     device: Arc<Device>,
@@ -72,6 +63,15 @@ struct Lengths {
     radius: f32,
     /// A typical distance between surfaces that light each other, world units.
     transport: f32,
+}
+
+/// What the CPU's stages give to the device's passes, and what they cost.
+struct IndirectLights {
+    vpls: SetVpls,
+    flux: CellFlux,
+    drawn: DrawnSet,
+    cpu_ms: [f64; 3],
+    counts: VplCounts,
 }
 
 /// A frame on its way.
@@ -102,24 +102,10 @@ impl Renderer {
         let radius = (high - low).length() * 0.5;
         let lengths = Lengths { radius, transport: transport.unwrap_or(radius) };
 
-        let extent = settings.size;
-        let sets = settings.temporal_sets;
-        let set_size = settings.vpls.div_ceil(sets);
         let buffers = SceneBuffers::new(device, scene)?;
         Ok(Self {
             tracer: Tracer::new(device, &bvh)?,
-            gbuffer: GBufferPass::new(device, &buffers, extent)?,
-            direct_shadows: DirectShadowsPass::new(device)?,
-            direct_shading: DirectShadingPass::new(device, extent)?,
-            indirect_shadows: IndirectShadowsPass::new(device, extent, settings.interleave, set_size)?,
-            indirect_shading: IndirectShadingPass::new(device, extent, settings.interleave, sets)?,
-            indirect_reprojection: IndirectReprojectionPass::new(
-                device,
-                extent,
-                sets,
-                scene.instances.len(),
-            )?,
-            combine: CombinePass::new(device, extent)?,
+            passes: Passes::new(device, &buffers, settings, scene.instances.len())?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             scene: Arc::clone(scene),
@@ -138,17 +124,8 @@ impl Renderer {
     /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let scene = Arc::clone(&self.scene);
-        let set = u32::try_from(self.frame_count % u64::from(self.settings.temporal_sets)).unwrap_or(0);
-
-        // The CPU's stages, while the device is busy with the frame before.
-        let (_, bvh_update) = timed(|| self.bvh.update(&pose.instances));
-        let world = World { scene: &scene, pose, bvh: &self.bvh };
-        let (_, vpl_invalidation) = timed(|| self.vpls.invalidate(world));
-        let ((vpls, flux), vpl_replacement) = timed(|| {
-            self.vpls.replace(world);
-            (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
-        });
-        let counters = self.vpls.counters();
+        let lights = self.update(&scene, pose);
+        let uniforms = self.uniforms(pose);
 
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
@@ -156,97 +133,85 @@ impl Renderer {
         }
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
-        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
         let uniforms = FrameUniforms {
-            set,
-            irradiance_scale,
-            ..uniforms(&scene, &self.settings, self.lengths, &pose.camera, self.previous_view_projection)
+            set: lights.drawn.set,
+            irradiance_scale: lights.drawn.irradiance_scale,
+            ..uniforms
         };
         self.previous_view_projection = Some(uniforms.view_projection);
-        let light_count =
-            pose.lights.iter().filter(|light| !matches!(light.kind, LightKind::Area { .. })).count();
-        let uniforms =
-            FrameUniforms { light_count: u32::try_from(light_count).unwrap_or(u32::MAX), ..uniforms };
-        let uniforms = frame.upload(&[uniforms])?;
-        let vpls = UploadedSet::new(&mut frame, &vpls, &flux.classes)?;
-
-        // The device's passes.
-        let gbuffer = self.gbuffer.record(
-            &mut frame,
-            &GBufferInputs {
-                frame: &uniforms,
-                instances: &instances,
-                scene: &self.buffers,
-                tracer: &self.tracer,
-            },
-        )?;
-        let shadows = self.direct_shadows.record(
-            &mut frame,
-            &ShadowInputs {
-                instances: &instances,
-                scene: &self.buffers,
-                tracer: &self.tracer,
-                pose,
-                bounds: self.bvh.bounds(),
-                size: self.settings.size,
-            },
-        )?;
-        let direct = self.direct_shading.record(
-            &mut frame,
-            &DirectShadingInputs { frame: &uniforms, gbuffer, shadows: &shadows, scene: &self.buffers },
-        )?;
-        self.indirect_shadows.start(&mut frame);
-        let shading = IndirectShadingInputs {
-            frame: &uniforms,
-            gbuffer,
-            set: &vpls,
-            visibility: self.indirect_shadows.visibility(),
+        let inputs = PassInputs {
+            settings: &self.settings,
+            scene: &self.buffers,
+            tracer: &self.tracer,
+            pose,
+            bounds: self.bvh.bounds(),
+            frame: frame.upload(&[uniforms])?,
+            instances,
+            vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,
+            drawn: lights.drawn,
+            set_flux: &lights.flux.sets,
         };
-        for chunk in self.indirect_shadows.chunks(&vpls) {
-            let rays = IndirectShadowsInputs { frame: &uniforms, gbuffer, set: &vpls, tracer: &self.tracer };
-            self.indirect_shadows.record(&mut frame, &rays, &chunk)?;
-            self.indirect_shading.gather(&mut frame, &shading, &chunk)?;
-        }
-        let set_buffers = self.indirect_shading.filter(&mut frame, &shading)?;
-        let irradiance = self.indirect_reprojection.record(
-            &mut frame,
-            &ReprojectionInputs {
-                frame: &uniforms,
-                gbuffer,
-                set_buffers,
-                instances: &instances,
-                pose,
-                drawn: DrawnSet { set, irradiance_scale },
-                scale_missing: self.settings.missing_sets == MissingSets::Scale,
-                set_flux: &flux.sets,
-            },
-        )?;
-        self.combine.record(
-            &mut frame,
-            &CombineInputs {
-                frame: &uniforms,
-                direct,
-                irradiance,
-                albedo: &gbuffer.albedo,
-                exposure: self.settings.exposure,
-            },
-        )?;
-        frame.read_back(self.indirect_shadows.counters());
+        self.passes.record(&mut frame, &inputs)?;
         frame.submit()?;
 
         self.pending.push_back(Pending {
             frame: self.frame_count,
+            cpu_ms: lights.cpu_ms,
+            vpls: lights.counts,
+        });
+        self.frame_count += 1;
+        Ok(())
+    }
+
+    /// What the passes want to know of the view; the set is the caller's business.
+    fn uniforms(&self, pose: &Pose) -> FrameUniforms {
+        let Settings { size, interleave, temporal_sets, clamp, position_cutoff, .. } = self.settings;
+        let camera = &pose.camera;
+        // Near and far swapped: reversed depth keeps its precision far away.
+        let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
+        let view_projection =
+            reversed.projection_matrix(size[0] as f32 / size[1] as f32) * camera.view_matrix();
+        let has_shadow_map = |light: &&Light| !matches!(light.kind, LightKind::Area { .. });
+        FrameUniforms {
+            view_projection,
+            previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
+            eye: camera.eye.extend(self.lengths.radius),
+            background: self.scene.background.extend(clamp / self.lengths.transport.powi(2)),
+            size,
+            interleave,
+            light_count: u32::try_from(pose.lights.iter().filter(has_shadow_map).count()).unwrap_or(u32::MAX),
+            position_cutoff,
+            irradiance_scale: 1.0,
+            set: 0,
+            sets: temporal_sets,
+        }
+    }
+
+    /// The CPU's three stages, while the device is busy with the frame before.
+    fn update(&mut self, scene: &Scene, pose: &Pose) -> IndirectLights {
+        let set = u32::try_from(self.frame_count % u64::from(self.settings.temporal_sets)).unwrap_or(0);
+        let (_, bvh_update) = timed(|| self.bvh.update(&pose.instances));
+        let world = World { scene, pose, bvh: &self.bvh };
+        let (_, vpl_invalidation) = timed(|| self.vpls.invalidate(world));
+        let ((vpls, flux), vpl_replacement) = timed(|| {
+            self.vpls.replace(world);
+            (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
+        });
+        let counters = self.vpls.counters();
+        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
+        IndirectLights {
+            vpls,
+            flux,
+            drawn: DrawnSet { set, irradiance_scale },
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
-            vpls: VplCounts {
+            counts: VplCounts {
                 slots: counters.slots.into(),
                 valid: counters.valid.into(),
                 escaped: counters.escaped.into(),
                 invalidated: counters.invalidated.into(),
                 shot: counters.shot.into(),
             },
-        });
-        self.frame_count += 1;
-        Ok(())
+        }
     }
 
     /// Waits for all frames and gives the reports that were not given yet, in order.
@@ -274,33 +239,6 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64() * 1e3)
-}
-
-fn uniforms(
-    scene: &Scene,
-    settings: &Settings,
-    lengths: Lengths,
-    camera: &Camera,
-    previous: Option<Mat4>,
-) -> FrameUniforms {
-    let aspect = settings.size[0] as f32 / settings.size[1] as f32;
-    // Near and far swapped: reversed depth keeps its precision far away.
-    let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
-    let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
-    let clamp = settings.clamp / (lengths.transport * lengths.transport);
-    FrameUniforms {
-        view_projection,
-        previous_view_projection: previous.unwrap_or(view_projection),
-        eye: camera.eye.extend(lengths.radius),
-        background: scene.background.extend(clamp),
-        size: settings.size,
-        interleave: settings.interleave,
-        light_count: 0,
-        position_cutoff: settings.position_cutoff,
-        irradiance_scale: 1.0,
-        set: 0,
-        sets: settings.temporal_sets,
-    }
 }
 
 /// A power of two that brings the irradiance of VPLs of this flux, spread over surfaces about `length`

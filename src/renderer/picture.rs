@@ -8,12 +8,12 @@ impl Renderer {
     /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
-        let display = self.combine.display().read_layer(&self.device, 0, 4)?;
+        let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
         let mut picture = Picture {
             width,
             height,
             colour: self
-                .read_floats(self.combine.colour())?
+                .read_floats(self.passes.combine.colour())?
                 .into_iter()
                 .map(|[r, g, b, _]| [r, g, b])
                 .collect(),
@@ -28,12 +28,12 @@ impl Renderer {
 
     /// How many set buffers have seen the surface of each pixel of the last frame.
     pub fn read_set_counts(&self) -> Result<Vec<u32>, RenderError> {
-        let irradiance = self.read_floats(self.indirect_reprojection.output())?;
+        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
         Ok(irradiance.into_iter().map(|pixel| pixel[3] as u32).collect())
     }
 
     fn read_layers(&self) -> Result<Vec<Layer>, RenderError> {
-        let gbuffer = self.gbuffer.output();
+        let gbuffer = self.passes.gbuffer.output();
         let position = self.read_floats(&gbuffer.position)?;
         let normal = self.read_halves(&gbuffer.normal, 4)?;
         let albedo = self.read_halves(&gbuffer.albedo, 4)?;
@@ -41,8 +41,8 @@ impl Renderer {
         let motion = self.read_halves(&gbuffer.motion, 2)?;
         let ids = gbuffer.instance.read_layer(&self.device, 0, 8)?;
         let ids: Vec<[u32; 2]> = bytemuck::cast_slice(&ids).to_vec();
-        let direct = self.read_floats(self.direct_shading.output())?;
-        let irradiance = self.read_floats(self.indirect_reprojection.output())?;
+        let direct = self.read_floats(self.passes.direct_shading.output())?;
+        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
         let seen = |index: usize| ids[index][0] > 0;
         let normals: Vec<[f32; 4]> = (0..normal.len())
             .map(|index| {

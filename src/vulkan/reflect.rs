@@ -111,12 +111,10 @@ impl<'a> Reader<'a> {
         }
         for (&id, instruction) in &self.types {
             match instruction.class.opcode {
-                Op::TypeStruct => {
-                    // Structs of local variables have no layout, even where a buffer's has the same name.
-                    if self.member_decoration(id, 0, Decoration::Offset).is_some() {
-                        let name = self.names.get(&id).copied().unwrap_or_default().to_owned();
-                        reflection.structs.insert(name, self.members(id, instruction));
-                    }
+                // Structs of local variables have no layout, even where a buffer's has the same name.
+                Op::TypeStruct if self.member_decoration(id, 0, Decoration::Offset).is_some() => {
+                    let name = self.names.get(&id).copied().unwrap_or_default().to_owned();
+                    reflection.structs.insert(name, self.members(id, instruction));
                 }
                 Op::TypeRuntimeArray | Op::TypeArray => {
                     let element = id_at(instruction, 0);

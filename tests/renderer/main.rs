@@ -1,5 +1,7 @@
 //! The renderer on a real Vulkan device, with validation: known answers, stillness, motion, shadows.
 
+#![allow(clippy::unwrap_used)]
+
 mod direct;
 mod forgetting;
 mod motion;

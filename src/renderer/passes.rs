@@ -1,0 +1,121 @@
+//! The device's seven passes, in order.
+
+use std::sync::Arc;
+
+use crate::passes::combine::{CombineInputs, CombinePass};
+use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
+use crate::passes::direct_shadows::{DirectShadowsPass, ShadowInputs};
+use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
+use crate::passes::indirect_reprojection::{DrawnSet, IndirectReprojectionPass, ReprojectionInputs};
+use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
+use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
+use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::tracer::Tracer;
+use crate::scene::Pose;
+use crate::settings::{MissingSets, Settings};
+use crate::vulkan::{Device, Frame, Upload, VulkanError};
+
+/// The passes with their pipelines, images and histories.
+pub(super) struct Passes {
+    pub gbuffer: GBufferPass,
+    pub direct_shadows: DirectShadowsPass,
+    pub direct_shading: DirectShadingPass,
+    pub indirect_shadows: IndirectShadowsPass,
+    pub indirect_shading: IndirectShadingPass,
+    pub indirect_reprojection: IndirectReprojectionPass,
+    pub combine: CombinePass,
+}
+
+/// What the passes of one frame read.
+pub(super) struct PassInputs<'a> {
+    pub settings: &'a Settings,
+    pub scene: &'a SceneBuffers,
+    pub tracer: &'a Tracer,
+    pub pose: &'a Pose,
+    /// World-space bounds of all that is visible.
+    pub bounds: (glam::Vec3, glam::Vec3),
+    /// Frame uniforms.
+    pub frame: Upload,
+    /// Instances of this frame.
+    pub instances: Upload,
+    /// The VPLs of this frame's set.
+    pub vpls: UploadedSet,
+    pub drawn: DrawnSet,
+    /// Luminous flux of each set.
+    pub set_flux: &'a [f32],
+}
+
+impl Passes {
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &SceneBuffers,
+        settings: &Settings,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        let Settings { size, interleave, temporal_sets, vpls, .. } = *settings;
+        Ok(Self {
+            gbuffer: GBufferPass::new(device, scene, size)?,
+            direct_shadows: DirectShadowsPass::new(device)?,
+            direct_shading: DirectShadingPass::new(device, size)?,
+            indirect_shadows: IndirectShadowsPass::new(
+                device,
+                size,
+                interleave,
+                vpls.div_ceil(temporal_sets),
+            )?,
+            indirect_shading: IndirectShadingPass::new(device, size, interleave, temporal_sets)?,
+            indirect_reprojection: IndirectReprojectionPass::new(device, size, temporal_sets, instances)?,
+            combine: CombinePass::new(device, size)?,
+        })
+    }
+
+    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &PassInputs<'_>) -> Result<(), VulkanError> {
+        let PassInputs { frame: uniforms, instances, scene, tracer, pose, vpls, .. } = inputs;
+        let gbuffer =
+            self.gbuffer.record(frame, &GBufferInputs { frame: uniforms, instances, scene, tracer })?;
+        let shadows = ShadowInputs {
+            instances,
+            scene,
+            tracer,
+            pose,
+            bounds: inputs.bounds,
+            size: inputs.settings.size,
+        };
+        let shadows = self.direct_shadows.record(frame, &shadows)?;
+        let direct = self
+            .direct_shading
+            .record(frame, &DirectShadingInputs { frame: uniforms, gbuffer, shadows: &shadows, scene })?;
+
+        self.indirect_shadows.start(frame);
+        let visibility = self.indirect_shadows.visibility();
+        let rays = IndirectShadowsInputs { frame: uniforms, gbuffer, set: vpls, tracer };
+        let shading = IndirectShadingInputs { frame: uniforms, gbuffer, set: vpls, visibility };
+        for chunk in self.indirect_shadows.chunks(vpls) {
+            self.indirect_shadows.record(frame, &rays, &chunk)?;
+            self.indirect_shading.gather(frame, &shading, &chunk)?;
+        }
+        let set_buffers = self.indirect_shading.filter(frame, &shading)?;
+        let reprojection = ReprojectionInputs {
+            frame: uniforms,
+            gbuffer,
+            set_buffers,
+            instances,
+            pose,
+            drawn: inputs.drawn,
+            scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
+            set_flux: inputs.set_flux,
+        };
+        let irradiance = self.indirect_reprojection.record(frame, &reprojection)?;
+
+        let light = CombineInputs {
+            frame: uniforms,
+            direct,
+            irradiance,
+            albedo: &gbuffer.albedo,
+            exposure: inputs.settings.exposure,
+        };
+        self.combine.record(frame, &light)?;
+        frame.read_back(self.indirect_shadows.counters());
+        Ok(())
+    }
+}
