@@ -30,15 +30,22 @@ Sum window_sum(ivec2 corner, int width, ivec2 size, vec4 centre, vec3 shading, v
     int n = int(frame.interleave);
     float tolerance = 0.25 * frame.position_cutoff * centre.w;
     Sum sum = Sum(vec3(0.0), 0.0);
-    for (int k = 0; k < width * width; k++) {
-        ivec2 at = corner + ivec2(k % width, k / width);
-        if (any(greaterThanEqual(at, size))) continue;
-        vec4 other = texelFetch(gbuffer_position, at, 0);
-        if (other.w <= 0.0 || abs(dot(geometric, other.xyz - centre.xyz)) > tolerance) continue;
-        vec3 normal = octahedral_decode(texelFetch(gbuffer_normal, at, 0).xy);
-        if (dot(normal, shading) < MIN_NORMAL_COSINE) continue;
-        sum.irradiance += texelFetch(class_irradiance, at, 0).rgb;
-        sum.present += class_flux.data[at.x % n + at.y % n * n];
+    // Classes are counted along, since dividing is slow.
+    ivec2 start = corner % n;
+    int row_class = start.y;
+    for (int y = corner.y; y < min(corner.y + width, size.y); y++) {
+        int column_class = start.x;
+        for (int x = corner.x; x < min(corner.x + width, size.x); x++) {
+            int pixel_class = row_class * n + column_class;
+            column_class = column_class + 1 == n ? 0 : column_class + 1;
+            vec4 other = texelFetch(gbuffer_position, ivec2(x, y), 0);
+            if (other.w <= 0.0 || abs(dot(geometric, other.xyz - centre.xyz)) > tolerance) continue;
+            vec3 normal = octahedral_decode(texelFetch(gbuffer_normal, ivec2(x, y), 0).xy);
+            if (dot(normal, shading) < MIN_NORMAL_COSINE) continue;
+            sum.irradiance += texelFetch(class_irradiance, ivec2(x, y), 0).rgb;
+            sum.present += class_flux.data[pixel_class];
+        }
+        row_class = row_class + 1 == n ? 0 : row_class + 1;
     }
     return sum;
 }

@@ -11,6 +11,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+const uint MAX_SETS = 64u;
+
 // Camera and light of the frame that drew a set. Twin: SetParameters in src/passes/structs.rs.
 struct SetParameters {
     vec4 eye;     // xyz: world position; w: 1 / irradiance scale
@@ -23,15 +25,15 @@ layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 4) uniform texture2DArray set_buffers;
-layout(set = 0, binding = 5, std430) readonly buffer SetBlock { SetParameters data[]; } set_parameters;
+layout(set = 0, binding = 5, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
 layout(set = 0, binding = 8, rgba32f) uniform writeonly image2D irradiance;
 
 layout(push_constant) uniform Push { uint instance_count; uint scale_missing; float total_flux; uint pad; } push;
 
-// Taps with less weight are not worth their fetch; without them a view that stands still takes exactly one.
-const float MIN_WEIGHT = 0.01;
+// Texel coordinates this close to a texel's centre take that texel alone, as in a view that stands still.
+const float CENTRED = 0.01;
 
 vec3 from_rows(uint first, vec3 p) {
     vec4 h = vec4(p, 1.0);
@@ -51,6 +53,12 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
     vec2 texel = (ndc * 0.5 + 0.5) * size - 0.5;
     vec2 base = floor(texel);
     vec2 part = texel - base;
+    bool centred = all(lessThan(abs(part - round(part)), vec2(CENTRED)));
+    if (centred) {
+        base += round(part);
+        part = vec2(0.0);
+    }
+    int taps = centred ? 1 : 4;
     // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
     float cosine = abs(dot(n, v)) * inversesqrt(dot(v, v));
     float footprint = depth * 2.0 / size.y * inversesqrt(dot(parameters.to_y.xyz, parameters.to_y.xyz)) / max(cosine, 0.05);
@@ -58,11 +66,11 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
     float cutoff = max(4.0 * near, 1.5 * footprint);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < taps; i++) {
         ivec2 corner = ivec2(i & 1, i >> 1);
         float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
         ivec2 at = ivec2(base) + corner;
-        if (weight < MIN_WEIGHT || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
+        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
         vec4 stored = texelFetch(set_buffers, ivec3(at, int(set)), 0);
         if (stored.w <= 0.0) continue;
         // The surface that was drawn there, from its depth.
@@ -100,7 +108,8 @@ void main() {
         if (flux < 0.0) continue;
         vec3 p_then = p;
         vec3 n_then = n;
-        if (instance.dynamic == 1u) {
+        // A loop, not a branch: CPU drivers run both sides of a branch, but skip loops that no lane enters.
+        for (uint moved = 0u; moved < instance.dynamic; moved++) {
             uint row = (set * push.instance_count + id - 1u) * 3u;
             p_then = from_rows(row, p_os);
             n_then = normalize(from_rows(row, tip_os) - p_then);

@@ -13,6 +13,9 @@ use super::structs::SetParameters;
 use crate::scene::{Camera, Pose};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
+/// Room for sets in the shader's uniform block: the most temporal sets that settings allow.
+const MAX_SETS: usize = 64;
+
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
     /// Frame uniforms.
@@ -113,7 +116,9 @@ impl IndirectReprojectionPass {
             total_flux,
             pad: 0,
         };
-        let parameters = frame.upload(&self.parameters)?;
+        let mut all = [SetParameters::default(); MAX_SETS];
+        all[..self.parameters.len()].copy_from_slice(&self.parameters);
+        let parameters = frame.upload(&all)?;
         frame
             .pass("indirect_reprojection", &self.pipeline)
             .read("frame", inputs.frame)
