@@ -7,14 +7,19 @@
 // how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
+#include "class_pixel.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
-layout(set = 0, binding = 3) uniform texture2D class_irradiance;
-layout(set = 0, binding = 4, std430) readonly buffer FluxBlock { float data[]; } class_flux;
-layout(set = 0, binding = 5, rgba16f) uniform writeonly image2DArray set_buffers;
+// n, known when the pipeline is made so that the loops over the window unroll.
+layout(constant_id = 0) const int INTERLEAVE = 4;
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
+layout(set = 0, binding = 3, std430) readonly buffer FluxBlock { float data[]; } class_flux;
+layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
+
+layout(push_constant) uniform Push { float total_flux; } push; // of all classes
 
 const float MIN_NORMAL_COSINE = 0.9;
 // Share of the flux that the n x n window has to bring; else a window three times as wide is tried.
@@ -25,27 +30,75 @@ struct Sum {
     float present; // luminous flux of the classes that were found, each as often as it was
 };
 
-// Adds up the pixels of a square window that lie on the centre's surface.
-Sum window_sum(ivec2 corner, int width, ivec2 size, vec4 centre, vec3 shading, vec3 geometric) {
-    int n = int(frame.interleave);
-    float tolerance = 0.25 * frame.position_cutoff * centre.w;
-    Sum sum = Sum(vec3(0.0), 0.0);
-    // Classes are counted along, since dividing is slow.
-    ivec2 start = corner % n;
-    int row_class = start.y;
-    for (int y = corner.y; y < min(corner.y + width, size.y); y++) {
-        int column_class = start.x;
-        for (int x = corner.x; x < min(corner.x + width, size.x); x++) {
-            int pixel_class = row_class * n + column_class;
-            column_class = column_class + 1 == n ? 0 : column_class + 1;
-            vec4 other = texelFetch(gbuffer_position, ivec2(x, y), 0);
-            if (other.w <= 0.0 || abs(dot(geometric, other.xyz - centre.xyz)) > tolerance) continue;
-            vec3 normal = octahedral_decode(texelFetch(gbuffer_normal, ivec2(x, y), 0).xy);
-            if (dot(normal, shading) < MIN_NORMAL_COSINE) continue;
-            sum.irradiance += texelFetch(class_irradiance, ivec2(x, y), 0).rgb;
-            sum.present += class_flux.data[pixel_class];
+// What a pixel must agree with to count, in scaled depths: plane distance is depth * dot(slope, (x, y, 1)) - offset, since
+// positions are linear in pixel coordinates and depth.
+struct Surface {
+    vec3 shading;
+    vec3 slope;
+    float offset;
+    float tolerance;
+};
+
+Surface surface_at(ivec2 pixel, float depth, vec3 shading, vec3 geometric) {
+    vec2 step = 2.0 / vec2(frame.size);
+    vec3 slope = vec3(dot(geometric, frame.ray_x.xyz) * step.x, dot(geometric, frame.ray_y.xyz) * step.y, 0.0);
+    slope.z = dot(geometric, frame.ray.xyz - frame.ray_x.xyz - frame.ray_y.xyz) + 0.5 * (slope.x + slope.y);
+    float offset = depth * dot(slope, vec3(pixel, 1.0));
+    return Surface(shading, slope, offset, 0.25 * frame.position_cutoff * depth);
+}
+
+bool same_surface(Surface centre, uint surface, ivec2 at) {
+    float depth = unpack_depth(surface);
+    float distance = depth * dot(centre.slope, vec3(at, 1.0)) - centre.offset;
+    vec3 normal = unpack_normal(surface);
+    float cosine = dot(normal, centre.shading); // times the normal's length
+    return depth > 0.0 && abs(distance) <= centre.tolerance && cosine > 0.0
+        && cosine * cosine >= MIN_NORMAL_COSINE * MIN_NORMAL_COSINE * dot(normal, normal);
+}
+
+float flux_at(ivec2 at) {
+    return class_flux.data[at.x % INTERLEAVE + at.y % INTERLEAVE * INTERLEAVE];
+}
+
+// Adds up the pixels of the n x n window that lie on the centre's surface.
+Sum window_sum(ivec2 corner, Surface centre) {
+    Sum sum = Sum(vec3(0.0), push.total_flux);
+    int missing = INTERLEAVE * INTERLEAVE;
+    ivec2 last = ivec2(frame.size) - 1;
+    for (int y = 0; y < INTERLEAVE; y++) {
+        for (int x = 0; x < INTERLEAVE; x++) {
+            ivec2 at = corner + ivec2(x, y);
+            uvec4 other = texelFetch(class_irradiance, min(at, last), 0);
+            // Pictures smaller than the window lack its last pixels.
+            bool same = all(lessThanEqual(at, last)) && same_surface(centre, other.a, at);
+            sum.irradiance += same ? uintBitsToFloat(other.rgb) : vec3(0.0);
+            missing -= same ? 1 : 0;
         }
-        row_class = row_class + 1 == n ? 0 : row_class + 1;
+    }
+    if (missing == 0) return sum;
+    // Seldom: see what the classes that are there bring.
+    sum.present = 0.0;
+    ivec2 end = min(corner + INTERLEAVE, ivec2(frame.size));
+    for (int y = corner.y; y < end.y; y++) {
+        for (int x = corner.x; x < end.x; x++) {
+            uint surface = texelFetch(class_irradiance, ivec2(x, y), 0).a;
+            if (same_surface(centre, surface, ivec2(x, y))) sum.present += flux_at(ivec2(x, y));
+        }
+    }
+    return sum;
+}
+
+// The same for a window three times as wide.
+Sum wide_sum(ivec2 corner, Surface centre) {
+    ivec2 end = min(corner + 3 * INTERLEAVE, ivec2(frame.size));
+    Sum sum = Sum(vec3(0.0), 0.0);
+    for (int y = corner.y; y < end.y; y++) {
+        for (int x = corner.x; x < end.x; x++) {
+            uvec4 other = texelFetch(class_irradiance, ivec2(x, y), 0);
+            if (!same_surface(centre, other.a, ivec2(x, y))) continue;
+            sum.irradiance += uintBitsToFloat(other.rgb);
+            sum.present += flux_at(ivec2(x, y));
+        }
     }
     return sum;
 }
@@ -55,26 +108,22 @@ void main() {
     ivec2 size = ivec2(frame.size);
     if (any(greaterThanEqual(pixel, size))) return;
     ivec3 target = ivec3(pixel, int(frame.set));
-    vec4 centre = texelFetch(gbuffer_position, pixel, 0);
-    if (centre.w <= 0.0) {
+    float depth = unpack_depth(texelFetch(class_irradiance, pixel, 0).a);
+    if (depth <= 0.0) {
         imageStore(set_buffers, target, vec4(0.0));
         return;
     }
     vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
-    vec3 shading = octahedral_decode(normals.xy);
-    vec3 geometric = octahedral_decode(normals.zw);
-    int n = int(frame.interleave);
-    float total = 0.0;
-    for (int k = 0; k < n * n; k++) total += class_flux.data[k];
-
+    Surface centre = surface_at(pixel, depth, octahedral_decode(normals.xy), octahedral_decode(normals.zw));
+    const int n = INTERLEAVE;
     // Moved inside at the borders, the window still holds every class once.
     ivec2 corner = clamp(pixel - (n - 1) / 2, ivec2(0), max(size - n, ivec2(0)));
-    Sum sum = window_sum(corner, n, size, centre, shading, geometric);
+    Sum sum = window_sum(corner, centre);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
-    if (n > 1 && sum.present < MIN_PRESENT * total) {
+    if (n > 1 && sum.present < MIN_PRESENT * push.total_flux) {
         corner = clamp(pixel - (3 * n - 1) / 2, ivec2(0), max(size - 3 * n, ivec2(0)));
-        sum = window_sum(corner, 3 * n, size, centre, shading, geometric);
+        sum = wide_sum(corner, centre);
     }
-    vec3 irradiance = sum.present > 0.0 ? sum.irradiance * (total / sum.present) : vec3(0.0);
-    imageStore(set_buffers, target, vec4(irradiance * frame.irradiance_scale, centre.w));
+    vec3 irradiance = sum.present > 0.0 ? sum.irradiance * (push.total_flux / sum.present) : vec3(0.0);
+    imageStore(set_buffers, target, vec4(irradiance * frame.irradiance_scale, depth));
 }

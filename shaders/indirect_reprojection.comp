@@ -15,10 +15,14 @@ const uint MAX_SETS = 64u;
 
 // Camera and light of the frame that drew a set. Twin: SetParameters in src/passes/structs.rs.
 struct SetParameters {
-    vec4 eye;     // xyz: world position; w: 1 / irradiance scale
-    vec4 to_x;    // xyz: right / tan of half the horizontal field of view; w: that tangent squared
-    vec4 to_y;    // xyz: down / tan of half the vertical field of view; w: that tangent squared
-    vec4 forward; // xyz: view direction; w: luminous flux of the set, negative if it was never drawn
+    vec4 eye;   // xyz: world position; w: 1 / irradiance scale
+    vec4 ray;   // xyz: what the middle of the picture sees, 1 along the view axis; w: luminous flux of the set
+    vec4 ray_x; // xyz: how that changes to the right edge; w: one over its squared length
+    vec4 ray_y; // xyz: how it changes to the bottom edge; w: one over its squared length
+    uint layer; // of the set buffers
+    uint pad0;
+    uint pad1;
+    uint pad2;
 };
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
@@ -30,7 +34,13 @@ layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceDat
 layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
 layout(set = 0, binding = 8, rgba32f) uniform writeonly image2D irradiance;
 
-layout(push_constant) uniform Push { uint instance_count; uint scale_missing; float total_flux; uint pad; } push;
+layout(push_constant) uniform Push {
+    uint instance_count;
+    uint scale_missing;
+    float total_flux;
+    uint drawn_count;     // sets that have been drawn at all
+    uint same_view_count; // those of them, at the beginning, that the current camera drew
+} push;
 
 // Texel coordinates this close to a texel's centre take that texel alone, as in a view that stands still.
 const float CENTRED = 0.01;
@@ -43,13 +53,12 @@ vec3 from_rows(uint first, vec3 p) {
 }
 
 // Irradiance of a set at world position p (of that time) with normal n; false where it was not seen.
-bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
-    SetParameters parameters = set_parameters.data[set];
+bool look_up(SetParameters parameters, vec3 p, vec3 n, out vec3 found) {
     vec3 v = p - parameters.eye.xyz;
-    float depth = dot(v, parameters.forward.xyz);
+    float depth = dot(v, parameters.ray.xyz);
     if (depth <= 0.0) return false;
     vec2 size = vec2(frame.size);
-    vec2 ndc = vec2(dot(v, parameters.to_x.xyz), dot(v, parameters.to_y.xyz)) / depth;
+    vec2 ndc = vec2(dot(v, parameters.ray_x.xyz) * parameters.ray_x.w, dot(v, parameters.ray_y.xyz) * parameters.ray_y.w) / depth;
     vec2 texel = (ndc * 0.5 + 0.5) * size - 0.5;
     vec2 base = floor(texel);
     vec2 part = texel - base;
@@ -61,7 +70,7 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
     int taps = centred ? 1 : 4;
     // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
     float cosine = abs(dot(n, v)) * inversesqrt(dot(v, v));
-    float footprint = depth * 2.0 / size.y * inversesqrt(dot(parameters.to_y.xyz, parameters.to_y.xyz)) / max(cosine, 0.05);
+    float footprint = depth * 2.0 / size.y * inversesqrt(parameters.ray_y.w) / max(cosine, 0.05);
     float near = 0.25 * frame.position_cutoff * depth;
     float cutoff = max(4.0 * near, 1.5 * footprint);
     vec3 sum = vec3(0.0);
@@ -71,13 +80,12 @@ bool look_up(uint set, vec3 p, vec3 n, out vec3 found) {
         float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
         ivec2 at = ivec2(base) + corner;
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
-        vec4 stored = texelFetch(set_buffers, ivec3(at, int(set)), 0);
+        vec4 stored = texelFetch(set_buffers, ivec3(at, int(parameters.layer)), 0);
         if (stored.w <= 0.0) continue;
         // The surface that was drawn there, from its depth.
         vec2 at_ndc = (vec2(at) + 0.5) / size * 2.0 - 1.0;
-        vec3 ray = parameters.forward.xyz + at_ndc.x * parameters.to_x.w * parameters.to_x.xyz
-            + at_ndc.y * parameters.to_y.w * parameters.to_y.xyz;
-        vec3 offset = ray * stored.w - v;
+        vec3 ray = parameters.ray.xyz + at_ndc.x * parameters.ray_x.xyz + at_ndc.y * parameters.ray_y.xyz;
+        vec3 offset = ray * (stored.w / frame.depth_scale) - v;
         if (dot(offset, offset) > cutoff * cutoff || abs(dot(offset, n)) > near) continue;
         sum += weight * stored.rgb;
         weights += weight;
@@ -94,30 +102,42 @@ void main() {
         imageStore(irradiance, pixel, vec4(0.0));
         return;
     }
-    vec3 p = texelFetch(gbuffer_position, pixel, 0).xyz;
+    vec4 position = texelFetch(gbuffer_position, pixel, 0);
+    vec3 p = position.xyz;
     vec3 n = octahedral_decode(texelFetch(gbuffer_normal, pixel, 0).zw);
     InstanceData instance = instances.data[id - 1u];
-    vec3 p_os = transform_point(instance.world_to_object, p);
-    vec3 tip_os = transform_point(instance.world_to_object, p + n);
 
     vec3 sum = vec3(0.0);
     float present = 0.0;
     uint count = 0u;
-    for (uint set = 0u; set < frame.sets; set++) {
-        float flux = set_parameters.data[set].forward.w;
-        if (flux < 0.0) continue;
+
+    // What stands still under a camera that stands still is where it was, unless something else hid it.
+    uint same_view_count = instance.dynamic == 1u ? 0u : push.same_view_count;
+    for (uint i = 0u; i < same_view_count; i++) {
+        SetParameters parameters = set_parameters.data[i];
+        vec4 stored = texelFetch(set_buffers, ivec3(pixel, int(parameters.layer)), 0);
+        bool same = abs(stored.w / frame.depth_scale - position.w) <= 0.25 * frame.position_cutoff * position.w;
+        sum += same ? stored.rgb * parameters.eye.w : vec3(0.0);
+        present += same ? parameters.ray.w : 0.0;
+        count += same ? 1u : 0u;
+    }
+
+    vec3 p_os = transform_point(instance.world_to_object, p);
+    vec3 tip_os = transform_point(instance.world_to_object, p + n);
+    for (uint i = same_view_count; i < push.drawn_count; i++) {
+        SetParameters parameters = set_parameters.data[i];
         vec3 p_then = p;
         vec3 n_then = n;
         // A loop, not a branch: CPU drivers run both sides of a branch, but skip loops that no lane enters.
         for (uint moved = 0u; moved < instance.dynamic; moved++) {
-            uint row = (set * push.instance_count + id - 1u) * 3u;
+            uint row = (parameters.layer * push.instance_count + id - 1u) * 3u;
             p_then = from_rows(row, p_os);
             n_then = normalize(from_rows(row, tip_os) - p_then);
         }
         vec3 found;
-        if (!look_up(set, p_then, n_then, found)) continue;
+        if (!look_up(parameters, p_then, n_then, found)) continue;
         sum += found;
-        present += flux;
+        present += parameters.ray.w;
         count++;
     }
     if (push.scale_missing == 1u && present > 0.0 && count < frame.sets) sum *= push.total_flux / present;

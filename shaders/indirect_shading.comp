@@ -6,6 +6,7 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
+#include "class_pixel.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -14,7 +15,8 @@ layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
 layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
 layout(set = 0, binding = 5, std430) readonly buffer MaskWords { uint words[]; } visibility;
-layout(set = 0, binding = 6, rgba32f) uniform image2D class_irradiance;
+// rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
+layout(set = 0, binding = 6, rgba32ui) uniform uimage2D class_irradiance;
 
 layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
 
@@ -29,14 +31,17 @@ vec3 contribution(GpuVpl vpl, vec3 p, vec3 n) {
 }
 
 void main() {
-    uvec2 pixel = interleaved_pixel(gl_GlobalInvocationID, frame.interleave);
+    // In the order of the picture: unlike rays, sums gain nothing from neighbours of one class.
+    uvec2 pixel = gl_GlobalInvocationID.xy;
     if (any(greaterThanEqual(pixel, frame.size))) return;
     vec4 position = texelFetch(gbuffer_position, ivec2(pixel), 0);
     vec3 irradiance = vec3(0.0);
+    vec2 packed_normal = texelFetch(gbuffer_normal, ivec2(pixel), 0).xy;
     if (position.w > 0.0) {
-        vec3 n = octahedral_decode(texelFetch(gbuffer_normal, ivec2(pixel), 0).xy);
-        uint class_end = class_starts.data[gl_GlobalInvocationID.z + 1u];
-        uint first = class_starts.data[gl_GlobalInvocationID.z] + push.first_word * 32u;
+        vec3 n = octahedral_decode(packed_normal);
+        uint pixel_class = pixel.x % frame.interleave + pixel.y % frame.interleave * frame.interleave;
+        uint class_end = class_starts.data[pixel_class + 1u];
+        uint first = class_starts.data[pixel_class] + push.first_word * 32u;
         for (uint word = 0u; word < push.word_count; word++) {
             uint bits = visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x];
             uint begin = first + word * 32u;
@@ -46,7 +51,7 @@ void main() {
             }
         }
         // Later chunks of the set's VPLs add to the earlier ones.
-        if (push.first_word > 0u) irradiance += imageLoad(class_irradiance, ivec2(pixel)).rgb;
+        if (push.first_word > 0u) irradiance += uintBitsToFloat(imageLoad(class_irradiance, ivec2(pixel)).rgb);
     }
-    imageStore(class_irradiance, ivec2(pixel), vec4(irradiance, 0.0));
+    imageStore(class_irradiance, ivec2(pixel), uvec4(floatBitsToUint(irradiance), pack_surface(position.w, packed_normal)));
 }

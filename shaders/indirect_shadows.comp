@@ -20,20 +20,17 @@ layout(set = 0, binding = 6, std430) buffer CounterBlock { uint rays_low; uint r
 
 layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
 
-shared uint group_rays;
-
 void main() {
-    if (gl_LocalInvocationIndex == 0u) group_rays = 0u;
-    barrier();
-    uvec2 pixel = interleaved_pixel(gl_GlobalInvocationID, frame.interleave);
+    uint pixel_class;
+    uvec2 pixel = interleaved_pixel(frame.interleave, pixel_class);
     bool inside = all(lessThan(pixel, frame.size));
     vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
     uint rays = 0u;
     if (position.w > 0.0) {
         vec3 geometric = octahedral_decode(texelFetch(gbuffer_normal, ivec2(pixel), 0).zw);
         vec3 start = position.xyz + geometric * ray_offset(position.xyz);
-        uint class_end = class_starts.data[gl_GlobalInvocationID.z + 1u];
-        uint first = class_starts.data[gl_GlobalInvocationID.z] + push.first_word * 32u;
+        uint class_end = class_starts.data[pixel_class + 1u];
+        uint first = class_starts.data[pixel_class] + push.first_word * 32u;
         for (uint word = 0u; word < push.word_count; word++) {
             uint bits = 0u;
             uint begin = first + word * 32u;
@@ -47,10 +44,5 @@ void main() {
             visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x] = bits;
         }
     }
-    atomicAdd(group_rays, rays);
-    barrier();
-    if (gl_LocalInvocationIndex == 0u && group_rays > 0u) {
-        uint before = atomicAdd(counters.rays_low, group_rays);
-        if (before + group_rays < before) atomicAdd(counters.rays_high, 1u);
-    }
+    if (rays > 0u && atomicAdd(counters.rays_low, rays) > 0xffffffffu - rays) atomicAdd(counters.rays_high, 1u);
 }

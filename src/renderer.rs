@@ -169,21 +169,25 @@ impl Renderer {
         let camera = &pose.camera;
         // Near and far swapped: reversed depth keeps its precision far away.
         let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
-        let view_projection =
-            reversed.projection_matrix(size[0] as f32 / size[1] as f32) * camera.view_matrix();
+        let aspect = size[0] as f32 / size[1] as f32;
+        let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
+        let [ray, ray_x, ray_y] = camera.pixel_rays(aspect).map(|ray| ray.extend(0.0));
         let has_shadow_map = |light: &&Light| !matches!(light.kind, LightKind::Area { .. });
         FrameUniforms {
             view_projection,
             previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
             eye: camera.eye.extend(self.lengths.radius),
             background: self.scene.background.extend(clamp / self.lengths.transport.powi(2)),
+            ray,
+            ray_x,
+            ray_y,
             size,
             interleave,
             light_count: u32::try_from(pose.lights.iter().filter(has_shadow_map).count()).unwrap_or(u32::MAX),
             position_cutoff,
-            irradiance_scale: 1.0,
-            set: 0,
+            depth_scale: power_of_two_near(self.lengths.radius).recip(),
             sets: temporal_sets,
+            ..FrameUniforms::default()
         }
     }
 
@@ -244,8 +248,12 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 /// A power of two that brings the irradiance of VPLs of this flux, spread over surfaces about `length`
 /// apart, near 1: half floats then neither overflow nor lose digits, whatever the scene's units.
 fn irradiance_scale(flux: f32, length: f32) -> f32 {
-    let typical = flux / (6.0 * length * length);
-    if typical.is_normal() { typical.log2().round().clamp(-100.0, 100.0).exp2().recip() } else { 1.0 }
+    power_of_two_near(flux / (6.0 * length * length)).recip()
+}
+
+/// Powers of two scale without rounding. 1 for what is no positive number.
+fn power_of_two_near(value: f32) -> f32 {
+    if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
 }
 
 /// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a

@@ -5,13 +5,20 @@ layout(set = 0, binding = 0, std140) uniform FrameUniforms {
     mat4 previous_view_projection; // the same, one frame ago
     vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
     vec4 background;               // rgb: radiance where no surface is; w: clamp c of the geometry term, 0: none
+    vec4 ray;                      // xyz: view direction
+    vec4 ray_x;                    // xyz: right times the tangent of half the horizontal field of view
+    vec4 ray_y;                    // xyz: down times the tangent of half the vertical field of view
     uvec2 size;                    // of the picture, texels
     uint interleave;               // n
     uint light_count;              // lights with shadow maps
     float position_cutoff;         // fraction of view depth
     float irradiance_scale;        // set buffers hold irradiance times this
+    float depth_scale;             // packed depths are view depths times this
     uint set;                      // temporal set of this frame
     uint sets;                     // T
+    uint pad0;
+    uint pad1;
+    uint pad2;
 } frame;
 
 const float PI = 3.14159265358979;

@@ -51,7 +51,8 @@ struct Push {
     instance_count: u32,
     scale_missing: u32,
     total_flux: f32,
-    pad: u32,
+    drawn_count: u32,
+    same_view_count: u32,
 }
 
 /// The pass.
@@ -59,7 +60,8 @@ pub struct IndirectReprojectionPass {
     pipeline: ComputePipeline,
     irradiance: Image,
     history: Buffer,
-    parameters: Vec<SetParameters>,
+    /// One for each set, none before it was first drawn.
+    parameters: Vec<Option<SetParameters>>,
 }
 
 impl IndirectReprojectionPass {
@@ -70,7 +72,6 @@ impl IndirectReprojectionPass {
         sets: u32,
         instances: usize,
     ) -> Result<Self, VulkanError> {
-        let never = SetParameters { forward: Vec4::new(0.0, 0.0, 0.0, -1.0), ..SetParameters::default() };
         let history = u64::from(sets) * instances as u64 * size_of::<[Vec4; 3]>() as u64;
         Ok(Self {
             pipeline: ComputePipeline::new(
@@ -80,7 +81,7 @@ impl IndirectReprojectionPass {
             )?,
             irradiance: storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
             history: Buffer::new(device, "instance_history", history)?,
-            parameters: vec![never; sets as usize],
+            parameters: vec![None; sets as usize],
         })
     }
 
@@ -97,27 +98,29 @@ impl IndirectReprojectionPass {
     ) -> Result<&Image, VulkanError> {
         let set = inputs.drawn.set as usize;
         let extent = self.irradiance.extent();
-        self.parameters[set] = parameters(&inputs.pose.camera, extent, &inputs.drawn, inputs.set_flux[set]);
+        let now = parameters(&inputs.pose.camera, extent, &inputs.drawn, inputs.set_flux[set]);
+        self.parameters[set] = Some(now);
         let rows = transform_rows(inputs.pose);
         if !rows.is_empty() {
             let upload = frame.upload(&rows)?;
             let offset = set * size_of_val(rows.as_slice());
             frame.copy(&upload, &self.history, offset as u64);
         }
-        let total_flux = self
-            .parameters
-            .iter()
-            .zip(inputs.set_flux)
-            .map(|(drawn, now)| if drawn.forward.w < 0.0 { *now } else { drawn.forward.w })
-            .sum();
+        let flux = |(drawn, now): (&Option<SetParameters>, &f32)| drawn.map_or(*now, |set| set.ray.w);
+        let total_flux = self.parameters.iter().zip(inputs.set_flux).map(flux).sum();
+        let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
+            self.parameters.iter().flatten().partition(|set| set.same_view(&now));
         let push = Push {
-            instance_count: u32::try_from(rows.len()).unwrap_or(0),
+            instance_count: to_u32(rows.len()),
             scale_missing: u32::from(inputs.scale_missing),
             total_flux,
-            pad: 0,
+            drawn_count: to_u32(same_view.len() + other.len()),
+            same_view_count: to_u32(same_view.len()),
         };
         let mut all = [SetParameters::default(); MAX_SETS];
-        all[..self.parameters.len()].copy_from_slice(&self.parameters);
+        for (target, set) in all.iter_mut().zip(same_view.into_iter().chain(other)) {
+            *target = set;
+        }
         let parameters = frame.upload(&all)?;
         frame
             .pass("indirect_reprojection", &self.pipeline)
@@ -137,14 +140,17 @@ impl IndirectReprojectionPass {
 }
 
 fn parameters(camera: &Camera, extent: [u32; 2], drawn: &DrawnSet, flux: f32) -> SetParameters {
-    let view = camera.view_matrix();
-    let (right, up, back) = (view.row(0).truncate(), view.row(1).truncate(), view.row(2).truncate());
-    let tan_y = (camera.vertical_fov * 0.5).tan();
-    let tan_x = tan_y * extent[0] as f32 / extent[1] as f32;
+    let [ray, ray_x, ray_y] = camera.pixel_rays(extent[0] as f32 / extent[1] as f32);
     SetParameters {
         eye: camera.eye.extend(1.0 / drawn.irradiance_scale),
-        to_x: (right / tan_x).extend(tan_x * tan_x),
-        to_y: (-up / tan_y).extend(tan_y * tan_y),
-        forward: (-back).extend(flux),
+        ray: ray.extend(flux),
+        ray_x: ray_x.extend(1.0 / ray_x.length_squared()),
+        ray_y: ray_y.extend(1.0 / ray_y.length_squared()),
+        layer: drawn.set,
+        ..SetParameters::default()
     }
+}
+
+fn to_u32(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
-use super::indirect_shadows::{Chunk, UploadedSet, class_grid};
+use super::indirect_shadows::{Chunk, UploadedSet};
 use super::storage_image;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
@@ -28,7 +28,6 @@ pub struct IndirectShadingPass {
     filter: ComputePipeline,
     class_irradiance: Image,
     set_buffers: Image,
-    interleave: u32,
 }
 
 impl IndirectShadingPass {
@@ -41,11 +40,16 @@ impl IndirectShadingPass {
     ) -> Result<Self, VulkanError> {
         Ok(Self {
             gather: ComputePipeline::new(device, "indirect_shading", shaders::INDIRECT_SHADING_COMP)?,
-            filter: ComputePipeline::new(device, "discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            filter: ComputePipeline::specialised(
+                device,
+                "discontinuity_filter",
+                shaders::DISCONTINUITY_FILTER_COMP,
+                &[interleave],
+            )?,
             class_irradiance: storage_image(
                 device,
                 "class_irradiance",
-                vk::Format::R32G32B32A32_SFLOAT,
+                vk::Format::R32G32B32A32_UINT,
                 extent,
             )?,
             set_buffers: Image::new(
@@ -59,11 +63,10 @@ impl IndirectShadingPass {
                     usage: vk::ImageUsageFlags::STORAGE,
                 },
             )?,
-            interleave,
         })
     }
 
-    /// The set buffers, one layer each: rgb: scaled irradiance; a: view depth.
+    /// The set buffers, one layer each: rgb: scaled irradiance; a: scaled view depth.
     pub fn output(&self) -> &Image {
         &self.set_buffers
     }
@@ -85,7 +88,7 @@ impl IndirectShadingPass {
             .read("visibility", inputs.visibility)
             .write("class_irradiance", &self.class_irradiance)
             .push(chunk)
-            .dispatch_threads(class_grid(self.class_irradiance.extent(), self.interleave))
+            .dispatch_over(self.class_irradiance.extent())
     }
 
     /// Filters into the set buffer of this frame's set.
@@ -97,11 +100,11 @@ impl IndirectShadingPass {
         frame
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
-            .read("gbuffer_position", &inputs.gbuffer.position)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("class_irradiance", &self.class_irradiance)
             .read("class_flux", &inputs.set.class_flux)
             .write("set_buffers", &self.set_buffers)
+            .push(&inputs.set.total_flux)
             .dispatch_over(self.set_buffers.extent())?;
         Ok(&self.set_buffers)
     }

@@ -20,6 +20,8 @@ pub struct UploadedSet {
     pub class_starts: Upload,
     /// Luminous flux of each class over all sets.
     pub class_flux: Upload,
+    /// Their sum.
+    pub total_flux: f32,
     /// Words of 32 visibility bits that the largest class needs.
     pub words: u32,
 }
@@ -32,6 +34,7 @@ impl UploadedSet {
             vpls: frame.upload(&set.vpls)?,
             class_starts: frame.upload(&set.class_starts)?,
             class_flux: frame.upload(class_flux)?,
+            total_flux: class_flux.iter().sum(),
             words: largest.div_ceil(32),
         })
     }
@@ -138,7 +141,10 @@ impl IndirectShadowsPass {
     }
 }
 
-/// Threads for `interleaved_pixel` of shaders/include/vpls.glsl: pixels of a class in x and y, classes in z.
-pub fn class_grid(extent: [u32; 2], interleave: u32) -> [u32; 3] {
-    [extent[0].div_ceil(interleave), extent[1].div_ceil(interleave), interleave * interleave]
+/// Threads for `interleaved_pixel` of shaders/include/vpls.glsl: a row of n^2 groups of 8x8 for each block
+/// of 8n x 8n pixels.
+fn class_grid(extent: [u32; 2], interleave: u32) -> [u32; 3] {
+    const GROUP: u32 = 8;
+    let blocks = extent.map(|side| side.div_ceil(GROUP * interleave));
+    [blocks[0] * interleave * interleave * GROUP, blocks[1] * GROUP, 1]
 }

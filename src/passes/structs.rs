@@ -16,6 +16,12 @@ pub struct FrameUniforms {
     pub eye: Vec4,
     /// rgb: radiance where no surface is; w: clamp c of the geometry term in 1/m^2, 0: none.
     pub background: Vec4,
+    /// xyz: view direction. A pixel at (x, y) in -1..1 sees `eye + depth * (ray + x ray_x + y ray_y)`.
+    pub ray: Vec4,
+    /// xyz: right times the tangent of half the horizontal field of view.
+    pub ray_x: Vec4,
+    /// xyz: down times the tangent of half the vertical field of view.
+    pub ray_y: Vec4,
     /// Of the picture, texels.
     pub size: [u32; 2],
     /// n.
@@ -26,10 +32,18 @@ pub struct FrameUniforms {
     pub position_cutoff: f32,
     /// Set buffers hold irradiance times this.
     pub irradiance_scale: f32,
+    /// Packed depths are view depths times this, so that half floats can hold them.
+    pub depth_scale: f32,
     /// Temporal set of this frame.
     pub set: u32,
     /// T.
     pub sets: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+    /// Unused.
+    pub pad2: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -110,12 +124,28 @@ pub struct ShadowTile {
 pub struct SetParameters {
     /// xyz: world position; w: 1 / irradiance scale.
     pub eye: Vec4,
-    /// xyz: right / tan of half the horizontal field of view; w: that tangent squared.
-    pub to_x: Vec4,
-    /// xyz: down / tan of half the vertical field of view; w: that tangent squared.
-    pub to_y: Vec4,
-    /// xyz: view direction; w: luminous flux of the set, negative if it was never drawn.
-    pub forward: Vec4,
+    /// xyz: `Camera::pixel_rays`' first; w: luminous flux of the set.
+    pub ray: Vec4,
+    /// xyz: its second; w: one over its squared length.
+    pub ray_x: Vec4,
+    /// xyz: its third; w: one over its squared length.
+    pub ray_y: Vec4,
+    /// Layer of the set buffers.
+    pub layer: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+    /// Unused.
+    pub pad2: u32,
+}
+
+impl SetParameters {
+    /// Whether both were seen by the same camera.
+    pub fn same_view(&self, other: &Self) -> bool {
+        let view = |set: &Self| [set.eye, set.ray, set.ray_x, set.ray_y].map(|row| row.truncate());
+        view(self) == view(other)
+    }
 }
 
 /// The rows of a 3x4 matrix.
@@ -160,13 +190,20 @@ mod tests {
             previous_view_projection,
             eye,
             background,
+            ray,
+            ray_x,
+            ray_y,
             size,
             interleave,
             light_count,
             position_cutoff,
             irradiance_scale,
+            depth_scale,
             set,
-            sets
+            sets,
+            pad0,
+            pad1,
+            pad2
         );
         same_layout!(
             shaders::GBUFFER_FRAG,
@@ -192,7 +229,18 @@ mod tests {
             pad0
         );
         same_layout!(shaders::DIRECT_SHADING_COMP, ShadowTile, view_projection, rectangle, texel);
-        same_layout!(shaders::INDIRECT_REPROJECTION_COMP, SetParameters, eye, to_x, to_y, forward);
+        same_layout!(
+            shaders::INDIRECT_REPROJECTION_COMP,
+            SetParameters,
+            eye,
+            ray,
+            ray_x,
+            ray_y,
+            layer,
+            pad0,
+            pad1,
+            pad2
+        );
         same_layout!(shaders::INDIRECT_SHADING_COMP, GpuVpl, position, slot, normal, bounce, flux, _pad);
     }
 }

@@ -57,6 +57,15 @@ impl Camera {
         glam::camera::rh::view::look_at_mat4(self.eye, self.target, self.up)
     }
 
+    /// What pixels see: `ray + x ray_x + y ray_y` for a pixel at (x, y), from (-1, -1) at the top left to
+    /// (1, 1) at the bottom right, of a picture of the given width over height; 1 long along the view axis.
+    pub fn pixel_rays(&self, aspect: f32) -> [Vec3; 3] {
+        let view = self.view_matrix();
+        let (right, up, back) = (view.row(0).truncate(), view.row(1).truncate(), view.row(2).truncate());
+        let tan_y = (self.vertical_fov * 0.5).tan();
+        [-back, right * tan_y * aspect, -up * tan_y]
+    }
+
     /// View to Vulkan clip space (y down, depth 0 to 1) for a picture of the given width over height.
     pub fn projection_matrix(&self, aspect: f32) -> Mat4 {
         glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far)

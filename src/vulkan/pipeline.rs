@@ -114,12 +114,31 @@ pub struct ComputePipeline {
 impl ComputePipeline {
     /// Makes a pipeline of a compiled shader. `name` is for messages and debuggers.
     pub fn new(device: &Arc<Device>, name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
+        Self::specialised(device, name, spirv, &[])
+    }
+
+    /// The same with values for the shader's specialisation constants 0, 1, ...
+    pub fn specialised(
+        device: &Arc<Device>,
+        name: &str,
+        spirv: &[u8],
+        constants: &[u32],
+    ) -> Result<Self, VulkanError> {
         let reflection = Reflection::new(name, spirv)?;
         let layout = Layout::new(device, name, reflection, vk::ShaderStageFlags::COMPUTE)?;
         let module = ShaderModule::new(device, name, spirv)?;
-        let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
-            .layout(layout.raw);
+        let entries: Vec<_> = (0u32..)
+            .zip(constants)
+            .map(|(constant_id, _)| vk::SpecializationMapEntry {
+                constant_id,
+                offset: constant_id * 4,
+                size: 4,
+            })
+            .collect();
+        let constants =
+            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants);
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw);
         // SAFETY: the module is valid SPIR-V for the layout that was read from it.
         let made = unsafe { device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
         let raw =
@@ -280,7 +299,7 @@ impl ShaderModule {
         Ok(Self { raw, device: Arc::clone(device) })
     }
 
-    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
+    fn stage<'a>(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'a> {
         vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
     }
 }
