@@ -8,11 +8,9 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "class_pixel.glsl"
+#include "interleave.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-
-// n, known when the pipeline is made so that the loops over the window unroll.
-layout(constant_id = 0) const int INTERLEAVE = 4;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
@@ -56,29 +54,27 @@ bool same_surface(Surface centre, uint surface, ivec2 at) {
         && cosine * cosine >= MIN_NORMAL_COSINE * MIN_NORMAL_COSINE * dot(normal, normal);
 }
 
-float flux_at(ivec2 at) {
-    return class_flux.data[at.x % INTERLEAVE + at.y % INTERLEAVE * INTERLEAVE];
-}
+float flux_at(ivec2 at) { return class_flux.data[class_of(uvec2(at))]; }
 
 // Adds up the pixels of the n x n window that lie on the centre's surface.
 Sum window_sum(ivec2 corner, Surface centre) {
     Sum sum = Sum(vec3(0.0), push.total_flux);
-    int missing = INTERLEAVE * INTERLEAVE;
+    uint missing = INTERLEAVE * INTERLEAVE;
     ivec2 last = ivec2(frame.size) - 1;
-    for (int y = 0; y < INTERLEAVE; y++) {
-        for (int x = 0; x < INTERLEAVE; x++) {
+    for (uint y = 0u; y < INTERLEAVE; y++) {
+        for (uint x = 0u; x < INTERLEAVE; x++) {
             ivec2 at = corner + ivec2(x, y);
             uvec4 other = texelFetch(class_irradiance, min(at, last), 0);
             // Pictures smaller than the window lack its last pixels.
             bool same = all(lessThanEqual(at, last)) && same_surface(centre, other.a, at);
             sum.irradiance += same ? uintBitsToFloat(other.rgb) : vec3(0.0);
-            missing -= same ? 1 : 0;
+            missing -= same ? 1u : 0u;
         }
     }
-    if (missing == 0) return sum;
+    if (missing == 0u) return sum;
     // Seldom: see what the classes that are there bring.
     sum.present = 0.0;
-    ivec2 end = min(corner + INTERLEAVE, ivec2(frame.size));
+    ivec2 end = min(corner + int(INTERLEAVE), ivec2(frame.size));
     for (int y = corner.y; y < end.y; y++) {
         for (int x = corner.x; x < end.x; x++) {
             uint surface = texelFetch(class_irradiance, ivec2(x, y), 0).a;
@@ -90,7 +86,7 @@ Sum window_sum(ivec2 corner, Surface centre) {
 
 // The same for a window three times as wide.
 Sum wide_sum(ivec2 corner, Surface centre) {
-    ivec2 end = min(corner + 3 * INTERLEAVE, ivec2(frame.size));
+    ivec2 end = min(corner + 3 * int(INTERLEAVE), ivec2(frame.size));
     Sum sum = Sum(vec3(0.0), 0.0);
     for (int y = corner.y; y < end.y; y++) {
         for (int x = corner.x; x < end.x; x++) {
@@ -115,7 +111,7 @@ void main() {
     }
     vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
     Surface centre = surface_at(pixel, depth, octahedral_decode(normals.xy), octahedral_decode(normals.zw));
-    const int n = INTERLEAVE;
+    const int n = int(INTERLEAVE);
     // Moved inside at the borders, the window still holds every class once.
     ivec2 corner = clamp(pixel - (n - 1) / 2, ivec2(0), max(size - n, ivec2(0)));
     Sum sum = window_sum(corner, centre);

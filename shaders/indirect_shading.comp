@@ -7,6 +7,7 @@
 #include "gbuffer.glsl"
 #include "vpls.glsl"
 #include "class_pixel.glsl"
+#include "interleave.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -39,7 +40,7 @@ void main() {
     vec2 packed_normal = texelFetch(gbuffer_normal, ivec2(pixel), 0).xy;
     if (position.w > 0.0) {
         vec3 n = octahedral_decode(packed_normal);
-        uint pixel_class = pixel.x % frame.interleave + pixel.y % frame.interleave * frame.interleave;
+        uint pixel_class = class_of(pixel);
         uint class_end = class_starts.data[pixel_class + 1u];
         uint first = class_starts.data[pixel_class] + push.first_word * 32u;
         for (uint word = 0u; word < push.word_count; word++) {

@@ -6,6 +6,7 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
+#include "interleave.glsl"
 #define TRACER_BINDING 8
 #include "tracer.glsl"
 
@@ -21,8 +22,13 @@ layout(set = 0, binding = 6, std430) buffer CounterBlock { uint rays_low; uint r
 layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
 
 void main() {
-    uint pixel_class;
-    uvec2 pixel = interleaved_pixel(frame.interleave, pixel_class);
+    // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The
+    // groups of the n^2 classes of one block of the picture follow one another, which keeps the block in
+    // the caches. Twin: `class_grid` in src/passes/indirect_shadows.rs.
+    uint pixel_class = gl_WorkGroupID.x % (INTERLEAVE * INTERLEAVE);
+    uvec2 block = uvec2(gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE), gl_WorkGroupID.y);
+    uvec2 place = uvec2(pixel_class % INTERLEAVE, pixel_class / INTERLEAVE);
+    uvec2 pixel = (block * 8u + gl_LocalInvocationID.xy) * INTERLEAVE + place;
     bool inside = all(lessThan(pixel, frame.size));
     vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
     uint rays = 0u;

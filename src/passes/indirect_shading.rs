@@ -39,7 +39,12 @@ impl IndirectShadingPass {
         sets: u32,
     ) -> Result<Self, VulkanError> {
         Ok(Self {
-            gather: ComputePipeline::new(device, "indirect_shading", shaders::INDIRECT_SHADING_COMP)?,
+            gather: ComputePipeline::specialised(
+                device,
+                "indirect_shading",
+                shaders::INDIRECT_SHADING_COMP,
+                &[interleave],
+            )?,
             filter: ComputePipeline::specialised(
                 device,
                 "discontinuity_filter",

@@ -84,7 +84,12 @@ impl IndirectShadowsPass {
         let needed = set_size.div_ceil(interleave * interleave).div_ceil(32).max(1);
         let words = needed.min(u32::try_from((MAX_VISIBILITY_BYTES / plane).max(1)).unwrap_or(1));
         Ok(Self {
-            pipeline: ComputePipeline::new(device, "indirect_shadows", shaders::INDIRECT_SHADOWS_COMP)?,
+            pipeline: ComputePipeline::specialised(
+                device,
+                "indirect_shadows",
+                shaders::INDIRECT_SHADOWS_COMP,
+                &[interleave],
+            )?,
             visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
             counters: Buffer::new(device, "ray_counters", 16)?,
             words,
@@ -141,7 +146,7 @@ impl IndirectShadowsPass {
     }
 }
 
-/// Threads for `interleaved_pixel` of shaders/include/vpls.glsl: a row of n^2 groups of 8x8 for each block
+/// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block
 /// of 8n x 8n pixels.
 fn class_grid(extent: [u32; 2], interleave: u32) -> [u32; 3] {
     const GROUP: u32 = 8;
