@@ -250,8 +250,11 @@ impl Frame<'_> {
     pub fn copy<'b>(&mut self, source: impl Into<BufferSlice<'b>>, target: &Buffer, offset: u64) {
         let source = source.into();
         assert!(offset + source.size <= target.size, "copy beyond the end of {}", target.name);
-        let barriers = target.tracker.use_buffer(Access::TransferWrite);
-        self.barriers(&[], &barriers.into_iter().collect::<Vec<_>>());
+        let barriers = [
+            source.buffer.tracker.use_buffer(Access::TransferRead),
+            target.tracker.use_buffer(Access::TransferWrite),
+        ];
+        self.barriers(&[], &barriers.into_iter().flatten().collect::<Vec<_>>());
         let region = [vk::BufferCopy { src_offset: source.offset, dst_offset: offset, size: source.size }];
         // SAFETY: both ranges lie within their buffers; uploads were written before the submission.
         unsafe {

@@ -1,4 +1,4 @@
-//! Whole pictures: the built-in scene against a golden image, the real scenes for plausibility, speed.
+//! Whole pictures: the real scenes for plausibility, speed.
 
 use super::support::{Lab, assets, luminance, mean, named_scene, skip};
 use glowworm::settings::Settings;

@@ -1,5 +1,8 @@
 //! A device with validation, scenes from text, and what to read from a renderer.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
