@@ -5,7 +5,8 @@ use serde::{Serialize, Serializer};
 
 use crate::settings::Settings;
 
-/// The passes of a frame, in order: the names of files, shaders, timers, labels and report keys.
+/// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
+/// files and shaders.
 pub const PASS_NAMES: [&str; 10] = [
     "bvh_update",
     "vpl_invalidation",
@@ -57,7 +58,7 @@ pub struct VplCounts {
 /// What was measured of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
-    /// From the start of the frame's work on the CPU to the end of its work on the GPU, milliseconds.
+    /// The sum of all passes, CPU and GPU, milliseconds. Frames overlap, so they may follow one another faster.
     pub total_ms: f64,
     /// Each pass.
     pub passes: PassTimes,

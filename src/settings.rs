@@ -1,4 +1,4 @@
-//! Every knob of the renderer: one struct, used by the command line, scene files, the UI and tests.
+//! Every knob of the renderer: one struct, used by the command line, scene files and tests.
 //!
 //! [`Settings::resolve`] lays them over each other: defaults, then the scene file's `[settings]`,
 //! then the options that were given on the command line.
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum TracerKind {
-    /// The fastest that the device offers.
+    /// The fastest there is for the device: for now always the software tracer.
     #[default]
     Auto,
     /// The two-level BVH traversed in a compute shader: every Vulkan 1.3 device.
@@ -34,8 +34,8 @@ pub enum MissingSets {
 /// Stops, or none for automatic. The alias keeps clap from taking the `Option` for a missing value.
 type Exposure = Option<f32>;
 
-/// The knobs of one rendering. Every field is an option of the command line, a key of a scene
-/// file's `[settings]` and a row of the UI.
+/// The knobs of one rendering. Every field is an option of the command line and a key of a scene
+/// file's `[settings]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, clap::Args)]
 #[serde(deny_unknown_fields, default)]
 #[command(next_help_heading = "Settings")]
@@ -56,7 +56,8 @@ pub struct Settings {
     /// Most VPLs shot in one frame, at least 1. More: light follows changes faster, at more CPU time.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "64")]
     pub budget: u32,
-    /// Upper bound of the geometry term 1/d^2, in 1/(scene radius)^2; 0 switches it off. Lower: fewer
+    /// Upper bound of the geometry term 1/d^2, in units of one over the squared median distance from a VPL
+    /// to its parent, so that it suits a scene of any size; 0 switches it off. Lower: fewer
     /// bright spots in corners, but more energy lost there.
     #[arg(long, value_name = "BOUND", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "400")]
     pub clamp: f32,
@@ -76,8 +77,8 @@ pub struct Settings {
     #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true, default_value = "1/60")]
     #[serde(deserialize_with = "text::seconds_from_number_or_text")]
     pub time_step: f64,
-    /// Ray tracer of the indirect shadows. Auto takes the fastest that the device offers; software
-    /// runs on every device; hardware needs ray queries.
+    /// Ray tracer of the indirect shadows. Software runs on every device; there is no
+    /// hardware tracer yet, so auto is software.
     #[arg(long, value_enum, default_value = "auto")]
     pub tracer: TracerKind,
     /// What to do where set buffers are missing. Scale: noisier for T frames, never darker; dark: calm,
@@ -85,7 +86,7 @@ pub struct Settings {
     #[arg(long, value_enum, default_value = "scale")]
     pub missing_sets: MissingSets,
     /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: from the picture's
-    /// log-average luminance. More: brighter; auto costs a reduction over the picture.
+    /// log-average luminance. More: brighter. Either costs the same.
     #[arg(long, value_name = "EV|auto", value_parser = text::parse_exposure, allow_negative_numbers = true, default_value = "auto")]
     #[serde(with = "text::exposure_or_auto")]
     pub exposure: Exposure,

@@ -8,7 +8,6 @@ use glowworm::bvh::{
     TwoLevelBvh,
     gpu::{GpuBvh, NO_ROOT},
 };
-use glowworm::scene::AlphaMask;
 
 /// Compares both answers of many rays, bit for bit.
 fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) -> usize {
@@ -27,16 +26,6 @@ fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) 
         hits += usize::from(hit.is_some());
     }
     hits
-}
-
-/// A world with two masked materials, the unmasked one first.
-fn masked_world(random: &mut Random) -> World {
-    let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
-    world.scene.materials.push(material(Some(1)));
-    for (width, height) in [(3, 5), (9, 7)] {
-        world.scene.alpha_masks.push(AlphaMask { width, height, bits: vec![0x9a3c_55aa, 0x1234_5678] });
-    }
-    world
 }
 
 #[test]

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "renderer/support.rs"]
-#[allow(dead_code)]
 mod support;
 
 use glowworm::settings::Settings;

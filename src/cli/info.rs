@@ -49,7 +49,7 @@ pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
 fn describe(report: &InfoReport) -> String {
     let mut text = format!("glowworm {} ({})\n", env!("CARGO_PKG_VERSION"), report.commit);
     for device in &report.devices {
-        let tracers = if device.ray_query { "software and hardware tracer" } else { "software tracer" };
+        let tracers = if device.ray_query { "ray queries" } else { "no ray queries" };
         let state = match &device.unusable {
             Some(reason) => format!(", cannot be used: {reason}"),
             None if report.used == Some(device.index) => ", would be used".to_owned(),
@@ -86,7 +86,7 @@ mod tests {
         let lines: Vec<_> = text.lines().skip(1).collect();
         assert_eq!(
             lines[0],
-            "0: Some GPU (discrete, some driver 1.2, Vulkan 1.3.230, software and hardware tracer, would be used)"
+            "0: Some GPU (discrete, some driver 1.2, Vulkan 1.3.230, ray queries, would be used)"
         );
         assert!(lines[1].ends_with("cannot be used: Vulkan 1.1)"), "{text}");
         assert_eq!(lines.len(), 2);

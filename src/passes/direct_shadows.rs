@@ -104,7 +104,7 @@ impl DirectShadowsPass {
         let current = self.drawn.as_ref().is_some_and(|(tiles, instances)| {
             tiles.tiles == plan.tiles && *instances == inputs.pose.instances
         });
-        if !current {
+        if !current && !plan.tiles.is_empty() {
             if self.atlas.extent() != plan.extent {
                 // Frames on their way still read the old one.
                 self.device.wait_idle()?;

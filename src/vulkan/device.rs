@@ -310,18 +310,11 @@ fn create_device(
     physical: vk::PhysicalDevice,
     queue_family: u32,
 ) -> Result<ash::Device, VulkanError> {
-    // SAFETY: `physical` is of `instance`.
-    let offered = unsafe { instance.get_physical_device_features(physical) };
-    let features =
-        vk::PhysicalDeviceFeatures::default().sampler_anisotropy(offered.sampler_anisotropy == vk::TRUE);
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
     let mut features13 =
         vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
-    let info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_features(&features)
-        .push_next(&mut features13);
-    // SAFETY: every pointer in `info` outlives the call; the features were checked or asked for as offered.
+    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features13);
+    // SAFETY: every pointer in `info` outlives the call; the features were checked.
     unsafe { instance.create_device(physical, &info, None) }.map_err(VulkanError::call("creation", "device"))
 }

@@ -250,8 +250,11 @@ impl Frame<'_> {
     pub fn copy<'b>(&mut self, source: impl Into<BufferSlice<'b>>, target: &Buffer, offset: u64) {
         let source = source.into();
         assert!(offset + source.size <= target.size, "copy beyond the end of {}", target.name);
-        let barriers = target.tracker.use_buffer(Access::TransferWrite);
-        self.barriers(&[], &barriers.into_iter().collect::<Vec<_>>());
+        let barriers = [
+            source.buffer.tracker.use_buffer(Access::TransferRead),
+            target.tracker.use_buffer(Access::TransferWrite),
+        ];
+        self.barriers(&[], &barriers.into_iter().flatten().collect::<Vec<_>>());
         let region = [vk::BufferCopy { src_offset: source.offset, dst_offset: offset, size: source.size }];
         // SAFETY: both ranges lie within their buffers; uploads were written before the submission.
         unsafe {
@@ -327,7 +330,7 @@ impl Frame<'_> {
     }
 
     fn recorder(&mut self) -> Recorder<'_> {
-        Recorder { slot: self.slot, device: self.device }
+        Recorder { slot: self.slot, device: self.device, open_timer: None }
     }
 }
 
@@ -335,6 +338,8 @@ impl Frame<'_> {
 pub(super) struct Recorder<'f> {
     slot: &'f mut Slot,
     device: &'f Arc<Device>,
+    /// The query that the open scope ends with.
+    open_timer: Option<u32>,
 }
 
 impl Recorder<'_> {
@@ -358,7 +363,9 @@ impl Recorder<'_> {
             unsafe { debug.cmd_begin_debug_utils_label(self.slot.commands, &label) };
         }
         let first = u32::try_from(self.slot.timers.len() * 2).unwrap_or(MAX_TIMESTAMPS);
-        if first + 1 < MAX_TIMESTAMPS {
+        // A set in very many chunks has more dispatches than there are queries: the rest goes untimed.
+        self.open_timer = (first + 1 < MAX_TIMESTAMPS).then_some(first + 1);
+        if self.open_timer.is_some() {
             self.slot.timers.push((name, first));
             self.timestamp(first);
         }
@@ -366,8 +373,9 @@ impl Recorder<'_> {
 
     /// Closes what `begin_scope` opened.
     pub(super) fn end_scope(&mut self) {
-        let last = u32::try_from(self.slot.timers.len() * 2).unwrap_or(0).saturating_sub(1);
-        self.timestamp(last);
+        if let Some(last) = self.open_timer.take() {
+            self.timestamp(last);
+        }
         if let Some(debug) = self.device.debug() {
             // SAFETY: `begin_scope` opened the label.
             unsafe { debug.cmd_end_debug_utils_label(self.slot.commands) };

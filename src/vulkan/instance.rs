@@ -1,4 +1,4 @@
-//! The Vulkan instance, its validation messages and the list of devices.
+//! The Vulkan instance and its validation messages.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -156,7 +156,7 @@ unsafe extern "system" fn on_message(
         (text, &*user.cast::<Messages>())
     };
     let text = text.map_or_else(String::new, |text| text.into_owned());
-    log::error!("validation: {text}");
+    log::debug!("validation: {text}");
     messages.lock().unwrap_or_else(PoisonError::into_inner).push(text);
     vk::FALSE
 }

@@ -6,7 +6,7 @@ pub mod twin;
 
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::scene::{Camera, Instance, Material, Mesh, Scene};
+use glowworm::scene::{AlphaMask, Camera, Instance, Material, Mesh, Scene};
 
 /// A scene with its instances at rest.
 pub struct World {
@@ -172,6 +172,16 @@ pub fn masked_square() -> Mesh {
     square.uvs = square.positions.iter().map(|p| p.truncate()).collect();
     square.triangle_materials = vec![1; 2];
     square
+}
+
+/// A world with two masked materials, the unmasked one first.
+pub fn masked_world(random: &mut Random) -> World {
+    let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
+    world.scene.materials.push(material(Some(1)));
+    for (width, height) in [(3, 5), (9, 7)] {
+        world.scene.alpha_masks.push(AlphaMask { width, height, bits: vec![0x9a3c_55aa, 0x1234_5678] });
+    }
+    world
 }
 
 pub fn tetrahedron() -> Mesh {

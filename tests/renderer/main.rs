@@ -4,8 +4,10 @@
 
 mod direct;
 mod forgetting;
+mod golden;
 mod motion;
 mod pictures;
 mod sphere;
+#[path = "../support/mod.rs"]
 mod support;
 mod temporal;

@@ -1,0 +1,193 @@
+//! The shaders' tracer on a real Vulkan device, with validation: its answers against the CPU's, hit for hit.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod bvh_support;
+mod support;
+
+use bvh_support::*;
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec2};
+use glowworm::bvh::{Ray, TwoLevelBvh};
+use glowworm::passes::tracer::Tracer;
+use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
+use support::{Lab, assets, named_scene};
+
+/// Twin of `TestRay` in shaders/test/trace_rays.comp.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct TestRay {
+    origin: [f32; 3],
+    t_min: f32,
+    direction: [f32; 3],
+    t_max: f32,
+}
+
+/// Twin of `TestAnswer`; `instance` is `u32::MAX` where nothing was hit.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct TestAnswer {
+    instance: u32,
+    triangle: u32,
+    t: f32,
+    occluded: u32,
+    barycentrics: Vec2,
+}
+
+/// The shader's tracer over a BVH, and how its answers have compared with the CPU's so far.
+struct Comparison {
+    pipeline: ComputePipeline,
+    tracer: Tracer,
+    rays: usize,
+    hits: usize,
+    differing: Vec<String>,
+    // Dropped last: it waits for its frames, which use the others.
+    frames: Frames,
+    lab: Lab,
+}
+
+impl Comparison {
+    fn new(lab: Lab, bvh: &TwoLevelBvh) -> Self {
+        let device = &lab.device;
+        Self {
+            pipeline: ComputePipeline::new(device, "trace_rays", shaders::TRACE_RAYS_COMP).unwrap(),
+            tracer: Tracer::new(device, bvh).unwrap(),
+            rays: 0,
+            hits: 0,
+            differing: Vec::new(),
+            frames: Frames::new(device).unwrap(),
+            lab,
+        }
+    }
+
+    /// Brings the shader's copy up to date with `bvh`, then compares the answers to `rays`.
+    fn check(&mut self, bvh: &TwoLevelBvh, rays: &[Ray]) {
+        let answers = self.trace(bvh, rays);
+        let expected = bvh.intersect_batch(rays);
+        let occluded = bvh.occluded_batch(rays);
+        for (index, answer) in answers.iter().enumerate() {
+            let same_hit = match expected[index] {
+                None => answer.instance == u32::MAX,
+                Some(hit) => {
+                    (hit.instance, hit.triangle) == (answer.instance, answer.triangle)
+                        && (hit.t - answer.t).abs() <= 1e-4 * hit.t.abs()
+                        && hit.barycentrics.abs_diff_eq(answer.barycentrics, 1e-3)
+                }
+            };
+            if !same_hit || occluded[index] != (answer.occluded == 1) {
+                self.differing.push(format!("{:?}: {answer:?} is not {:?}", rays[index], expected[index]));
+            }
+        }
+        self.rays += rays.len();
+        self.hits += expected.iter().flatten().count();
+    }
+
+    fn trace(&mut self, bvh: &TwoLevelBvh, rays: &[Ray]) -> Vec<TestAnswer> {
+        let device = &self.lab.device;
+        let twins: Vec<TestRay> = rays
+            .iter()
+            .map(|ray| TestRay {
+                origin: ray.origin.to_array(),
+                t_min: ray.t_min,
+                direction: ray.direction.to_array(),
+                t_max: ray.t_max,
+            })
+            .collect();
+        let answers =
+            Buffer::new(device, "answers", size_of::<TestAnswer>() as u64 * rays.len() as u64).unwrap();
+        let (mut frame, _) = self.frames.begin().unwrap();
+        self.tracer.update(&mut frame, bvh).unwrap();
+        let uploaded = frame.upload(&twins).unwrap();
+        let pass =
+            frame.pass("trace_rays", &self.pipeline).read("rays", &uploaded).write("answers", &answers);
+        self.tracer.bind(pass).dispatch_threads([rays.len() as u32, 1, 1]).unwrap();
+        frame.submit().unwrap();
+        bytemuck::pod_collect_to_vec(&answers.read(device).unwrap())
+    }
+
+    /// Fails unless all answers were the same, but for one in 100,000: a driver may fuse multiplications
+    /// and additions, which decides differently where a ray meets an edge.
+    fn finish(self) {
+        let share = self.hits as f32 / self.rays as f32;
+        assert!(share > 0.05, "only {} of {} rays hit anything", self.hits, self.rays);
+        let allowed = self.rays / 100_000;
+        assert!(
+            self.differing.len() <= allowed,
+            "{} of {} rays differ, as {}",
+            self.differing.len(),
+            self.rays,
+            self.differing[0]
+        );
+    }
+}
+
+fn rays(random: &mut Random, bvh: &TwoLevelBvh, count: usize) -> Vec<Ray> {
+    let (min, max) = bvh.bounds();
+    (0..count).map(|_| random.ray(min, max)).collect()
+}
+
+#[test]
+fn the_shader_agrees_while_instances_move() {
+    let Some(lab) = Lab::open() else { return };
+    let mut random = Random::new(21);
+    let mut world = masked_world(&mut random);
+    for index in 0..60 {
+        world.place(index % 3, random.transform(1.0, 3.0), index >= 30);
+    }
+    let mut bvh = world.build();
+    let mut comparison = Comparison::new(lab, &bvh);
+    for step in 0..6 {
+        comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
+        for instance in &mut world.scene.instances[30..] {
+            instance.transform = random.transform(1.0, 3.0);
+        }
+        match step {
+            // An instance that cannot be hit leaves its place empty.
+            1 => world.scene.instances[40].transform = Affine3A::ZERO,
+            3 => world.scene.instances[5].transform = random.transform(1.0, 3.0),
+            _ => {}
+        }
+        bvh.update(&world.transforms());
+    }
+    comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
+    comparison.finish();
+}
+
+#[test]
+fn the_shader_agrees_on_many_instances() {
+    let Some(lab) = Lab::open() else { return };
+    let mut random = Random::new(22);
+    let mut world = World::new(vec![tetrahedron(), soup(&mut random, 40)]);
+    for index in 0..10_000 {
+        world.place(index % 2, random.transform(0.2, 8.0), index % 4 == 0);
+    }
+    let mut bvh = world.build();
+    let mut comparison = Comparison::new(lab, &bvh);
+    comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
+    for instance in world.scene.instances.iter_mut().step_by(4) {
+        instance.transform = random.transform(0.2, 8.0);
+    }
+    bvh.update(&world.transforms());
+    comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
+    comparison.finish();
+}
+
+#[test]
+fn the_shader_agrees_on_a_real_scene() {
+    let Some(lab) = Lab::open() else { return };
+    let Some(assets) = assets() else { return };
+    let scene = named_scene("sponza", Some(&assets));
+    let bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
+    let mut comparison = Comparison::new(lab, &bvh);
+    comparison.check(&bvh, &rays(&mut Random::new(23), &bvh, 200_000));
+    comparison.finish();
+}
+
+#[test]
+fn an_empty_scene_answers_nothing() {
+    let Some(lab) = Lab::open() else { return };
+    let bvh = World::new(Vec::new()).build();
+    let mut comparison = Comparison::new(lab, &bvh);
+    let answers = comparison.trace(&bvh, &rays(&mut Random::new(24), &bvh, 100));
+    assert!(answers.iter().all(|answer| answer.instance == u32::MAX && answer.occluded == 0));
+}
