@@ -8,7 +8,7 @@ use crate::scene::{Camera, Light, LightKind, Pose};
 /// Cascades of a directional light.
 const CASCADES: usize = 4;
 /// Texels across a tile, before many lights make them smaller.
-const TILE_SIZES: std::ops::RangeInclusive<u32> = 256..=2048;
+const TILE_SIZES: std::ops::RangeInclusive<u32> = 1024..=2048;
 /// Texels of the whole atlas: 256 MiB of 32-bit depth.
 const MAX_TEXELS: u64 = 1 << 26;
 /// Spots wider than this (half angle, radians) get a cube: a single map would waste most of its texels.
