@@ -235,8 +235,8 @@ impl Settings {
             (
                 "time_step",
                 self.time_step.to_string(),
-                self.time_step.is_finite() && self.time_step >= 0.0,
-                "a finite number of seconds of at least 0",
+                (0.0..=1e9).contains(&self.time_step),
+                "0 to 1e9 seconds",
             ),
             (
                 "exposure",

@@ -152,6 +152,23 @@ fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
     assert_eq!(run.files(), ["file", "folder.png"]);
 }
 
+#[test]
+fn a_report_is_not_written_over_a_picture_or_the_scene() {
+    let run = Run::new();
+    let scene = "[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n";
+    fs::write(run.path("my.toml"), scene).unwrap();
+    for (out, json, says) in [
+        ("a.png", "./a.png", "over a picture of --out a.png"),
+        ("a{frame:02}.png", "a01.png", "over a picture of --out a{frame:02}.png"),
+        ("a.png", "my.toml", "over the scene"),
+    ] {
+        let options = ["--frames", "2", "--out", out, "--json", json];
+        assert_fails(&run.render("my.toml", &options), 2, &[&format!("--json {json}"), says]);
+    }
+    assert_eq!(run.files(), ["my.toml"]);
+    assert_eq!(fs::read_to_string(run.path("my.toml")).unwrap(), scene);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_read_only_folder_is_found_before_rendering() {

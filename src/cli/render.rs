@@ -1,7 +1,7 @@
 //! `glowworm render`: a scene to a picture or a sequence of pictures, and a report of the frames.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -46,6 +46,9 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
     let frames = options.frames.unwrap_or_else(|| u64::from(settings.temporal_sets));
+    if let Some(json) = &json {
+        check_apart(json, &target, frames, options)?;
+    }
     device::note_slow(&device);
     let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
@@ -58,6 +61,26 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
         json.save_json(&report)?;
     }
     say::print(&format!("{}: {}\n", options.out.display(), report.headline()))
+}
+
+/// Fails where the report would be written over a picture of this run or over the scene.
+fn check_apart(
+    json: &OutputFile,
+    target: &PictureTarget,
+    frames: u64,
+    options: &RenderOptions,
+) -> Result<(), CliError> {
+    let what = if target.writes_to(json, frames) {
+        format!("a picture of --out {}", options.out.display())
+    } else if json.is_same(Path::new(&options.scene)) {
+        "the scene".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(CliError::Usage(format!(
+        "--json {}: would be written over {what}; give it another name",
+        json.path().display()
+    )))
 }
 
 /// Loads the scene and says what is odd about it.

@@ -35,6 +35,11 @@ impl OutputFile {
         &self.path
     }
 
+    /// Whether writing this file would write over `other`.
+    pub fn is_same(&self, other: &Path) -> bool {
+        identity(&self.path) == identity(other)
+    }
+
     /// Writes the file with `write`. If that fails, what was there before is still there.
     pub fn save(
         &self,
@@ -87,6 +92,14 @@ impl OutputFile {
     fn final_path(&self) -> PathBuf {
         fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone())
     }
+}
+
+/// The one name of a file that may not be there yet.
+fn identity(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| {
+        let folder = folder_of(path);
+        fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default())
+    })
 }
 
 fn folder_of(path: &Path) -> PathBuf {

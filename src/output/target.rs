@@ -50,6 +50,12 @@ impl PictureTarget {
         self.sequence.is_some() || frame + 1 == frames
     }
 
+    /// Whether one of the first `frames` pictures would be written over `file`.
+    pub fn writes_to(&self, file: &OutputFile, frames: u64) -> bool {
+        let frame = self.sequence.as_ref().map_or(Some(0), |place| place.frame_of(file.path()));
+        frame.is_some_and(|frame| frame < frames && file.is_same(&self.path_of(frame)))
+    }
+
     /// Whether pictures are to be read back with their layers.
     pub fn layers(&self) -> bool {
         self.layers
@@ -80,6 +86,14 @@ impl PictureTarget {
                 self.path.with_file_name(format!("{before}{frame:0digits$}{after}"))
             }
         }
+    }
+}
+
+impl FramePlace {
+    /// The frame whose picture has this file's name, if there is one.
+    fn frame_of(&self, file: &Path) -> Option<u64> {
+        let name = file.file_name()?.to_str()?;
+        name.strip_prefix(&self.before)?.strip_suffix(&self.after)?.parse().ok()
     }
 }
 
@@ -157,6 +171,24 @@ mod tests {
             let error = target(name, layers).unwrap_err().to_string();
             assert!(error.contains(says) && !error.contains('\n'), "{error}");
         }
+    }
+
+    #[test]
+    fn a_report_in_the_way_of_a_picture_is_noticed() {
+        let folder = std::env::temp_dir();
+        let file = |name: &str| OutputFile::new(folder.join(name)).unwrap();
+        let sequence = target("a-{frame:03}.png", false).unwrap();
+        for (name, frames, expected) in [
+            ("a-002.png", 3, true),
+            ("a-002.png", 2, false),
+            ("a-2.png", 3, false),
+            ("a-.png", 3, false),
+            ("./a-000.png", 1, true),
+        ] {
+            assert_eq!(sequence.writes_to(&file(name), frames), expected, "{name}");
+        }
+        let single = target("a.png", false).unwrap();
+        assert!(single.writes_to(&file("./a.png"), 1) && !single.writes_to(&file("a.json"), 1));
     }
 
     #[test]

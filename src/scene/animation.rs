@@ -91,7 +91,7 @@ impl Animation {
         let (a, b) = (&keys[next - 1], &keys[next]);
         let span = b.time - a.time;
         let s = ((time - a.time) / span) as f32;
-        let tangent = |i: usize| self.tangent(i) * span as f32;
+        let tangent = |i: usize| self.tangent(i, span);
         Keyframe {
             time,
             translation: hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
@@ -99,11 +99,12 @@ impl Animation {
         }
     }
 
-    /// Velocity through key `i`: the slope between its neighbours.
-    fn tangent(&self, i: usize) -> Vec3 {
+    /// Velocity through key `i`, the slope between its neighbours, in units a `span` of seconds.
+    fn tangent(&self, i: usize, span: f64) -> Vec3 {
         let before = &self.keyframes[i.saturating_sub(1)];
         let after = &self.keyframes[(i + 1).min(self.keyframes.len() - 1)];
-        (after.translation - before.translation) / (after.time - before.time) as f32
+        // The share of two times stays a sensible number where a time itself does not.
+        (after.translation - before.translation) * (span / (after.time - before.time)) as f32
     }
 
     /// At most how far a thing that rests at `origin` moves away from there, in scene units.
@@ -173,6 +174,19 @@ mod tests {
             let before = (at(knot) - at(knot - 1e-3)) / 1e-3;
             let after = (at(knot + 1e-3) - at(knot)) / 1e-3;
             assert!(before.distance(after) < 1e-2, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn no_span_of_time_is_too_short_or_too_long() {
+        for end in [1e-310, 1e-30, 1e9] {
+            let keyframes = vec![key(0.0, Vec3::ZERO, 0.0), key(end, Vec3::X, 90.0), key(2e9, Vec3::Y, 0.0)];
+            let animation = Animation { keyframes, rotation: None };
+            for share in [0.0, 0.25, 1.0] {
+                let key = animation.key_at(share * end);
+                assert!(key.translation.is_finite() && key.rotation.is_finite(), "{key:?} of {end}");
+                assert!(key.translation.length() < 2.0, "{key:?} of {end}");
+            }
         }
     }
 

@@ -38,6 +38,9 @@ pub use texture::{linear_to_srgb, srgb_to_linear};
 
 use glam::{Affine3A, Vec2, Vec3};
 
+/// Coordinates beyond this, either way, are refused: what is computed from them would overflow.
+const MAX_COORDINATE: f32 = 1e9;
+
 /// A placed copy of a mesh.
 #[derive(Clone, Debug)]
 pub struct Instance {

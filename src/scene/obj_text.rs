@@ -10,11 +10,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::MAX_COORDINATE;
 use super::error::SceneError;
 use super::polygon::triangulate;
-
-/// Beyond this, areas overflow single precision.
-const MAX_COORDINATE: f32 = 1e9;
 
 /// A checked OBJ.
 #[derive(Debug, Default)]

@@ -7,15 +7,19 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use glam::{Affine3A, EulerRot, Quat, Vec3};
+use glam::{Affine3A, BVec3, EulerRot, Quat, Vec3};
 
 use super::error::SceneError;
 use super::scene_file::{
     AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
 };
 use super::{
-    Animation, Camera, Instance, Keyframe, Rotation, Scene, bare_obj, obj, scene_lights, scene_models,
+    Animation, Camera, Instance, Keyframe, MAX_COORDINATE, Rotation, Scene, bare_obj, obj, scene_lights,
+    scene_models,
 };
+
+/// Keyframes lie within this time of the start, seconds: about 30 years.
+const MAX_TIME: f64 = 1e9;
 
 /// Builds the scene of `file`, whose content was `text`.
 pub(super) fn build(
@@ -52,7 +56,10 @@ pub(super) struct Builder<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Entry<'a> {
     path: &'a Path,
-    line: usize,
+    text: &'a str,
+    /// Where it stands in the text. Its line is counted only when it is asked for, because counting it
+    /// for each of many entries takes very long.
+    span: Range<usize>,
     /// What it is, such as `light "sun"`.
     what: String,
 }
@@ -60,7 +67,8 @@ pub(super) struct Entry<'a> {
 impl Entry<'_> {
     /// An error about this table.
     pub fn error(&self, problem: impl AsRef<str>) -> SceneError {
-        SceneError::invalid(self.path, Some(self.line), format!("{}: {}", self.what, problem.as_ref()))
+        let line = line_of(self.text, &self.span);
+        SceneError::invalid(self.path, Some(line), format!("{}: {}", self.what, problem.as_ref()))
     }
 
     /// A vector all of whose components are finite.
@@ -71,6 +79,15 @@ impl Entry<'_> {
         } else {
             Err(self.error(format!("{key} must be finite, is {vector}")))
         }
+    }
+
+    /// A point or size in scene units.
+    pub fn place(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
+        let place = self.vector(key, value)?;
+        if place.abs().max_element() > MAX_COORDINATE {
+            return Err(self.error(format!("{key} must lie within +-{MAX_COORDINATE:e}, is {place}")));
+        }
+        Ok(place)
     }
 
     /// A finite number.
@@ -107,7 +124,7 @@ impl Entry<'_> {
 impl<'a> Builder<'a> {
     /// Names the table at `span` for error messages.
     pub fn entry(&self, span: &Range<usize>, what: impl Into<String>) -> Entry<'a> {
-        Entry { path: self.path, line: line_of(self.text, span), what: what.into() }
+        Entry { path: self.path, text: self.text, span: span.clone(), what: what.into() }
     }
 
     fn build(&mut self, file: &SceneFile) -> Result<(), SceneError> {
@@ -160,6 +177,13 @@ impl<'a> Builder<'a> {
             );
             self.scene.warnings.push(warning);
         }
+        if !self.scene.instances.iter().any(|instance| instance.visible) {
+            let warning = format!(
+                "{}: the scene has no visible [[instances]], so there is nothing but the background to see",
+                self.path.display()
+            );
+            self.scene.warnings.push(warning);
+        }
     }
 
     fn add_instance(&mut self, entry: &Entry, instance: &InstanceEntry) -> Result<(), SceneError> {
@@ -174,6 +198,7 @@ impl<'a> Builder<'a> {
         let name = instance.name.clone().unwrap_or_else(|| instance.model.clone());
         let transform = transform_of(entry, instance)?;
         check_not_mirrored(entry, &transform, self.scene.is_emissive(mesh))?;
+        check_extent(entry, &transform, self.scene.meshes[mesh].bounds())?;
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {
@@ -191,8 +216,8 @@ impl<'a> Builder<'a> {
     }
 
     fn set_camera(&mut self, entry: &Entry, camera: &CameraEntry) -> Result<(), SceneError> {
-        let eye = entry.vector("eye", camera.eye)?;
-        let target = entry.vector("target", camera.target)?;
+        let eye = entry.place("eye", camera.eye)?;
+        let target = entry.place("target", camera.target)?;
         if eye == target {
             return Err(entry.error("eye and target must differ"));
         }
@@ -223,18 +248,32 @@ impl<'a> Builder<'a> {
 }
 
 fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
-    let translation = entry.vector("translation", instance.translation.unwrap_or_default())?;
+    let translation = entry.place("translation", instance.translation.unwrap_or_default())?;
     let rotation = rotation_of(entry, instance.rotation)?;
     let scale = match instance.scale {
         None => Vec3::ONE,
         Some(ScaleEntry::Uniform(factor)) => Vec3::splat(entry.number("scale", factor)?),
         Some(ScaleEntry::PerAxis(factors)) => entry.vector("scale", factors)?,
     };
+    if scale.abs().max_element() > MAX_COORDINATE {
+        return Err(entry.error(format!("scale must lie within +-{MAX_COORDINATE:e}, is {scale}")));
+    }
     let transform = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
     if scale.abs().min_element() < 1e-9 || !transform.inverse().is_finite() {
         return Err(entry.error(format!("scale must not be zero in any axis, is {scale}")));
     }
     Ok(transform)
+}
+
+/// Fails where a mesh of these bounds, placed so, has coordinates that are too large.
+fn check_extent(entry: &Entry, transform: &Affine3A, bounds: (Vec3, Vec3)) -> Result<(), SceneError> {
+    let (low, high) = bounds;
+    let corner = |i: u32| Vec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high);
+    let farthest = (0..8).map(|i| transform.transform_point3(corner(i)).abs().max_element());
+    if farthest.fold(0.0, f32::max) > MAX_COORDINATE {
+        return Err(entry.error(format!("must lie within +-{MAX_COORDINATE:e}; scale it down")));
+    }
+    Ok(())
 }
 
 /// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
@@ -273,13 +312,16 @@ pub(super) fn animation_of(
     let animation = spanned.as_ref();
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(animation.keyframes.len());
     for key in &animation.keyframes {
-        let finite = key.time.is_finite();
-        if !finite || keyframes.last().is_some_and(|last| last.time >= key.time) {
-            return Err(entry.error(format!("keyframe times must be finite and rise (time {})", key.time)));
+        let possible = key.time.abs() <= MAX_TIME;
+        if !possible || keyframes.last().is_some_and(|last| last.time >= key.time) {
+            return Err(entry.error(format!(
+                "keyframe times must lie within +-{MAX_TIME:e} seconds and rise (time {})",
+                key.time
+            )));
         }
         keyframes.push(Keyframe {
             time: key.time,
-            translation: entry.vector("keyframes.translation", key.translation.unwrap_or_default())?,
+            translation: entry.place("keyframes.translation", key.translation.unwrap_or_default())?,
             rotation: rotation_of(&entry, key.rotation)?,
         });
     }
@@ -288,7 +330,7 @@ pub(super) fn animation_of(
         Some(spin) => Some(Rotation {
             axis: entry.direction("rotation.axis", spin.axis)?,
             speed: entry.number("rotation.degrees_per_second", spin.degrees_per_second)?.to_radians(),
-            pivot: spin.pivot.map(|pivot| entry.vector("rotation.pivot", pivot)).transpose()?,
+            pivot: spin.pivot.map(|pivot| entry.place("rotation.pivot", pivot)).transpose()?,
         }),
     };
     if keyframes.is_empty() && rotation.is_none() {

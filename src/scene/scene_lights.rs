@@ -28,7 +28,7 @@ pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> R
             None => add_quad(builder, &entry, light, &name),
         };
     }
-    let position = |key| entry.vector(key, entry.required(key, light.position)?);
+    let position = |key| entry.place(key, entry.required(key, light.position)?);
     let intensity = |key| entry.power(key, entry.required(key, light.intensity)?);
     let direction = |key| entry.direction(key, entry.required(key, light.direction)?);
     let (kind, position, direction) = match light.kind {
@@ -104,7 +104,7 @@ fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str
     let polygon = entry.required("polygon", light.polygon)?;
     let mut corners = [Vec3::ZERO; 4];
     for (corner, given) in corners.iter_mut().zip(polygon) {
-        *corner = entry.vector("polygon", given)?;
+        *corner = entry.place("polygon", given)?;
     }
     check_quad(entry, &corners)?;
     let middle = corners.iter().sum::<Vec3>() / 4.0;

@@ -108,7 +108,7 @@ fn primitive_mesh(
     model: &ModelEntry,
     primitive: Primitive,
 ) -> Result<Mesh, SceneError> {
-    let size = entry.vector("size", model.size.unwrap_or([1.0; 3]))?;
+    let size = entry.place("size", model.size.unwrap_or([1.0; 3]))?;
     if size.min_element() <= 0.0 {
         return Err(entry.error(format!("size must be above 0, is {size}")));
     }

@@ -34,6 +34,7 @@ pub struct Device {
     debug: Option<ext::debug_utils::Device>,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     limits: vk::PhysicalDeviceLimits,
+    physical: vk::PhysicalDevice,
     queue: vk::Queue,
     queue_family: u32,
     info: DeviceInfo,
@@ -74,6 +75,7 @@ impl Device {
             debug,
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             limits: properties.limits,
+            physical,
             queue,
             queue_family,
             info,
@@ -100,6 +102,25 @@ impl Device {
     pub fn wait_idle(&self) -> Result<(), VulkanError> {
         // SAFETY: the queue is used from one thread at a time (frames and uploads borrow the renderer).
         unsafe { self.raw.device_wait_idle() }.map_err(VulkanError::call("waiting", "device"))
+    }
+
+    /// How large optimally tiled 2D images of a format may be.
+    pub(super) fn image_limits(
+        &self,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<vk::ImageFormatProperties, vk::Result> {
+        // SAFETY: the physical device is of the instance.
+        unsafe {
+            self.instance.raw().get_physical_device_image_format_properties(
+                self.physical,
+                format,
+                vk::ImageType::TYPE_2D,
+                vk::ImageTiling::OPTIMAL,
+                usage,
+                vk::ImageCreateFlags::empty(),
+            )
+        }
     }
 
     pub(super) fn raw(&self) -> &ash::Device {

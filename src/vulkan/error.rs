@@ -49,7 +49,9 @@ pub enum VulkanError {
         reason: String,
     },
     /// The device cannot do what the settings or the scene ask for.
-    #[error("{what} is more than the device allows ({limit})")]
+    #[error(
+        "{what} is more than the device allows ({limit}); try a smaller --size, --temporal-sets or scene"
+    )]
     Limit {
         /// What was asked for, with its number.
         what: String,

@@ -149,7 +149,11 @@ impl Image {
     /// Makes an image; its content is undefined.
     pub fn new(device: &Arc<Device>, description: &ImageDescription<'_>) -> Result<Self, VulkanError> {
         let name = description.name;
-        check_limits(device, description)?;
+        let usage = description.usage
+            | vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::TRANSFER_DST;
+        check_limits(device, description, usage)?;
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(description.format)
@@ -158,12 +162,7 @@ impl Image {
             .array_layers(description.layers.unwrap_or(1))
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(
-                description.usage
-                    | vk::ImageUsageFlags::SAMPLED
-                    | vk::ImageUsageFlags::TRANSFER_SRC
-                    | vk::ImageUsageFlags::TRANSFER_DST,
-            );
+            .usage(usage);
         // SAFETY: `info` is complete and within the limits; the image is destroyed in `drop`.
         let (raw, requirements) = unsafe {
             let raw = device
@@ -251,20 +250,40 @@ impl Drop for Image {
     }
 }
 
-fn check_limits(device: &Device, description: &ImageDescription<'_>) -> Result<(), VulkanError> {
-    let [width, height] = description.extent;
-    let limit = device.limits().max_image_dimension2_d;
-    if width.max(height) > limit {
-        let what = format!("image {} of {width}x{height}", description.name);
-        return Err(VulkanError::Limit { what, limit: u64::from(limit) });
-    }
-    let limit = device.limits().max_image_array_layers;
+fn check_limits(
+    device: &Device,
+    description: &ImageDescription<'_>,
+    usage: vk::ImageUsageFlags,
+) -> Result<(), VulkanError> {
+    let ImageDescription { name, extent: [width, height], .. } = *description;
     let layers = description.layers.unwrap_or(1);
-    if layers > limit {
-        let what = format!("image {} of {layers} layers", description.name);
-        return Err(VulkanError::Limit { what, limit: u64::from(limit) });
+    let limits = device
+        .image_limits(description.format, usage)
+        .map_err(VulkanError::call("query of the format", format!("image {name}")))?;
+    let side = limits.max_extent.width.min(limits.max_extent.height);
+    // At least what it takes: what the driver adds shows in the allocation.
+    let mebibytes = (u64::from(width) * u64::from(height) * u64::from(layers))
+        .saturating_mul(texel_size(description.format))
+        >> 20;
+    for (what, wanted, limit) in [
+        (format!("image {name} of {width}x{height}"), u64::from(width.max(height)), u64::from(side)),
+        (format!("image {name} of {layers} layers"), layers.into(), limits.max_array_layers.into()),
+        (format!("image {name} of {mebibytes} MiB"), mebibytes, limits.max_resource_size >> 20),
+    ] {
+        if wanted > limit {
+            return Err(VulkanError::Limit { what, limit });
+        }
     }
     Ok(())
+}
+
+/// Bytes a texel of the formats in use.
+fn texel_size(format: vk::Format) -> u64 {
+    match format {
+        vk::Format::R32G32B32A32_SFLOAT => 16,
+        vk::Format::R16G16B16A16_SFLOAT | vk::Format::R32G32_UINT | vk::Format::R32G32_SFLOAT => 8,
+        _ => 4,
+    }
 }
 
 fn allocate(

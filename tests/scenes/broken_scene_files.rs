@@ -34,6 +34,7 @@ fn broken_scene_files_name_line_and_key() {
         ),
         ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nnear = -1", &["bad.toml:1", "near"]),
         ("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nvfov_deg = 180", &["bad.toml:1", "vfov_deg"]),
+        ("[camera]\neye = [0, 0, 1e19]\ntarget = [0, 5, 1]", &["bad.toml:1", "eye must lie within +-1e9"]),
         ("background = [0, -1, 0]", &["bad.toml:1", "background", "negative"]),
         ("[settings]\nvpls = 3\nvplz = 4", &["bad.toml:3", "vplz"]),
         ("[settings]\nvpls = \"many\"", &["bad.toml:2", "u32"]),
@@ -56,6 +57,10 @@ fn broken_models_name_themselves() {
             "[[models]]\nname = \"m\"\nprimitive = \"box\"\nmaterial = { albedo = [2, 0, 0] }",
             &["albedo", "above 1"],
         ),
+        (
+            "[[models]]\nname = \"m\"\nprimitive = \"sphere\"\nsize = [1e19, 1, 1]",
+            &["bad.toml:1", "size must lie within +-1e9"],
+        ),
         ("[[models]]\nname = \"m\"\npath = \"m.obj\"\nsize = [1, 1, 1]", &["size", "does not belong"]),
     ] {
         expect_error("bad.toml", text, parts);
@@ -67,6 +72,9 @@ fn broken_instances_name_themselves() {
     for (rest, parts) in [
         ("scale = 0", &["instance \"m\"", "scale"][..]),
         ("scale = [1, 0, 1]", &["instance \"m\"", "scale"]),
+        ("scale = 1e25", &["instance \"m\"", "scale must lie within +-1e9"]),
+        ("scale = 1e9\ntranslation = [9e8, 0, 0]", &["instance \"m\"", "+-1e9", "scale it down"]),
+        ("translation = [1e12, 0, 0]", &["instance \"m\"", "translation must lie within +-1e9"]),
         ("scale = \"big\"", &["bad.toml:6", "a scale must be"]),
         ("rotation = [1, 2]", &["bad.toml:6", "a rotation must be"]),
         ("rotation = { axis = [0, 0, 0], degrees = 3 }", &["rotation.axis", "zero"]),
@@ -74,6 +82,7 @@ fn broken_instances_name_themselves() {
         ("animation = {}", &["animation", "keyframes or a rotation"]),
         ("animation = { keyframes = [{ time = 1 }, { time = 1 }] }", &["keyframe times", "time 1"]),
         ("animation = { keyframes = [{ time = nan }] }", &["keyframe times"]),
+        ("animation = { keyframes = [{ time = -1e300 }] }", &["keyframe times", "1e9"]),
         ("animation = { rotation = { axis = [0, 0, 0], degrees_per_second = 1 } }", &["axis", "zero"]),
         ("animation = { spin = 1 }", &["bad.toml:6", "spin"]),
         ("name = \"a\"\n[[instances]]\nname = \"a\"\nmodel = \"m\"", &["bad.toml:7", "another instance"]),

@@ -199,3 +199,32 @@ fn models_come_from_files_and_can_be_cut() {
     assert!((area(&scene.meshes[0]) - 0.375).abs() < 1e-6);
     assert_eq!(area(&scene.meshes[1]), 0.5);
 }
+
+#[test]
+fn a_scene_with_nothing_to_see_says_so() {
+    let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = [1, 1, 1]\n";
+    let hidden =
+        "[[models]]\nname = \"m\"\nprimitive = \"box\"\n[[instances]]\nmodel = \"m\"\nvisible = false\n";
+    for (text, expected) in [
+        (lamp.to_owned(), true),
+        (format!("{hidden}{lamp}"), true),
+        (format!("{hidden}{lamp}").replace("false", "true"), false),
+    ] {
+        let warnings = load_toml(&text).warnings;
+        let said = warnings.iter().any(|warning| warning.contains("no visible [[instances]]"));
+        assert_eq!(said, expected, "{warnings:?}");
+    }
+}
+
+#[test]
+fn many_instances_load_in_good_time() {
+    let count = 60_000;
+    let mut text = "[[models]]\nname = \"m\"\nprimitive = \"box\"\n".to_owned();
+    for i in 0..count {
+        text += &format!("[[instances]]\nmodel = \"m\"\ntranslation = [{}, 0, {}]\n", i % 250, i / 250);
+    }
+    let start = std::time::Instant::now();
+    assert_eq!(load_toml(&text).instances.len(), count);
+    // A second is plenty; what counted the lines of every instance took more than half a minute.
+    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
+}
