@@ -113,7 +113,7 @@ void main() {
     vec3 to_eye = normalize(frame.eye.xyz - p);
 
     vec3 radiance = vec3(0.0);
-    if ((id.y & FRONT_FACING) != 0u) radiance = materials.data[id.y & ~FRONT_FACING].emission.rgb;
+    if ((id.y & FRONT_FACING) != 0u) radiance = materials.data[id.y & MATERIAL].emission.rgb;
     for (uint i = 0u; i < frame.light_count; i++) {
         LightData light = lights.data[i];
         vec3 to_light;

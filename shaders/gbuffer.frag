@@ -10,8 +10,7 @@
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;
 layout(location = 2) in vec2 surface_uv;
-layout(location = 3) in vec4 clip;
-layout(location = 4) in vec4 previous_clip;
+layout(location = 3) in vec3 previous_clip; // x, y, w
 
 layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 2, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
@@ -42,12 +41,14 @@ void main() {
     if (dot(shading, geometric) < 0.0) shading = -shading;
 
     bool front = gl_FrontFacing != (instances.data[push.instance].mirrored == 1u);
-    vec2 now = clip.xy / clip.w;
-    vec2 before = previous_clip.xy / previous_clip.w;
-    out_position = vec4(position_ws, clip.w);
+    vec2 now = gl_FragCoord.xy / vec2(frame.size);
+    vec2 before = previous_clip.xy / previous_clip.z * 0.5 + 0.5;
+    out_position = vec4(position_ws, 1.0 / gl_FragCoord.w);
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(material.albedo.rgb * texel, 1.0);
     out_specular = material.specular;
-    out_instance = uvec2(push.instance + 1u, push.material | (front ? FRONT_FACING : 0u));
-    out_motion = (now - before) * 0.5;
+    bool dynamic = instances.data[push.instance].dynamic == 1u;
+    out_instance = uvec2(
+        push.instance + 1u, push.material | (front ? FRONT_FACING : 0u) | (dynamic ? MAY_MOVE : 0u));
+    out_motion = now - before;
 }

@@ -15,16 +15,14 @@ layout(push_constant) uniform Push { uint instance; uint material; } push;
 layout(location = 0) out vec3 position_ws;
 layout(location = 1) out vec3 normal_ws;
 layout(location = 2) out vec2 surface_uv;
-layout(location = 3) out vec4 clip;
-layout(location = 4) out vec4 previous_clip;
+layout(location = 3) out vec3 previous_clip; // x, y, w
 
 void main() {
     InstanceData instance = instances.data[push.instance];
     position_ws = transform_point(instance.object_to_world, position);
     normal_ws = transform_normal(instance.world_to_object, normal);
     surface_uv = uv;
-    clip = frame.view_projection * vec4(position_ws, 1.0);
-    previous_clip =
-        frame.previous_view_projection * vec4(transform_point(instance.previous_object_to_world, position), 1.0);
-    gl_Position = clip;
+    vec3 previous_ws = transform_point(instance.previous_object_to_world, position);
+    previous_clip = (frame.previous_view_projection * vec4(previous_ws, 1.0)).xyw;
+    gl_Position = frame.view_projection * vec4(position_ws, 1.0);
 }

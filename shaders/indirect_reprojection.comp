@@ -97,22 +97,22 @@ bool look_up(SetParameters parameters, vec3 p, vec3 n, out vec3 found) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    uint id = texelFetch(gbuffer_instance, pixel, 0).x;
-    if (id == 0u) {
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    if (id.x == 0u) {
         imageStore(irradiance, pixel, vec4(0.0));
         return;
     }
     vec4 position = texelFetch(gbuffer_position, pixel, 0);
     vec3 p = position.xyz;
     vec3 n = octahedral_decode(texelFetch(gbuffer_normal, pixel, 0).zw);
-    InstanceData instance = instances.data[id - 1u];
 
     vec3 sum = vec3(0.0);
     float present = 0.0;
     uint count = 0u;
 
     // What stands still under a camera that stands still is where it was, unless something else hid it.
-    uint same_view_count = instance.dynamic == 1u ? 0u : push.same_view_count;
+    uint may_move = (id.y & MAY_MOVE) != 0u ? 1u : 0u;
+    uint same_view_count = may_move == 1u ? 0u : push.same_view_count;
     for (uint i = 0u; i < same_view_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec4 stored = texelFetch(set_buffers, ivec3(pixel, int(parameters.layer)), 0);
@@ -122,15 +122,19 @@ void main() {
         count += same ? 1u : 0u;
     }
 
-    vec3 p_os = transform_point(instance.world_to_object, p);
-    vec3 tip_os = transform_point(instance.world_to_object, p + n);
+    // Loops of one turn, not branches: CPU drivers run both sides of a branch, but skip loops that no lane enters.
+    vec3 p_os = p;
+    vec3 tip_os = p + n;
+    for (uint i = 0u; i < may_move; i++) {
+        p_os = transform_point(instances.data[id.x - 1u].world_to_object, p);
+        tip_os = transform_point(instances.data[id.x - 1u].world_to_object, p + n);
+    }
     for (uint i = same_view_count; i < push.drawn_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec3 p_then = p;
         vec3 n_then = n;
-        // A loop, not a branch: CPU drivers run both sides of a branch, but skip loops that no lane enters.
-        for (uint moved = 0u; moved < instance.dynamic; moved++) {
-            uint row = (parameters.layer * push.instance_count + id - 1u) * 3u;
+        for (uint moved = 0u; moved < may_move; moved++) {
+            uint row = (parameters.layer * push.instance_count + id.x - 1u) * 3u;
             p_then = from_rows(row, p_os);
             n_then = normalize(from_rows(row, tip_os) - p_then);
         }

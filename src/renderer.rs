@@ -18,10 +18,10 @@ use crate::passes::indirect_shadows::UploadedSet;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, VplCounts, percentile};
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, percentile};
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
 use crate::settings::{Settings, TracerKind};
-use crate::vpl::{CellFlux, SetVpls, SlotState, VplManager, World};
+use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use passes::{PassInputs, Passes};
 
@@ -71,14 +71,14 @@ struct IndirectLights {
     flux: CellFlux,
     drawn: DrawnSet,
     cpu_ms: [f64; 3],
-    counts: VplCounts,
+    counts: VplCounters,
 }
 
 /// A frame on its way.
 struct Pending {
     frame: u64,
     cpu_ms: [f64; 3],
-    vpls: VplCounts,
+    vpls: VplCounters,
 }
 
 impl Renderer {
@@ -201,20 +201,13 @@ impl Renderer {
             self.vpls.replace(world);
             (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
         });
-        let counters = self.vpls.counters();
         let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
         IndirectLights {
             vpls,
             flux,
             drawn: DrawnSet { set, irradiance_scale },
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
-            counts: VplCounts {
-                slots: counters.slots.into(),
-                valid: counters.valid.into(),
-                escaped: counters.escaped.into(),
-                invalidated: counters.invalidated.into(),
-                shot: counters.shot.into(),
-            },
+            counts: self.vpls.counters(),
         }
     }
 

@@ -4,6 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::settings::Settings;
+use crate::vpl::VplCounters;
 
 /// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
 /// files and shaders.
@@ -40,21 +41,6 @@ impl Serialize for PassTimes {
     }
 }
 
-/// How many VPLs were in which state when the frame was drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct VplCounts {
-    /// All slots.
-    pub slots: u64,
-    /// Slots with a usable VPL.
-    pub valid: u64,
-    /// Slots whose ray left the scene.
-    pub escaped: u64,
-    /// Slots that this frame found invalid.
-    pub invalidated: u64,
-    /// Slots that this frame shot.
-    pub shot: u64,
-}
-
 /// What was measured of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
@@ -63,7 +49,7 @@ pub struct FrameFigures {
     /// Each pass.
     pub passes: PassTimes,
     /// The VPLs.
-    pub vpls: VplCounts,
+    pub vpls: VplCounters,
     /// Occlusion rays cast by the shaders.
     pub shadow_rays: u64,
 }
@@ -157,7 +143,7 @@ fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
     let figure =
         |get: fn(&FrameFigures) -> f64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
     let count =
-        |get: fn(&FrameFigures) -> u64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
+        |get: fn(&FrameFigures) -> u32| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
     let mut passes = PassTimes::default();
     for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
         *milliseconds = percentile(frames.iter().map(|frame| frame.figures.passes.0[pass]), quantile)?;
@@ -165,14 +151,14 @@ fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
     Some(FrameFigures {
         total_ms: figure(|frame| frame.total_ms)?,
         passes,
-        vpls: VplCounts {
+        vpls: VplCounters {
             slots: count(|frame| frame.vpls.slots)?,
             valid: count(|frame| frame.vpls.valid)?,
             escaped: count(|frame| frame.vpls.escaped)?,
             invalidated: count(|frame| frame.vpls.invalidated)?,
             shot: count(|frame| frame.vpls.shot)?,
         },
-        shadow_rays: count(|frame| frame.shadow_rays)?,
+        shadow_rays: percentile(frames.iter().map(|frame| frame.figures.shadow_rays), quantile)?,
     })
 }
 
@@ -203,7 +189,7 @@ mod tests {
             figures: FrameFigures {
                 total_ms: number as f64 + 0.5,
                 passes,
-                vpls: VplCounts { slots: 512, valid: 500, escaped: 12, invalidated: 0, shot: number },
+                vpls: VplCounters { slots: 512, valid: 500, escaped: 12, invalidated: 0, shot: number as u32 },
                 shadow_rays: 1000 - number,
             },
         }

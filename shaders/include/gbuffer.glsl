@@ -12,5 +12,7 @@ vec3 octahedral_decode(vec2 p) {
     return normalize(n);
 }
 
-// Bit 31 of the G-buffer's material channel: the front side of the surface is seen.
+// Bits of the G-buffer's material channel: the front side of the surface is seen; its instance may move.
 const uint FRONT_FACING = 0x80000000u;
+const uint MAY_MOVE = 0x40000000u;
+const uint MATERIAL = 0x3fffffffu;

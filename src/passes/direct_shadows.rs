@@ -43,8 +43,6 @@ pub struct Shadows<'a> {
     pub lights: Upload,
     /// `ShadowTile`s of this frame.
     pub tiles: Upload,
-    /// Number of lights.
-    pub light_count: u32,
 }
 
 #[repr(C)]
@@ -100,7 +98,6 @@ impl DirectShadowsPass {
         let plan = ShadowPlan::new(inputs.pose, &view);
         let lights = frame.upload(&plan.lights)?;
         let tiles = frame.upload(&plan.tiles)?;
-        let light_count = u32::try_from(plan.lights.len()).unwrap_or(0);
         let current = self.drawn.as_ref().is_some_and(|(tiles, instances)| {
             tiles.tiles == plan.tiles && *instances == inputs.pose.instances
         });
@@ -113,7 +110,7 @@ impl DirectShadowsPass {
             self.draw(frame, inputs, &plan)?;
             self.drawn = Some((plan, inputs.pose.instances.clone()));
         }
-        Ok(Shadows { atlas: &self.atlas, lights, tiles, light_count })
+        Ok(Shadows { atlas: &self.atlas, lights, tiles })
     }
 
     fn draw(

@@ -32,7 +32,7 @@ pub struct GBuffer {
     pub albedo: Image,
     /// rgb: Ks; a: Ns.
     pub specular: Image,
-    /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides.
+    /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides, bit 30 where it may move.
     pub instance: Image,
     /// Movement since the last frame, as a fraction of the picture.
     pub motion: Image,

@@ -27,6 +27,7 @@ pub struct IndirectShadingPass {
     gather: ComputePipeline,
     filter: ComputePipeline,
     class_irradiance: Image,
+    /// One layer a set: rgb: scaled irradiance; a: scaled view depth.
     set_buffers: Image,
 }
 
@@ -69,11 +70,6 @@ impl IndirectShadingPass {
                 },
             )?,
         })
-    }
-
-    /// The set buffers, one layer each: rgb: scaled irradiance; a: scaled view depth.
-    pub fn output(&self) -> &Image {
-        &self.set_buffers
     }
 
     /// Adds up the VPLs of one chunk.

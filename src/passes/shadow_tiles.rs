@@ -90,7 +90,7 @@ fn arrange(count: usize, view: &View) -> (u32, u32, u32) {
     let columns = f64::from(count).sqrt().ceil() as u32;
     let rows = count.div_ceil(columns);
     let mut size =
-        view.size[0].max(view.size[1]).next_power_of_two().clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
+        (2 * view.size[0].max(view.size[1])).next_power_of_two().clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
     while size > 1
         && (u64::from(columns) * u64::from(rows) * u64::from(size) * u64::from(size) > MAX_TEXELS
             || columns * size > view.max_extent)
@@ -154,7 +154,7 @@ fn cube(position: Vec3, radius: f32, size: u32) -> Vec<(Mat4, Vec4)> {
 /// turns, snapped to whole texels so that shadow edges do not crawl as it moves.
 fn cascades(direction: Vec3, camera: &Camera, view: &View, size: u32) -> Vec<(Mat4, Vec4)> {
     let aspect = view.size[0] as f32 / view.size[1] as f32;
-    let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
+    let forward = camera.forward();
     let corners = box_corners(view.bounds);
     let farthest = corners
         .iter()

@@ -75,15 +75,6 @@ pub struct SetVpls {
     pub vpls: Vec<GpuVpl>,
     /// Class k's VPLs are `vpls[class_starts[k]..class_starts[k + 1]]`; n^2 + 1 entries.
     pub class_starts: Vec<u32>,
-    /// Luminous flux of each class, n^2 entries.
-    pub class_flux: Vec<f32>,
-}
-
-impl SetVpls {
-    /// Luminous flux of the whole set.
-    pub fn flux(&self) -> f32 {
-        self.class_flux.iter().sum()
-    }
 }
 
 /// How the luminous flux of all valid VPLs is shared out.

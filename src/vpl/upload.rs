@@ -20,20 +20,11 @@ impl VplManager {
         let mut result = SetVpls {
             vpls: Vec::with_capacity((layout.slots / layout.sets + 1) as usize),
             class_starts: Vec::with_capacity(classes + 1),
-            class_flux: Vec::with_capacity(classes),
         };
         for class in 0..layout.classes {
             result.class_starts.push(result.vpls.len() as u32);
             let slots: &[u32] = if set < layout.sets { self.deal.cell(layout, set, class) } else { &[] };
-            let mut class_flux = 0.0;
-            for &slot in slots {
-                let Some(vpl) = self.gpu_vpl(world, slot as usize) else {
-                    continue;
-                };
-                class_flux += f64::from(luminance(vpl.flux));
-                result.vpls.push(vpl);
-            }
-            result.class_flux.push(class_flux as f32);
+            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot as usize)));
         }
         result.class_starts.push(result.vpls.len() as u32);
         result

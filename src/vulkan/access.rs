@@ -23,8 +23,6 @@ pub enum Access {
     ColorAttachment,
     /// Drawn into as depth.
     DepthAttachment,
-    /// Read by the host after the device is done.
-    HostRead,
 }
 
 /// What one use means to Vulkan.
@@ -65,7 +63,6 @@ impl Access {
                 L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
                 true,
             ),
-            Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
         };
         Use { stage, access, layout, writes }
     }
