@@ -145,6 +145,7 @@ impl Renderer {
             tracer: &self.tracer,
             pose,
             bounds: self.bvh.bounds(),
+            view_projection: uniforms.view_projection,
             frame: frame.upload(&[uniforms])?,
             instances,
             vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,

@@ -189,7 +189,13 @@ mod tests {
             figures: FrameFigures {
                 total_ms: number as f64 + 0.5,
                 passes,
-                vpls: VplCounters { slots: 512, valid: 500, escaped: 12, invalidated: 0, shot: number as u32 },
+                vpls: VplCounters {
+                    slots: 512,
+                    valid: 500,
+                    escaped: 12,
+                    invalidated: 0,
+                    shot: number as u32,
+                },
                 shadow_rays: 1000 - number,
             },
         }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat4, Vec3};
 
+use super::clusters::{Draw, visible};
 use super::scene_buffers::{SceneBuffers, Vertex};
 use super::shadow_tiles::{ShadowPlan, View};
 use super::tracer::Tracer;
@@ -125,11 +126,16 @@ impl DirectShadowsPass {
             for tile in &plan.tiles {
                 let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];
                 list.viewport(corner, [plan.tile_size; 2]);
-                for draw in &inputs.scene.shadow_draws {
+                let masks = &inputs.scene.masks;
+                let mask = |draw: &Draw| masks[draw.material as usize];
+                // Materials without a mask cast the same shadow, so one draw does for many.
+                let joins = |last: &Draw, next: &Draw| mask(last) == mask(next);
+                let view = &tile.view_projection;
+                for draw in &visible(&inputs.scene.shadow_draws, inputs.pose, view, joins) {
                     let push = Push {
                         view_projection: tile.view_projection,
                         instance: draw.instance,
-                        mask: inputs.scene.masks[draw.material as usize],
+                        mask: mask(draw),
                         pad: [0; 2],
                     };
                     list.draw(&push, draw.first, draw.count);

@@ -4,9 +4,12 @@ use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
+use glam::Mat4;
 
+use super::clusters::visible;
 use super::scene_buffers::{SceneBuffers, Vertex};
 use super::tracer::Tracer;
+use crate::scene::Pose;
 use crate::vulkan::{
     Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
     Upload, VulkanError, shaders, vk,
@@ -49,6 +52,10 @@ pub struct GBufferInputs<'a> {
     pub scene: &'a SceneBuffers,
     /// For its alpha masks.
     pub tracer: &'a Tracer,
+    /// Where everything stands.
+    pub pose: &'a Pose,
+    /// World to clip space, as in the frame uniforms.
+    pub view_projection: Mat4,
 }
 
 #[repr(C)]
@@ -132,8 +139,11 @@ impl GBufferPass {
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(&Targets { colors: &colors, depth: &targets.depth }, |list| {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
+            let draws = visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
+                last.material == next.material
+            });
             let mut bound = None;
-            for draw in &inputs.scene.draws {
+            for draw in &draws {
                 if bound != Some(draw.material) {
                     list.material(&self.materials, draw.material as usize);
                     bound = Some(draw.material);

@@ -3,6 +3,7 @@
 //! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
 //! [`crate::vulkan::Frame`].
 
+pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
+use super::clusters::{Cluster, Draw, cluster};
 use super::structs::{InstanceData, MaterialData, rows};
-use crate::scene::{Material, Mesh, Pose, Scene};
+use crate::scene::{Material, Pose, Scene};
 use crate::vulkan::{Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
 
 /// One vertex, 32 bytes.
@@ -19,19 +20,6 @@ pub struct Vertex {
     pub normal: Vec3,
     /// Texture coordinates, origin top left.
     pub uv: Vec2,
-}
-
-/// A run of triangles of one material on one instance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Draw {
-    /// Index into the scene's instances.
-    pub instance: u32,
-    /// Index into the scene's materials.
-    pub material: u32,
-    /// First index.
-    pub first: u32,
-    /// Number of indices.
-    pub count: u32,
 }
 
 /// The scene in device memory.
@@ -48,9 +36,9 @@ pub struct SceneBuffers {
     pub material_textures: Vec<usize>,
     /// The sampler of the textures.
     pub sampler: Sampler,
-    /// What the G-buffer draws, sorted by material.
+    /// All clusters of all visible instances, by material: what the G-buffer may draw.
     pub draws: Vec<Draw>,
-    /// What shadow maps draw: runs joined over materials without masks.
+    /// The same by instance, in the order of the index buffer: what shadow maps may draw.
     pub shadow_draws: Vec<Draw>,
     /// Alpha mask plus one of each material.
     pub masks: Vec<u32>,
@@ -62,7 +50,9 @@ impl SceneBuffers {
     pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
         let geometry = Geometry::of(scene);
         let masks: Vec<u32> = scene.materials.iter().map(mask_plus_one).collect();
-        let (draws, shadow_draws) = list_draws(scene, &geometry, &masks);
+        let shadow_draws = geometry.draws(scene);
+        let mut draws = shadow_draws.clone();
+        draws.sort_by_key(|draw| (draw.material, draw.instance));
         let materials: Vec<MaterialData> = scene.materials.iter().map(material_data).collect();
         let mut textures = scene
             .textures
@@ -120,20 +110,22 @@ impl SceneBuffers {
 }
 
 /// All meshes in one vertex and one index buffer.
+#[derive(Default)]
 struct Geometry {
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
-    /// First index of each mesh.
-    first_index: Vec<u32>,
+    /// First index and clusters of each mesh.
+    meshes: Vec<(u32, Vec<Cluster>)>,
 }
 
 impl Geometry {
     fn of(scene: &Scene) -> Self {
-        let mut geometry = Self { vertices: Vec::new(), indices: Vec::new(), first_index: Vec::new() };
+        let mut geometry = Self::default();
         for mesh in &scene.meshes {
-            geometry.first_index.push(to_u32(geometry.indices.len()));
             let base = to_u32(geometry.vertices.len());
-            geometry.indices.extend(mesh.triangles.iter().flatten().map(|index| base + index));
+            let (clusters, triangles) = cluster(mesh);
+            geometry.meshes.push((to_u32(geometry.indices.len()), clusters));
+            geometry.indices.extend(triangles.iter().flatten().map(|index| base + index));
             geometry.vertices.extend((0..mesh.positions.len()).map(|vertex| Vertex {
                 position: mesh.positions[vertex],
                 normal: mesh.normals[vertex],
@@ -142,45 +134,24 @@ impl Geometry {
         }
         geometry
     }
-}
 
-/// Runs of equal `key` over a mesh's triangles: (key, first triangle, triangles).
-fn runs(mesh: &Mesh, key: impl Fn(u32) -> u32) -> Vec<(u32, u32, u32)> {
-    let mut runs: Vec<(u32, u32, u32)> = Vec::new();
-    for (triangle, material) in (0..).zip(&mesh.triangle_materials) {
-        let key = key(*material);
-        match runs.last_mut() {
-            Some(run) if run.0 == key => run.2 += 1,
-            _ => runs.push((key, triangle, 1)),
-        }
-    }
-    runs
-}
-
-fn list_draws(scene: &Scene, geometry: &Geometry, masks: &[u32]) -> (Vec<Draw>, Vec<Draw>) {
-    let mesh_runs = |key: &dyn Fn(u32) -> u32| -> Vec<Vec<(u32, u32, u32)>> {
-        scene.meshes.iter().map(|mesh| runs(mesh, key)).collect()
-    };
-    let by_material = mesh_runs(&|material| material);
-    // Materials without a mask cast the same shadow, so one draw does for all of them.
-    let by_mask = mesh_runs(&|material| if masks[material as usize] == 0 { 0 } else { material });
-    let place = |runs: &[Vec<(u32, u32, u32)>]| -> Vec<Draw> {
+    /// The clusters of all visible instances, instance by instance.
+    fn draws(&self, scene: &Scene) -> Vec<Draw> {
         (0..)
             .zip(&scene.instances)
             .filter(|(_, instance)| instance.visible)
             .flat_map(|(index, instance)| {
-                runs[instance.mesh].iter().map(move |&(material, first, count)| Draw {
+                let (first_index, clusters) = &self.meshes[instance.mesh];
+                clusters.iter().map(move |cluster| Draw {
                     instance: index,
-                    material,
-                    first: geometry.first_index[instance.mesh] + first * 3,
-                    count: count * 3,
+                    material: cluster.material,
+                    first: first_index + cluster.first,
+                    count: cluster.count,
+                    bounds: cluster.bounds,
                 })
             })
             .collect()
-    };
-    let mut draws = place(&by_material);
-    draws.sort_by_key(|draw| (draw.material, draw.instance));
-    (draws, place(&by_mask))
+    }
 }
 
 fn material_data(material: &Material) -> MaterialData {

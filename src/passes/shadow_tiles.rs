@@ -89,8 +89,9 @@ fn arrange(count: usize, view: &View) -> (u32, u32, u32) {
     let count = u32::try_from(count).unwrap_or(u32::MAX);
     let columns = f64::from(count).sqrt().ceil() as u32;
     let rows = count.div_ceil(columns);
-    let mut size =
-        (2 * view.size[0].max(view.size[1])).next_power_of_two().clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
+    let mut size = (2 * view.size[0].max(view.size[1]))
+        .next_power_of_two()
+        .clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
     while size > 1
         && (u64::from(columns) * u64::from(rows) * u64::from(size) * u64::from(size) > MAX_TEXELS
             || columns * size > view.max_extent)

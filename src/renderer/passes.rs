@@ -34,6 +34,8 @@ pub(super) struct PassInputs<'a> {
     pub pose: &'a Pose,
     /// World-space bounds of all that is visible.
     pub bounds: (glam::Vec3, glam::Vec3),
+    /// World to clip space.
+    pub view_projection: glam::Mat4,
     /// Frame uniforms.
     pub frame: Upload,
     /// Instances of this frame.
@@ -71,8 +73,9 @@ impl Passes {
 
     pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &PassInputs<'_>) -> Result<(), VulkanError> {
         let PassInputs { frame: uniforms, instances, scene, tracer, pose, vpls, .. } = inputs;
-        let gbuffer =
-            self.gbuffer.record(frame, &GBufferInputs { frame: uniforms, instances, scene, tracer })?;
+        let view_projection = inputs.view_projection;
+        let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
+        let gbuffer = self.gbuffer.record(frame, &surfaces)?;
         let shadows = ShadowInputs {
             instances,
             scene,
