@@ -20,7 +20,7 @@ layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers
 layout(push_constant) uniform Push { float total_flux; } push; // of all classes
 
 const float MIN_NORMAL_COSINE = 0.9;
-// Share of the flux that the n x n window has to bring; else a window three times as wide is tried.
+// Share of the flux that the n x n window has to bring; else pixels farther away are asked as well.
 const float MIN_PRESENT = 0.25;
 
 struct Sum {
@@ -84,19 +84,21 @@ Sum window_sum(ivec2 corner, Surface centre) {
     return sum;
 }
 
-// The same for a window three times as wide.
-Sum wide_sum(ivec2 corner, Surface centre) {
-    ivec2 end = min(corner + 3 * int(INTERLEAVE), ivec2(frame.size));
-    Sum sum = Sum(vec3(0.0), 0.0);
-    for (int y = corner.y; y < end.y; y++) {
-        for (int x = corner.x; x < end.x; x++) {
-            uvec4 other = texelFetch(class_irradiance, ivec2(x, y), 0);
-            if (!same_surface(centre, other.a, ivec2(x, y))) continue;
+// Adds pixels farther away, one of each class again: every STEP-th, with no factor in common with n.
+const uint STEP = INTERLEAVE % 3u != 0u ? 3u : INTERLEAVE == 6u ? 5u : 2u;
+
+void add_farther(inout Sum sum, ivec2 pixel, Surface centre) {
+    ivec2 corner = pixel - int(INTERLEAVE * STEP) / 2;
+    for (uint y = 0u; y < INTERLEAVE; y++) {
+        for (uint x = 0u; x < INTERLEAVE; x++) {
+            ivec2 at = corner + ivec2(x, y) * int(STEP);
+            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
+            uvec4 other = texelFetch(class_irradiance, at, 0);
+            if (!same_surface(centre, other.a, at)) continue;
             sum.irradiance += uintBitsToFloat(other.rgb);
-            sum.present += flux_at(ivec2(x, y));
+            sum.present += flux_at(at);
         }
     }
-    return sum;
 }
 
 void main() {
@@ -116,10 +118,7 @@ void main() {
     ivec2 corner = clamp(pixel - (n - 1) / 2, ivec2(0), max(size - n, ivec2(0)));
     Sum sum = window_sum(corner, centre);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
-    if (n > 1 && sum.present < MIN_PRESENT * push.total_flux) {
-        corner = clamp(pixel - (3 * n - 1) / 2, ivec2(0), max(size - 3 * n, ivec2(0)));
-        sum = wide_sum(corner, centre);
-    }
+    for (uint i = sum.present < MIN_PRESENT * push.total_flux ? 1u : 0u; i > 0u; i--) add_farther(sum, pixel, centre);
     vec3 irradiance = sum.present > 0.0 ? sum.irradiance * (push.total_flux / sum.present) : vec3(0.0);
     imageStore(set_buffers, target, vec4(irradiance * frame.irradiance_scale, depth));
 }
