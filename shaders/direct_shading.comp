@@ -22,8 +22,7 @@ layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialDat
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
 
 // Mean of the 2x2 bilinear comparisons of a 3x3 neighbourhood: a 4x4 tent over texels.
-float filtered_visibility(uint tile, vec3 coordinates) {
-    vec4 rectangle = shadow_tiles.data[tile].rectangle;
+float filtered_visibility(vec4 rectangle, vec3 coordinates) {
     vec2 texel = coordinates.xy * rectangle.z - 0.5;
     vec2 base = floor(texel);
     vec2 part = texel - base;
@@ -44,15 +43,14 @@ float filtered_visibility(uint tile, vec3 coordinates) {
 
 // Tile coordinates of a receiver, moved along its normal by about the size of the filter there, so
 // that a lit surface does not shadow itself.
-bool tile_coordinates(uint tile, vec3 p, vec3 n, float cosine, out vec3 coordinates) {
-    ShadowTile data = shadow_tiles.data[tile];
-    vec4 clip = data.view_projection * vec4(p, 1.0);
-    float texel = data.texel.x * (data.texel.y == 1.0 ? clip.w : 1.0);
+bool tile_coordinates(ShadowTile tile, vec3 p, vec3 n, float cosine, out vec3 coordinates) {
+    vec4 clip = tile.view_projection * vec4(p, 1.0);
+    float texel = tile.texel.x * (tile.texel.y == 1.0 ? clip.w : 1.0);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    clip = data.view_projection * vec4(p + n * texel * (0.5 + 2.0 * sine), 1.0);
+    clip += tile.view_projection * vec4(n * texel * (0.5 + 2.0 * sine), 0.0);
     coordinates = clip.xyz / clip.w;
     coordinates.xy = coordinates.xy * 0.5 + 0.5;
-    float guard = 2.0 / data.rectangle.z;
+    float guard = 2.0 / tile.rectangle.z;
     return clip.w > 0.0 && all(greaterThan(coordinates.xy, vec2(guard))) && all(lessThan(coordinates.xy, vec2(1.0 - guard)));
 }
 
@@ -66,15 +64,14 @@ uint cube_face(vec3 d) {
 float visibility(LightData light, vec3 p, vec3 n, vec3 to_light) {
     float cosine = max(dot(n, to_light), 0.0);
     vec3 coordinates;
-    if (light.tile_count == 6u) {
-        uint tile = light.first_tile + cube_face(p - light.position.xyz);
-        tile_coordinates(tile, p, n, cosine, coordinates);
-        return filtered_visibility(tile, clamp(coordinates, vec3(0.0), vec3(1.0)));
-    }
-    for (uint i = 0u; i < light.tile_count; i++) {
-        if (tile_coordinates(light.first_tile + i, p, n, cosine, coordinates)) {
-            return filtered_visibility(light.first_tile + i, coordinates);
-        }
+    bool cube = light.tile_count == 6u;
+    uint first = light.first_tile + (cube ? cube_face(p - light.position.xyz) : 0u);
+    uint end = cube ? first + 1u : first + light.tile_count;
+    for (uint i = first; i < end; i++) {
+        ShadowTile tile = shadow_tiles.data[i];
+        // A cube has no outside; what the offset moves beyond its face is looked up at the face's edge.
+        if (!tile_coordinates(tile, p, n, cosine, coordinates) && !cube) continue;
+        return filtered_visibility(tile.rectangle, clamp(coordinates, vec3(0.0), vec3(1.0)));
     }
     // Beyond all cascades: the sun shines there unless we knew better. Outside a spot's tile nothing is lit.
     return light.kind == LIGHT_DIRECTIONAL ? 1.0 : 0.0;
