@@ -22,8 +22,16 @@ impl Lab {
     /// Opens the first usable device with validation on. Without one, or without the layer, the test
     /// says so and is skipped; with `GLOWWORM_REQUIRE_ALL=1` it fails.
     pub fn open() -> Option<Self> {
-        let opened = Instance::new(InstanceOptions { validate: true })
-            .and_then(|instance| Device::open(&instance, None));
+        Self::open_with(InstanceOptions { validate: true })
+    }
+
+    /// The same without validation, which would take its time from what is measured.
+    pub fn open_to_measure() -> Option<Self> {
+        Self::open_with(InstanceOptions { validate: false })
+    }
+
+    fn open_with(options: InstanceOptions) -> Option<Self> {
+        let opened = Instance::new(options).and_then(|instance| Device::open(&instance, None));
         match opened {
             Ok(device) => Some(Self { device }),
             Err(error) => {
