@@ -21,24 +21,24 @@ layout(set = 0, binding = 8, std430) readonly buffer TileBlock { ShadowTile data
 layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
 
-// Mean of the 2x2 bilinear comparisons of a 3x3 neighbourhood: a 4x4 tent over texels.
+// Mean of the bilinear comparisons at the corners of a texel: a tent over 3x3 texels.
 float filtered_visibility(vec4 rectangle, vec3 coordinates) {
-    vec2 texel = coordinates.xy * rectangle.z - 0.5;
+    vec2 texel = coordinates.xy * rectangle.z;
     vec2 base = floor(texel);
     vec2 part = texel - base;
-    vec4 wx = vec4(1.0 - part.x, 1.0, 1.0, part.x);
-    vec4 wy = vec4(1.0 - part.y, 1.0, 1.0, part.y);
+    vec3 wx = vec3(1.0 - part.x, 1.0, part.x);
+    vec3 wy = vec3(1.0 - part.y, 1.0, part.y);
     ivec2 first = ivec2(rectangle.xy);
     ivec2 last = first + int(rectangle.z) - 1;
     float lit = 0.0;
-    for (int y = 0; y < 4; y++) {
-        for (int x = 0; x < 4; x++) {
+    for (int y = 0; y < 3; y++) {
+        for (int x = 0; x < 3; x++) {
             ivec2 at = clamp(first + ivec2(base) + ivec2(x - 1, y - 1), first, last);
             float nearest = texelFetch(shadow_atlas, at, 0).r;
             lit += coordinates.z >= nearest ? wx[x] * wy[y] : 0.0;
         }
     }
-    return lit / 9.0;
+    return lit / 4.0;
 }
 
 // Tile coordinates of a receiver, moved along its normal by about the size of the filter there, so
@@ -47,7 +47,7 @@ bool tile_coordinates(ShadowTile tile, vec3 p, vec3 n, float cosine, out vec3 co
     vec4 clip = tile.view_projection * vec4(p, 1.0);
     float texel = tile.texel.x * (tile.texel.y == 1.0 ? clip.w : 1.0);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    clip += tile.view_projection * vec4(n * texel * (0.5 + 2.0 * sine), 0.0);
+    clip += tile.view_projection * vec4(n * texel * (0.5 + 1.5 * sine), 0.0);
     coordinates = clip.xyz / clip.w;
     coordinates.xy = coordinates.xy * 0.5 + 0.5;
     float guard = 2.0 / tile.rectangle.z;

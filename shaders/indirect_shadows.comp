@@ -17,7 +17,11 @@ layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
 layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
 layout(set = 0, binding = 5, std430) writeonly buffer MaskWords { uint words[]; } visibility;
-layout(set = 0, binding = 6, std430) buffer CounterBlock { uint rays_low; uint rays_high; } counters;
+layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
+
+// Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
+const uint COUNTERS = 4u;
+const uint COUNTER_STRIDE = 8u;
 
 layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
 
@@ -50,5 +54,7 @@ void main() {
             visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x] = bits;
         }
     }
-    if (rays > 0u && atomicAdd(counters.rays_low, rays) > 0xffffffffu - rays) atomicAdd(counters.rays_high, 1u);
+    // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
+    uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;
+    if (rays > 0u && atomicAdd(counters.rays[counter].x, rays) > 0xffffffffu - rays) atomicAdd(counters.rays[counter].y, 1u);
 }

@@ -14,7 +14,7 @@ use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
 use crate::passes::indirect_reprojection::DrawnSet;
-use crate::passes::indirect_shadows::UploadedSet;
+use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
@@ -273,19 +273,13 @@ fn report(pending: &mut VecDeque<Pending>, times: &FrameTimes) -> Option<FrameRe
             passes.0[index] += ms;
         }
     }
-    let word = |index: usize| {
-        times
-            .readback
-            .get(index * 4..index * 4 + 4)
-            .map_or(0, |bytes| u64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])))
-    };
     Some(FrameReport {
         frame: known.frame,
         figures: FrameFigures {
             total_ms: passes.0.iter().sum(),
             passes,
             vpls: known.vpls,
-            shadow_rays: word(0) | word(1) << 32,
+            shadow_rays: IndirectShadowsPass::rays(&times.readback),
         },
     })
 }

@@ -12,6 +12,11 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError,
 /// Most bytes of visibility bits that are kept at a time; a set whose VPLs need more goes in chunks.
 const MAX_VISIBILITY_BYTES: u64 = 64 << 20;
 
+/// Counters that workgroups share the rays out to.
+const COUNTERS: usize = 4;
+/// Counters' distance in 64-bit words: a cache line.
+const COUNTER_STRIDE: usize = 8;
+
 /// The VPLs of the frame's set, uploaded.
 pub struct UploadedSet {
     /// `GpuVpl`s, class by class.
@@ -91,7 +96,7 @@ impl IndirectShadowsPass {
                 &[interleave],
             )?,
             visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
-            counters: Buffer::new(device, "ray_counters", 16)?,
+            counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             words,
             extent,
             interleave,
@@ -109,9 +114,15 @@ impl IndirectShadowsPass {
             .collect()
     }
 
-    /// The rays of this frame, low and high word; cleared by [`Self::start`].
+    /// The rays of this frame, for [`Self::rays`]; cleared by [`Self::start`].
     pub fn counters(&self) -> &Buffer {
         &self.counters
+    }
+
+    /// The number of rays from the content of [`Self::counters`].
+    pub fn rays(counters: &[u8]) -> u64 {
+        let word = |bytes: &[u8]| bytes.try_into().map_or(0, u64::from_le_bytes);
+        counters.chunks_exact(8).step_by(COUNTER_STRIDE).take(COUNTERS).map(word).sum()
     }
 
     /// One bit a pixel and VPL of the chunk.
