@@ -59,8 +59,9 @@ float flux_at(ivec2 at) { return class_flux.data[class_of(uvec2(at))]; }
 // Adds up the pixels of the n x n window that lie on the centre's surface.
 Sum window_sum(ivec2 corner, Surface centre) {
     Sum sum = Sum(vec3(0.0), push.total_flux);
-    uint missing = INTERLEAVE * INTERLEAVE;
     ivec2 last = ivec2(frame.size) - 1;
+    // One bit for each pixel of the window that is not on the surface.
+    uint missing[2] = uint[2](0u, 0u);
     for (uint y = 0u; y < INTERLEAVE; y++) {
         for (uint x = 0u; x < INTERLEAVE; x++) {
             ivec2 at = corner + ivec2(x, y);
@@ -68,19 +69,19 @@ Sum window_sum(ivec2 corner, Surface centre) {
             // Pictures smaller than the window lack its last pixels.
             bool same = all(lessThanEqual(at, last)) && same_surface(centre, other.a, at);
             sum.irradiance += same ? uintBitsToFloat(other.rgb) : vec3(0.0);
-            missing -= same ? 1u : 0u;
+            uint place = y * INTERLEAVE + x;
+            missing[place / 32u] |= same ? 0u : 1u << (place % 32u);
         }
     }
-    if (missing == 0u) return sum;
-    // Seldom: see what the classes that are there bring.
-    sum.present = 0.0;
-    ivec2 end = min(corner + int(INTERLEAVE), ivec2(frame.size));
-    for (int y = corner.y; y < end.y; y++) {
-        for (int x = corner.x; x < end.x; x++) {
-            uint surface = texelFetch(class_irradiance, ivec2(x, y), 0).a;
-            if (same_surface(centre, surface, ivec2(x, y))) sum.present += flux_at(ivec2(x, y));
+    // Take off what the classes of those would have brought.
+    for (uint word = 0u; word < 2u; word++) {
+        for (uint bits = missing[word]; bits != 0u; bits &= bits - 1u) {
+            uint place = word * 32u + uint(findLSB(bits));
+            sum.present -= flux_at(corner + ivec2(place % INTERLEAVE, place / INTERLEAVE));
         }
     }
+    // What is left of a difference of equal numbers is not light.
+    if (sum.present < 1e-5 * push.total_flux) sum = Sum(vec3(0.0), 0.0);
     return sum;
 }
 

@@ -32,7 +32,7 @@ fn temporal_sets_are_faster() {
     frame_ms(&mut one, 1);
     frame_ms(&mut sixteen, 16);
     // In turns, so that a machine that is slow for a while is slow for both.
-    let rounds: Vec<[f64; 2]> = (0..9).map(|_| [frame_ms(&mut one, 1), frame_ms(&mut sixteen, 5)]).collect();
+    let rounds: Vec<[f64; 2]> = (0..5).map(|_| [frame_ms(&mut one, 3), frame_ms(&mut sixteen, 16)]).collect();
     let ratio = median(rounds.iter().map(|[one, sixteen]| one / sixteen).collect());
     let [one, sixteen] = [0, 1].map(|which| median(rounds.iter().map(|round| round[which]).collect()));
     println!(
