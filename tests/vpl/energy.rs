@@ -47,9 +47,9 @@ fn sets_add_up_to_the_total() {
     for (index, set) in sets.iter().enumerate() {
         assert_eq!(set.class_starts.len(), 5);
         assert_eq!(*set.class_starts.last().unwrap() as usize, set.vpls.len());
-        for class in 0..4 {
+        for (class, sum) in classes.iter_mut().enumerate() {
             let range = set.class_starts[class] as usize..set.class_starts[class + 1] as usize;
-            classes[class] += set.vpls[range.clone()].iter().map(|vpl| luminance(vpl.flux)).sum::<f32>();
+            *sum += set.vpls[range.clone()].iter().map(|vpl| luminance(vpl.flux)).sum::<f32>();
             for vpl in &set.vpls[range] {
                 assert_eq!(vpl.slot % 4, index as u32, "slot s is in set s mod T");
                 assert!(!std::mem::replace(&mut seen[vpl.slot as usize], true));
