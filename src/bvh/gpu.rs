@@ -237,7 +237,8 @@ fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
     }
 }
 
-fn rows(transform: &Affine3A) -> [Vec4; 3] {
+/// The rows of a 3x4 matrix, as shaders take them.
+pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     let matrix = transform.matrix3.transpose();
     let translation = transform.translation;
     [

@@ -6,7 +6,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use super::clusters::{Cluster, Draw, cluster};
-use super::structs::{InstanceData, MaterialData, rows};
+use super::structs::{InstanceData, MaterialData};
+use crate::bvh::gpu::rows;
 use crate::scene::{Material, Pose, Scene};
 use crate::vulkan::{Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
 

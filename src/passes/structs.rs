@@ -2,7 +2,7 @@
 //! compares every member's offset with the compiled shaders.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Mat4, Vec4};
+use glam::{Mat4, Vec4};
 
 /// What every pass of a frame may want to know; `FrameUniforms` in shaders/include/frame.glsl.
 #[repr(C)]
@@ -146,12 +146,6 @@ impl SetParameters {
         let view = |set: &Self| [set.eye, set.ray, set.ray_x, set.ray_y].map(|row| row.truncate());
         view(self) == view(other)
     }
-}
-
-/// The rows of a 3x4 matrix.
-pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
-    let columns = Mat4::from(*transform).transpose();
-    [columns.x_axis, columns.y_axis, columns.z_axis]
 }
 
 #[cfg(test)]

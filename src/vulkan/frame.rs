@@ -8,6 +8,7 @@ use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
 
 use super::access::{Access, Barrier};
+use super::barrier::record_barriers;
 use super::pipeline::Layout;
 use super::upload::mapped;
 use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
@@ -436,50 +437,4 @@ fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
     // SAFETY: `info` is complete; the slot destroys the pool.
     unsafe { device.raw().create_descriptor_pool(&info, None) }
         .map_err(VulkanError::call("creation", "descriptor pool"))
-}
-
-fn record_barriers(
-    device: &Device,
-    commands: vk::CommandBuffer,
-    images: &[(&Image, Barrier)],
-    buffers: &[Barrier],
-) {
-    if images.is_empty() && buffers.is_empty() {
-        return;
-    }
-    let images: Vec<_> = images
-        .iter()
-        .map(|(image, barrier)| {
-            vk::ImageMemoryBarrier2::default()
-                .src_stage_mask(barrier.src_stage)
-                .src_access_mask(barrier.src_access)
-                .dst_stage_mask(barrier.dst_stage)
-                .dst_access_mask(barrier.dst_access)
-                .old_layout(barrier.old_layout)
-                .new_layout(barrier.new_layout)
-                .image(image.raw)
-                .subresource_range(image.range())
-        })
-        .collect();
-    // Buffers need no layout, so one global barrier each serves as well as one that names the buffer.
-    let memory: Vec<_> = buffers
-        .iter()
-        .map(|barrier| {
-            vk::MemoryBarrier2::default()
-                .src_stage_mask(barrier.src_stage)
-                .src_access_mask(barrier.src_access)
-                .dst_stage_mask(barrier.dst_stage)
-                .dst_access_mask(barrier.dst_access)
-        })
-        .collect();
-    let info = vk::DependencyInfo::default().image_memory_barriers(&images).memory_barriers(&memory);
-    // SAFETY: the images are live objects of the device; no render pass is open.
-    unsafe { device.raw().cmd_pipeline_barrier2(commands, &info) };
-}
-
-/// Notes a use of `image` outside of passes and records its barrier.
-pub(super) fn barrier_for_image(device: &Device, commands: vk::CommandBuffer, image: &Image, access: Access) {
-    if let Some(barrier) = image.tracker.use_image(access, false) {
-        record_barriers(device, commands, &[(image, barrier)], &[]);
-    }
 }

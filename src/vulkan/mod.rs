@@ -7,6 +7,7 @@
 #![allow(unsafe_code)]
 
 mod access;
+mod barrier;
 mod device;
 mod error;
 mod frame;

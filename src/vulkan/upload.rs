@@ -7,7 +7,7 @@ use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
 
 use super::access::Access;
-use super::frame::barrier_for_image;
+use super::barrier::barrier_for_image;
 use super::{Buffer, Device, Image, VulkanError};
 
 impl Buffer {
