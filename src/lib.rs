@@ -11,14 +11,17 @@
 //! - [`output`]: pictures and reports on disk.
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
+//! - [`reference`]: the ground truth, by path tracing on the CPU.
 //! - [`cli`]: the command line.
 
 pub mod bvh;
 pub mod cli;
 pub mod output;
 pub mod passes;
+pub mod reference;
 pub mod renderer;
 pub mod report;
+mod sampling;
 pub mod scene;
 pub mod settings;
 pub mod vpl;

@@ -3,7 +3,7 @@
 //! [`Settings::resolve`] lays them over each other: defaults, then the scene file's `[settings]`,
 //! then the options that were given on the command line.
 
-mod text;
+pub(crate) mod text;
 
 use serde::{Deserialize, Serialize};
 

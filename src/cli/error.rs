@@ -1,6 +1,9 @@
 //! Why a run failed, and with which exit code it ends.
 
+use std::path::PathBuf;
+
 use crate::output::OutputError;
+use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
 use crate::scene::SceneError;
 use crate::settings::SettingsError;
@@ -32,6 +35,33 @@ pub enum CliError {
     /// The scene cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The reference cannot be rendered.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// The picture to go on with is another one.
+    #[error("{path}: {reason}")]
+    Resume {
+        /// The picture.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Somebody interrupted a reference.
+    #[error(
+        "interrupted after {samples} of {spp} samples a pixel; {}{}",
+        if *.samples > 0 { format!("{} holds them", .path.display()) } else { "nothing was written".to_owned() },
+        if *.samples > 0 && *.resumable { "; --resume goes on" } else { "" }
+    )]
+    Interrupted {
+        /// Where they are.
+        path: PathBuf,
+        /// How many there are.
+        samples: u64,
+        /// How many were asked for.
+        spp: u64,
+        /// Whether a later run can go on.
+        resumable: bool,
+    },
     /// The validation layer found fault with the program.
     #[error("--validate: {count} messages of the validation layer, the first: {first}")]
     Validation {
@@ -67,6 +97,9 @@ impl CliError {
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)
+            | Self::Reference(_)
+            | Self::Resume { .. }
+            | Self::Interrupted { .. }
             | Self::Validation { .. }
             | Self::StandardOutput(_) => false,
         };

@@ -7,6 +7,7 @@ mod device;
 mod error;
 mod info;
 mod options;
+mod reference;
 mod render;
 mod say;
 
@@ -42,6 +43,8 @@ enum Command {
     Demo(demo::DemoOptions),
     /// Render a scene to a picture or a sequence of pictures.
     Render(render::RenderOptions),
+    /// Path trace a scene on the CPU: the ground truth.
+    Reference(reference::ReferenceOptions),
     /// List the Vulkan devices, what each can do, and which would be used.
     Info(info::InfoOptions),
 }
@@ -64,6 +67,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     match arguments.command {
         Some(Command::Demo(options)) => demo::demo(options, &given),
         Some(Command::Render(options)) => render::render(&options, &given),
+        Some(Command::Reference(options)) => reference::reference(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo, &given).map_err(|error| match error {
             CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(
@@ -133,7 +137,7 @@ mod tests {
         assert_eq!(render.settings.size, [8, 4]);
         assert_eq!(render.run.device.device.as_deref(), Some("1"));
         assert!(render.run.device.validate);
-        assert_eq!(render.run.assets_folder(), Some("models".into()));
+        assert_eq!(render.run.files.assets_folder(), Some("models".into()));
     }
 
     #[test]

@@ -14,11 +14,18 @@ pub(super) struct DeviceOptions {
     pub validate: bool,
 }
 
-/// What every run over a scene takes.
+/// What every run over a scene on a device takes.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct RunOptions {
     #[command(flatten)]
     pub device: DeviceOptions,
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+/// What every command over a scene reads and writes.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct FileOptions {
     /// Folder with the downloaded models of scenes whose models are not shipped. Otherwise the
     /// environment variable `GLOWWORM_ASSETS`.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
@@ -28,7 +35,7 @@ pub(super) struct RunOptions {
     pub json: Option<PathBuf>,
 }
 
-impl RunOptions {
+impl FileOptions {
     /// `--assets`, or else `GLOWWORM_ASSETS`, or none.
     pub fn assets_folder(&self) -> Option<PathBuf> {
         let from_environment =

@@ -41,7 +41,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
     options.settings.check_options(given).map_err(settings_error)?;
     let target = PictureTarget::new(&options.out, options.layers)?;
-    let json = options.run.json.as_ref().map(OutputFile::new).transpose()?;
+    let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
@@ -85,7 +85,7 @@ fn check_apart(
 
 /// Loads the scene and says what is odd about it.
 fn load(options: &RenderOptions) -> Result<Scene, CliError> {
-    let scene = load_scene(&options.scene, options.run.assets_folder().as_deref())?;
+    let scene = load_scene(&options.scene, options.run.files.assets_folder().as_deref())?;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     Ok(scene)
 }

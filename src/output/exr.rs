@@ -1,10 +1,11 @@
 //! OpenEXR: linear radiance and layers, 32 bits a channel, without loss.
 
-use std::io::{Seek, Write};
+use std::io::{Read, Seek, Write};
 
+use exr::meta::attribute::AttributeValue;
 use exr::prelude::*;
 
-use super::Picture;
+use super::{Layer, Picture};
 
 /// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
 pub(super) fn write(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
@@ -20,6 +21,11 @@ pub(super) fn write(picture: &Picture, writer: impl Write + Seek) -> exr::error:
             .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
         layers.push(layer(picture, &part.name, channels.collect()));
     }
+    let notes = picture
+        .notes
+        .iter()
+        .map(|(name, note)| (Text::new_or_panic(name), AttributeValue::Text(Text::new_or_panic(note))));
+    layers[0].attributes.other.extend(notes);
     let window = IntegerBounds::from_dimensions((picture.width, picture.height));
     Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
 }
@@ -35,6 +41,40 @@ fn layer(
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),
     )
+}
+
+/// Reads back what [`write`] wrote; what is to be shown is not in the file.
+pub(super) fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(reader)?;
+    let mut picture = Picture::default();
+    for (index, part) in image.layer_data.into_iter().enumerate() {
+        let channel = |channel: AnyChannel<FlatSamples>| {
+            (channel.name.to_string(), channel.sample_data.values_as_f32().collect())
+        };
+        let channels: Vec<(String, Vec<f32>)> = part.channel_data.list.into_iter().map(channel).collect();
+        if index > 0 {
+            let name = part.attributes.layer_name.map(|name| name.to_string()).unwrap_or_default();
+            picture.layers.push(Layer { name, channels });
+            continue;
+        }
+        (picture.width, picture.height) = (part.size.0, part.size.1);
+        let of = |letter: &str| channels.iter().find(|(name, _)| name == letter);
+        if let (Some((_, r)), Some((_, g)), Some((_, b))) = (of("R"), of("G"), of("B")) {
+            picture.colour = (0..r.len()).map(|pixel| [r[pixel], g[pixel], b[pixel]]).collect();
+        }
+        for (name, value) in part.attributes.other {
+            if let AttributeValue::Text(note) = value {
+                picture.notes.insert(name.to_string(), note.to_string());
+            }
+        }
+    }
+    Ok(picture)
 }
 
 #[cfg(test)]

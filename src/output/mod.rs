@@ -8,10 +8,12 @@ mod file;
 mod picture;
 mod png;
 mod target;
+mod tone_map;
 
 pub use file::OutputFile;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
+pub use tone_map::tone_map;
 
 use std::io;
 use std::path::PathBuf;
@@ -46,6 +48,22 @@ pub enum OutputError {
     /// The name is taken by something that is not a file.
     #[error("{0}: is not a file that can be replaced")]
     NotAFile(PathBuf),
+    /// There is no such file, or the operating system refused.
+    #[error("{path}: cannot be read: {}", plain(source))]
+    Read {
+        /// What was to be read.
+        path: PathBuf,
+        /// Why it could not be.
+        source: io::Error,
+    },
+    /// Not an OpenEXR file, or a broken one.
+    #[error("{path}: is not a whole OpenEXR picture: {reason}")]
+    Decode {
+        /// What was to be read.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The operating system refused.
     #[error("{path}: cannot be written: {}", plain(source))]
     Write {

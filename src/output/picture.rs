@@ -1,5 +1,12 @@
 //! A rendered frame in memory.
 
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use super::{OutputError, exr};
+
 /// A rendered frame. Pixels go by rows from the top left; every buffer has `width * height` of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
@@ -13,13 +20,58 @@ pub struct Picture {
     pub display: Vec<[u8; 4]>,
     /// What else was asked for (`--layers`).
     pub layers: Vec<Layer>,
+    /// What the picture says about itself, by name; kept in `.exr` only.
+    pub notes: BTreeMap<String, String>,
 }
 
 /// A named part of a picture, such as the normals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layer {
-    /// Its name: direct, indirect, albedo, normal, position, depth, specular, instance or motion.
+    /// Its name, such as direct, indirect, albedo, normal, position, depth or instance.
     pub name: String,
     /// Its channels by name (`R`, `G`, `B` for colours, `X`, `Y`, `Z` for vectors, `Z` for depth).
     pub channels: Vec<(String, Vec<f32>)>,
+}
+
+impl Picture {
+    /// Reads an `.exr` that glowworm wrote: colour, layers and notes. What is to be shown is not in it.
+    ///
+    /// # Errors
+    /// Where the file is not there or is no whole OpenEXR picture.
+    pub fn read_exr(path: &Path) -> Result<Self, OutputError> {
+        let read_error = |source| OutputError::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(read_error)?;
+        exr::read_picture(BufReader::new(file)).map_err(|error| match error {
+            ::exr::error::Error::Io(source) => read_error(source),
+            other => OutputError::Decode { path: path.to_owned(), reason: other.to_string() },
+        })
+    }
+}
+
+impl Layer {
+    /// A layer of colours, one a pixel.
+    pub fn colour(name: &str, pixels: &[[f32; 3]]) -> Self {
+        Self::of_channels(name, &["R", "G", "B"], pixels)
+    }
+
+    /// A layer of vectors, one a pixel.
+    pub fn vector(name: &str, pixels: &[[f32; 3]]) -> Self {
+        Self::of_channels(name, &["X", "Y", "Z"], pixels)
+    }
+
+    /// A layer of the first values of each pixel, as many as there are names of channels.
+    ///
+    /// # Panics
+    /// If there are more names than values.
+    pub fn of_channels<const N: usize>(name: &str, channels: &[&str], pixels: &[[f32; N]]) -> Self {
+        let channel = |(index, name): (usize, &&str)| {
+            ((*name).to_owned(), pixels.iter().map(|pixel| pixel[index]).collect())
+        };
+        Self { name: name.to_owned(), channels: channels.iter().enumerate().map(channel).collect() }
+    }
+
+    /// A layer of one channel.
+    pub fn single(name: &str, channel: &str, values: Vec<f32>) -> Self {
+        Self { name: name.to_owned(), channels: vec![(channel.to_owned(), values)] }
+    }
 }

@@ -79,7 +79,13 @@ impl PictureTarget {
         Ok(path)
     }
 
-    fn path_of(&self, frame: u64) -> PathBuf {
+    /// Whether pictures keep linear radiance.
+    pub fn is_linear(&self) -> bool {
+        self.format == Format::Exr
+    }
+
+    /// Name of the picture of frame `frame`.
+    pub fn path_of(&self, frame: u64) -> PathBuf {
         match &self.sequence {
             None => self.path.clone(),
             Some(FramePlace { before, after, digits }) => {

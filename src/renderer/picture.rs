@@ -18,7 +18,7 @@ impl Renderer {
                 .map(|[r, g, b, _]| [r, g, b])
                 .collect(),
             display: bytemuck::cast_slice(&display).to_vec(),
-            layers: Vec::new(),
+            ..Picture::default()
         };
         if layers {
             picture.layers = self.read_layers()?;
@@ -54,15 +54,15 @@ impl Renderer {
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
         let depth = position.iter().map(|pixel| pixel[3]).collect();
         Ok(vec![
-            layer("direct", &["R", "G", "B"], &direct),
-            layer("indirect", &["R", "G", "B"], &irradiance),
-            layer("albedo", &["R", "G", "B"], &albedo),
-            layer("normal", &["X", "Y", "Z"], &normals),
-            layer("position", &["X", "Y", "Z"], &position),
-            single("depth", "Z", depth),
-            layer("specular", &["R", "G", "B", "shininess"], &specular),
-            single("instance", "id", instances),
-            layer("motion", &["X", "Y"], &motion),
+            Layer::of_channels("direct", &["R", "G", "B"], &direct),
+            Layer::of_channels("indirect", &["R", "G", "B"], &irradiance),
+            Layer::of_channels("albedo", &["R", "G", "B"], &albedo),
+            Layer::of_channels("normal", &["X", "Y", "Z"], &normals),
+            Layer::of_channels("position", &["X", "Y", "Z"], &position),
+            Layer::single("depth", "Z", depth),
+            Layer::of_channels("specular", &["R", "G", "B", "shininess"], &specular),
+            Layer::single("instance", "id", instances),
+            Layer::of_channels("motion", &["X", "Y"], &motion),
         ])
     }
 
@@ -82,17 +82,6 @@ impl Renderer {
         };
         Ok(halves.chunks_exact(channels).map(widen).collect())
     }
-}
-
-fn layer(name: &str, channels: &[&str], pixels: &[[f32; 4]]) -> Layer {
-    let channel = |(index, name): (usize, &&str)| {
-        ((*name).to_owned(), pixels.iter().map(|pixel| pixel[index]).collect())
-    };
-    Layer { name: name.to_owned(), channels: channels.iter().enumerate().map(channel).collect() }
-}
-
-fn single(name: &str, channel: &str, values: Vec<f32>) -> Layer {
-    Layer { name: name.to_owned(), channels: vec![(channel.to_owned(), values)] }
 }
 
 /// Twin of `octahedral_decode` in shaders/include/gbuffer.glsl.

@@ -25,6 +25,7 @@ mod scene_file;
 mod scene_lights;
 mod scene_models;
 mod texture;
+mod world_surface;
 
 pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::NAMES as BUILTIN_SCENES;
@@ -35,6 +36,8 @@ pub use load::load_scene;
 pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint};
 pub use texture::{linear_to_srgb, srgb_to_linear};
+pub use world_surface::ray_offset;
+pub(crate) use world_surface::{Side, WorldSurface};
 
 use glam::{Affine3A, Vec2, Vec3};
 

@@ -3,24 +3,24 @@
 use serde::Deserialize;
 
 /// A whole number that fits a setting.
-pub(super) fn parse_whole(text: &str) -> Result<u32, String> {
+pub(crate) fn parse_whole(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u32::MAX))
 }
 
 /// A number; whether it is in range, [`super::Settings::check`] says.
-pub(super) fn parse_number(text: &str) -> Result<f32, String> {
+pub(crate) fn parse_number(text: &str) -> Result<f32, String> {
     text.parse().map_err(|_| "must be a number such as 0.5".to_owned())
 }
 
 /// `1280x720` -> width and height.
-pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     text.split_once(['x', 'X'])
         .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]))
         .ok_or_else(|| "must be a width and a height such as 1280x720".to_owned())
 }
 
 /// `1/60` or `0.02` -> seconds.
-pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
     let parts: (Result<f64, _>, Result<f64, _>) = match text.split_once('/') {
         Some((numerator, denominator)) => (numerator.trim().parse(), denominator.trim().parse()),
         None => (text.parse(), Ok(1.0)),
@@ -32,7 +32,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
 }
 
 /// `auto` -> none, `-1.5` -> stops.
-pub(super) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
+pub(crate) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
     match text {
         "auto" => Ok(None),
         stops => stops.parse().map(Some).map_err(|_| "must be auto or stops such as -1.5".to_owned()),

@@ -7,7 +7,7 @@
 //! the same VPLs whatever T is.
 
 use super::quota::{Quota, Room};
-use super::sampling::hash;
+use crate::sampling::hash;
 
 /// No such slot.
 pub(super) const NONE: u32 = u32::MAX;

@@ -9,8 +9,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::World;
 use super::focus::FocusedDisc;
-use super::sampling::{self, Frame, SpotCone};
 use crate::bvh::Ray;
+use crate::sampling::{self, Frame, SpotCone};
 use crate::scene::{AreaTriangle, Light, LightKind, SurfacePoint, luminance};
 
 /// A light ready to shoot paths.

@@ -8,7 +8,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::sampling;
+use crate::sampling;
 use crate::scene::{BoundingSphere, Scene};
 
 /// Most triangles looked at.

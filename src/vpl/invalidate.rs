@@ -14,9 +14,9 @@ use super::emitter::Source;
 use super::quota::deal_quota;
 use super::shoot::SLOTS_PER_TASK;
 use super::slots::{Slot, SlotState};
-use super::surface::{self, Side, WorldSurface};
 use super::{VplManager, World};
 use crate::bvh::Ray;
+use crate::scene::{Side, WorldSurface};
 
 /// A fresh slot's ray is tested up to this part of the way to its hit: the hit itself must not count.
 const BEFORE_HIT: f32 = 1.0 - 1e-5;
@@ -230,7 +230,7 @@ impl VplManager {
 /// Where a valid slot's VPL is now.
 pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address) -> WorldSurface {
     let side = Side::Front(slot.front);
-    let mut surface = surface::find(world, slot.instance, slot.point, side).surface;
+    let mut surface = world.scene.surface_at(world.pose, slot.instance, slot.point, side).surface;
     if address.bounce == 0 {
         // A light's own surface emits about the flat triangle's normal.
         surface.normal = surface.geometric_normal;

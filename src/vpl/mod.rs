@@ -4,7 +4,7 @@
 //! sorted by pixel class. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
 //!
 //! - `quota`, `deal`: how many paths each light gets, and which slot is for which path and bounce.
-//! - `emitter`, `focus`, `sampling`: where paths start and how they go on.
+//! - `emitter`, `focus`: where paths start.
 //! - `shoot`: filling slots; `invalidate`: what the world no longer supports; `replace`: what to shoot next.
 //! - `watch`: what changed in the world; `upload`: what the shaders get.
 
@@ -14,29 +14,25 @@ mod focus;
 mod invalidate;
 mod quota;
 mod replace;
-mod sampling;
 mod shoot;
 mod slots;
-mod surface;
 mod upload;
 mod watch;
 
 pub use slots::{SlotState, SlotView};
-pub use surface::ray_offset;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use serde::Serialize;
 
 use crate::bvh::TwoLevelBvh;
-use crate::scene::{Pose, Scene};
+use crate::scene::{Pose, Scene, WorldSurface};
 use crate::settings::Settings;
 use deal::{Deal, Layout, NONE};
 use quota::{Shares, deal_quota};
 use replace::Cursor;
 use shoot::Unit;
 use slots::Slot;
-use surface::WorldSurface;
 use watch::Watch;
 
 /// Everything a VPL needs to know of the world at one moment.

@@ -5,7 +5,7 @@
 //! one each; where there are not even that many slots, systematic sampling along the flux.
 
 use super::MAX_BOUNCES;
-use super::sampling::hash;
+use crate::sampling::hash;
 
 /// What the quota depends on, for one light.
 #[derive(Clone, Copy, Debug, PartialEq)]

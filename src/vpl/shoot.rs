@@ -8,12 +8,11 @@ use rayon::prelude::*;
 
 use super::deal::NONE;
 use super::emitter::Source;
-use super::sampling::{self, Frame};
 use super::slots::{Slot, SlotState};
-use super::surface::{self, Side, WorldSurface};
 use super::{VplManager, World};
 use crate::bvh::{Hit, Ray};
-use crate::scene::SurfacePoint;
+use crate::sampling::{self, Frame};
+use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// Fewest slots that are worth a task of their own.
 pub(super) const SLOTS_PER_TASK: usize = 256;
@@ -142,7 +141,7 @@ impl VplManager {
             _ => return (Slot::escaped(fresh), WorldSurface::default()),
         };
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
-        let mut found = surface::find(world, hit.instance, point, side);
+        let mut found = world.scene.surface_at(world.pose, hit.instance, point, side);
         let throughput = if let Aim::Start(_, _, weight) = aim {
             // The light's own surface emits about the flat triangle's normal.
             found.surface.normal = found.surface.geometric_normal;

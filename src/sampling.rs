@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// Mixes two words into one (the finaliser of MurmurHash3).
-pub(super) fn hash(a: u32, b: u32) -> u32 {
+pub(crate) fn hash(a: u32, b: u32) -> u32 {
     let mut h = a.wrapping_mul(0x9e37_79b9) ^ b.rotate_left(16).wrapping_add(0x7f4a_7c15);
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
     h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
@@ -20,13 +20,13 @@ pub(super) fn hash(a: u32, b: u32) -> u32 {
 }
 
 /// Point `index` (below 65,536) of the sequence `seed`, in its `pair`-th two dimensions.
-pub(super) fn sequence_point(index: u32, pair: u32, seed: u32) -> Vec2 {
+pub(crate) fn sequence_point(index: u32, pair: u32, seed: u32) -> Vec2 {
     let dimension = |offset| sobol_burley::sample(index, 2 * pair + offset, seed);
     Vec2::new(dimension(0), dimension(1))
 }
 
 /// Uniform on the unit sphere.
-pub(super) fn sphere(u: Vec2) -> Vec3 {
+pub(crate) fn sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
     let radius = (4.0 * u.x * (1.0 - u.x)).max(0.0).sqrt();
     let (sin, cos) = (TAU * u.y).sin_cos();
@@ -34,7 +34,7 @@ pub(super) fn sphere(u: Vec2) -> Vec3 {
 }
 
 /// Uniform on the unit disc (Shirley and Chiu 1997, the concentric map).
-pub(super) fn disc(u: Vec2) -> Vec2 {
+pub(crate) fn disc(u: Vec2) -> Vec2 {
     let p = 2.0 * u - Vec2::ONE;
     if p == Vec2::ZERO {
         return Vec2::ZERO;
@@ -48,14 +48,14 @@ pub(super) fn disc(u: Vec2) -> Vec2 {
 }
 
 /// Cosine-weighted about +z: the disc lifted to the hemisphere (Malley's method).
-pub(super) fn cosine_hemisphere(u: Vec2) -> Vec3 {
+pub(crate) fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let p = disc(u);
     p.extend((1.0 - p.length_squared()).max(0.0).sqrt())
 }
 
 /// Barycentric weights of the second and third vertex, uniform over a triangle (Heitz 2019, "A
 /// Low-Distortion Map Between Triangle and Square").
-pub(super) fn triangle(u: Vec2) -> Vec2 {
+pub(crate) fn triangle(u: Vec2) -> Vec2 {
     if u.y > u.x {
         let x = 0.5 * u.x;
         Vec2::new(x, u.y - x)
@@ -67,7 +67,7 @@ pub(super) fn triangle(u: Vec2) -> Vec2 {
 
 /// Picks a bin of a discrete distribution whose running sums are `cdf` (ending in 1), and stretches
 /// what is left of `u` over [0, 1).
-pub(super) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
+pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
     let bin = cdf.partition_point(|&sum| sum <= u).min(cdf.len() - 1);
     let low = if bin == 0 { 0.0 } else { cdf[bin - 1] };
     let rest = (u - low) / (cdf[bin] - low);
@@ -77,7 +77,7 @@ pub(super) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
 /// The emission of a spot light over the cosine to its axis: full inside the inner cone, smoothstep in
 /// the cosine out to the outer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SpotCone {
+pub(crate) struct SpotCone {
     /// 1 - cos of the inner angle; narrow cones need it exact.
     inner: f64,
     /// 1 - cos of the outer angle.
@@ -86,13 +86,13 @@ pub(super) struct SpotCone {
 
 impl SpotCone {
     /// Half angles in radians.
-    pub(super) fn new(inner_angle: f32, outer_angle: f32) -> Self {
+    pub(crate) fn new(inner_angle: f32, outer_angle: f32) -> Self {
         let one_minus_cos = |angle: f32| 2.0 * (0.5 * f64::from(angle)).sin().powi(2);
         Self { inner: one_minus_cos(inner_angle), outer: one_minus_cos(outer_angle) }
     }
 
     /// A direction about +z in proportion to the emission.
-    pub(super) fn sample(&self, u: Vec2) -> Vec3 {
+    pub(crate) fn sample(&self, u: Vec2) -> Vec3 {
         // Split the distribution of 1 - cos into its flat part and its falloff, which weighs half.
         let falloff = self.outer - self.inner;
         let mass = f64::from(u.x) * (self.inner + 0.5 * falloff);
@@ -133,18 +133,18 @@ fn inverse_falloff(mass: f64) -> f64 {
 
 /// An orthonormal frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     tangent: Vec3,
     bitangent: Vec3,
     /// Its z axis.
-    pub(super) normal: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 impl Frame {
     /// The fixed reference frame turned by the smallest rotation that takes its z axis to `normal` (unit).
     /// Continuous in `normal` but for one direction, as any such frame must have one (the hairy ball
     /// theorem); it is put well away from all axes.
-    pub(super) fn around(normal: Vec3) -> Self {
+    pub(crate) fn around(normal: Vec3) -> Self {
         const REFERENCE: Vec3 = Vec3::new(-0.48, -0.6, -0.64);
         const TANGENT: Vec3 = Vec3::new(-0.8, 0.0, 0.6);
         // That rotation takes the tangent where a reflection along the sum of both axes takes it, which
@@ -162,7 +162,7 @@ impl Frame {
     }
 
     /// From this frame to the world.
-    pub(super) fn to_world(self, v: Vec3) -> Vec3 {
+    pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 }

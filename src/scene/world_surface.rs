@@ -5,8 +5,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::World;
-use crate::scene::SurfacePoint;
+use super::{Pose, Scene, SurfacePoint};
 
 /// How far along its normal a ray starts off the surface point `p`, so that it meets neither that
 /// surface nor, from the other side, what lies behind it. Both terms are lengths of the scene, so the
@@ -18,25 +17,25 @@ pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
 
 /// A surface seen from the side that was hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct WorldSurface {
+pub(crate) struct WorldSurface {
     /// World position.
-    pub(super) position: Vec3,
+    pub(crate) position: Vec3,
     /// Unit normal of the flat triangle.
-    pub(super) geometric_normal: Vec3,
+    pub(crate) geometric_normal: Vec3,
     /// Unit interpolated normal: VPLs shine and scatter about it.
-    pub(super) normal: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 impl WorldSurface {
     /// Where a ray off this surface starts, or one towards it ends.
-    pub(super) fn offset_position(&self, scene_radius: f32) -> Vec3 {
+    pub(crate) fn offset_position(&self, scene_radius: f32) -> Vec3 {
         self.position + self.geometric_normal * ray_offset(self.position, scene_radius)
     }
 }
 
 /// Which side of a surface to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     /// The one whose corners go counter-clockwise in object space, or the other.
     Front(bool),
     /// The one that a ray of this direction meets.
@@ -44,29 +43,29 @@ pub(super) enum Side {
 }
 
 /// A found surface: the side, how it lies, and its texture coordinates.
-pub(super) struct Found {
-    pub(super) front: bool,
-    pub(super) surface: WorldSurface,
-    pub(super) uv: Vec2,
+pub(crate) struct Found {
+    pub(crate) front: bool,
+    pub(crate) surface: WorldSurface,
+    pub(crate) uv: Vec2,
 }
 
-/// The surface at `point` of `instance`, in the current pose.
-pub(super) fn find(world: World<'_>, instance: u32, point: SurfacePoint, side: Side) -> Found {
-    let transform = &world.pose.instances[instance as usize];
-    let mesh = &world.scene.meshes[world.scene.instances[instance as usize].mesh];
-    let local = mesh.interpolate(point);
-    let front_normal = world_normal(transform, local.geometric_normal, Vec3::Y);
-    let front = match side {
-        Side::Front(front) => front,
-        Side::Facing(direction) => front_normal.dot(direction) < 0.0,
-    };
-    let sign = if front { 1.0 } else { -1.0 };
-    let geometric_normal = front_normal * sign;
-    let shading = world_normal(transform, local.normal, front_normal) * sign;
-    // A vertex normal that points into the surface says nothing.
-    let normal = if shading.dot(geometric_normal) > 0.0 { shading } else { geometric_normal };
-    let position = transform.transform_point3(local.position);
-    Found { front, surface: WorldSurface { position, geometric_normal, normal }, uv: local.uv }
+impl Scene {
+    /// The surface at `point` of `instance`, where `pose` has it.
+    pub(crate) fn surface_at(&self, pose: &Pose, instance: u32, point: SurfacePoint, side: Side) -> Found {
+        let transform = &pose.instances[instance as usize];
+        let local = self.meshes[self.instances[instance as usize].mesh].interpolate(point);
+        let front_normal = world_normal(transform, local.geometric_normal, Vec3::Y);
+        let front = match side {
+            Side::Front(front) => front,
+            Side::Facing(direction) => front_normal.dot(direction) < 0.0,
+        };
+        let geometric_normal = if front { front_normal } else { -front_normal };
+        // The G-buffer too turns vertex normals to the side that is seen.
+        let shading = world_normal(transform, local.normal, front_normal);
+        let normal = if shading.dot(geometric_normal) >= 0.0 { shading } else { -shading };
+        let position = transform.transform_point3(local.position);
+        Found { front, surface: WorldSurface { position, geometric_normal, normal }, uv: local.uv }
+    }
 }
 
 /// Normals transform by the inverse transpose, up to its length the signed cofactor matrix, which

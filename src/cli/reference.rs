@@ -1,0 +1,361 @@
+//! `glowworm reference`: the ground truth of a scene, by path tracing on the CPU.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::options::FileOptions;
+use super::{CliError, say};
+use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
+use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
+use crate::report::COMMIT;
+use crate::scene::{Scene, load_scene};
+use crate::settings::{Settings, text};
+
+/// The note in an .exr that says what is in it and how far it is.
+const NOTE: &str = "glowworm reference";
+
+/// Shortest time from one saving of an unfinished picture to the next.
+const SAVING_INTERVAL: Duration = Duration::from_secs(10);
+
+/// An unfinished picture is saved again after this many times what the last saving took.
+const SAVING_SHARE: u32 = 20;
+
+/// Shortest time from one look at the error to the next.
+const ERROR_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Options of `reference`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
+pub(super) struct ReferenceOptions {
+    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    pub scene: String,
+    /// Samples of each pixel in all. More: less noise, which falls with about the square root, or faster.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "256")]
+    pub spp: u64,
+    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
+    /// scene's, or 2.
+    #[arg(long, value_name = "N|inf", value_parser = parse_bounces)]
+    pub bounces: Option<Bounces>,
+    /// Frame of the scene's animation, from 0.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
+    pub frame: u64,
+    /// Where in a pixel the paths start: all over it (box) for smooth edges, or in its middle (center) for
+    /// those of `render`.
+    #[arg(long, value_enum, default_value = "box")]
+    pub pixel_filter: PixelFilter,
+    /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = text::parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Seed of the samples. Otherwise the scene's, or 0.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole)]
+    pub seed: Option<u32>,
+    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
+    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds)]
+    pub time_step: Option<f64>,
+    /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
+    #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
+    pub exposure: Option<Exposure>,
+    /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is written anew now and then,
+    /// so that it holds what there is if the run is cut off.
+    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    pub out: PathBuf,
+    /// Add to an .exr: direct light (that shadow maps carry), indirect light (that VPLs carry, as irradiance),
+    /// albedo, normal, position, depth, instance.
+    #[arg(long, help_heading = "Files")]
+    pub layers: bool,
+    /// Go on with the .exr of an earlier run with the same options, if it is there, up to --spp samples in all.
+    #[arg(long, help_heading = "Files")]
+    pub resume: bool,
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+/// `--bounces`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bounces {
+    Limited(u32),
+    Unlimited,
+}
+
+/// `--exposure`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Exposure(Option<f32>);
+
+fn parse_bounces(text: &str) -> Result<Bounces, String> {
+    match text {
+        "inf" => Ok(Bounces::Unlimited),
+        number => match number.parse() {
+            Ok(limit @ 0..=1000) => Ok(Bounces::Limited(limit)),
+            _ => Err("must be a whole number from 0 to 1000, or inf".to_owned()),
+        },
+    }
+}
+
+fn parse_exposure(text: &str) -> Result<Exposure, String> {
+    text::parse_exposure(text).map(Exposure)
+}
+
+/// What a run did, for `--json`.
+#[derive(Debug, Serialize)]
+struct ReferenceReport {
+    #[serde(flatten)]
+    progress: Progress,
+    spp: u64,
+    interrupted: bool,
+    mean_luminance: f64,
+    /// The standard error over the mean luminance.
+    relative_error: Option<f64>,
+    /// Samples of this run, of all pixels, and its seconds without loading and saving.
+    new_samples: u64,
+    seconds: f64,
+    samples_per_second: f64,
+    threads: usize,
+    commit: &'static str,
+}
+
+/// Renders the reference.
+pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
+    let (given_settings, given) = options.settings();
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    given_settings.check_options(&given).map_err(settings_error)?;
+    let target = PictureTarget::new(&options.out, options.layers)?;
+    if options.resume && !target.is_linear() {
+        return Err(CliError::Usage("--resume: only an .exr can be gone on with; see --out".to_owned()));
+    }
+    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    if let Some(json) = &json
+        && (json.is_same(&target.path_of(options.frame)) || json.is_same(Path::new(&options.scene)))
+    {
+        let path = json.path().display();
+        return Err(CliError::Usage(format!(
+            "--json {path}: would be written over the picture or the scene; give it another name"
+        )));
+    }
+    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
+    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let pose = scene.pose(options.frame as f64 * settings.time_step);
+    let mut run = Run::new(options, &scene, &settings, target);
+    let reference = Reference::new(&scene, &pose, &run.settings);
+    let mut film = run.start(&reference)?;
+    let report = run.finish(&reference, &mut film)?;
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    run.say_outcome(&film, &report)
+}
+
+impl ReferenceOptions {
+    /// The options that are settings, and the names of those that were given.
+    fn settings(&self) -> (Settings, Vec<&'static str>) {
+        let mut settings = Settings::default();
+        let mut given = Vec::new();
+        if let Some(size) = self.size {
+            settings.size = size;
+            given.push("size");
+        }
+        if let Some(seed) = self.seed {
+            settings.seed = seed;
+            given.push("seed");
+        }
+        if let Some(seconds) = self.time_step {
+            settings.time_step = seconds;
+            given.push("time_step");
+        }
+        if let Some(Exposure(exposure)) = self.exposure {
+            settings.exposure = exposure;
+            given.push("exposure");
+        }
+        (settings, given)
+    }
+}
+
+/// One run of the command.
+struct Run<'a> {
+    options: &'a ReferenceOptions,
+    target: PictureTarget,
+    identity: Identity,
+    settings: ReferenceSettings,
+    exposure: Option<f32>,
+    stop: Arc<AtomicBool>,
+    /// Samples of each pixel before this run.
+    resumed: u64,
+}
+
+impl<'a> Run<'a> {
+    fn new(options: &'a ReferenceOptions, scene: &Scene, settings: &Settings, target: PictureTarget) -> Self {
+        let bounces = match options.bounces {
+            Some(Bounces::Limited(limit)) => Some(limit),
+            Some(Bounces::Unlimited) => None,
+            None => Some(settings.bounces),
+        };
+        let identity = Identity {
+            scene: scene.name.clone(),
+            frame: options.frame,
+            time_step: settings.time_step,
+            size: settings.size,
+            bounces,
+            seed: settings.seed,
+            pixel_filter: options.pixel_filter,
+            layers: options.layers,
+        };
+        let exposure = settings.exposure;
+        let settings = ReferenceSettings {
+            size: settings.size,
+            bounces,
+            seed: settings.seed,
+            filter: options.pixel_filter,
+            layers: options.layers,
+        };
+        Self { options, target, identity, settings, exposure, stop: Arc::default(), resumed: 0 }
+    }
+
+    /// An empty film, or with --resume what the file holds.
+    fn start(&mut self, reference: &Reference<'_>) -> Result<Film, CliError> {
+        let path = self.target.path_of(self.options.frame);
+        if !(self.options.resume && path.exists()) {
+            return Ok(reference.film()?);
+        }
+        let cannot = |reason: String| CliError::Resume { path: path.clone(), reason };
+        let picture = Picture::read_exr(&path)?;
+        let note = picture.notes.get(NOTE).ok_or_else(|| {
+            cannot("was not written by glowworm reference; leave --resume out to begin anew".to_owned())
+        })?;
+        let progress: Progress = serde_json::from_str(note)
+            .map_err(|error| cannot(format!("says nothing that can be understood of itself ({error})")))?;
+        if let Some(option) = progress.identity.difference(&self.identity) {
+            return Err(cannot(format!(
+                "was rendered with another {option}; give the same one, or leave --resume out to begin anew"
+            )));
+        }
+        self.resumed = progress.samples;
+        reference.resumed_film(&picture, &progress).map_err(|error| match error {
+            ReferenceError::CannotResume => cannot(error.to_string()),
+            ReferenceError::OutOfMemory => error.into(),
+        })
+    }
+
+    /// Samples until there are enough of them or somebody interrupts, saving now and then and at the end.
+    fn finish(&self, reference: &Reference<'_>, film: &mut Film) -> Result<ReferenceReport, CliError> {
+        let stop = Arc::clone(&self.stop);
+        // A second interruption does not wait.
+        let on_interrupt = move || {
+            if stop.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        };
+        // A second handler in one process, as in tests, is refused, and the first one stays.
+        let _ = ctrlc::set_handler(on_interrupt);
+        let progress = progress_bar(self.options.spp, film.samples());
+        let mut sampling = Duration::ZERO;
+        let (mut saved, mut saving_took) = (None::<Instant>, Duration::ZERO);
+        let mut looked = None::<Instant>;
+        while film.samples() < self.options.spp {
+            let begun = Instant::now();
+            if !reference.add_sample(film, &self.stop) {
+                break;
+            }
+            sampling += begun.elapsed();
+            progress.set_position(film.samples());
+            if looked.is_none_or(|looked| looked.elapsed() >= ERROR_INTERVAL) {
+                looked = Some(Instant::now());
+                progress.set_message(percent(relative_error(film)));
+            }
+            let pause = SAVING_INTERVAL.max(saving_took * SAVING_SHARE);
+            if film.samples() < self.options.spp && saved.is_none_or(|saved| saved.elapsed() >= pause) {
+                let begun = Instant::now();
+                self.save(film)?;
+                saving_took = begun.elapsed();
+                saved = Some(Instant::now());
+            }
+        }
+        progress.finish_and_clear();
+        if film.samples() > 0 {
+            self.save(film)?;
+        }
+        Ok(self.report(film, sampling.as_secs_f64()))
+    }
+
+    fn progress(&self, film: &Film) -> Progress {
+        Progress {
+            identity: self.identity.clone(),
+            samples: film.samples(),
+            standard_error: film.standard_error().unwrap_or(0.0),
+        }
+    }
+
+    fn save(&self, film: &Film) -> Result<(), CliError> {
+        let mut picture = film.picture();
+        let note = serde_json::to_string(&self.progress(film)).unwrap_or_default();
+        picture.notes.insert(NOTE.to_owned(), note);
+        if !self.target.is_linear() {
+            tone_map(&mut picture, self.exposure, film.covered());
+        }
+        self.target.write(&picture, self.options.frame)?;
+        Ok(())
+    }
+
+    fn report(&self, film: &Film, seconds: f64) -> ReferenceReport {
+        let [width, height] = self.settings.size.map(u64::from);
+        let new_samples = (film.samples() - self.resumed) * width * height;
+        ReferenceReport {
+            progress: self.progress(film),
+            spp: self.options.spp,
+            interrupted: film.samples() < self.options.spp,
+            mean_luminance: film.mean_luminance(),
+            relative_error: relative_error(film),
+            new_samples,
+            seconds,
+            samples_per_second: if seconds > 0.0 { new_samples as f64 / seconds } else { 0.0 },
+            threads: rayon::current_num_threads(),
+            commit: COMMIT,
+        }
+    }
+
+    fn say_outcome(&self, film: &Film, report: &ReferenceReport) -> Result<(), CliError> {
+        let path = self.target.path_of(self.options.frame);
+        if film.dropped() > 0 {
+            say::warning(&format!("{} samples were not finite and count as black", film.dropped()));
+        }
+        let (samples, spp) = (report.progress.samples, report.spp);
+        if report.interrupted {
+            return Err(CliError::Interrupted { path, samples, spp, resumable: self.target.is_linear() });
+        }
+        say::print(&format!(
+            "{}: {samples} samples a pixel, error {} of the mean luminance, {:.1} s, {:.2} million samples/s\n",
+            path.display(),
+            percent(report.relative_error),
+            report.seconds,
+            report.samples_per_second * 1e-6,
+        ))
+    }
+}
+
+/// The standard error over the mean luminance.
+fn relative_error(film: &Film) -> Option<f64> {
+    let mean = film.mean_luminance();
+    film.standard_error().map(|error| error / mean).filter(|error| error.is_finite())
+}
+
+fn percent(error: Option<f64>) -> String {
+    error.map_or_else(|| "unknown".to_owned(), |error| format!("{:.2} %", error * 100.0))
+}
+
+fn progress_bar(spp: u64, done: u64) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} sample {pos} of {len}, {eta} left, error {msg}");
+    let bar = ProgressBar::new(spp).with_position(done);
+    bar.reset_eta();
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,244 @@
+//! What the samples of all pixels add up to.
+//!
+//! In: samples of every pixel, one pass after another. Out: the mean picture, its layers, and an estimate of
+//! its error.
+
+use glam::{DVec3, Vec3};
+
+use super::ReferenceError;
+use super::path::{PixelSample, Seen};
+use crate::output::{Layer, Picture};
+use crate::scene::luminance;
+
+/// Sums over the samples of each pixel, by rows from the top left.
+#[derive(Clone, Debug)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    samples: u64,
+    light: Vec<LightSums>,
+    /// What `--layers` asks for; else empty.
+    parts: Vec<PartSums>,
+    /// Instance in the middle of each pixel, -1 where there is none.
+    instances: Vec<i32>,
+    /// Samples and error of the part that was rendered in an earlier run.
+    resumed: Option<(u64, f64)>,
+    /// Samples that came out infinite or not a number and count as black.
+    dropped: u64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct LightSums {
+    radiance: DVec3,
+    /// Luminance of this run's even and odd samples.
+    halves: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct PartSums {
+    direct: DVec3,
+    irradiance: DVec3,
+    /// These over the samples that met a surface.
+    albedo: DVec3,
+    normal: DVec3,
+    position: DVec3,
+    depth: f64,
+    hits: u64,
+}
+
+impl Film {
+    /// An empty film of the given size, with room for layers if asked for. `instances` names the instance in
+    /// the middle of each pixel, -1 for none.
+    pub(super) fn new(
+        width: usize,
+        height: usize,
+        layers: bool,
+        instances: Vec<i32>,
+    ) -> Result<Self, ReferenceError> {
+        let pixels = width * height;
+        Ok(Self {
+            width,
+            height,
+            samples: 0,
+            light: filled(pixels)?,
+            parts: filled(if layers { pixels } else { 0 })?,
+            instances,
+            resumed: None,
+            dropped: 0,
+        })
+    }
+
+    /// Samples of each pixel so far.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Samples that came out infinite or not a number; they count as black.
+    pub fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Whether it keeps layers.
+    pub fn has_layers(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// Adds one sample of every pixel.
+    pub(super) fn add(&mut self, pass: &[PixelSample]) {
+        let half = (self.samples & 1) as usize;
+        for (sums, sample) in self.light.iter_mut().zip(pass) {
+            let radiance = sample.radiance();
+            if radiance.is_finite() {
+                sums.radiance += radiance.as_dvec3();
+                sums.halves[half] += f64::from(luminance(radiance));
+            } else {
+                self.dropped += 1;
+            }
+        }
+        for (sums, sample) in self.parts.iter_mut().zip(pass) {
+            if sample.radiance().is_finite() {
+                sums.direct += sample.direct.as_dvec3();
+                sums.irradiance += sample.irradiance.as_dvec3();
+            }
+            if let Some(seen) = &sample.seen {
+                sums.add(seen);
+            }
+        }
+        self.samples += 1;
+    }
+
+    /// Standard error of the luminance, root mean square over the pixels, W/m^2/sr; none before two samples.
+    ///
+    /// Even and odd samples are independent estimates A and B of the same picture from a and b samples, so
+    /// that of their mean is |A - B| sqrt(ab)/(a + b) in expectation. What was resumed is independent too.
+    pub fn standard_error(&self) -> Option<f64> {
+        let (old, old_error) = self.resumed.unwrap_or((0, 0.0));
+        let new = self.samples - old;
+        let first = old % 2;
+        // Even samples come first, unless an odd number was resumed.
+        let (even, odd) = if first == 0 { (new.div_ceil(2), new / 2) } else { (new / 2, new.div_ceil(2)) };
+        if even == 0 || odd == 0 {
+            return self.resumed.map(|(_, error)| error);
+        }
+        let (even, odd, total) = (even as f64, odd as f64, self.samples as f64);
+        let squares = self.light.iter().map(|sums| (sums.halves[0] / even - sums.halves[1] / odd).powi(2));
+        let mean_square = squares.sum::<f64>() / self.light.len() as f64;
+        let new_error = (mean_square * even * odd).sqrt() / (even + odd);
+        Some((old_error * old as f64).hypot(new_error * (even + odd)) / total)
+    }
+
+    /// Mean luminance of the picture, W/m^2/sr.
+    pub fn mean_luminance(&self) -> f64 {
+        let sum: f64 = self.light.iter().map(|sums| f64::from(luminance(sums.radiance.as_vec3()))).sum();
+        sum / (self.light.len() as f64 * (self.samples.max(1)) as f64)
+    }
+
+    /// The picture so far: `colour`, the layers that were asked for, and nothing to show.
+    pub fn picture(&self) -> Picture {
+        let mean = |sum: DVec3| (sum / self.samples.max(1) as f64).as_vec3().to_array();
+        let mut picture = Picture {
+            width: self.width,
+            height: self.height,
+            colour: self.light.iter().map(|sums| mean(sums.radiance)).collect(),
+            ..Picture::default()
+        };
+        if self.has_layers() {
+            let over_hits =
+                |sums: &PartSums, sum: DVec3| (sum / sums.hits.max(1) as f64).as_vec3().to_array();
+            let of = |part: &dyn Fn(&PartSums) -> [f32; 3]| self.parts.iter().map(part).collect::<Vec<_>>();
+            let scalar = |part: &dyn Fn(&PartSums) -> f32| self.parts.iter().map(part).collect::<Vec<_>>();
+            picture.layers = vec![
+                Layer::colour("direct", &of(&|sums| mean(sums.direct))),
+                Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
+                Layer::colour("albedo", &of(&|sums| over_hits(sums, sums.albedo))),
+                Layer::vector("normal", &of(&|sums| unit(sums.normal))),
+                Layer::vector("position", &of(&|sums| over_hits(sums, sums.position))),
+                Layer::single("depth", "Z", scalar(&|sums| (sums.depth / sums.hits.max(1) as f64) as f32)),
+                Layer::single("instance", "id", self.instances.iter().map(|&id| id as f32).collect()),
+                Layer::single(
+                    "coverage",
+                    "A",
+                    scalar(&|sums| (sums.hits as f64 / self.samples.max(1) as f64) as f32),
+                ),
+            ];
+        }
+        picture
+    }
+
+    /// Whether a surface is in the middle of each pixel.
+    pub fn covered(&self) -> impl Iterator<Item = bool> {
+        self.instances.iter().map(|&id| id >= 0)
+    }
+
+    /// Puts back what an earlier run wrote: `picture`, of `samples` samples with the error `error`. False if
+    /// the picture is of another size or lacks a layer.
+    pub(super) fn restore(&mut self, picture: &Picture, samples: u64, error: f64) -> bool {
+        let pixels = self.light.len();
+        if (picture.width, picture.height, picture.colour.len()) != (self.width, self.height, pixels) {
+            return false;
+        }
+        let total = samples as f64;
+        for (sums, colour) in self.light.iter_mut().zip(&picture.colour) {
+            sums.radiance = Vec3::from(*colour).as_dvec3() * total;
+        }
+        if self.has_layers() && self.restore_parts(picture, total).is_none() {
+            return false;
+        }
+        self.samples = samples;
+        self.resumed = Some((samples, error));
+        true
+    }
+
+    fn restore_parts(&mut self, picture: &Picture, total: f64) -> Option<()> {
+        let channels = |name: &str| {
+            let layer = picture.layers.iter().find(|layer| layer.name == name)?;
+            Some(&layer.channels)
+        };
+        let vector = |name: &str, index: usize, by: [&str; 3]| -> Option<DVec3> {
+            let channels = channels(name)?;
+            let value = |letter: &str| {
+                let (_, samples) = channels.iter().find(|(channel, _)| channel == letter)?;
+                samples.get(index).map(|&value| f64::from(value))
+            };
+            Some(DVec3::new(value(by[0])?, value(by[1])?, value(by[2])?))
+        };
+        let scalar = |name: &str, index: usize| Some(f64::from(*channels(name)?.first()?.1.get(index)?));
+        const RGB: [&str; 3] = ["R", "G", "B"];
+        const XYZ: [&str; 3] = ["X", "Y", "Z"];
+        for (index, sums) in self.parts.iter_mut().enumerate() {
+            let hits = (scalar("coverage", index)? * total).round();
+            *sums = PartSums {
+                direct: vector("direct", index, RGB)? * total,
+                irradiance: vector("indirect", index, RGB)? * total,
+                albedo: vector("albedo", index, RGB)? * hits,
+                normal: vector("normal", index, XYZ)? * hits,
+                position: vector("position", index, XYZ)? * hits,
+                depth: scalar("depth", index)? * hits,
+                hits: hits as u64,
+            };
+        }
+        Some(())
+    }
+}
+
+impl PartSums {
+    fn add(&mut self, seen: &Seen) {
+        self.albedo += seen.albedo.as_dvec3();
+        self.normal += seen.normal.as_dvec3();
+        self.position += seen.position.as_dvec3();
+        self.depth += f64::from(seen.depth);
+        self.hits += 1;
+    }
+}
+
+fn unit(normal: DVec3) -> [f32; 3] {
+    normal.normalize_or_zero().as_vec3().to_array()
+}
+
+/// A vector of defaults, or an error where there is no room for it.
+fn filled<T: Clone + Default>(length: usize) -> Result<Vec<T>, ReferenceError> {
+    let mut vector = Vec::new();
+    vector.try_reserve_exact(length).map_err(|_| ReferenceError::OutOfMemory)?;
+    vector.resize(length, T::default());
+    Ok(vector)
+}

@@ -1,0 +1,83 @@
+//! Random numbers of one sample of one pixel.
+//!
+//! In: pixel, number of the sample, seed. Out: points of the unit square, one after another, from an
+//! Owen-scrambled Sobol sequence that is scrambled anew for each pixel (Burley 2020, "Practical Hash-based
+//! Owen Scrambling").
+//!
+//! Even and odd samples come from two scramblings, so that the two halves of a picture are independent
+//! estimates: their difference is what tells the error.
+
+use glam::Vec2;
+
+use crate::sampling::hash;
+
+/// Points of a sequence before it must be scrambled anew, from the crate's documentation.
+const SEQUENCE_LENGTH: u64 = 1 << 16;
+
+/// Groups of four dimensions that the sequence has.
+const DIMENSION_SETS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
+
+/// Hands out the points of one sample.
+#[derive(Clone, Debug)]
+pub(super) struct Sampler {
+    index: u32,
+    seed: u32,
+    next_set: u32,
+    /// The second half of the last group, if it was not asked for yet.
+    spare: Option<Vec2>,
+}
+
+impl Sampler {
+    /// For sample `sample` of the pixel `pixel`, counted by rows.
+    pub(super) fn new(seed: u32, pixel: u32, sample: u64) -> Self {
+        let (half, place) = ((sample & 1) as u32, sample >> 1);
+        let round = (place / SEQUENCE_LENGTH) as u32;
+        Self {
+            index: (place % SEQUENCE_LENGTH) as u32,
+            seed: hash(hash(seed, pixel), 2 * round + half),
+            next_set: 0,
+            spare: None,
+        }
+    }
+
+    /// The next point.
+    #[inline]
+    pub(super) fn next(&mut self) -> Vec2 {
+        if let Some(point) = self.spare.take() {
+            return point;
+        }
+        if self.next_set == DIMENSION_SETS {
+            // A path this long goes on with another scrambling.
+            self.seed = hash(self.seed, DIMENSION_SETS);
+            self.next_set = 0;
+        }
+        let [x, y, z, w] = sobol_burley::sample_4d(self.index, self.next_set, self.seed);
+        self.next_set += 1;
+        self.spare = Some(Vec2::new(z, w));
+        Vec2::new(x, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_even_in_every_dimension_and_halves_differ() {
+        for half in 0..2 {
+            let mut sums = vec![Vec2::ZERO; 300];
+            for place in 0..1024 {
+                let mut sampler = Sampler::new(3, 77, 2 * place + half);
+                for sum in &mut sums {
+                    let point = sampler.next();
+                    assert!(point.min_element() >= 0.0 && point.max_element() < 1.0);
+                    *sum += point / 1024.0;
+                }
+            }
+            assert!(sums.iter().all(|mean| mean.distance(Vec2::splat(0.5)) < 2e-3), "{sums:?}");
+        }
+        let first = |sample| Sampler::new(3, 77, sample).next();
+        assert_ne!(first(0), first(1));
+        assert_ne!(first(0), first(2 * SEQUENCE_LENGTH));
+    }
+}
