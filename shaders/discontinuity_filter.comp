@@ -20,7 +20,7 @@ layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers
 layout(push_constant) uniform Push { float total_flux; } push; // of all classes
 
 const float MIN_NORMAL_COSINE = 0.9;
-// Share of the flux that the n x n window has to bring; else pixels farther away are asked as well.
+// Share of the flux that the window has to bring; else pixels farther away are asked as well.
 const float MIN_PRESENT = 0.25;
 
 struct Sum {
@@ -54,30 +54,43 @@ bool same_surface(Surface centre, uint surface, ivec2 at) {
         && cosine * cosine >= MIN_NORMAL_COSINE * MIN_NORMAL_COSINE * dot(normal, normal);
 }
 
+// Luminous flux of a pixel's class.
 float flux_at(ivec2 at) { return class_flux.data[class_of(uvec2(at))]; }
 
-// Adds up the pixels of the n x n window that lie on the centre's surface.
+// The window is centred on its pixel: for even n it is one pixel wider, and both its ends, which are of the same
+// class, count for half. Off-centre by half a pixel, it would move steep gradients.
+const bool EVEN = INTERLEAVE % 2u == 0u;
+const uint WIDTH = EVEN ? INTERLEAVE + 1u : INTERLEAVE;
+
+float weight_at(uint place) {
+    uint x = place % WIDTH;
+    uint y = place / WIDTH;
+    float across = EVEN && (x == 0u || x == INTERLEAVE) ? 0.5 : 1.0;
+    return EVEN && (y == 0u || y == INTERLEAVE) ? 0.5 * across : across;
+}
+
+// Adds up the pixels of the window that lie on the centre's surface; together they hold every class once.
 Sum window_sum(ivec2 corner, Surface centre) {
     Sum sum = Sum(vec3(0.0), push.total_flux);
     ivec2 last = ivec2(frame.size) - 1;
     // One bit for each pixel of the window that is not on the surface.
-    uint missing[2] = uint[2](0u, 0u);
-    for (uint y = 0u; y < INTERLEAVE; y++) {
-        for (uint x = 0u; x < INTERLEAVE; x++) {
+    uint missing[3] = uint[3](0u, 0u, 0u);
+    for (uint y = 0u; y < WIDTH; y++) {
+        for (uint x = 0u; x < WIDTH; x++) {
             ivec2 at = corner + ivec2(x, y);
             uvec4 other = texelFetch(class_irradiance, min(at, last), 0);
             // Pictures smaller than the window lack its last pixels.
             bool same = all(lessThanEqual(at, last)) && same_surface(centre, other.a, at);
-            sum.irradiance += same ? uintBitsToFloat(other.rgb) : vec3(0.0);
-            uint place = y * INTERLEAVE + x;
+            uint place = y * WIDTH + x;
+            sum.irradiance += same ? weight_at(place) * uintBitsToFloat(other.rgb) : vec3(0.0);
             missing[place / 32u] |= same ? 0u : 1u << (place % 32u);
         }
     }
     // Take off what the classes of those would have brought.
-    for (uint word = 0u; word < 2u; word++) {
+    for (uint word = 0u; word < (WIDTH * WIDTH + 31u) / 32u; word++) {
         for (uint bits = missing[word]; bits != 0u; bits &= bits - 1u) {
             uint place = word * 32u + uint(findLSB(bits));
-            sum.present -= flux_at(corner + ivec2(place % INTERLEAVE, place / INTERLEAVE));
+            sum.present -= weight_at(place) * flux_at(corner + ivec2(place % WIDTH, place / WIDTH));
         }
     }
     // What is left of a difference of equal numbers is not light.
@@ -89,7 +102,7 @@ Sum window_sum(ivec2 corner, Surface centre) {
 const uint STEP = INTERLEAVE % 3u != 0u ? 3u : INTERLEAVE == 6u ? 5u : 2u;
 
 void add_farther(inout Sum sum, ivec2 pixel, Surface centre) {
-    ivec2 corner = pixel - int(INTERLEAVE * STEP) / 2;
+    ivec2 corner = pixel - int((INTERLEAVE - 1u) * STEP) / 2;
     for (uint y = 0u; y < INTERLEAVE; y++) {
         for (uint x = 0u; x < INTERLEAVE; x++) {
             ivec2 at = corner + ivec2(x, y) * int(STEP);
@@ -114,9 +127,9 @@ void main() {
     }
     vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
     Surface centre = surface_at(pixel, depth, octahedral_decode(normals.xy), octahedral_decode(normals.zw));
-    const int n = int(INTERLEAVE);
+    const int width = int(WIDTH);
     // Moved inside at the borders, the window still holds every class once.
-    ivec2 corner = clamp(pixel - (n - 1) / 2, ivec2(0), max(size - n, ivec2(0)));
+    ivec2 corner = clamp(pixel - width / 2, ivec2(0), max(size - width, ivec2(0)));
     Sum sum = window_sum(corner, centre);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     for (uint i = sum.present < MIN_PRESENT * push.total_flux ? 1u : 0u; i > 0u; i--) add_farther(sum, pixel, centre);

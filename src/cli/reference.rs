@@ -40,7 +40,7 @@ pub(super) struct ReferenceOptions {
     pub spp: u64,
     /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
     /// scene's, or 2.
-    #[arg(long, value_name = "N|inf", value_parser = parse_bounces)]
+    #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
     pub bounces: Option<Bounces>,
     /// Frame of the scene's animation, from 0.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
@@ -50,13 +50,13 @@ pub(super) struct ReferenceOptions {
     #[arg(long, value_enum, default_value = "box")]
     pub pixel_filter: PixelFilter,
     /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true)]
     pub size: Option<[u32; 2]>,
     /// Seed of the samples. Otherwise the scene's, or 0.
-    #[arg(long, value_name = "N", value_parser = text::parse_whole)]
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
     pub seed: Option<u32>,
     /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true)]
     pub time_step: Option<f64>,
     /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
     #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_negative_numbers = true)]

@@ -101,6 +101,7 @@ mod tests {
                     channels: vec![("Z".to_owned(), values.iter().map(|v| v + 2.0).collect())],
                 },
             ],
+            notes: [("say".to_owned(), "{\"a\": 1}".to_owned())].into(),
         }
     }
 
@@ -138,6 +139,15 @@ mod tests {
             }
         }
         assert_eq!(image.layer_data.len(), 3);
+    }
+
+    #[test]
+    fn it_reads_what_it_wrote() {
+        let picture = picture();
+        assert_eq!(read_picture(Cursor::new(encode(&picture))).unwrap(), picture);
+        let mut bytes = encode(&picture);
+        bytes.truncate(bytes.len() / 2);
+        assert!(read_picture(Cursor::new(bytes)).is_err());
     }
 
     #[test]

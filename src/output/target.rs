@@ -205,7 +205,7 @@ mod tests {
             height: 1,
             colour: vec![[0.5; 3], [2.0; 3]],
             display: vec![[1, 2, 3, 4]; 2],
-            layers: Vec::new(),
+            ..Picture::default()
         };
         for extension in ["png", "exr"] {
             let name = folder.path().join(format!("{{frame:03}}.{extension}"));

@@ -67,16 +67,24 @@ impl Texture {
         let wrapped = uv - uv.floor();
         let at = if wrapped.is_finite() { wrapped * size - 0.5 } else { Vec2::ZERO };
         let (base, frac) = (at.floor(), at - at.floor());
-        let texel = |dx: i64, dy: i64| {
-            let x = (base.x as i64 + dx).rem_euclid(i64::from(*width)) as usize;
-            let y = (base.y as i64 + dy).rem_euclid(i64::from(*height)) as usize;
+        let (x, y) = (neighbours(base.x, *width), neighbours(base.y, *height));
+        let table = &*SRGB_TO_LINEAR;
+        let texel = |x: usize, y: usize| {
             let i = 4 * (y * *width as usize + x);
-            Vec3::new(srgb_to_linear(texels[i]), srgb_to_linear(texels[i + 1]), srgb_to_linear(texels[i + 2]))
+            let [r, g, b] = [texels[i], texels[i + 1], texels[i + 2]].map(|channel| table[channel as usize]);
+            Vec3::new(r, g, b)
         };
-        let top = texel(0, 0).lerp(texel(1, 0), frac.x);
-        let bottom = texel(0, 1).lerp(texel(1, 1), frac.x);
+        let top = texel(x[0], y[0]).lerp(texel(x[1], y[0]), frac.x);
+        let bottom = texel(x[0], y[1]).lerp(texel(x[1], y[1]), frac.x);
         top.lerp(bottom, frac.y)
     }
+}
+
+/// The texel `base`, from -1 to `size`, and the one after it, wrapped around.
+fn neighbours(base: f32, size: u32) -> [usize; 2] {
+    let first = if base < 0.0 { size - 1 } else { (base as u32).min(size - 1) };
+    let second = if first + 1 == size { 0 } else { first + 1 };
+    [first as usize, second as usize]
 }
 
 /// Reads and decodes an image; the error is half a sentence for a warning.

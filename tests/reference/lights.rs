@@ -1,0 +1,165 @@
+//! Each kind of light against its equation, and all of them together.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use glowworm::output::Picture;
+use glowworm::scene::Scene;
+
+use super::support::{assert_near, colour, layer, mean, picture, scene, settings};
+
+/// A grey floor of albedo 0.5 seen from 4 above, with `more` of a scene file.
+fn floor(more: &str) -> Scene {
+    scene(&format!(
+        r#"
+        [[models]]
+        name = "floor"
+        primitive = "quad"
+        size = [20, 1, 20]
+        material = {{ albedo = [0.5, 0.5, 0.5] }}
+        [[instances]]
+        model = "floor"
+        [camera]
+        eye = [0, 4, 0]
+        target = [0, 0, 0]
+        up = [0, 0, -1]
+        vfov_deg = 60
+        {more}
+        "#
+    ))
+}
+
+/// Compares a layer with `expected` of the floor's points (x, z), pixel by pixel.
+#[track_caller]
+fn assert_floor(rendered: &Picture, values: &[Vec3], expected: impl Fn(Vec3) -> f32, tolerance: f32) {
+    let positions = layer(rendered, "position");
+    let peak = positions.iter().map(|&p| expected(p)).fold(0.0, f32::max);
+    assert!(peak > 0.0);
+    for (&position, value) in positions.iter().zip(values) {
+        let expected = expected(position);
+        let error = (value.x - expected).abs();
+        assert!(error <= tolerance * peak, "{value} instead of {expected} at {position}");
+    }
+}
+
+#[test]
+fn a_point_light_falls_off_with_the_square() {
+    let scene = floor("[[lights]]\ntype = \"point\"\nposition = [0.5, 2, 0]\nintensity = [3, 3, 3]");
+    let rendered = picture(&scene, &settings(32, Some(2)), 64);
+    let expected = |p: Vec3| {
+        let d = Vec3::new(0.5, 2.0, 0.0) - p;
+        0.5 / PI * 3.0 * (d.y / d.length()) / d.length_squared()
+    };
+    assert_floor(&rendered, &colour(&rendered), expected, 0.01);
+    // A lone flat floor lights nothing.
+    assert_eq!(mean(&layer(&rendered, "indirect")), Vec3::ZERO);
+}
+
+#[test]
+fn a_spot_falls_off_by_smoothstep_in_the_cosine() {
+    let scene = floor(
+        "[[lights]]\ntype = \"spot\"\nposition = [0, 2, 0]\ndirection = [0, -1, 0]\nintensity = [3, 3, 3]\n\
+         inner_deg = 20\nouter_deg = 40",
+    );
+    let rendered = picture(&scene, &settings(32, Some(2)), 256);
+    let expected = |p: Vec3| {
+        let d = Vec3::new(0.0, 2.0, 0.0) - p;
+        let cosine = d.y / d.length();
+        let (inner, outer) = (20f32.to_radians().cos(), 40f32.to_radians().cos());
+        let t = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
+        0.5 / PI * 3.0 * t * t * (3.0 - 2.0 * t) * cosine / d.length_squared()
+    };
+    assert_floor(&rendered, &colour(&rendered), expected, 0.015);
+}
+
+#[test]
+fn a_directional_light_shines_along_its_direction_with_a_highlight() {
+    let mut scene =
+        floor("[[lights]]\ntype = \"directional\"\ndirection = [1, -1, 0]\nirradiance = [2, 2, 2]");
+    let rendered = picture(&scene, &settings(16, Some(0)), 16);
+    assert_floor(&rendered, &colour(&rendered), |_| 0.5 / PI * 2.0 * 0.5f32.sqrt(), 1e-4);
+
+    // The floor's material is the scene's only one with albedo 0.5.
+    for material in &mut scene.materials {
+        (material.specular, material.shininess) = (Vec3::splat(0.3), 20.0);
+    }
+    let rendered = picture(&scene, &settings(16, Some(0)), 64);
+    let expected = |p: Vec3| {
+        let (to_light, to_eye) = (Vec3::new(-1.0, 1.0, 0.0).normalize(), (Vec3::Y * 4.0 - p).normalize());
+        let lobe = (to_light + to_eye).normalize().y.powf(20.0) * 28.0 / (8.0 * PI);
+        (0.5 / PI + 0.3 * lobe) * 2.0 * to_light.y
+    };
+    assert_floor(&rendered, &colour(&rendered), expected, 0.01);
+}
+
+const LAMP: &str = "[[lights]]\ntype = \"area\"\nradiance = [5, 5, 5]\n\
+                    polygon = [[-1, 2, -1], [1, 2, -1], [1, 2, 1], [-1, 2, 1]]";
+
+#[test]
+fn an_area_light_lights_by_its_form_factor_seen_or_not() {
+    // Below the middle of a square of half edge a at height h: E = 4 L a/sqrt(a^2+h^2) atan(a/sqrt(a^2+h^2)) .
+    let slant = (1.0f32 + 4.0).sqrt();
+    let below = 5.0 * 4.0 / slant * (1.0 / slant).atan();
+    for visible in [true, false] {
+        let mut scene = floor(&format!("{LAMP}\nvisible = {visible}"));
+        // From the side, below the lamp.
+        scene.camera.eye = Vec3::new(0.0, 0.5, 3.0);
+        scene.camera.up = Vec3::Y;
+        scene.camera.vertical_fov = 0.02;
+        let rendered = picture(&scene, &settings(8, Some(0)), 1024);
+        assert_near(mean(&layer(&rendered, "indirect")).x, below, 0.01);
+    }
+}
+
+#[test]
+fn an_area_light_shines_from_its_front_only() {
+    // The polygon above faces down; seen from above it is black, and what lies above it stays dark.
+    let scene = floor(LAMP);
+    let rendered = picture(&scene, &settings(16, Some(0)), 16);
+    let positions = layer(&rendered, "position");
+    let on_lamp: Vec<Vec3> = colour(&rendered)
+        .into_iter()
+        .zip(&positions)
+        .filter(|(_, p)| (p.y - 2.0).abs() < 1e-3)
+        .map(|(colour, _)| colour)
+        .collect();
+    assert!(on_lamp.len() > 20 && on_lamp.iter().all(|&colour| colour == Vec3::ZERO));
+
+    // An emissive quad faces up; turned over, it lights the floor.
+    let quad = |rotation: &str| {
+        floor(&format!(
+            "[[models]]\nname = \"glow\"\nprimitive = \"quad\"\nsize = [1, 1, 1]\n\
+             material = {{ albedo = [0, 0, 0], emission = [9, 9, 9] }}\n\
+             [[instances]]\nmodel = \"glow\"\ntranslation = [0, 1, 0]\nrotation = {rotation}"
+        ))
+    };
+    let lit = |rotation| mean(&layer(&picture(&quad(rotation), &settings(16, Some(0)), 64), "indirect")).x;
+    assert_eq!(lit("[0, 0, 0]"), 0.0);
+    assert!(lit("[180, 0, 0]") > 0.1);
+}
+
+#[test]
+fn lights_of_all_kinds_add_up() {
+    let lights = [
+        "[[lights]]\ntype = \"point\"\nposition = [0.5, 2, 0]\nintensity = [30, 3, 3]",
+        "[[lights]]\ntype = \"spot\"\nposition = [-1, 2, 0]\ndirection = [0.2, -1, 0]\nintensity = [0.3, 3, 3]\nouter_deg = 40",
+        "[[lights]]\ntype = \"directional\"\ndirection = [1, -1, 0.3]\nirradiance = [0.2, 0.2, 2]",
+        // Seen, it would stand in the way of the others.
+        &format!("{LAMP}\nvisible = false"),
+    ];
+    let wall = "[[models]]\nname = \"wall\"\nprimitive = \"box\"\nsize = [0.2, 3, 8]\n\
+                material = { albedo = [0.8, 0.8, 0.8] }\n\
+                [[instances]]\nmodel = \"wall\"\ntranslation = [2, 1.5, 0]";
+    let rendered = |lights: &str| {
+        let picture = picture(&floor(&format!("{wall}\n{lights}")), &settings(16, Some(2)), 1024);
+        [mean(&layer(&picture, "direct")), mean(&layer(&picture, "indirect")), mean(&colour(&picture))]
+    };
+    let together = rendered(&lights.join("\n"));
+    let apart = lights.map(rendered);
+    for part in 0..3 {
+        let sum: Vec3 = apart.iter().map(|parts| parts[part]).sum();
+        for channel in 0..3 {
+            assert_near(together[part][channel], sum[channel], 0.01);
+        }
+    }
+}
