@@ -12,10 +12,12 @@
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
+//! - [`export`]: scenes for another renderer.
 //! - [`cli`]: the command line.
 
 pub mod bvh;
 pub mod cli;
+pub mod export;
 pub mod output;
 pub mod passes;
 pub mod reference;

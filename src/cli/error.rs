@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::export::ExportError;
 use crate::output::OutputError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
@@ -38,6 +39,9 @@ pub enum CliError {
     /// The reference cannot be rendered.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// The scene cannot be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// The picture to go on with is another one.
     #[error("{path}: {reason}")]
     Resume {
@@ -98,6 +102,7 @@ impl CliError {
             | Self::Vulkan(_)
             | Self::Render(_)
             | Self::Reference(_)
+            | Self::Export(_)
             | Self::Resume { .. }
             | Self::Interrupted { .. }
             | Self::Validation { .. }

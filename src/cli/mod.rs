@@ -5,6 +5,7 @@
 mod demo;
 mod device;
 mod error;
+mod export;
 mod info;
 mod options;
 mod reference;
@@ -45,6 +46,8 @@ enum Command {
     Render(render::RenderOptions),
     /// Path trace a scene on the CPU: the ground truth.
     Reference(reference::ReferenceOptions),
+    /// Export a scene at one frame for another renderer.
+    Export(export::ExportOptions),
     /// List the Vulkan devices, what each can do, and which would be used.
     Info(info::InfoOptions),
 }
@@ -68,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Demo(options)) => demo::demo(options, &given),
         Some(Command::Render(options)) => render::render(&options, &given),
         Some(Command::Reference(options)) => reference::reference(&options),
+        Some(Command::Export(options)) => export::export(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo, &given).map_err(|error| match error {
             CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(

@@ -87,7 +87,7 @@ pub(super) enum Bounces {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exposure(Option<f32>);
 
-fn parse_bounces(text: &str) -> Result<Bounces, String> {
+pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
     match text {
         "inf" => Ok(Bounces::Unlimited),
         number => match number.parse() {

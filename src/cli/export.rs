@@ -1,0 +1,136 @@
+//! `glowworm export`: a scene at one frame for another renderer.
+
+use std::path::{Path, PathBuf};
+
+use super::options::FileOptions;
+use super::reference::{Bounces, parse_bounces};
+use super::{CliError, say};
+use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, Specular, export_mitsuba};
+use crate::output::OutputFile;
+use crate::scene::{Scene, load_scene};
+use crate::settings::{Settings, text};
+
+/// For which renderer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Format {
+    /// Mitsuba 3: scene.xml, meshes as PLY, textures as PNG.
+    Mitsuba,
+}
+
+/// Options of `export`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true)]
+pub(super) struct ExportOptions {
+    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    pub scene: String,
+    /// Renderer to export for.
+    #[arg(long, value_enum, default_value = "mitsuba")]
+    pub format: Format,
+    /// Frame of the scene's animation, from 0.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
+    pub frame: u64,
+    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
+    /// scene's, or 2.
+    #[arg(long, value_name = "N|inf", value_parser = parse_bounces)]
+    pub bounces: Option<Bounces>,
+    /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = text::parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
+    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds)]
+    pub time_step: Option<f64>,
+    /// Samples of each pixel, which `mitsuba -D spp=N` changes.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
+    pub spp: u32,
+    /// Highlights (Ks, Ns). Here they reflect point, spot and directional lights on visible surfaces only, which
+    /// no material of Mitsuba does: omit leaves them out, so that all the rest agrees; convert makes them
+    /// rough conductors, which reflect all light.
+    #[arg(long, value_enum, default_value = "omit")]
+    pub specular: Specular,
+    /// Folder to write to: a new or an empty one, or one that holds an earlier export, which is replaced.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+/// Exports the scene.
+pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
+    let Format::Mitsuba = options.format;
+    let (given_settings, given) = options.settings();
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    given_settings.check_options(&given).map_err(settings_error)?;
+    let folder = ExportFolder::new(&options.out)?;
+    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    if let Some(json) = &json
+        && (folder.may_write(json) || json.is_same(Path::new(&options.scene)))
+    {
+        let path = json.path().display();
+        return Err(CliError::Usage(format!(
+            "--json {path}: would be written over the export or the scene; give it another name"
+        )));
+    }
+    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
+    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let report = options.run(&scene, &settings, &folder)?;
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    say::print(&headline(&folder.path().join(SCENE_FILE), &report))
+}
+
+impl ExportOptions {
+    /// The options that are settings, and the names of those that were given.
+    fn settings(&self) -> (Settings, Vec<&'static str>) {
+        let mut settings = Settings::default();
+        let mut given = Vec::new();
+        if let Some(size) = self.size {
+            settings.size = size;
+            given.push("size");
+        }
+        if let Some(seconds) = self.time_step {
+            settings.time_step = seconds;
+            given.push("time_step");
+        }
+        (settings, given)
+    }
+
+    fn run(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        folder: &ExportFolder,
+    ) -> Result<ExportReport, CliError> {
+        let settings = ExportSettings {
+            frame: self.frame,
+            time: self.frame as f64 * settings.time_step,
+            size: settings.size,
+            bounces: match self.bounces {
+                Some(Bounces::Limited(limit)) => Some(limit),
+                Some(Bounces::Unlimited) => None,
+                None => Some(settings.bounces),
+            },
+            spp: self.spp,
+            specular: self.specular,
+        };
+        Ok(export_mitsuba(scene, &settings, folder)?)
+    }
+}
+
+/// What was written, and what is not exact about it.
+fn headline(scene: &Path, report: &ExportReport) -> String {
+    let mut text = format!(
+        "{}: {} shapes, {} triangles, {} materials, {} textures, {} lights; render it with mitsuba {0}\n",
+        scene.display(),
+        report.shapes,
+        report.triangles,
+        report.materials,
+        report.textures,
+        report.lights.total(),
+    );
+    for difference in &report.inexact {
+        text += &format!("not exact: {difference}\n");
+    }
+    text
+}

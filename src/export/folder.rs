@@ -1,0 +1,243 @@
+//! The folder of an export: nothing that is not of an earlier export is touched, and what is appears complete.
+//!
+//! Files are written into a folder of their own within it, and moved to their names when all of them are
+//! there. The report among them lists them all: it is what tells an earlier export, and what of it to remove.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use tempfile::TempDir;
+
+use super::{ExportReport, SCENE_FILE};
+use crate::output::{OutputError, OutputFile};
+
+/// The report of the export, within its folder.
+pub(super) const REPORT_FILE: &str = "glowworm-export.json";
+
+/// How the names of folders begin in which exports are made.
+const STAGING_PREFIX: &str = ".glowworm-export.";
+
+/// Folders within it.
+const SUBFOLDERS: [&str; 2] = ["meshes", "textures"];
+
+/// Why a scene cannot be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The folder to create it in is not there.
+    #[error("--out {out}: there is no folder {parent}; create it first")]
+    NoParent {
+        /// The folder of the export.
+        out: PathBuf,
+        /// The folder that should hold it.
+        parent: PathBuf,
+    },
+    /// A file has the folder's name.
+    #[error("--out {0}: is not a folder; give the name of a new one")]
+    NotAFolder(PathBuf),
+    /// There are other things in it.
+    #[error("--out {0}: holds files that are not of an earlier export; give the name of a new folder")]
+    Foreign(PathBuf),
+    /// A file that is not of an earlier export has the name of one to be written.
+    #[error("{0}: is in the way and not of an earlier export; move it away")]
+    InTheWay(PathBuf),
+    /// The operating system refused.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Where an export goes: a folder that is not there yet, is empty, or holds an earlier export.
+#[derive(Clone, Debug)]
+pub struct ExportFolder {
+    path: PathBuf,
+    exists: bool,
+    /// Files of the earlier export.
+    earlier: Vec<String>,
+}
+
+/// What a report says about the files beside it.
+#[derive(Deserialize)]
+struct Listing {
+    format: String,
+    files: Vec<String>,
+}
+
+impl ExportFolder {
+    /// Checks that an export could go to `path`. Leaves no trace on disk.
+    ///
+    /// # Errors
+    /// One line that names the folder.
+    pub fn new(path: impl Into<PathBuf>) -> Result<Self, ExportError> {
+        let path = path.into();
+        if !path.exists() {
+            let parent = parent_of(&path);
+            if !parent.is_dir() {
+                return Err(ExportError::NoParent { out: path, parent });
+            }
+            let folder = Self { path, exists: false, earlier: Vec::new() };
+            folder.staging_in(&parent)?;
+            return Ok(folder);
+        }
+        if !path.is_dir() {
+            return Err(ExportError::NotAFolder(path));
+        }
+        let mut folder = Self { path, exists: true, earlier: Vec::new() };
+        match folder.listing() {
+            Some(earlier) => folder.earlier = earlier,
+            None if folder.is_used()? => return Err(ExportError::Foreign(folder.path)),
+            None => {}
+        }
+        folder.staging_in(&folder.path)?;
+        Ok(folder)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether an export into this folder may write to `file`.
+    pub fn may_write(&self, file: &OutputFile) -> bool {
+        let within = |name: &str| file.is_same(&self.path.join(name));
+        let below = |folder: &&str| {
+            let own = fs::canonicalize(self.path.join(folder));
+            own.is_ok_and(|own| fs::canonicalize(parent_of(file.path())).is_ok_and(|other| other == own))
+        };
+        within(SCENE_FILE) || within(REPORT_FILE) || SUBFOLDERS.iter().any(|folder| below(&folder))
+    }
+
+    /// Whether there is anything in the folder but what a killed export left.
+    fn is_used(&self) -> Result<bool, ExportError> {
+        for entry in fs::read_dir(&self.path).map_err(|source| self.error("", source))? {
+            let entry = entry.map_err(|source| self.error("", source))?;
+            if !entry.file_name().to_string_lossy().starts_with(STAGING_PREFIX) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Files of the earlier export in this folder, if there is one. Names that none could have are left out.
+    fn listing(&self) -> Option<Vec<String>> {
+        let text = fs::read(self.path.join(REPORT_FILE)).ok()?;
+        let listing: Listing = serde_json::from_slice(&text).ok()?;
+        let is_ours = |name: &String| match name.split_once('/') {
+            None => [SCENE_FILE, REPORT_FILE].contains(&name.as_str()),
+            Some((folder, file)) => {
+                let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+                SUBFOLDERS.contains(&folder) && file.chars().all(plain) && !file.starts_with('.')
+            }
+        };
+        (listing.format == "mitsuba").then(|| listing.files.into_iter().filter(is_ours).collect())
+    }
+
+    /// Starts an export.
+    pub(super) fn begin(&self) -> Result<Staging<'_>, ExportError> {
+        if !self.exists {
+            fs::create_dir(&self.path).map_err(|source| self.error("", source))?;
+        }
+        let mut staging = Staging { folder: self, place: None, files: Vec::new(), complete: false };
+        let place = self.staging_in(&self.path)?;
+        for subfolder in SUBFOLDERS {
+            fs::create_dir(place.path().join(subfolder)).map_err(|source| self.error(subfolder, source))?;
+        }
+        staging.place = Some(place);
+        Ok(staging)
+    }
+
+    fn staging_in(&self, folder: &Path) -> Result<TempDir, ExportError> {
+        let made = tempfile::Builder::new().prefix(STAGING_PREFIX).tempdir_in(folder);
+        made.map_err(|source| self.error("", source))
+    }
+
+    fn error(&self, name: &str, source: io::Error) -> ExportError {
+        let path = if name.is_empty() { self.path.clone() } else { self.path.join(name) };
+        ExportError::Output(OutputError::Write { path, source })
+    }
+}
+
+/// An export that is being written. Unless it is completed, it leaves nothing behind.
+pub(super) struct Staging<'a> {
+    folder: &'a ExportFolder,
+    /// None before it is made and after it is removed.
+    place: Option<TempDir>,
+    files: Vec<String>,
+    complete: bool,
+}
+
+impl Staging<'_> {
+    /// Writes the file `name` (relative to the folder).
+    pub(super) fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), ExportError> {
+        let write_to = |path: &Path| {
+            let mut output = BufWriter::new(File::create(path)?);
+            write(&mut output)?;
+            // Some file systems report a full disk only when told to put everything on it.
+            output.into_inner()?.sync_all()
+        };
+        write_to(&self.path_of(name)).map_err(|source| self.folder.error(name, source))?;
+        self.files.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Adds the report, moves all files to their names and removes what else the earlier export had.
+    pub(super) fn complete(mut self, report: &ExportReport) -> Result<(), ExportError> {
+        self.write(REPORT_FILE, |output| {
+            serde_json::to_writer_pretty(&mut *output, report)?;
+            writeln!(output)
+        })?;
+        let folder = self.folder;
+        let foreign = |name: &&String| !folder.earlier.contains(name) && folder.path.join(name).exists();
+        if let Some(name) = self.files.iter().find(foreign) {
+            return Err(ExportError::InTheWay(folder.path.join(name)));
+        }
+        for subfolder in SUBFOLDERS {
+            let path = folder.path.join(subfolder);
+            if !path.is_dir() {
+                fs::create_dir(&path).map_err(|source| folder.error(subfolder, source))?;
+            }
+        }
+        for name in &self.files {
+            let moved = fs::rename(self.path_of(name), folder.path.join(name));
+            moved.map_err(|source| folder.error(name, source))?;
+        }
+        self.complete = true;
+        for name in folder.earlier.iter().filter(|name| !self.files.contains(name)) {
+            // What is gone already, or cannot be removed, harms nobody.
+            let _ = fs::remove_file(folder.path.join(name));
+        }
+        for subfolder in SUBFOLDERS {
+            // Only where it is empty.
+            let _ = fs::remove_dir(folder.path.join(subfolder));
+        }
+        Ok(())
+    }
+
+    fn path_of(&self, name: &str) -> PathBuf {
+        self.place
+            .as_ref()
+            .map_or_else(|| self.folder.path.clone(), |place| place.path().to_path_buf())
+            .join(name)
+    }
+}
+
+impl Drop for Staging<'_> {
+    fn drop(&mut self) {
+        self.place = None;
+        if !self.complete && !self.folder.exists {
+            // Only where it is empty.
+            let _ = fs::remove_dir(&self.folder.path);
+        }
+    }
+}
+
+fn parent_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}

@@ -1,0 +1,69 @@
+//! Lights without an area as Mitsuba's emitters.
+//!
+//! In: the lights of the pose. Out: an `<emitter>` for each point and directional light; several for a spot
+//! (see [`super::spot`]). Area lights are shapes.
+
+use glam::{Affine3A, Mat3, Vec3};
+
+use super::spot::ramps;
+use super::xml::Element;
+use super::{Export, Remark, named};
+use crate::scene::{Light, LightKind};
+
+impl Export<'_> {
+    /// The emitters of all lights that have no area, and count all lights.
+    pub(super) fn emitters(&mut self) -> Vec<Element> {
+        let mut emitters = Vec::new();
+        for (index, light) in self.pose.lights.iter().enumerate() {
+            let id = named("light", index, &light.name);
+            match &light.kind {
+                LightKind::Point { intensity } => {
+                    self.lights.point += 1;
+                    emitters.push(
+                        Element::plugin("emitter", "point")
+                            .attribute("id", id)
+                            .coordinates("point", "position", light.position)
+                            .rgb("intensity", *intensity),
+                    );
+                }
+                LightKind::Spot { intensity, inner_angle, outer_angle } => {
+                    self.lights.spot += 1;
+                    self.remarks.insert(Remark::SpotsArePolygons);
+                    emitters.extend(spot(light, &id, *intensity, [*inner_angle, *outer_angle]));
+                }
+                LightKind::Directional { irradiance } => {
+                    self.lights.directional += 1;
+                    emitters.push(
+                        Element::plugin("emitter", "directional")
+                            .attribute("id", id)
+                            .coordinates("vector", "direction", light.direction)
+                            .rgb("irradiance", *irradiance),
+                    );
+                }
+                LightKind::Area { instance, .. } => {
+                    let seen = self.scene.instances[*instance].visible;
+                    *(if seen { &mut self.lights.area } else { &mut self.lights.portal }) += 1;
+                }
+            }
+        }
+        emitters
+    }
+}
+
+/// The spots that add up to one of ours; together they are chosen as often as another light.
+fn spot(light: &Light, id: &str, intensity: Vec3, [inner, outer]: [f32; 2]) -> Vec<Element> {
+    let (x, y) = light.direction.any_orthonormal_pair();
+    let place = Affine3A::from_mat3_translation(Mat3::from_cols(x, y, light.direction), light.position);
+    let ramps = ramps(inner, outer).into_iter().enumerate();
+    ramps
+        .map(|(index, ramp)| {
+            Element::plugin("emitter", "spot")
+                .attribute("id", format!("{id}-{index}"))
+                .to_world(&place)
+                .rgb("intensity", intensity * ramp.share as f32)
+                .float("beam_width", ramp.beam.to_degrees() as f32)
+                .float("cutoff_angle", ramp.cutoff.to_degrees() as f32)
+                .float("sampling_weight", ramp.share as f32)
+        })
+        .collect()
+}

@@ -1,0 +1,171 @@
+//! Materials as Mitsuba's BSDFs, with their textures.
+//!
+//! In: a material. Out: its `<bsdf>`, and the images that it names among the files of the export.
+//!
+//! A surface is `twosided` `diffuse`; where parts are cut away, a `mask` is about it. Kd is multiplied into the
+//! texels, at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A highlight is a
+//! `roughconductor` of the same width, blended with the diffuse part such that neither loses anything, as far
+//! as both together send back no more light than arrives.
+
+use std::io::{self, Write};
+
+use glam::Vec3;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+
+use super::xml::Element;
+use super::{Content, Export, Specular, named};
+use crate::scene::{AlphaMask, Material, Texture, srgb_to_linear};
+
+/// A Blinn-Phong highlight as a rough conductor.
+struct Highlight {
+    /// Its reflectance is Ks over the greatest channel of Ks.
+    colour: Vec3,
+    /// Its weight beside the diffuse part: the greatest channel of Ks, or what that leaves.
+    weight: f32,
+    /// Beckmann roughness.
+    roughness: f32,
+}
+
+impl Highlight {
+    /// The highlight of a material whose diffuse part sends back at most `diffuse`, if it has one.
+    fn of(material: &Material, diffuse: f32) -> Option<Self> {
+        let strength = material.specular.max_element();
+        let weight = strength.min(1.0 - diffuse);
+        // (n h)^Ns is as wide as Beckmann's distribution of this roughness (Walter et al. 2007).
+        let roughness = (2.0 / (material.shininess + 2.0)).sqrt();
+        (weight > 0.0).then(|| Self { colour: material.specular / strength, weight, roughness })
+    }
+}
+
+impl Export<'_> {
+    /// Name of a material's BSDF.
+    pub(super) fn bsdf_id(&self, material: u32) -> String {
+        named("material", material as usize, &self.scene.materials[material as usize].name)
+    }
+
+    /// The BSDF of a material.
+    pub(super) fn bsdf(&mut self, index: u32) -> Element {
+        let material = &self.scene.materials[index as usize];
+        let id = self.bsdf_id(index);
+        let surface = Element::plugin("bsdf", "twosided").child(self.reflection(material));
+        let Some(mask) = material.alpha_mask else { return surface.attribute("id", id) };
+        let file = format!("textures/{}.png", named("mask", mask, ""));
+        self.add_file(&file, Content::Mask(mask));
+        let opacity = bitmap("opacity", &file, "nearest").boolean("raw", true);
+        Element::plugin("bsdf", "mask").attribute("id", id).child(opacity).child(surface)
+    }
+
+    fn reflection(&mut self, material: &Material) -> Element {
+        if material.specular == Vec3::ZERO || self.settings.specular == Specular::Omit {
+            return self.diffuse(material, 1.0);
+        }
+        let brightest = self.brightest(material);
+        let highlight = Highlight::of(material, brightest);
+        if highlight.as_ref().is_none_or(|highlight| highlight.weight < material.specular.max_element()) {
+            self.dimmed_highlights += 1;
+        }
+        let Some(Highlight { colour, weight, roughness }) = highlight else {
+            return self.diffuse(material, 1.0);
+        };
+        let conductor = |reflectance| {
+            Element::plugin("bsdf", "roughconductor")
+                .string("material", "none")
+                .string("distribution", "beckmann")
+                .float("alpha", roughness)
+                .rgb("specular_reflectance", reflectance)
+        };
+        if brightest == 0.0 {
+            return conductor(colour * weight);
+        }
+        Element::plugin("bsdf", "blendbsdf")
+            .float("weight", weight)
+            .child(self.diffuse(material, 1.0 - weight))
+            .child(conductor(colour))
+    }
+
+    /// The greatest channel of a material's albedo, anywhere on its texture.
+    fn brightest(&self, material: &Material) -> f32 {
+        let texel = material.albedo_texture.map_or(Vec3::ONE, |texture| {
+            let (_, _, texels) = &self.scene.textures[texture].levels[0];
+            let greatest = texels
+                .chunks_exact(4)
+                .fold([0; 3], |most, texel| std::array::from_fn(|channel| texel[channel].max(most[channel])));
+            Vec3::from_array(greatest.map(srgb_to_linear))
+        });
+        (material.albedo * texel).max_element()
+    }
+
+    /// Lambertian reflection of a material's albedo over `weight`, for a part of that weight.
+    fn diffuse(&mut self, material: &Material, weight: f32) -> Element {
+        let surface = Element::plugin("bsdf", "diffuse");
+        let tint = material.albedo / weight;
+        let Some(texture) = material.albedo_texture else {
+            return surface.rgb("reflectance", tint.min(Vec3::ONE));
+        };
+        // Two materials may share an image, but not its tint.
+        let known = self.tints.iter().position(|known| *known == (texture, tint));
+        let place = known.unwrap_or_else(|| {
+            self.tints.push((texture, tint));
+            self.tints.len() - 1
+        });
+        let file = format!("textures/{}.png", named("texture", place, &self.scene.textures[texture].name));
+        self.add_file(&file, Content::Texture { texture, tint });
+        surface.child(bitmap("reflectance", &file, "bilinear"))
+    }
+}
+
+/// A repeating image; texels are kept as 32-bit floats, filtered without loss.
+fn bitmap(name: &str, file: &str, filter: &str) -> Element {
+    Element::plugin("texture", "bitmap")
+        .attribute("name", name)
+        .string("filename", file)
+        .string("filter_type", filter)
+        .string("wrap_mode", "repeat")
+        .string("format", "variant")
+        .boolean("accel", false)
+}
+
+/// Writes the colours of a texture times `tint`, encoded as sRGB: 8 bits a channel as they are, or 16 where the
+/// tint changes them.
+pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Write) -> io::Result<()> {
+    let (width, height, texels) = &texture.levels[0];
+    let colours = texels.chunks_exact(4);
+    if tint == Vec3::ONE {
+        let bytes: Vec<u8> = colours.flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
+        return write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb8);
+    }
+    let table: [[u16; 256]; 3] = tint.to_array().map(|factor| {
+        std::array::from_fn(|texel| encode_srgb16(f64::from(factor) * f64::from(srgb_to_linear(texel as u8))))
+    });
+    let words = colours.flat_map(|texel| [0, 1, 2].map(|channel| table[channel][texel[channel] as usize]));
+    let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
+    write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb16)
+}
+
+/// Writes a mask: white where the surface is, black where it is not.
+pub(super) fn write_mask(mask: &AlphaMask, output: &mut dyn Write) -> io::Result<()> {
+    let is_there = |bit: u32| mask.bits[(bit / 32) as usize] >> (bit % 32) & 1 == 1;
+    let bytes: Vec<u8> =
+        (0..mask.width * mask.height).map(|bit| if is_there(bit) { 255 } else { 0 }).collect();
+    write_png(output, &bytes, [mask.width, mask.height], ExtendedColorType::L8)
+}
+
+fn write_png(
+    output: &mut dyn Write,
+    bytes: &[u8],
+    size: [u32; 2],
+    kind: ExtendedColorType,
+) -> io::Result<()> {
+    PngEncoder::new(output).write_image(bytes, size[0], size[1], kind).map_err(|error| match error {
+        ImageError::IoError(error) => error,
+        other => io::Error::other(other),
+    })
+}
+
+/// Encodes a linear channel as 16-bit sRGB (IEC 61966-2-1).
+fn encode_srgb16(linear: f64) -> u16 {
+    let l = linear.clamp(0.0, 1.0);
+    let s = if l <= 0.003_130_8 { l * 12.92 } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
+    (s * 65_535.0).round() as u16
+}

@@ -1,0 +1,266 @@
+//! A scene at one moment as a Mitsuba 3 scene: `scene.xml`, meshes as PLY, textures as PNG.
+//!
+//! In: a scene, a time, and what the picture is to be like. Out: a folder that Mitsuba 3 renders as it stands
+//! (seen with 3.9), to the same radiance: the same geometry, materials, lights, units, camera and bounce limit.
+//! What is not quite the same is said in [`ExportReport::inexact`] and in the head of `scene.xml`.
+//!
+//! Values in the XML are 32-bit floats that read back as the same numbers.
+
+mod folder;
+mod lights;
+mod materials;
+mod ply;
+mod remarks;
+mod shapes;
+mod spot;
+mod view;
+mod xml;
+
+pub use folder::{ExportError, ExportFolder};
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+
+use glam::Vec3;
+use serde::Serialize;
+
+use crate::report::COMMIT;
+use crate::scene::{LightKind, Pose, Scene};
+use remarks::Remark;
+use shapes::Part;
+use xml::Element;
+
+/// What becomes of the highlights of materials (Ks, Ns).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Specular {
+    /// Left out: what is left is exact.
+    #[default]
+    Omit,
+    /// Rough conductors of the same width, which reflect all light, not only that of lights without an area.
+    Convert,
+}
+
+/// What the exported picture is to be like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportSettings {
+    /// Frame of the animation, for the report.
+    pub frame: u64,
+    /// Its time, seconds.
+    pub time: f64,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Surfaces that may pass light on before it reaches the visible one; none: no limit.
+    pub bounces: Option<u32>,
+    /// Samples of each pixel, unless Mitsuba is told another number.
+    pub spp: u32,
+    /// What becomes of highlights.
+    pub specular: Specular,
+}
+
+/// Lights of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct LightCounts {
+    /// Points.
+    pub point: usize,
+    /// Spots; each is several of Mitsuba's.
+    pub spot: usize,
+    /// Directional ones.
+    pub directional: usize,
+    /// Instances that shine.
+    pub area: usize,
+    /// Invisible instances that shine.
+    pub portal: usize,
+}
+
+impl LightCounts {
+    /// All together.
+    pub fn total(&self) -> usize {
+        self.point + self.spot + self.directional + self.area + self.portal
+    }
+}
+
+/// What was exported.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExportReport {
+    /// Name of the scene.
+    pub scene: String,
+    /// `mitsuba`.
+    pub format: &'static str,
+    /// Frame of the animation.
+    pub frame: u64,
+    /// Its time, seconds.
+    pub time: f64,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples of each pixel.
+    pub spp: u32,
+    /// Mitsuba's integrator.
+    pub integrator: &'static str,
+    /// Its `max_depth`; -1: no limit.
+    pub max_depth: i64,
+    /// What became of highlights.
+    pub specular: Specular,
+    /// Radiance of pixels that see nothing, to be added by 1 - alpha.
+    pub background: [f32; 3],
+    /// Shapes of the Mitsuba scene.
+    pub shapes: usize,
+    /// Triangles of all instances.
+    pub triangles: usize,
+    /// BSDFs.
+    pub materials: usize,
+    /// Images, with alpha masks.
+    pub textures: usize,
+    /// Lights of the scene.
+    pub lights: LightCounts,
+    /// Where Mitsuba's picture differs from glowworm's, a sentence each.
+    pub inexact: Vec<String>,
+    /// Every file, relative to the folder.
+    pub files: Vec<String>,
+    /// The program that wrote them, see [`COMMIT`].
+    pub commit: &'static str,
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Content {
+    Mesh(Part),
+    /// A texture times a colour.
+    Texture {
+        texture: usize,
+        tint: Vec3,
+    },
+    Mask(usize),
+}
+
+/// An export under way.
+struct Export<'a> {
+    scene: &'a Scene,
+    pose: &'a Pose,
+    settings: &'a ExportSettings,
+    has_portals: bool,
+    files: BTreeMap<String, Content>,
+    /// Tinted textures; the place is the number in the file's name.
+    tints: Vec<(usize, Vec3)>,
+    used_materials: BTreeSet<u32>,
+    remarks: BTreeSet<Remark>,
+    dimmed_highlights: usize,
+    shapes: usize,
+    triangles: usize,
+    lights: LightCounts,
+}
+
+/// Writes `scene`, as it stands at the time of `settings`, into `folder`.
+///
+/// # Errors
+/// A file that cannot be written, by name. What an earlier export left in the folder is then still there.
+pub fn export_mitsuba(
+    scene: &Scene,
+    settings: &ExportSettings,
+    folder: &ExportFolder,
+) -> Result<ExportReport, ExportError> {
+    let pose = scene.pose(settings.time);
+    let mut export = Export::new(scene, &pose, settings);
+    let document = export.document();
+    let report = export.report();
+    let mut staging = folder.begin()?;
+    for (name, content) in &export.files {
+        staging.write(name, |output| export.write_file(content, output))?;
+    }
+    staging.write(SCENE_FILE, |output| document.write(output))?;
+    staging.complete(&report)?;
+    Ok(report)
+}
+
+/// The scene itself, within the folder.
+pub const SCENE_FILE: &str = "scene.xml";
+
+impl<'a> Export<'a> {
+    fn new(scene: &'a Scene, pose: &'a Pose, settings: &'a ExportSettings) -> Self {
+        let is_portal = |light: &crate::scene::Light| match light.kind {
+            LightKind::Area { instance, .. } => !scene.instances[instance].visible,
+            _ => false,
+        };
+        Self {
+            scene,
+            pose,
+            settings,
+            has_portals: scene.lights.iter().any(is_portal),
+            files: BTreeMap::new(),
+            tints: Vec::new(),
+            used_materials: BTreeSet::new(),
+            remarks: BTreeSet::new(),
+            dimmed_highlights: 0,
+            shapes: 0,
+            triangles: 0,
+            lights: LightCounts::default(),
+        }
+    }
+
+    /// The whole of `scene.xml`.
+    fn document(&mut self) -> Element {
+        let shapes = self.shapes();
+        let emitters = self.emitters();
+        let materials: Vec<u32> = self.used_materials.iter().copied().collect();
+        let bsdfs: Vec<Element> = materials.into_iter().map(|material| self.bsdf(material)).collect();
+        let remarks = self.head();
+        let scene = Element::new("scene").attribute("version", "3.0.0");
+        let scene = remarks.iter().fold(scene, |scene, remark| scene.comment(remark));
+        scene
+            .children(self.defaults())
+            .child(self.integrator())
+            .child(self.sensor())
+            .children(bsdfs)
+            .children(emitters)
+            .children(shapes)
+    }
+
+    /// Notes that the file `name` has to be written.
+    fn add_file(&mut self, name: &str, content: Content) {
+        self.files.insert(name.to_owned(), content);
+    }
+
+    fn write_file(&self, content: &Content, output: &mut dyn Write) -> io::Result<()> {
+        match *content {
+            Content::Mesh(part) => part.mesh(self).write(output),
+            Content::Texture { texture, tint } => {
+                materials::write_texture(&self.scene.textures[texture], tint, output)
+            }
+            Content::Mask(mask) => materials::write_mask(&self.scene.alpha_masks[mask], output),
+        }
+    }
+
+    fn report(&self) -> ExportReport {
+        let is_image = |content: &&Content| !matches!(content, Content::Mesh(_));
+        let own = [SCENE_FILE, folder::REPORT_FILE].map(str::to_owned);
+        ExportReport {
+            scene: self.scene.name.clone(),
+            format: "mitsuba",
+            frame: self.settings.frame,
+            time: self.settings.time,
+            size: self.settings.size,
+            spp: self.settings.spp,
+            integrator: self.integrator_name(),
+            max_depth: self.max_depth(),
+            specular: self.settings.specular,
+            background: self.scene.background.to_array(),
+            shapes: self.shapes,
+            triangles: self.triangles,
+            materials: self.used_materials.len(),
+            textures: self.files.values().filter(is_image).count(),
+            lights: self.lights,
+            inexact: self.inexact(),
+            files: own.into_iter().chain(self.files.keys().cloned()).collect(),
+            commit: COMMIT,
+        }
+    }
+}
+
+/// A name that is safe in XML and as a file's: what it is, its index, and what of its own name can be kept.
+fn named(kind: &str, index: usize, name: &str) -> String {
+    const LONGEST: usize = 40;
+    let stem = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let safe = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
+    let safe: String = safe.take(LONGEST).collect();
+    if safe.is_empty() { format!("{kind}-{index}") } else { format!("{kind}-{index}-{safe}") }
+}

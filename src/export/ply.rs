@@ -1,0 +1,55 @@
+//! Meshes as PLY files: binary, little-endian, 32-bit floats, the names of properties as Mitsuba knows them.
+
+use std::io::{self, Write};
+
+use glam::{Vec2, Vec3};
+
+/// An indexed triangle mesh to be written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PlyMesh {
+    pub(super) positions: Vec<Vec3>,
+    /// One a vertex, or none at all.
+    pub(super) normals: Vec<Vec3>,
+    /// One a vertex, or none at all; origin at the top left of an image.
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+impl PlyMesh {
+    /// Writes the file.
+    pub(super) fn write(&self, output: &mut dyn Write) -> io::Result<()> {
+        let properties = |names: &[&str], present: bool| {
+            let line = |name: &&str| format!("property float {name}\n");
+            if present { names.iter().map(line).collect() } else { String::new() }
+        };
+        write!(
+            output,
+            "ply\nformat binary_little_endian 1.0\nelement vertex {}\n{}{}{}element face {}\n\
+             property list uchar int vertex_indices\nend_header\n",
+            self.positions.len(),
+            properties(&["x", "y", "z"], true),
+            properties(&["nx", "ny", "nz"], !self.normals.is_empty()),
+            properties(&["u", "v"], !self.uvs.is_empty()),
+            self.triangles.len(),
+        )?;
+        for (vertex, position) in self.positions.iter().enumerate() {
+            let normal = self.normals.get(vertex).map(Vec3::to_array);
+            let uv = self.uvs.get(vertex).map(Vec2::to_array);
+            let floats = position
+                .to_array()
+                .into_iter()
+                .chain(normal.into_iter().flatten())
+                .chain(uv.into_iter().flatten());
+            for float in floats {
+                output.write_all(&float.to_le_bytes())?;
+            }
+        }
+        for triangle in &self.triangles {
+            output.write_all(&[3])?;
+            for vertex in triangle {
+                output.write_all(&vertex.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,225 @@
+//! Instances as Mitsuba's shapes.
+//!
+//! In: the instances of a scene and where they stand. Out: a `<shape>` for each material of each, and the meshes
+//! that they name among the files of the export.
+//!
+//! - What emits no light lies in object space, with a transform: instances of a model share its files.
+//! - What emits lies in world space, shaded flat, because Mitsuba takes the side that shines, and how much of it
+//!   is seen, from the shading normal. The front of a mirrored instance stays its front.
+//! - A portal, which emits but is not there, is a `null` surface with an emitter. `volpath` lets light pass
+//!   through it, and `hide_emitters` takes it from the camera's view; but that takes all lights with an
+//!   area. So those that are to be seen have a copy right behind them, and between the two a pane of glass
+//!   that does not refract: once through that, a ray from the camera counts as scattered, and sees the copy.
+//!   Nothing else does, and the copy is never chosen as a light.
+
+use glam::{Affine3A, Vec3};
+
+use super::ply::PlyMesh;
+use super::xml::Element;
+use super::{Content, Export, Remark, named};
+use crate::scene::{Material, Mesh};
+
+/// Mitsuba moves the start of a ray off its surface by 9e-5 * (1 + |p|); what lies behind another surface
+/// must be farther away than that.
+const BEHIND: f32 = 2e-4;
+
+/// The triangles of one material, as a file holds them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    /// Index of the mesh, or for what emits of the instance.
+    pub(super) owner: Owner,
+    /// Index of the material.
+    pub(super) material: u32,
+}
+
+/// What the triangles are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Owner {
+    /// A mesh, in object space.
+    Mesh(usize),
+    /// An instance, in world space, so many steps behind itself.
+    Instance { index: usize, steps: u32 },
+}
+
+impl Part {
+    /// The mesh of the file.
+    pub(super) fn mesh(&self, export: &Export<'_>) -> PlyMesh {
+        let scene = export.scene;
+        let material = &scene.materials[self.material as usize];
+        let textured = material.albedo_texture.is_some() || material.alpha_mask.is_some();
+        let mut part = match self.owner {
+            Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material),
+            Owner::Instance { index, steps } => {
+                let mesh = &scene.meshes[scene.instances[index].mesh];
+                in_world_space(mesh, self.material, &export.pose.instances[index], steps)
+            }
+        };
+        if !textured {
+            part.uvs.clear();
+        }
+        part
+    }
+}
+
+impl Export<'_> {
+    /// The shapes of all instances.
+    pub(super) fn shapes(&mut self) -> Vec<Element> {
+        let scene = self.scene;
+        let mut shapes = Vec::new();
+        for (index, instance) in scene.instances.iter().enumerate() {
+            let mesh = &scene.meshes[instance.mesh];
+            let mut materials = mesh.triangle_materials.clone();
+            materials.sort_unstable();
+            materials.dedup();
+            for material in materials {
+                let emits = scene.materials[material as usize].is_emissive();
+                match (instance.visible, emits) {
+                    (true, false) => shapes.push(self.surface(index, material)),
+                    (true, true) => shapes.extend(self.lamp(index, material)),
+                    (false, true) => shapes.push(self.portal(index, material)),
+                    (false, false) => continue,
+                }
+                self.triangles += triangles_of(mesh, material).count();
+            }
+        }
+        shapes
+    }
+
+    /// A shape that emits no light.
+    fn surface(&mut self, index: usize, material: u32) -> Element {
+        let transform = self.pose.instances[index];
+        let owner = Owner::Mesh(self.scene.instances[index].mesh);
+        let shape = self.shape(index, Part { owner, material });
+        self.with_bsdf(shape.to_world(&transform), material)
+    }
+
+    /// A shape that emits light and, where `hide_emitters` hides it, what the camera sees in its place.
+    fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
+        let glow = &self.scene.materials[material as usize];
+        let shape = self.flat_shape(index, material, 0);
+        let mut shapes = vec![self.with_bsdf(shape, material).child(emitter(glow))];
+        if self.has_portals {
+            let pane = Element::plugin("bsdf", "dielectric").float("int_ior", 1.0).float("ext_ior", 1.0);
+            shapes.push(self.flat_shape(index, material, 1).child(pane));
+            let copy = self.flat_shape(index, material, 2);
+            shapes.push(self.with_bsdf(copy, material).child(emitter(glow).float("sampling_weight", 0.0)));
+        }
+        self.remark_lamp(index, material);
+        shapes
+    }
+
+    /// A shape that emits light but is neither seen nor hit.
+    fn portal(&mut self, index: usize, material: u32) -> Element {
+        let glow = &self.scene.materials[material as usize];
+        self.flat_shape(index, material, 0).child(Element::plugin("bsdf", "null")).child(emitter(glow))
+    }
+
+    fn with_bsdf(&mut self, shape: Element, material: u32) -> Element {
+        self.used_materials.insert(material);
+        shape.child(Element::new("ref").attribute("id", self.bsdf_id(material)))
+    }
+
+    fn flat_shape(&mut self, index: usize, material: u32, steps: u32) -> Element {
+        let part = Part { owner: Owner::Instance { index, steps }, material };
+        self.shape(index, part).boolean("face_normals", true)
+    }
+
+    fn shape(&mut self, index: usize, part: Part) -> Element {
+        let material = self.bsdf_id(part.material);
+        let instance = named("instance", index, &self.scene.instances[index].name);
+        let (id, file) = match part.owner {
+            Owner::Mesh(mesh) => {
+                let mesh = named("mesh", mesh, &self.scene.meshes[mesh].name);
+                (format!("{instance}-{material}"), format!("meshes/{mesh}-{material}.ply"))
+            }
+            Owner::Instance { steps, .. } => {
+                let id = format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize]);
+                (id.clone(), format!("meshes/{id}.ply"))
+            }
+        };
+        self.shapes += 1;
+        self.add_file(&file, Content::Mesh(part));
+        Element::plugin("shape", "ply").attribute("id", id).string("filename", &file)
+    }
+
+    /// Says what a lamp's own surface looks like, where it is not quite as in glowworm.
+    fn remark_lamp(&mut self, index: usize, material: u32) {
+        let scene = self.scene;
+        let glow = &scene.materials[material as usize];
+        let mesh = &scene.meshes[scene.instances[index].mesh];
+        let reflects = glow.albedo != Vec3::ZERO;
+        if reflects && self.has_portals {
+            self.remarks.insert(Remark::SeenLampsReflectNothing);
+        } else if reflects && triangles_of(mesh, material).any(|triangle| is_smooth(mesh, triangle)) {
+            self.remarks.insert(Remark::LampsAreFlat);
+        }
+        if glow.alpha_mask.is_some() {
+            self.remarks.insert(Remark::HolesShine);
+        }
+    }
+}
+
+fn emitter(material: &Material) -> Element {
+    Element::plugin("emitter", "area").rgb("radiance", material.emission)
+}
+
+/// Indices of the triangles of a material.
+fn triangles_of(mesh: &Mesh, material: u32) -> impl Iterator<Item = usize> {
+    let of = mesh.triangle_materials.iter().enumerate();
+    of.filter(move |&(_, &other)| other == material).map(|(triangle, _)| triangle)
+}
+
+/// Whether a triangle is shaded as if it were bent.
+fn is_smooth(mesh: &Mesh, triangle: usize) -> bool {
+    let flat = normal_of(mesh.triangle_positions(triangle as u32));
+    mesh.triangles[triangle].iter().any(|&vertex| mesh.normals[vertex as usize].dot(flat).abs() < 0.999)
+}
+
+/// The triangles with those vertices that they use.
+fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
+    const UNUSED: u32 = u32::MAX;
+    let mut places = vec![UNUSED; mesh.positions.len()];
+    let mut part = PlyMesh::default();
+    for triangle in triangles_of(mesh, material) {
+        part.triangles.push(mesh.triangles[triangle].map(|vertex| {
+            let vertex = vertex as usize;
+            if places[vertex] == UNUSED {
+                places[vertex] = part.positions.len() as u32;
+                part.positions.push(mesh.positions[vertex]);
+                part.normals.push(mesh.normals[vertex]);
+                part.uvs.push(mesh.uvs[vertex]);
+            }
+            places[vertex]
+        }));
+    }
+    part
+}
+
+/// The triangles in the world, without normals, moved by `steps` away from the side that shines.
+fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) -> PlyMesh {
+    let mirrored = transform.matrix3.determinant() < 0.0;
+    let mut part = PlyMesh::default();
+    for triangle in triangles_of(mesh, material) {
+        let mut vertices = mesh.triangles[triangle];
+        if mirrored {
+            vertices.swap(1, 2);
+        }
+        let first = part.positions.len() as u32;
+        part.triangles.push([first, first + 1, first + 2]);
+        part.positions
+            .extend(vertices.map(|vertex| transform.transform_point3(mesh.positions[vertex as usize])));
+        part.uvs.extend(vertices.map(|vertex| mesh.uvs[vertex as usize]));
+    }
+    let reach = part.positions.iter().fold(0.0f32, |reach, point| reach.max(point.abs().max_element()));
+    let distance = steps as f32 * BEHIND * (1.0 + reach);
+    for corners in part.positions.as_chunks_mut().0 {
+        let shift = normal_of(*corners) * distance;
+        corners.iter_mut().for_each(|corner| *corner -= shift);
+    }
+    part
+}
+
+/// Unit normal on the counter-clockwise side; zero where the corners are in line.
+fn normal_of([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).normalize_or_zero()
+}

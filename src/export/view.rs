@@ -1,0 +1,59 @@
+//! How the picture is taken: integrator, camera, film and sampler.
+
+use super::Export;
+use super::xml::{Element, numbers};
+use glam::Vec3;
+
+impl Export<'_> {
+    /// The parameters that `mitsuba -D name=value` changes.
+    pub(super) fn defaults(&self) -> [Element; 2] {
+        let default =
+            |name, value: String| Element::new("default").attribute("name", name).attribute("value", value);
+        [default("spp", self.settings.spp.to_string()), default("max_depth", self.max_depth().to_string())]
+    }
+
+    /// Edges of the longest light path, from the light to the camera: one more than surfaces, of which the
+    /// visible one is no bounce. -1: no limit.
+    pub(super) fn max_depth(&self) -> i64 {
+        self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
+    }
+
+    /// `path`, or where light passes through surfaces `volpath`, for which that is no bounce.
+    pub(super) fn integrator_name(&self) -> &'static str {
+        let used = |&material: &u32| self.scene.materials[material as usize].alpha_mask.is_some();
+        if self.has_portals || self.used_materials.iter().any(used) { "volpath" } else { "path" }
+    }
+
+    pub(super) fn integrator(&self) -> Element {
+        // Russian roulette is for paths that nothing else ends.
+        let roulette = if self.settings.bounces.is_some() { i32::MAX } else { 5 };
+        let integrator = Element::plugin("integrator", self.integrator_name())
+            .integer("max_depth", "$max_depth")
+            .integer("rr_depth", roulette);
+        if self.has_portals { integrator.boolean("hide_emitters", true) } else { integrator }
+    }
+
+    pub(super) fn sensor(&self) -> Element {
+        let camera = &self.pose.camera;
+        let place = Element::new("lookat")
+            .attribute("origin", numbers(&camera.eye.to_array()))
+            .attribute("target", numbers(&camera.target.to_array()))
+            .attribute("up", numbers(&camera.up.to_array()));
+        // Alpha tells where the background belongs.
+        let has_background = self.scene.background != Vec3::ZERO;
+        let film = Element::plugin("film", "hdrfilm")
+            .integer("width", self.settings.size[0])
+            .integer("height", self.settings.size[1])
+            .string("pixel_format", if has_background { "rgba" } else { "rgb" })
+            .string("component_format", "float32")
+            .child(Element::plugin("rfilter", "box"));
+        Element::plugin("sensor", "perspective")
+            .string("fov_axis", "y")
+            .float("fov", camera.vertical_fov.to_degrees())
+            .float("near_clip", camera.near)
+            .float("far_clip", camera.far)
+            .child(Element::new("transform").attribute("name", "to_world").child(place))
+            .child(Element::plugin("sampler", "multijitter").integer("sample_count", "$spp"))
+            .child(film)
+    }
+}

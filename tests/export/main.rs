@@ -1,0 +1,12 @@
+//! `glowworm export`: what Mitsuba is told about a scene, read back from the files.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod command;
+mod files;
+mod lights;
+mod materials;
+mod meshes;
+mod portals;
+mod support;
+mod view;

@@ -1,0 +1,103 @@
+//! Shapes and their PLY files.
+
+use glam::{Affine3A, Vec3};
+use glowworm::scene::{Instance, Material, Mesh, Scene, load_scene};
+
+use crate::support::*;
+
+#[test]
+fn every_triangle_is_there_once_bit_by_bit() {
+    let scene = load_scene("cornell-box", None).unwrap();
+    let exported = export(&scene);
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    let mesh = &scene.meshes[0];
+    let mut expected: Vec<_> = (0..mesh.triangles.len() as u32)
+        .map(|triangle| {
+            let material = mesh.triangle_materials[triangle as usize];
+            (material, mesh.triangle_positions(triangle).map(|corner| corner.to_array().map(f32::to_bits)))
+        })
+        .collect();
+    let mut found = Vec::new();
+    for shape in elements(document.root_element(), "shape") {
+        let id = only(shape, "ref").attribute("id").unwrap();
+        let material: u32 = id.split('-').nth(1).unwrap().parse().unwrap();
+        let ply = exported.mesh(shape);
+        assert!(ply.uvs.is_empty());
+        found.extend((0..ply.triangles.len()).map(|triangle| {
+            (material, ply.corners(triangle).map(|corner| corner.to_array().map(f32::to_bits)))
+        }));
+        for (triangle, vertices) in ply.triangles.iter().enumerate().filter(|_| !ply.normals.is_empty()) {
+            let normals = vertices.map(|vertex| ply.normals[vertex as usize]);
+            assert!(normals.iter().all(|normal| normal.distance(ply.front(triangle)) < 1e-2));
+        }
+    }
+    expected.sort_unstable();
+    found.sort_unstable();
+    assert_eq!(found, expected);
+    assert_eq!(exported.report.triangles, expected.len());
+}
+
+#[test]
+fn lamps_are_flat_and_shine_on_their_front_side() {
+    let mut scene = Scene::new("lamps");
+    scene.materials.push(Material { albedo: Vec3::splat(0.5), ..Material::emitter("glow", Vec3::ONE) });
+    scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0));
+    let places = [
+        Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0)),
+        Affine3A::from_scale_rotation_translation(
+            Vec3::new(-1.0, 2.0, 1.0),
+            glam::Quat::from_rotation_x(0.4),
+            Vec3::ZERO,
+        ),
+    ];
+    for (index, place) in places.into_iter().enumerate() {
+        scene.instances.push(Instance::fixed("lamp", 0, place));
+        scene.add_area_light(index);
+    }
+    let exported = export(&scene);
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    for (index, place) in places.into_iter().enumerate() {
+        let shape = by_id(document.root_element(), &format!("instance-{index}-lamp"));
+        assert_eq!(value(shape, "face_normals"), "true");
+        assert_eq!(vector(value(only(shape, "emitter"), "radiance")), Vec3::ONE);
+        // In the world, outwards, even where the instance is mirrored.
+        assert_eq!(to_world(shape), glam::Mat4::IDENTITY);
+        let ply = exported.mesh(shape);
+        assert_eq!(ply.triangles.len(), 80);
+        for triangle in 0..ply.triangles.len() {
+            let middle: Vec3 = ply.corners(triangle).iter().sum::<Vec3>() / 3.0;
+            assert!(ply.front(triangle).dot(middle - Vec3::from(place.translation)) > 0.0);
+        }
+    }
+    assert!(exported.report.inexact.iter().any(|line| line.contains("shaded flat")));
+}
+
+#[test]
+fn instances_share_the_files_of_their_model() {
+    let exported = export(&all_kinds());
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    let file = |start| value(by_id(document.root_element(), start), "filename");
+    assert_eq!(file("instance-1-wedge"), file("instance-2-mirrored_wedge"));
+    assert_eq!(file("instance-3-egg"), file("instance-4-thrown_ball"));
+    assert!(to_world(by_id(document.root_element(), "instance-2-")).determinant() < 0.0);
+}
+
+#[test]
+fn what_is_neither_seen_nor_shines_is_left_out() {
+    let exported = export(&scene(
+        r#"
+        [[models]]
+        name = "box"
+        primitive = "box"
+        [[instances]]
+        model = "box"
+        [[instances]]
+        name = "hidden"
+        model = "box"
+        visible = false
+        "#,
+    ));
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    assert_eq!(elements(document.root_element(), "shape").len(), 1);
+    assert_eq!(exported.report.triangles, 12);
+}
