@@ -5,11 +5,13 @@
 
 mod exr;
 mod file;
+mod numbered;
 mod picture;
 mod png;
 mod target;
 
 pub use file::OutputFile;
+pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
 
