@@ -9,14 +9,18 @@
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 //! - [`report`]: what was measured of each frame.
 //! - [`output`]: pictures and reports on disk.
+//! - [`metrics`]: how far a picture is from its reference.
+//! - [`plot`]: numbers as pictures.
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
 //! - [`cli`]: the command line.
 
 pub mod bvh;
 pub mod cli;
+pub mod metrics;
 pub mod output;
 pub mod passes;
+pub mod plot;
 pub mod renderer;
 pub mod report;
 pub mod scene;

@@ -1,6 +1,8 @@
 //! Why a run failed, and with which exit code it ends.
 
+use crate::metrics::MetricsError;
 use crate::output::OutputError;
+use crate::plot::PlotError;
 use crate::renderer::RenderError;
 use crate::scene::SceneError;
 use crate::settings::SettingsError;
@@ -26,6 +28,12 @@ pub enum CliError {
     /// A picture or report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// Pictures cannot be compared.
+    #[error(transparent)]
+    Metrics(#[from] MetricsError),
+    /// A plot cannot be drawn or written.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// Vulkan cannot be loaded, has no fitting device, or failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
@@ -64,6 +72,8 @@ impl CliError {
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
+            Self::Metrics(error) => error.is_usage(),
+            Self::Plot(error) => error.is_usage(),
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)

@@ -2,6 +2,8 @@
 //!
 //! Exit codes: 0 done; 1 failed; 2 wrong usage. A failure is one line on standard error.
 
+mod compare;
+mod compare_text;
 mod demo;
 mod device;
 mod error;
@@ -42,6 +44,8 @@ enum Command {
     Demo(demo::DemoOptions),
     /// Render a scene to a picture or a sequence of pictures.
     Render(render::RenderOptions),
+    /// Compare a picture or a sequence with its reference.
+    Compare(compare::CompareArguments),
     /// List the Vulkan devices, what each can do, and which would be used.
     Info(info::InfoOptions),
 }
@@ -64,6 +68,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     match arguments.command {
         Some(Command::Demo(options)) => demo::demo(options, &given),
         Some(Command::Render(options)) => render::render(&options, &given),
+        Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo, &given).map_err(|error| match error {
             CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(

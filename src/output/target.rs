@@ -53,18 +53,11 @@ impl PictureTarget {
     /// Writes frame `frame` and says where to.
     pub fn write(&self, picture: &Picture, frame: u64) -> Result<PathBuf, OutputError> {
         let path = self.name.path_of(frame);
-        let encode_error = |reason: String| OutputError::Encode { path: path.clone(), reason };
         let file = OutputFile::new(&path)?;
-        file.save(|writer| match self.format {
-            Format::Png => png::write(picture, writer).map_err(|error| match error {
-                image::ImageError::IoError(source) => file.error(source),
-                other => encode_error(other.to_string()),
-            }),
-            Format::Exr => exr::write(picture, writer).map_err(|error| match error {
-                ::exr::error::Error::Io(source) => file.error(source),
-                other => encode_error(other.to_string()),
-            }),
-        })?;
+        match self.format {
+            Format::Png => png::write(picture, &file)?,
+            Format::Exr => exr::write(picture, &file)?,
+        }
         Ok(path)
     }
 }
