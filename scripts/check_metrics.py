@@ -201,7 +201,8 @@ def agree(name, ours, theirs):
 def print_known_answers(folder):
     for name, image, reference in made_pairs(folder):
         figures = expected(image, reference)
-        print(f'    ("{name}", "{image.suffix[1:]}", [{", ".join(f"{figures[f]:.7g}" for f in FIGURES)}]),')
+        known = ", ".join(str(float(f"{figures[figure]:.7g}")) for figure in FIGURES)
+        print(f'    ("{name}", "{image.suffix[1:]}", [{known}]),')
 
 
 def check(folder, glowworm):

@@ -15,12 +15,15 @@ use crate::output::{NumberedPath, OutputFile};
 use crate::plot::{Heatmap, PlotFile, round_limit, short};
 use crate::report::percentile;
 
+/// What is compared in which units, after the options.
+const HELP: &str = "\
+Two .png are compared by their sRGB values as they are, two .exr by their linear ones: MAE, RMSE and relative \
+MSE. Luminance is linear in both cases: ratio of the means, relative errors of pixels and blocks, temporal \
+error. FLIP of .exr is HDR-FLIP. A name with {frame} or {frame:04} stands for a sequence.";
+
 /// Options of `compare`.
-///
-/// Both pictures are PNG, whose sRGB values are compared as they are, or both EXR, whose values are linear.
-/// Where a name has a {frame} or {frame:04} it stands for a sequence.
 #[derive(Clone, Debug, clap::Args)]
-#[command(args_override_self = true)]
+#[command(args_override_self = true, after_help = HELP)]
 pub(super) struct CompareArguments {
     /// Picture to be judged: .png or .exr.
     pub image: PathBuf,

@@ -21,16 +21,16 @@ pub(super) fn table(report: &CompareReport) -> String {
     };
     // Writing to a String cannot fail.
     if !frames.is_empty() {
-        let _ = writeln!(text, "{:<32}{:>12}{:>12}{:>12}", "", "mean", "least", "greatest");
+        let _ = writeln!(text, "{:<32}{:<12}{:<12}greatest", "", "mean", "least");
     }
     for (name, figure) in rows(metrics, report) {
         let Some(value) = figure(&whole) else { continue };
-        let _ = write!(text, "{name:<32}{:>12}", short(value));
+        let _ = write!(text, "{name:<32}{:<12}", short(value));
         let values = || frames.iter().filter_map(figure);
         if !frames.is_empty() {
             let (least, greatest) =
                 (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-            let _ = write!(text, "{:>12}{:>12}", short(least), short(greatest));
+            let _ = write!(text, "{:<12}{}", short(least), short(greatest));
         }
         text.push('\n');
     }

@@ -108,9 +108,7 @@ pub enum MetricsError {
     #[error("{0}: there is no picture of this sequence")]
     NoFrames(PathBuf),
     /// A picture of a sequence is not there.
-    #[error(
-        "{missing}: is not there, although {there} is; --frames FIRST-LAST compares a part of a sequence"
-    )]
+    #[error("{missing}: is not there, but {there} is; --frames FIRST-LAST compares a part of a sequence")]
     MissingFrame {
         /// What is missing.
         missing: PathBuf,

@@ -56,8 +56,16 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), Me
     check_size(path, size)?;
     let mut reader = reader();
     reader.limits(Limits::no_limits());
-    let decoded = reader.decode().map_err(decode_error)?.into_rgb32f();
-    Ok((size, decoded.pixels().map(|pixel| pixel.0).collect()))
+    let decoded = reader.decode().map_err(decode_error)?;
+    let is_16_bits = decoded.color().bits_per_pixel() / u16::from(decoded.color().channel_count()) == 16;
+    let pixels = if is_16_bits {
+        let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
+        decoded.into_rgb16().pixels().map(|pixel| pixel.0.map(scaled)).collect()
+    } else {
+        let scaled = |value: u8| f32::from(value) / f32::from(u8::MAX);
+        decoded.into_rgb8().pixels().map(|pixel| pixel.0.map(scaled)).collect()
+    };
+    Ok((size, pixels))
 }
 
 /// Fails before memory is asked for that a broken file only claims to need.

@@ -34,6 +34,7 @@ pub struct SequenceMetrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_temporal_error: Option<f64>,
     /// Every frame, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<FrameMetrics>,
 }
 

@@ -9,7 +9,7 @@ use super::{FONT, short};
 
 const PANEL_WIDTH: u32 = 480;
 const PANEL_HEIGHT: u32 = 270;
-const TITLE_HEIGHT: u32 = 36;
+const TITLE_HEIGHT: u32 = 44;
 const COLUMNS: usize = 2;
 
 /// A page of panels over one x axis.
@@ -57,7 +57,7 @@ impl Curves {
 
     pub(super) fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
         canvas.fill(&WHITE)?;
-        let page = canvas.titled(&self.title, (FONT, 20))?;
+        let page = canvas.margin(8, 0, 0, 0).titled(&self.title, (FONT, 20))?;
         let (columns, rows) = self.grid();
         for (panel, area) in self.panels.iter().zip(page.split_evenly((rows, columns))) {
             self.draw_panel(panel, &area)?;
@@ -95,8 +95,10 @@ impl Curves {
             let colour = line_colour(index);
             let mut key = Some(line.name.as_str());
             for piece in line.points.split(|point| !is_finite(point)).filter(|piece| !piece.is_empty()) {
-                // A line of one point would not be seen.
-                chart.draw_series(piece[..1].iter().map(|&point| Circle::new(point, 2, colour.filled())))?;
+                if let &[point] = piece {
+                    // A line of one point would not be seen.
+                    chart.draw_series([Circle::new(point, 2, colour.filled())])?;
+                }
                 let drawn =
                     chart.draw_series(LineSeries::new(piece.iter().copied(), colour.stroke_width(2)))?;
                 if let Some(name) = key.take() {

@@ -7,9 +7,12 @@ use super::{FONT, PlotError, prepare_font, short};
 use crate::output::OutputFile;
 
 const MARGIN: usize = 12;
-const TITLE_HEIGHT: usize = 28;
+const TITLE_HEIGHT: usize = 34;
 const BAR_WIDTH: usize = 20;
-const LABEL_WIDTH: usize = 84;
+/// Sizes of text in pixels.
+const TITLE_SIZE: u32 = 20;
+const LABEL_SIZE: u32 = 16;
+const LABEL_WIDTH: usize = 96;
 /// Small pictures are enlarged by a whole number so that their longer side comes near this.
 const SIDE: usize = 480;
 
@@ -78,8 +81,8 @@ impl Heatmap<'_> {
         prepare_font();
         let size = (canvas.size[0] as u32, canvas.size[1] as u32);
         let area = BitMapBackend::with_buffer(&mut canvas.pixels, size).into_drawing_area();
-        area.draw(&Text::new(self.title.as_str(), (MARGIN as i32, MARGIN as i32), (FONT, 16)))?;
-        let style = (FONT, 13).into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center));
+        area.draw(&Text::new(self.title.as_str(), (MARGIN as i32, MARGIN as i32), (FONT, TITLE_SIZE)))?;
+        let style = (FONT, LABEL_SIZE).into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center));
         let clipped = self.values.iter().any(|&value| f64::from(value) > self.limit);
         for tick in ticks(self.limit) {
             let share = 1.0 - tick / self.limit;
@@ -109,7 +112,7 @@ impl Canvas {
 fn title_width(title: &str) -> Result<usize, String> {
     prepare_font();
     let ((left, _), (right, _)) =
-        (FONT, 16).into_font().layout_box(title).map_err(|error| error.to_string())?;
+        (FONT, TITLE_SIZE).into_font().layout_box(title).map_err(|error| error.to_string())?;
     Ok(usize::try_from(right - left).unwrap_or(0))
 }
 
