@@ -90,7 +90,7 @@ impl Export<'_> {
         let transform = self.pose.instances[index];
         let owner = Owner::Mesh(self.scene.instances[index].mesh);
         let shape = self.shape(index, Part { owner, material });
-        self.with_bsdf(shape.to_world(&transform), material)
+        self.with_bsdf(shape.placed(&transform), material)
     }
 
     /// A shape that emits light and, where `hide_emitters` hides it, what the camera sees in its place.
