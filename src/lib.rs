@@ -9,6 +9,8 @@
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 //! - [`report`]: what was measured of each frame.
 //! - [`output`]: pictures and reports on disk.
+//! - [`metrics`]: how far a picture is from its reference.
+//! - [`plot`]: numbers as pictures.
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
@@ -18,8 +20,10 @@
 pub mod bvh;
 pub mod cli;
 pub mod export;
+pub mod metrics;
 pub mod output;
 pub mod passes;
+pub mod plot;
 pub mod reference;
 pub mod renderer;
 pub mod report;

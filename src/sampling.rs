@@ -25,6 +25,12 @@ pub(crate) fn sequence_point(index: u32, pair: u32, seed: u32) -> Vec2 {
     Vec2::new(dimension(0), dimension(1))
 }
 
+/// What [`sequence_point`] would be, were all points independent of each other.
+pub(crate) fn random_point(index: u32, pair: u32, seed: u32) -> Vec2 {
+    let number = |offset| hash(hash(seed, 2 * pair + offset), index) >> 8;
+    Vec2::new(number(0) as f32, number(1) as f32) / (1u32 << 24) as f32
+}
+
 /// Uniform on the unit sphere.
 pub(crate) fn sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
@@ -196,6 +202,18 @@ mod tests {
         }
         let chi = chi_square(&counts, &[1.0 / 256.0; 256]);
         assert!(chi < 0.5, "{what}: {chi}");
+    }
+
+    #[test]
+    fn random_points_are_uniform_and_independent() {
+        let points: Vec<Vec2> = (0..POINTS).map(|index| random_point(index, 1, 5)).collect();
+        let mut counts = [0; 256];
+        for point in &points {
+            let cell = (*point * 16.0).as_uvec2();
+            counts[(cell.y * 16 + cell.x) as usize] += 1;
+        }
+        let chi = chi_square(&counts, &[1.0 / 256.0; 256]);
+        assert!((0.7..1.3).contains(&chi), "{chi}");
     }
 
     fn turn(v: Vec3) -> f32 {

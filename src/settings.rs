@@ -20,6 +20,17 @@ pub enum TracerKind {
     Hardware,
 }
 
+/// Where light paths get their random numbers from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sequence {
+    /// An Owen-scrambled Sobol sequence: evenly spread.
+    #[default]
+    Sobol,
+    /// Independent random numbers, to compare with.
+    Random,
+}
+
 /// What a pixel does about set buffers that have never seen its surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -72,6 +83,10 @@ pub struct Settings {
     /// Seed of the low-discrepancy sequence. Any value is as good as another and costs the same.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "0")]
     pub seed: u32,
+    /// Random numbers of the light paths. Sobol: evenly spread; random: independent, far noisier, to compare
+    /// with. Either costs the same.
+    #[arg(long, value_enum, default_value = "sobol")]
+    pub sequence: Sequence,
     /// Seconds of animation from one frame to the next, such as 1/60 or 0.02. More: things move further
     /// between frames, so the temporal sets lag further behind.
     #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true, default_value = "1/60")]
@@ -104,6 +119,7 @@ impl Default for Settings {
             position_cutoff: 0.02,
             size: [1280, 720],
             seed: 0,
+            sequence: Sequence::Sobol,
             time_step: 1.0 / 60.0,
             tracer: TracerKind::Auto,
             missing_sets: MissingSets::Scale,

@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod program;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-
-#[path = "support/program.rs"]
-mod program;
 
 use program::{Run, assert_fails, stderr};
 

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use crate::export::ExportError;
+use crate::metrics::MetricsError;
 use crate::output::OutputError;
+use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
 use crate::scene::SceneError;
@@ -30,6 +32,12 @@ pub enum CliError {
     /// A picture or report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// Pictures cannot be compared.
+    #[error(transparent)]
+    Metrics(#[from] MetricsError),
+    /// A plot cannot be drawn or written.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// Vulkan cannot be loaded, has no fitting device, or failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
@@ -98,6 +106,8 @@ impl CliError {
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
+            Self::Metrics(error) => error.is_usage(),
+            Self::Plot(error) => error.is_usage(),
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)

@@ -2,6 +2,8 @@
 //!
 //! Exit codes: 0 done; 1 failed; 2 wrong usage. A failure is one line on standard error.
 
+mod compare;
+mod compare_text;
 mod demo;
 mod device;
 mod error;
@@ -48,6 +50,8 @@ enum Command {
     Reference(reference::ReferenceOptions),
     /// Export a scene at one frame for another renderer.
     Export(export::ExportOptions),
+    /// Compare a picture or a sequence with its reference.
+    Compare(compare::CompareArguments),
     /// List the Vulkan devices, what each can do, and which would be used.
     Info(info::InfoOptions),
 }
@@ -72,6 +76,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Render(options)) => render::render(&options, &given),
         Some(Command::Reference(options)) => reference::reference(&options),
         Some(Command::Export(options)) => export::export(&options),
+        Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo, &given).map_err(|error| match error {
             CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(

@@ -110,7 +110,8 @@ fn render_frames(
     Ok(renderer.finish()?)
 }
 
-fn progress_bar(frames: u64) -> ProgressBar {
+/// A bar for that many frames on a terminal, else nothing.
+pub(super) fn progress_bar(frames: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -5,10 +5,19 @@ use std::io::{Read, Seek, Write};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::*;
 
-use super::{Layer, Picture};
+use super::{Layer, OutputError, OutputFile, Picture};
 
 /// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
-pub(super) fn write(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
+pub(super) fn write(picture: &Picture, file: &OutputFile) -> std::result::Result<(), OutputError> {
+    file.save(|writer| {
+        encode(picture, writer).map_err(|error| match error {
+            Error::Io(source) => file.error(source),
+            other => OutputError::Encode { path: file.path().to_path_buf(), reason: other.to_string() },
+        })
+    })
+}
+
+fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
     let colour = ["R", "G", "B"].into_iter().enumerate().map(|(index, name)| {
         let samples = picture.colour.iter().map(|pixel| pixel[index]).collect();
         AnyChannel::new(name, FlatSamples::F32(samples))
@@ -105,16 +114,16 @@ mod tests {
         }
     }
 
-    fn encode(picture: &Picture) -> Vec<u8> {
+    fn encoded(picture: &Picture) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        write(picture, &mut bytes).unwrap();
+        encode(picture, &mut bytes).unwrap();
         bytes.into_inner()
     }
 
     #[test]
     fn all_layers_come_back_bit_for_bit() {
         let picture = picture();
-        let bytes = encode(&picture);
+        let bytes = encoded(&picture);
         let image = read()
             .no_deep_data()
             .largest_resolution_level()
@@ -153,7 +162,7 @@ mod tests {
     #[test]
     fn other_programs_see_the_colour_first() {
         let picture = picture();
-        let decoded = image::load_from_memory(&encode(&picture)).unwrap().into_rgb32f();
+        let decoded = image::load_from_memory(&encoded(&picture)).unwrap().into_rgb32f();
         let pixels: Vec<_> = decoded.pixels().map(|pixel| pixel.0).collect();
         assert_eq!(pixels, picture.colour);
     }
@@ -163,6 +172,6 @@ mod tests {
         let side = 256;
         let colour = (0..side * side).map(|i| [i as f32, (i * i) as f32, 1.0 / (i + 1) as f32]);
         let picture = Picture { width: side, height: side, colour: colour.collect(), ..Picture::default() };
-        assert_eq!(encode(&picture), encode(&picture));
+        assert_eq!(encoded(&picture), encoded(&picture));
     }
 }

@@ -5,12 +5,14 @@
 
 mod exr;
 mod file;
+mod numbered;
 mod picture;
 mod png;
 mod target;
 mod tone_map;
 
 pub use file::OutputFile;
+pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
 pub use tone_map::tone_map;

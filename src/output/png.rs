@@ -1,23 +1,38 @@
-//! PNG: what is shown, 8 bits a channel, sRGB.
-
-use std::io::Write;
+//! PNG: display values, 8 bits a channel, sRGB.
 
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-use super::Picture;
+use super::{OutputError, OutputFile, Picture};
 
-/// Writes `picture.display` without its unused fourth channel.
-pub(super) fn write(picture: &Picture, writer: impl Write) -> ImageResult<()> {
-    let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-    let (width, height) = (to_u32(picture.width)?, to_u32(picture.height)?);
-    PngEncoder::new(writer).write_image(&pixels, width, height, ExtendedColorType::Rgb8)
+impl OutputFile {
+    /// Writes a PNG of 8-bit RGB pixels, by rows from the top left. `size` is width and height.
+    ///
+    /// # Panics
+    /// If there are not width times height pixels of three bytes.
+    pub fn save_png(&self, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
+        self.save(|writer| {
+            let encoded =
+                PngEncoder::new(writer).write_image(pixels, size[0], size[1], ExtendedColorType::Rgb8);
+            encoded.map_err(|error| match error {
+                ImageError::IoError(source) => self.error(source),
+                other => OutputError::Encode { path: self.path().to_path_buf(), reason: other.to_string() },
+            })
+        })
+    }
 }
 
-fn to_u32(side: usize) -> ImageResult<u32> {
-    use image::error::{ParameterError, ParameterErrorKind};
-    u32::try_from(side)
-        .map_err(|_| ImageError::Parameter(ParameterError::from_kind(ParameterErrorKind::DimensionMismatch)))
+/// Writes `picture.display` without its unused fourth channel.
+pub(super) fn write(picture: &Picture, file: &OutputFile) -> Result<(), OutputError> {
+    let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    let size = [picture.width, picture.height].map(u32::try_from);
+    match size {
+        [Ok(width), Ok(height)] => file.save_png([width, height], &pixels),
+        _ => Err(OutputError::Encode {
+            path: file.path().to_path_buf(),
+            reason: format!("{}x{} pixels are too many", picture.width, picture.height),
+        }),
+    }
 }
 
 #[cfg(test)]
@@ -28,9 +43,10 @@ mod tests {
     fn what_is_shown_comes_back() {
         let display: Vec<[u8; 4]> = (0..6).map(|i| [i, 255 - i, 10 * i, 99]).collect();
         let picture = Picture { width: 3, height: 2, display, ..Picture::default() };
-        let mut bytes = Vec::new();
-        write(&picture, &mut bytes).unwrap();
-        let decoded = image::load_from_memory(&bytes).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = OutputFile::new(folder.path().join("a.png")).unwrap();
+        write(&picture, &file).unwrap();
+        let decoded = image::open(file.path()).unwrap();
         assert_eq!(decoded.color(), image::ColorType::Rgb8);
         let decoded = decoded.into_rgb8();
         assert_eq!(decoded.dimensions(), (3, 2));

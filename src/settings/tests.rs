@@ -67,6 +67,8 @@ fn options_are_read_in_every_way_of_writing() {
             "-1.5",
             "--tracer",
             "software",
+            "--sequence",
+            "random",
             "--missing-sets",
             "dark",
             "--clamp",
@@ -86,6 +88,7 @@ fn options_are_read_in_every_way_of_writing() {
     assert_eq!(settings.time_step, 0.5);
     assert_eq!(settings.exposure, Some(-1.5));
     assert_eq!(settings.tracer, TracerKind::Software);
+    assert_eq!(settings.sequence, Sequence::Random);
     assert_eq!(settings.missing_sets, MissingSets::Dark);
     assert_eq!((settings.clamp, settings.position_cutoff), (0.0, 0.1));
     assert_eq!((settings.seed, settings.interleave, settings.budget), (7, 1, 3));

@@ -6,8 +6,11 @@
 //! (see [`Layout::cell`]) and do not depend on T where T n^2 divides the slots: each pixel then gathers
 //! the same VPLs whatever T is.
 
+use glam::Vec2;
+
 use super::quota::{Quota, Room};
-use crate::sampling::hash;
+use crate::sampling::{self, hash};
+use crate::settings::Sequence;
 
 /// No such slot.
 pub(super) const NONE: u32 = u32::MAX;
@@ -25,6 +28,8 @@ pub(super) struct Layout {
     pub(super) classes: u32,
     /// Seed of everything random.
     pub(super) seed: u32,
+    /// Which random numbers.
+    pub(super) sequence: Sequence,
 }
 
 impl Layout {
@@ -48,9 +53,13 @@ impl Layout {
         Room { slots: self.slots, bounces: self.bounces, seed: self.seed }
     }
 
-    /// Seed of a light's sequence.
-    pub(super) fn light_seed(&self, light: u32) -> u32 {
-        hash(self.seed, light)
+    /// The point of the unit square that a slot's path has for its `step`-th ray or point on a light.
+    pub(super) fn point(&self, address: &Address, step: u32) -> Vec2 {
+        let seed = hash(self.seed, address.light);
+        match self.sequence {
+            Sequence::Sobol => sampling::sequence_point(address.sequence, step, seed),
+            Sequence::Random => sampling::random_point(address.sequence, step, seed),
+        }
     }
 }
 
@@ -237,7 +246,14 @@ mod tests {
         let sizes = [(512, 2), (513, 3), (100, 16), (37, 1), (1000, 5), (4096, 16)];
         let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
         sizes.into_iter().flat_map(move |(slots, bounces)| {
-            splits.into_iter().map(move |(sets, classes)| Layout { slots, bounces, sets, classes, seed: 3 })
+            splits.into_iter().map(move |(sets, classes)| Layout {
+                slots,
+                bounces,
+                sets,
+                classes,
+                seed: 3,
+                sequence: Sequence::Sobol,
+            })
         })
     }
 
@@ -300,7 +316,8 @@ mod tests {
 
     #[test]
     fn lights_change_sets_from_bounce_to_bounce() {
-        let layout = Layout { slots: 64, bounces: 4, sets: 16, classes: 1, seed: 0 };
+        let layout =
+            Layout { slots: 64, bounces: 4, sets: 16, classes: 1, seed: 0, sequence: Sequence::Sobol };
         let (quota, _) = deal_quota(&claims(4), layout.room());
         let deal = Deal::new(quota, &layout);
         for set in 0..16 {

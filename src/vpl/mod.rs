@@ -129,6 +129,7 @@ impl VplManager {
             sets: settings.temporal_sets.max(1),
             classes: settings.interleave.max(1).pow(2),
             seed: settings.seed,
+            sequence: settings.sequence,
         };
         let watch = Watch::new(world);
         let (quota, shares) = deal_quota(&watch.claims(), layout.room());

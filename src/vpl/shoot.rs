@@ -82,8 +82,7 @@ impl VplManager {
         let address = &self.deal.addresses[slot as usize];
         let emitter = &self.watch.emitters[address.light as usize];
         if let (NONE, Source::Area(table)) = (address.parent, &emitter.source) {
-            let seed = self.layout.light_seed(address.light);
-            let (point, weight) = table.sample(sampling::sequence_point(address.sequence, 0, seed));
+            let (point, weight) = table.sample(self.layout.point(address, 0));
             return Aim::Start(table.instance, point, weight);
         }
         match self.ray_of(slot) {
@@ -97,9 +96,7 @@ impl VplManager {
     pub(super) fn ray_of(&self, slot: u32) -> Option<(Ray, f32)> {
         let address = &self.deal.addresses[slot as usize];
         let emitter = &self.watch.emitters[address.light as usize];
-        let seed = self.layout.light_seed(address.light);
-        let pair = address.bounce - emitter.first_bounce();
-        let u = sampling::sequence_point(address.sequence, pair, seed);
+        let u = self.layout.point(address, address.bounce - emitter.first_bounce());
         if address.parent == NONE {
             return emitter.first_ray(u);
         }

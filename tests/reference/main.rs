@@ -6,6 +6,6 @@ mod command;
 mod furnace;
 mod lights;
 mod parts;
-#[path = "../support/program.rs"]
+#[path = "../program/mod.rs"]
 mod program;
 mod support;

@@ -7,6 +7,7 @@ mod forgetting;
 mod golden;
 mod motion;
 mod pictures;
+mod reference;
 mod sphere;
 #[path = "../support/mod.rs"]
 mod support;

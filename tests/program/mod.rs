@@ -1,7 +1,6 @@
-//! The program as a person meets it: run it, and look at what it says and leaves behind.
+//! Runs of the program, for tests of what a person meets.
 
-#![allow(dead_code, reason = "each test program uses a part")]
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, dead_code, reason = "a test that cannot go on has failed; no test uses all")]
 
 use std::fs;
 use std::process::{Command, Output, Stdio};
@@ -11,7 +10,7 @@ use tempfile::TempDir;
 /// A run of the program in a folder of its own.
 pub struct Run {
     pub folder: TempDir,
-    pub environment: Vec<(&'static str, String)>,
+    environment: Vec<(&'static str, String)>,
 }
 
 impl Run {

@@ -1,0 +1,216 @@
+"""What scripts/results runs: measures, section by section, and writes docs/RESULTS.md from what was measured."""
+
+import argparse
+import json
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import results_page
+
+SCENES = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"]
+FOUR_LIGHTS = "tests/scene-files/all-kinds.toml"
+# Small pictures of many VPLs: every pixel gathers all of them.
+TRUTH_SIZE = "128x128"
+LOSS_SIZE = "128x128"
+CURVE_SIZE = "32x32"
+CURVE_SEEDS = range(4)
+
+
+class Lab:
+    """Runs programs in one folder and keeps the figures of each section."""
+
+    def __init__(self, root, folder):
+        self.root = root
+        self.folder = folder
+        self.figures = root / "docs" / "results"
+
+    def script(self, name, *arguments, check=True):
+        return subprocess.run([str(self.root / name), *map(str, arguments)], check=check, stdout=subprocess.PIPE,
+                              text=True).stdout
+
+    def scene(self, name):
+        return str(self.root / name) if "/" in name else name
+
+    def render(self, scene, out, *options):
+        report = self.folder / "render.json"
+        self.script("glowworm", "render", self.scene(scene), "--out", out, "--json", report, *options)
+        return json.loads(report.read_text())
+
+    def reference(self, scene, out, *options):
+        report = self.folder / "reference.json"
+        self.script("glowworm", "reference", self.scene(scene), "--out", out, "--json", report, *options)
+        return json.loads(report.read_text())
+
+    def compare(self, image, reference, *options):
+        report = self.folder / "compare.json"
+        self.script("glowworm", "compare", image, reference, "--json", report, *options)
+        return json.loads(report.read_text())
+
+    def truth(self, scene, size, spp, *options):
+        """The path tracer's picture with paths from the middles of pixels, made once for each set of options."""
+        name = "-".join([Path(scene).stem, size, str(spp), *map(str, options)]).replace("/", "_")
+        picture = self.folder / f"truth-{name}.exr"
+        if not picture.exists():
+            self.reference(scene, picture, "--size", size, "--spp", spp, "--pixel-filter", "center", "--layers", *options)
+        return picture
+
+    def keep(self, section, figures):
+        self.figures.mkdir(parents=True, exist_ok=True)
+        (self.figures / f"{section}.json").write_text(json.dumps(figures, indent=1) + "\n")
+
+
+def mitsuba(lab):
+    """The path tracer against Mitsuba, six scenes, 256x256, 1,024 samples a pixel."""
+    report = lab.folder / "mitsuba.json"
+    lab.script("scripts/verify-with-mitsuba", "--spp", 1024, "--size", "256x256", "--highlights", "--json", report,
+               *SCENES, lab.scene(FOUR_LIGHTS), check=False)
+    lab.keep("mitsuba", json.loads(report.read_text()))
+
+
+def truth(lab):
+    """The light that 65,536 VPLs carry against the path tracer: clamp off, 64 temporal sets."""
+    rows = []
+    for scene in ["cornell-box", "sponza", "conference", FOUR_LIGHTS]:
+        drawn = lab.folder / "drawn.exr"
+        report = lab.render(scene, drawn, "--size", TRUTH_SIZE, "--vpls", 65536, "--temporal-sets", 64,
+                            "--interleave", 1, "--clamp", 0, "--bounces", 2, "--layers")
+        expected = lab.truth(scene, TRUTH_SIZE, 1024, "--bounces", 2)
+        compared = lab.compare(drawn, expected, "--layer", "indirect", "--blocks", 16)
+        vpls = report["frames"][-1]["vpls"]
+        rows.append({"scene": Path(scene).stem, "mean_ratio": compared["mean_ratio"], **compared["blocks"],
+                     "valid": vpls["valid"], "escaped": vpls["escaped"], "device": report["device"]})
+    lab.keep("truth", {"size": TRUTH_SIZE, "rows": rows})
+
+
+def clamp(lab):
+    """What the default clamp loses, with 512 and 65,536 VPLs."""
+    rows = []
+    for scene in SCENES + [FOUR_LIGHTS]:
+        expected = lab.truth(scene, LOSS_SIZE, 512, "--bounces", 2)
+        row = {"scene": Path(scene).stem}
+        for vpls in [512, 65536]:
+            for bound in ["default", "off"]:
+                drawn = lab.folder / "drawn.exr"
+                lab.render(scene, drawn, "--size", LOSS_SIZE, "--vpls", vpls, "--temporal-sets", 16, "--bounces", 2,
+                           "--layers", *([] if bound == "default" else ["--clamp", 0]))
+                compared = lab.compare(drawn, expected, "--layer", "indirect")
+                row[f"{vpls} {bound}"] = compared["mean_ratio"]
+        rows.append(row)
+    lab.keep("clamp", {"size": LOSS_SIZE, "rows": rows})
+
+
+def convergence(lab):
+    """Error of the indirect light against the number of VPLs, with the sequence and with random numbers."""
+    expected = lab.truth("cornell-box", CURVE_SIZE, 65536, "--bounces", 2)
+    counts = [2 ** power for power in range(6, 17)]
+    curves = {}
+    for sequence in ["sobol", "random"]:
+        curves[sequence] = []
+        for count in counts:
+            errors = []
+            for seed in CURVE_SEEDS:
+                drawn = lab.folder / "drawn.exr"
+                lab.render("cornell-box", drawn, "--size", CURVE_SIZE, "--vpls", count, "--temporal-sets", 16,
+                           "--interleave", 1, "--bounces", 2, "--clamp", 0, "--layers", "--sequence", sequence,
+                           "--seed", seed)
+                errors.append(lab.compare(drawn, expected, "--layer", "indirect"))
+            # Spikes near VPLs make single errors vary a lot: the geometric mean of the seeds.
+            curves[sequence].append({key: geometric_mean([error[key] for error in errors]) for key in ["rmse", "mae"]})
+    slopes = {sequence: {key: slope(counts, [point[key] for point in curve]) for key in ["rmse", "mae"]}
+              for sequence, curve in curves.items()}
+    lab.keep("convergence", {"size": CURVE_SIZE, "seeds": len(CURVE_SEEDS), "counts": counts, "curves": curves,
+                             "slopes": slopes})
+
+
+def geometric_mean(values):
+    return math.exp(statistics.fmean(map(math.log, values)))
+
+
+def slope(counts, errors):
+    return statistics.linear_regression(list(map(math.log, counts)), list(map(math.log, errors))).slope
+
+
+def temporal(lab):
+    """The dissertation's figure 30: every metric with and without temporal sets."""
+    keys = ["mae", "rmse", "relmse", "psnr", "ssim", "flip", "mean_ratio", "p95_relative_error"]
+    rows = []
+    for scene in ["cornell-box", "sponza"]:
+        expected = lab.truth(scene, "256x256", 512, "--bounces", 2)
+        for sets in [1, 16]:
+            drawn = lab.folder / "drawn.exr"
+            lab.render(scene, drawn, "--size", "256x256", "--temporal-sets", sets, "--frames", sets, "--bounces", 2)
+            compared = lab.compare(drawn, expected)
+            rows.append({"scene": scene, "sets": sets, **{key: compared[key] for key in keys}})
+    lab.keep("temporal", {"size": "256x256", "keys": keys, "rows": rows})
+
+
+def speed(lab):
+    """Seconds of the path tracer and of Mitsuba's variants, in turns."""
+    rows = []
+    for variant in ["scalar_rgb", "llvm_ad_rgb"]:
+        for scene in ["sponza", "conference"]:
+            ratios, seconds = [], []
+            for _ in range(3):
+                report = lab.folder / "speed.json"
+                lab.script("scripts/verify-with-mitsuba", "--variant", variant, "--spp", 128, "--size", "256x256",
+                           "--bounces", 2, "--json", report, scene, check=False)
+                row = json.loads(report.read_text())["rows"][0]
+                ratios.append(row["mitsuba_seconds"] / row["glowworm_seconds"])
+                seconds.append((row["glowworm_seconds"], row["mitsuba_seconds"]))
+            middle = sorted(range(3), key=ratios.__getitem__)[1]
+            rows.append({"variant": variant, "scene": scene, "ratios": sorted(ratios), "seconds": seconds[middle]})
+    lab.keep("speed", {"size": "256x256", "spp": 128, "cores": os.cpu_count(), "rows": rows})
+
+
+def metrics(lab):
+    """The metrics of `compare` against scikit-image and flip-evaluator."""
+    lab.keep("metrics", {"table": lab.script("scripts/check-metrics")})
+
+
+def pictures(lab):
+    """The same view by the renderer and by the path tracer, and where they differ."""
+    for scene in ["cornell-box", "sponza", "conference"]:
+        drawn, expected = lab.folder / "drawn.exr", lab.folder / f"picture-{scene}.exr"
+        common = ["--size", "320x240", "--bounces", 2]
+        shown = ["--exposure", {"cornell-box": 1.5, "sponza": -0.5, "conference": -1.5}[scene]]
+        lab.reference(scene, expected, "--spp", 512, *common)
+        lab.reference(scene, lab.figures / f"{scene}-reference.png", "--spp", 512, *common, *shown)
+        lab.render(scene, drawn, *common)
+        lab.render(scene, lab.figures / f"{scene}-render.png", *common, *shown)
+        lab.compare(drawn, expected, "--heatmap", lab.figures / f"{scene}-flip.png")
+
+
+SECTIONS = [mitsuba, truth, clamp, convergence, temporal, speed, metrics, pictures]
+
+
+def main():
+    root = Path(sys.argv.pop(1))
+    listed = "\n".join(f"  {section.__name__:12} {section.__doc__}" for section in SECTIONS)
+    parser = argparse.ArgumentParser(prog="results", description=__doc__, epilog=f"sections:\n{listed}",
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sections", nargs="*", metavar="SECTION", help="otherwise all")
+    parser.add_argument("--page-only", action="store_true", help="measure nothing, write the page")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="work in this folder and leave pictures there")
+    options = parser.parse_args()
+    known = {section.__name__: section for section in SECTIONS}
+    for name in options.sections:
+        if name not in known:
+            parser.error(f"{name}: no such section")
+    chosen = [] if options.page_only else [known[name] for name in options.sections] or SECTIONS
+    with tempfile.TemporaryDirectory(prefix="results.") as scratch:
+        folder = options.keep or Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        lab = Lab(root, folder)
+        for section in chosen:
+            print(f"{section.__name__}: {section.__doc__}", file=sys.stderr, flush=True)
+            section(lab)
+        results_page.write(root)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,153 @@
+"""Puts docs/RESULTS.md together from the figures in docs/results."""
+
+import json
+
+import matplotlib
+
+matplotlib.use("Agg")
+matplotlib.rcParams["svg.hashsalt"] = "glowworm"
+from matplotlib import pyplot  # noqa: E402 the backend comes first
+
+
+def percent(share, digits=1):
+    return f"{100 * share:.{digits}f} %"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def mitsuba(figures, _):
+    rows = [[r["scene"], r["highlights"], f"{r['mean_ratio']:.4f}", percent(r["blocks_within_3_percent"]),
+             percent(r["block_p95"], 2)] for r in figures["rows"]]
+    head = ["scene", "highlights", "mean, glowworm over Mitsuba", "blocks within 3 %", "95 % of blocks within"]
+    return f"""## The path tracer against Mitsuba
+
+`glowworm reference` and Mitsuba {figures['mitsuba']} ({figures['variant']}) on what `glowworm export` wrote, {figures['size']},
+{figures['spp']} samples a pixel, 2 bounces. Blocks are of 16 x 16 pixels, by mean luminance. Highlights (Ks) are judged
+apart, as no material of Mitsuba reflects quite so: "none" has none on either side, "left out" only in glowworm's
+picture, and "converted" Mitsuba's closest material.
+
+{table(head, rows)}
+"""
+
+
+def truth(figures, _):
+    rows = [[r["scene"], f"{r['mean_ratio']:.4f}", percent(r["within_5_percent"]), percent(r["p95_relative_error"], 2),
+             f"{r['valid']:,}", f"{r['escaped']:,}"] for r in figures["rows"]]
+    head = ["scene", "mean, renderer over path tracer", "blocks within 5 %", "95 % of blocks within", "valid VPLs", "escaped"]
+    return f"""## The light of VPLs against the path tracer
+
+The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces, clamp off, no interleaving,
+{figures['size']}, on {figures['rows'][0]['device']}; blocks of 16 x 16 pixels.
+
+{table(head, rows)}
+"""
+
+
+def clamp(figures, _):
+    rows = [[r["scene"], *(f"{r[f'{vpls} {bound}']:.3f}" for vpls in [512, 65536] for bound in ["default", "off"])]
+            for r in figures["rows"]]
+    head = ["scene", "512 VPLs", "512, clamp off", "65,536 VPLs", "65,536, clamp off"]
+    return f"""## What the clamp costs
+
+Mean indirect light over the path tracer's, {figures['size']}, 2 bounces, with the default `--clamp` and without. What is
+missing lies in corners and where things touch. With few VPLs the mean without a clamp also depends on whether one
+happens to lie next to something that is seen.
+
+{table(head, rows)}
+"""
+
+
+def convergence(figures, folder):
+    figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
+    for sequence, marker in [("sobol", "o"), ("random", "s")]:
+        curve = [point["rmse"] for point in figures["curves"][sequence]]
+        axes.loglog(figures["counts"], curve, marker=marker,
+                    label=f"{sequence}: slope {figures['slopes'][sequence]['rmse']:.2f}")
+    axes.set(xlabel="VPLs", ylabel="RMSE of the irradiance, W/m²", title="cornell-box, clamp off")
+    axes.grid(True, which="both", alpha=0.3)
+    axes.legend()
+    figure.savefig(folder / "convergence.svg", metadata={"Date": None})
+    pyplot.close(figure)
+    rows = [[f"{count:,}", *(f"{figures['curves'][s][i][key]:.4f}" for key in ["rmse", "mae"] for s in ["sobol", "random"])]
+            for i, count in enumerate(figures["counts"])]
+    slopes = ["slope", *(f"{figures['slopes'][s][key]:.2f}" for key in ["rmse", "mae"] for s in ["sobol", "random"])]
+    head = ["VPLs", "RMSE", "RMSE, random", "MAE", "MAE, random"]
+    return f"""## Convergence
+
+Error of the indirect light of the Cornell box against the number of VPLs, clamp off, {figures['size']}, geometric mean of
+{figures['seeds']} seeds: with the Owen-scrambled Sobol sequence, and with independent random numbers (`--sequence random`).
+
+![RMSE against the number of VPLs, on logarithmic axes](results/convergence.svg)
+
+{table(head, [*rows, slopes])}
+"""
+
+
+def temporal(figures, _):
+    def shown(row, key):
+        return f"{row[key]:.3g}" if key != "mean_ratio" else f"{row[key]:.3f}"
+
+    rows = [[r["scene"], str(r["sets"]), *(shown(r, key) for key in figures["keys"])] for r in figures["rows"]]
+    return f"""## With and without temporal sets
+
+The dissertation's figure 30: a still picture of 512 VPLs, {figures['size']}, default settings, against the path tracer, drawn
+in one frame and in 16.
+
+{table(["scene", "T", *figures["keys"]], rows)}
+"""
+
+
+def speed(figures, _):
+    rows = [[r["scene"], r["variant"], f"{r['seconds'][0]:.1f}", f"{r['seconds'][1]:.1f}",
+             f"{r['ratios'][1]:.2f}", f"{r['ratios'][0]:.2f} to {r['ratios'][2]:.2f}"] for r in figures["rows"]]
+    head = ["scene", "Mitsuba's variant", "glowworm, s", "Mitsuba, s", "times as fast", "of three runs"]
+    return f"""## Speed of the path tracer
+
+`glowworm reference` and Mitsuba in turns, {figures['size']}, {figures['spp']} samples a pixel, 2 bounces, {figures['cores']} cores, without loading.
+
+{table(head, rows)}
+"""
+
+
+def metrics(figures, _):
+    return f"""## Metrics against other programs
+
+`glowworm compare`, scikit-image (SSIM) and flip-evaluator (FLIP) on the same pairs of pictures (`scripts/check-metrics`).
+
+```text
+{figures['table'].strip()}
+```
+"""
+
+
+def pictures(folder):
+    rows = []
+    for scene in ["cornell-box", "sponza", "conference"]:
+        if (folder / f"{scene}-render.png").exists():
+            rows.append([scene, *(f"![{scene}, {what}](results/{scene}-{what}.png)" for what in ["render", "reference", "flip"])])
+    if not rows:
+        return ""
+    head = ["", "`render`, 512 VPLs", "`reference`, 512 samples a pixel", "HDR-FLIP"]
+    return f"## Pictures\n\n{table(head, rows)}\n"
+
+
+SECTIONS = [mitsuba, truth, clamp, convergence, temporal, speed, metrics]
+
+
+def write(root):
+    """Writes the page from the figures that are there."""
+    folder = root / "docs" / "results"
+    parts = ["""# Results
+
+How far the pictures are from the truth, measured by `scripts/results`; run it to have the same for your machine.
+The renderer is judged by the path tracer (`glowworm reference`), and the path tracer by
+[Mitsuba 3](https://www.mitsuba-renderer.org), a renderer that nobody here wrote.
+""", pictures(folder)]
+    for section in SECTIONS:
+        file = folder / f"{section.__name__}.json"
+        if file.exists():
+            parts.append(section(json.loads(file.read_text()), folder))
+    (root / "docs" / "RESULTS.md").write_text("\n".join(part for part in parts if part))

@@ -1,0 +1,131 @@
+//! Differences pixel by pixel: mean errors, and errors of luminance relative to the reference.
+
+use rayon::prelude::*;
+
+use super::{Blocks, Image};
+use crate::report::percentile;
+
+/// Keeps the relative squared error of black pixels finite (Rousselle et al. 2011).
+const RELMSE_EPSILON: f64 = 0.01;
+
+/// Luminances below this share of the reference's mean count as that much in the denominator of relative
+/// errors: an error in the black is measured against what can be seen.
+const DARKEST: f64 = 0.01;
+
+/// Means over all values of two pictures.
+pub(super) struct MeanErrors {
+    pub mae: f64,
+    pub mse: f64,
+    pub relmse: f64,
+}
+
+impl MeanErrors {
+    pub(super) fn of(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
+        let sums = mean_of(image, reference, |a, b| {
+            let difference = a - b;
+            let square = difference * difference;
+            [difference.abs(), square, square / (b * b + RELMSE_EPSILON)]
+        });
+        Self { mae: sums[0], mse: sums[1], relmse: sums[2] }
+    }
+}
+
+/// Means of N values that follow from each channel of each pixel. The order of the sum does not depend on how
+/// many cores there are.
+fn mean_of<const N: usize>(
+    image: &[[f32; 3]],
+    reference: &[[f32; 3]],
+    values: impl Fn(f64, f64) -> [f64; N] + Sync,
+) -> [f64; N] {
+    const CHUNK: usize = 4096;
+    let chunk_sums: Vec<[f64; N]> = image
+        .par_chunks(CHUNK)
+        .zip(reference.par_chunks(CHUNK))
+        .map(|(image, reference)| {
+            let pairs = image.as_flattened().iter().zip(reference.as_flattened());
+            pairs.fold([0.0; N], |sums, (&a, &b)| add(sums, values(f64::from(a), f64::from(b))))
+        })
+        .collect();
+    chunk_sums.into_iter().fold([0.0; N], add).map(|sum| sum / (3 * image.len()) as f64)
+}
+
+fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+/// The luminances of two pictures and what is compared of them.
+pub(super) struct Luminances {
+    image: Vec<f64>,
+    reference: Vec<f64>,
+    size: [usize; 2],
+    /// The reference's mean.
+    mean: f64,
+}
+
+impl Luminances {
+    pub(super) fn of(image: &Image, reference: &Image) -> Self {
+        let (image, reference, size) = (image.luminances(), reference.luminances(), image.size());
+        Self { mean: mean(&reference), image, reference, size }
+    }
+
+    /// The image's mean over the reference's; 1 if both are black, infinite if only the reference is.
+    pub(super) fn mean_ratio(&self) -> f64 {
+        let image = mean(&self.image);
+        if image == self.mean { 1.0 } else { image / self.mean }
+    }
+
+    /// The relative error of each pixel.
+    pub(super) fn relative_errors(&self) -> Vec<f64> {
+        self.relative(&self.image, &self.reference)
+    }
+
+    /// The relative errors of the means over blocks of `side` x `side` pixels; less at the right and lower edge.
+    pub(super) fn blocks(&self, side: usize) -> Blocks {
+        let [image, reference] =
+            [&self.image, &self.reference].map(|luminances| self.block_means(luminances, side));
+        let errors = self.relative(&image, &reference);
+        let within =
+            |limit: f64| errors.iter().filter(|&&error| error <= limit).count() as f64 / errors.len() as f64;
+        Blocks {
+            side,
+            count: errors.len(),
+            mean_relative_error: mean(&errors),
+            p95_relative_error: p95(&errors),
+            within_3_percent: within(0.03),
+            within_5_percent: within(0.05),
+        }
+    }
+
+    /// |a - b| / |b|, with a denominator of at least [`DARKEST`] of the reference's mean. In a black reference
+    /// any error is infinite.
+    fn relative(&self, image: &[f64], reference: &[f64]) -> Vec<f64> {
+        let darkest = DARKEST * self.mean.abs();
+        let relative = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() / b.abs().max(darkest) };
+        image.iter().zip(reference).map(relative).collect()
+    }
+
+    fn block_means(&self, luminances: &[f64], side: usize) -> Vec<f64> {
+        let [width, height] = self.size;
+        let block_mean = |(left, top): (usize, usize)| {
+            let (right, bottom) = ((left + side).min(width), (top + side).min(height));
+            let rows =
+                (top..bottom).map(|y| luminances[y * width + left..y * width + right].iter().sum::<f64>());
+            rows.sum::<f64>() / ((right - left) * (bottom - top)) as f64
+        };
+        let corners = (0..height).step_by(side).flat_map(|y| (0..width).step_by(side).map(move |x| (x, y)));
+        corners.map(block_mean).collect()
+    }
+}
+
+/// The mean absolute change of luminance between two pictures (Schied et al. 2017).
+pub(super) fn mean_change(before: &[f64], after: &[f64]) -> f64 {
+    before.iter().zip(after).map(|(before, after)| (after - before).abs()).sum::<f64>() / after.len() as f64
+}
+
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+pub(super) fn p95(values: &[f64]) -> f64 {
+    percentile(values.iter().copied(), 0.95).unwrap_or_default()
+}

@@ -1,0 +1,176 @@
+//! How far a picture is from its reference.
+//!
+//! In: two pictures of one size, both linear (EXR) or both of display values (PNG). Out: [`Metrics`], and an
+//! error for each pixel. Errors of values are in the values' own units. Luminance is linear always; display
+//! values are decoded first. PSNR and SSIM are of display values; linear pictures are first brightened by an
+//! exposure, clamped to [0, 1] and encoded as sRGB.
+
+mod colour;
+mod convolve;
+mod differences;
+mod error;
+mod flip;
+mod flip_hdr;
+mod image;
+mod read;
+mod read_exr;
+mod sequence;
+mod ssim;
+
+pub use error::MetricsError;
+pub use flip_hdr::Exposures;
+pub use image::{Encoding, Image};
+pub use sequence::{FrameMetrics, Sequence, SequenceMetrics, temporal_error};
+
+use std::sync::LazyLock;
+
+use serde::Serialize;
+
+use differences::{Luminances, MeanErrors, mean, p95};
+use flip::Flip;
+
+/// What can be chosen in a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompareOptions {
+    /// Stops by which linear pictures are brightened for PSNR and SSIM.
+    pub exposure: f32,
+    /// Side of the blocks in pixels, at least 1.
+    pub block_side: usize,
+}
+
+impl Default for CompareOptions {
+    fn default() -> Self {
+        Self { exposure: 0.0, block_side: 16 }
+    }
+}
+
+/// How far a picture is from its reference. In JSON an infinite figure is null.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Mean absolute error of the values of all channels.
+    pub mae: f64,
+    /// Root of the mean squared error.
+    pub rmse: f64,
+    /// Mean of (a - b)² / (b² + 0.01), b being the reference.
+    pub relmse: f64,
+    /// Peak signal-to-noise ratio of display values, dB, the peak being 1; infinite where they are the same.
+    pub psnr: f64,
+    /// Structural similarity of display values, -1 to 1.
+    pub ssim: f64,
+    /// Mean FLIP error, 0 to 1; HDR-FLIP of linear pictures.
+    pub flip: f64,
+    /// Mean luminance over that of the reference; infinite where only the reference is black.
+    pub mean_ratio: f64,
+    /// Mean over the pixels of the relative error of luminance, |a - b| / max(b, 1 % of the mean of b);
+    /// infinite where the whole reference is black and the picture is not.
+    pub mean_relative_error: f64,
+    /// Its 95th percentile: the least that 95 % of the pixels do not exceed.
+    pub p95_relative_error: f64,
+    /// The same of the means over blocks of pixels.
+    pub blocks: Blocks,
+}
+
+/// The relative errors of the mean luminance of square blocks of pixels, against max(b, 1 % of the mean of b)
+/// as for pixels. Blocks at the right and lower edge may be smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Blocks {
+    /// Side of a block in pixels.
+    pub side: usize,
+    /// How many there are.
+    pub count: usize,
+    /// Their mean.
+    pub mean_relative_error: f64,
+    /// Their 95th percentile.
+    pub p95_relative_error: f64,
+    /// The share of blocks with an error of at most 0.03.
+    pub within_3_percent: f64,
+    /// The share of blocks with an error of at most 0.05.
+    pub within_5_percent: f64,
+}
+
+/// A comparison of two pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Width and height of the pictures.
+    pub size: [usize; 2],
+    /// What their values mean.
+    pub encoding: Encoding,
+    /// The figures.
+    pub metrics: Metrics,
+    /// The FLIP error of each pixel, 0 to 1, by rows from the top left.
+    pub flip_errors: Vec<f32>,
+    /// The exposures of HDR-FLIP; none for display values.
+    pub exposures: Option<Exposures>,
+}
+
+/// Errors of single pixels other than FLIP's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelError {
+    /// The mean over the channels of the absolute error; its mean is [`Metrics::mae`].
+    Absolute,
+    /// The relative error of luminance; its mean is [`Metrics::mean_relative_error`].
+    Relative,
+}
+
+/// Compares `image` with `reference`.
+///
+/// # Errors
+/// If they are not of one size and encoding.
+pub fn compare(
+    image: &Image,
+    reference: &Image,
+    options: &CompareOptions,
+) -> Result<Comparison, MetricsError> {
+    image.check_comparable(reference)?;
+    let errors = MeanErrors::of(image.pixels(), reference.pixels());
+    let (display, display_reference) = (image.display(options.exposure), reference.display(options.exposure));
+    let display_mse = MeanErrors::of(&display, &display_reference).mse;
+    let luminances = Luminances::of(image, reference);
+    let relative_errors = luminances.relative_errors();
+    let (flip_errors, exposures) = flip_errors(image, reference);
+    let metrics = Metrics {
+        mae: errors.mae,
+        rmse: errors.mse.sqrt(),
+        relmse: errors.relmse,
+        psnr: -10.0 * display_mse.log10(),
+        ssim: ssim::ssim(&display, &display_reference, image.size()),
+        flip: flip_errors.iter().map(|&error| f64::from(error)).sum::<f64>() / flip_errors.len() as f64,
+        mean_ratio: luminances.mean_ratio(),
+        mean_relative_error: mean(&relative_errors),
+        p95_relative_error: p95(&relative_errors),
+        blocks: luminances.blocks(options.block_side.max(1)),
+    };
+    Ok(Comparison { size: image.size(), encoding: image.encoding(), metrics, flip_errors, exposures })
+}
+
+/// The errors of each pixel, by rows from the top left.
+///
+/// # Errors
+/// If the pictures are not of one size and encoding.
+pub fn pixel_errors(image: &Image, reference: &Image, kind: PixelError) -> Result<Vec<f32>, MetricsError> {
+    image.check_comparable(reference)?;
+    let pairs = || image.pixels().iter().zip(reference.pixels());
+    let absolute = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|i| (a[i] - b[i]).abs()).sum::<f32>() / 3.0;
+    Ok(match kind {
+        PixelError::Absolute => pairs().map(absolute).collect(),
+        PixelError::Relative => {
+            let errors = Luminances::of(image, reference).relative_errors();
+            errors.into_iter().map(|error| error as f32).collect()
+        }
+    })
+}
+
+fn flip_errors(image: &Image, reference: &Image) -> (Vec<f32>, Option<Exposures>) {
+    static FLIP: LazyLock<Flip> = LazyLock::new(Flip::new);
+    match image.encoding() {
+        Encoding::Display => (FLIP.errors(&image.linear(), &reference.linear(), image.size()), None),
+        Encoding::Linear => {
+            let exposures = Exposures::of(reference.pixels());
+            let errors = FLIP.hdr_errors(image.pixels(), reference.pixels(), image.size(), exposures);
+            (errors, Some(exposures))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

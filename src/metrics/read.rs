@@ -1,0 +1,77 @@
+//! Reading pictures: PNG as display values, OpenEXR as linear ones. The first bytes tell which it is.
+//!
+//! Of a PNG, grey becomes RGB and alpha is ignored; colour profiles are not applied, the values count as sRGB.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{ImageFormat, ImageReader, Limits};
+
+use super::read_exr::read_exr;
+use super::{Image, MetricsError};
+
+/// The largest side of a picture, pixels; as of `--size`.
+const MOST: usize = 16_384;
+
+const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
+const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
+impl Image {
+    /// Reads a `.png` (8 or 16 bits) or `.exr` (half, float or whole numbers). `layer` names the layer of an
+    /// EXR, of one with several parts or with channels like `NAME.R`; otherwise it is the first with R, G and
+    /// B, or with Y alone, which is grey.
+    ///
+    /// # Errors
+    /// Each names the file: if it cannot be read, is broken, is something else, has no such layer, or has a
+    /// pixel that is not finite.
+    pub fn read(path: &Path, layer: Option<&str>) -> Result<Self, MetricsError> {
+        let bytes =
+            std::fs::read(path).map_err(|source| MetricsError::Read { path: path.to_path_buf(), source })?;
+        let name = path.display().to_string();
+        if bytes.starts_with(EXR_MAGIC) {
+            let (size, pixels) = read_exr(path, &bytes, layer)?;
+            let layer = layer.map(|layer| format!(", layer {layer}")).unwrap_or_default();
+            return Self::from_linear(name + &layer, size, pixels);
+        }
+        if !bytes.starts_with(PNG_MAGIC) {
+            return Err(MetricsError::Foreign(path.to_path_buf()));
+        }
+        if layer.is_some() {
+            return Err(MetricsError::LayerOfPng(path.to_path_buf()));
+        }
+        let (size, pixels) = read_png(path, &bytes)?;
+        Self::from_display(name, size, pixels)
+    }
+}
+
+/// Width and height, and pixels in [0, 1].
+fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
+    let decode_error = |error: image::ImageError| MetricsError::Decode {
+        path: path.to_path_buf(),
+        reason: error.to_string(),
+    };
+    let reader = || ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
+    let (width, height) = reader().into_dimensions().map_err(decode_error)?;
+    let size = [width as usize, height as usize];
+    check_size(path, size)?;
+    let mut reader = reader();
+    reader.limits(Limits::no_limits());
+    let decoded = reader.decode().map_err(decode_error)?;
+    let is_16_bits = decoded.color().bits_per_pixel() / u16::from(decoded.color().channel_count()) == 16;
+    let pixels = if is_16_bits {
+        let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
+        decoded.into_rgb16().pixels().map(|pixel| pixel.0.map(scaled)).collect()
+    } else {
+        let scaled = |value: u8| f32::from(value) / f32::from(u8::MAX);
+        decoded.into_rgb8().pixels().map(|pixel| pixel.0.map(scaled)).collect()
+    };
+    Ok((size, pixels))
+}
+
+/// Fails before memory is asked for that a broken file only claims to need.
+pub(super) fn check_size(path: &Path, [width, height]: [usize; 2]) -> Result<(), MetricsError> {
+    if width.max(height) > MOST {
+        return Err(MetricsError::TooLarge { path: path.to_path_buf(), width, height, most: MOST });
+    }
+    Ok(())
+}

@@ -1,0 +1,161 @@
+//! Metrics of a sequence of pictures: frame by frame, their means, and how much a still scene flickers.
+
+use serde::Serialize;
+
+use super::differences::{mean, mean_change};
+use super::{Blocks, CompareOptions, Comparison, Image, Metrics, MetricsError, compare};
+
+/// One frame of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameMetrics {
+    /// Its number.
+    pub frame: u64,
+    /// Its distance from the reference.
+    #[serde(flatten)]
+    pub metrics: Metrics,
+    /// Mean absolute change of luminance since the frame before; none for the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temporal_error: Option<f64>,
+    /// The same of the reference, if it is a sequence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_temporal_error: Option<f64>,
+}
+
+/// A whole sequence.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SequenceMetrics {
+    /// The mean of each figure over the frames.
+    #[serde(flatten)]
+    pub means: Metrics,
+    /// The mean of all changes from frame to frame (Schied et al. 2017); none of a single frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temporal_error: Option<f64>,
+    /// The same of the reference, if it is a sequence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_temporal_error: Option<f64>,
+    /// Every frame, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<FrameMetrics>,
+}
+
+/// Compares a sequence one frame after the other; keeps the luminance of the last one only.
+#[derive(Clone, Debug, Default)]
+pub struct Sequence {
+    options: CompareOptions,
+    still_reference: bool,
+    frames: Vec<FrameMetrics>,
+    last: Option<Last>,
+}
+
+/// What is kept of the frame before.
+#[derive(Clone, Debug)]
+struct Last {
+    name: String,
+    size: [usize; 2],
+    luminances: Vec<f64>,
+    reference_luminances: Vec<f64>,
+}
+
+impl Sequence {
+    /// An empty sequence. With a `still_reference` every frame is compared with the same picture.
+    pub fn new(options: CompareOptions, still_reference: bool) -> Self {
+        Self { options, still_reference, ..Self::default() }
+    }
+
+    /// Compares the next frame, number `frame`.
+    ///
+    /// # Errors
+    /// If the pictures are not of one size and encoding, or not of the size of the frame before.
+    pub fn push(&mut self, frame: u64, image: &Image, reference: &Image) -> Result<Comparison, MetricsError> {
+        let comparison = compare(image, reference, &self.options)?;
+        let now = Last {
+            name: image.name().to_owned(),
+            size: image.size(),
+            luminances: image.luminances(),
+            reference_luminances: reference.luminances(),
+        };
+        let before = self.last.as_ref();
+        let change = before.map(|before| now.change_since(before)).transpose()?;
+        let reference_change =
+            before.map(|b| mean_change(&b.reference_luminances, &now.reference_luminances));
+        self.frames.push(FrameMetrics {
+            frame,
+            metrics: comparison.metrics,
+            temporal_error: change,
+            reference_temporal_error: reference_change.filter(|_| !self.still_reference),
+        });
+        self.last = Some(now);
+        Ok(comparison)
+    }
+
+    /// The metrics of all frames; none if there are none.
+    pub fn finish(self) -> Option<SequenceMetrics> {
+        let mean_change = |change: fn(&FrameMetrics) -> Option<f64>| {
+            let changes: Vec<f64> = self.frames.iter().filter_map(change).collect();
+            (!changes.is_empty()).then(|| mean(&changes))
+        };
+        Some(SequenceMetrics {
+            means: mean_metrics(&self.frames)?,
+            temporal_error: mean_change(|frame| frame.temporal_error),
+            reference_temporal_error: mean_change(|frame| frame.reference_temporal_error),
+            frames: self.frames,
+        })
+    }
+}
+
+impl Last {
+    fn change_since(&self, before: &Self) -> Result<f64, MetricsError> {
+        if self.size != before.size {
+            return Err(MetricsError::Size {
+                image: self.name.clone(),
+                size: self.size,
+                reference: before.name.clone(),
+                reference_size: before.size,
+            });
+        }
+        Ok(mean_change(&before.luminances, &self.luminances))
+    }
+}
+
+/// The temporal error of frames of a still scene: the mean over pixels and pairs of frames of the absolute
+/// change of luminance (Schied et al., *Spatiotemporal Variance-Guided Filtering*, 2017). None of fewer than
+/// two frames.
+///
+/// # Errors
+/// If the frames are not of one size and encoding.
+pub fn temporal_error(frames: &[Image]) -> Result<Option<f64>, MetricsError> {
+    let luminances: Vec<_> = frames.iter().map(Image::luminances).collect();
+    let mut changes = Vec::new();
+    for (pair, luminances) in frames.windows(2).zip(luminances.windows(2)) {
+        pair[1].check_comparable(&pair[0])?;
+        changes.push(mean_change(&luminances[0], &luminances[1]));
+    }
+    Ok((!changes.is_empty()).then(|| mean(&changes)))
+}
+
+/// The mean of each figure; none of no frames.
+fn mean_metrics(frames: &[FrameMetrics]) -> Option<Metrics> {
+    let first = frames.first()?.metrics;
+    let mean_of = |figure: fn(&Metrics) -> f64| {
+        mean(&frames.iter().map(|frame| figure(&frame.metrics)).collect::<Vec<_>>())
+    };
+    Some(Metrics {
+        mae: mean_of(|metrics| metrics.mae),
+        rmse: mean_of(|metrics| metrics.rmse),
+        relmse: mean_of(|metrics| metrics.relmse),
+        psnr: mean_of(|metrics| metrics.psnr),
+        ssim: mean_of(|metrics| metrics.ssim),
+        flip: mean_of(|metrics| metrics.flip),
+        mean_ratio: mean_of(|metrics| metrics.mean_ratio),
+        mean_relative_error: mean_of(|metrics| metrics.mean_relative_error),
+        p95_relative_error: mean_of(|metrics| metrics.p95_relative_error),
+        blocks: Blocks {
+            side: first.blocks.side,
+            count: first.blocks.count,
+            mean_relative_error: mean_of(|metrics| metrics.blocks.mean_relative_error),
+            p95_relative_error: mean_of(|metrics| metrics.blocks.p95_relative_error),
+            within_3_percent: mean_of(|metrics| metrics.blocks.within_3_percent),
+            within_5_percent: mean_of(|metrics| metrics.blocks.within_5_percent),
+        },
+    })
+}

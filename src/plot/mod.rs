@@ -1,0 +1,229 @@
+//! Plots: numbers as pictures, in PNG or SVG.
+//!
+//! Text in a PNG is drawn with a font that is part of the program, so it looks the same on a machine without
+//! any; an SVG leaves the choice to whoever shows it.
+
+mod curves;
+mod heatmap;
+
+pub use curves::{Curves, Line, Panel};
+pub use heatmap::{Heatmap, round_limit};
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Once;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::register_font;
+
+use crate::output::{OutputError, OutputFile};
+
+/// The family that text is drawn in.
+const FONT: &str = "sans-serif";
+
+/// Why there is no plot; each names the file.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// Neither `.svg` nor `.png`.
+    #[error("{0}: unknown kind of plot; the name must end in .svg or .png")]
+    UnknownExtension(PathBuf),
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// It cannot be drawn.
+    #[error("{path}: cannot be drawn: {reason}")]
+    Draw {
+        /// What was to be written.
+        path: PathBuf,
+        /// Why it could not be.
+        reason: String,
+    },
+}
+
+impl PlotError {
+    /// Whether the name itself is wrong, wherever and whenever it were written.
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::UnknownExtension(_) => true,
+            Self::Output(error) => error.is_usage(),
+            Self::Draw { .. } => false,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Png,
+    Svg,
+}
+
+/// A plot to be written: its kind is known and it was found writable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlotFile {
+    file: OutputFile,
+    format: Format,
+}
+
+impl PlotFile {
+    /// Checks that `path` names a plot and could be written now.
+    ///
+    /// # Errors
+    /// If it ends neither in `.svg` nor in `.png`, or could not be written.
+    pub fn new(path: impl Into<PathBuf>) -> Result<Self, PlotError> {
+        let path = path.into();
+        let is = |kind: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(kind));
+        let format = match (is("png"), is("svg")) {
+            (true, _) => Format::Png,
+            (_, true) => Format::Svg,
+            _ => return Err(PlotError::UnknownExtension(path)),
+        };
+        Ok(Self { file: OutputFile::new(path)?, format })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &OutputFile {
+        &self.file
+    }
+
+    /// Draws and writes `curves`.
+    ///
+    /// # Errors
+    /// If it cannot be drawn or written.
+    pub fn save(&self, curves: &Curves) -> Result<(), PlotError> {
+        let size = curves.size();
+        match self.format {
+            Format::Png => {
+                let mut pixels = vec![u8::MAX; 3 * size.0 as usize * size.1 as usize];
+                let canvas = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
+                self.draw(curves, canvas)?;
+                self.file.save_png([size.0, size.1], &pixels)?;
+            }
+            Format::Svg => {
+                let mut text = String::new();
+                self.draw(curves, SVGBackend::with_string(&mut text, size).into_drawing_area())?;
+                let write_error =
+                    |source| OutputError::Write { path: self.file.path().to_path_buf(), source };
+                self.file.save(|writer| writer.write_all(text.as_bytes()).map_err(write_error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn draw<Canvas: DrawingBackend>(
+        &self,
+        curves: &Curves,
+        canvas: DrawingArea<Canvas, Shift>,
+    ) -> Result<(), PlotError> {
+        prepare_font();
+        let drawn = curves.draw(&canvas).and_then(|()| canvas.present());
+        drawn.map_err(|error| PlotError::Draw {
+            path: self.file.path().to_path_buf(),
+            reason: error.to_string(),
+        })
+    }
+}
+
+/// Makes the font of the program known to the plotting library.
+fn prepare_font() {
+    static PREPARED: Once = Once::new();
+    PREPARED.call_once(|| {
+        let known = register_font(FONT, FontStyle::Normal, include_bytes!("DejaVuSans-Latin.ttf"));
+        assert!(known.is_ok(), "the font is part of the program");
+    });
+}
+
+/// A number in few digits: 0.012346, 12.346, 1.235e-7.
+pub fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if !(-4..6).contains(&exponent) {
+        return format!("{value:.3e}");
+    }
+    let decimals = usize::try_from(4 - exponent).unwrap_or(0);
+    let text = format!("{value:.decimals$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (0.25, "0.25"),
+            (0.012_345_67, "0.012346"),
+            (12.345_67, "12.346"),
+            (-12.345_67, "-12.346"),
+            (100_000.0, "100000"),
+            (1.234_567e-7, "1.235e-7"),
+            (1.0e9, "1.000e9"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    fn curves() -> Curves {
+        let points = |slope: f64| (0..20).map(|i| (f64::from(i), slope * f64::from(i))).collect();
+        let panel = |name: &str| Panel {
+            title: name.to_owned(),
+            lines: vec![
+                Line { name: "image".to_owned(), points: points(0.01) },
+                Line { name: "reference".to_owned(), points: vec![(0.0, f64::INFINITY), (3.0, 0.1)] },
+            ],
+        };
+        Curves {
+            title: "Title".to_owned(),
+            x_label: "frame".to_owned(),
+            panels: vec![panel("RMSE"), panel("FLIP"), panel("SSIM")],
+        }
+    }
+
+    #[test]
+    fn plots_are_drawn_in_both_formats() {
+        let folder = tempfile::tempdir().unwrap();
+        let save = |name: &str| {
+            let file = PlotFile::new(folder.path().join(name)).unwrap();
+            file.save(&curves()).unwrap();
+            file.file().path().to_path_buf()
+        };
+        let text = std::fs::read_to_string(save("a.svg")).unwrap();
+        for part in ["<svg", "Title", "RMSE", "FLIP", "SSIM", "reference", "frame", "polyline"] {
+            assert!(text.contains(part), "{part}");
+        }
+        let picture = image::open(save("a.PNG")).unwrap().into_rgb8();
+        let dark = picture.pixels().filter(|pixel| pixel.0.iter().all(|&channel| channel < 96)).count();
+        // The letters of titles and labels.
+        assert!(dark > 500, "{dark}");
+    }
+
+    #[test]
+    fn plots_without_points_are_drawn_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = PlotFile::new(folder.path().join("a.png")).unwrap();
+        let mut curves = curves();
+        for line in curves.panels.iter_mut().flat_map(|panel| &mut panel.lines) {
+            line.points.clear();
+        }
+        file.save(&curves).unwrap();
+        curves.panels.clear();
+        file.save(&curves).unwrap();
+    }
+
+    #[test]
+    fn the_name_says_which_kind_of_plot() {
+        let error = PlotFile::new("a.pdf").unwrap_err();
+        assert!(error.is_usage() && error.to_string().contains("must end in .svg or .png"), "{error}");
+        let error = PlotFile::new("no such folder/a.svg").unwrap_err();
+        assert!(!error.is_usage() && error.to_string().contains("no folder"), "{error}");
+    }
+}

@@ -1,0 +1,111 @@
+//! The renderer against the path tracer: the light that VPLs carry, and the tone mapping they share.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glowworm::output::{Picture, tone_map};
+use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
+use glowworm::scene::Scene;
+use glowworm::settings::Settings;
+
+use super::support::{Lab, channel, exact, layer, luminance, mean, named_scene, quantile};
+
+const SIDE: u32 = 48;
+const BLOCK: usize = 12;
+
+fn reference(scene: &Scene, bounces: u32, spp: u64) -> Picture {
+    let pose = scene.pose(0.0);
+    let settings = ReferenceSettings {
+        size: [SIDE; 2],
+        bounces: Some(bounces),
+        seed: 0,
+        filter: PixelFilter::Center,
+        layers: true,
+    };
+    let reference = Reference::new(scene, &pose, &settings);
+    let mut film = reference.film().unwrap();
+    for _ in 0..spp {
+        reference.add_sample(&mut film, &AtomicBool::new(false));
+    }
+    film.picture()
+}
+
+/// Mean luminance of each block of pixels.
+fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
+    let side = SIDE as usize;
+    let starts = (0..side).step_by(BLOCK);
+    starts
+        .clone()
+        .flat_map(|y| starts.clone().map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let rows = (y..y + BLOCK).flat_map(|row| &pixels[row * side + x..row * side + x + BLOCK]);
+            mean(rows.map(luminance))
+        })
+        .collect()
+}
+
+fn check(scene: &Arc<Scene>, interleave: u32) {
+    let Some(lab) = Lab::open() else { return };
+    let settings = Settings { vpls: 8192, temporal_sets: 8, interleave, ..exact([SIDE; 2]) };
+    let drawn = lab.rendered(scene, &settings, 8).read_picture(true).unwrap();
+    let truth = reference(scene, settings.bounces, 1024);
+    let (drawn, truth) = (layer(&drawn, "indirect"), layer(&truth, "indirect"));
+    let ratio = mean(drawn.iter().map(luminance)) / mean(truth.iter().map(luminance));
+    assert!((ratio - 1.0).abs() <= 0.02, "the mean is {ratio} of the reference's");
+    let errors: Vec<f32> =
+        blocks(&drawn).iter().zip(blocks(&truth)).map(|(drawn, truth)| (drawn / truth - 1.0).abs()).collect();
+    let most = quantile(errors, 0.9);
+    assert!(most <= 0.05, "one block in ten is off by more than {most}");
+}
+
+#[test]
+fn the_cornell_box_is_lit_as_in_the_reference() {
+    check(&named_scene("cornell-box", None), 1);
+}
+
+#[test]
+fn interleaving_moves_no_light() {
+    check(&named_scene("cornell-box", None), 2);
+}
+
+#[test]
+fn four_kinds_of_lights_light_as_in_the_reference() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/all-kinds.toml");
+    check(&named_scene(file, None), 1);
+}
+
+#[test]
+fn both_see_the_same_surfaces_and_direct_light() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let drawn = lab.rendered(&scene, &exact([SIDE; 2]), 1).read_picture(true).unwrap();
+    let truth = reference(&scene, 2, 4);
+    for name in ["direct", "albedo", "normal", "position"] {
+        let pairs = layer(&drawn, name).into_iter().zip(layer(&truth, name));
+        let differences = pairs.flat_map(|(a, b)| [0, 1, 2].map(|i| (a[i] - b[i]).abs())).collect();
+        let most = quantile(differences, 0.99);
+        assert!(most < 2e-3, "{name}: {most}");
+    }
+    let same = channel(&drawn, "instance")
+        .iter()
+        .zip(channel(&truth, "instance"))
+        .filter(|(a, b)| **a == *b)
+        .count();
+    assert!(same >= (SIDE * SIDE) as usize * 99 / 100, "{same}");
+}
+
+#[test]
+fn the_tone_mapping_on_the_cpu_is_that_of_the_shaders() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    for exposure in [None, Some(1.5)] {
+        let settings = Settings { exposure, ..exact([SIDE; 2]) };
+        let drawn = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
+        let mut twin = Picture { display: Vec::new(), ..drawn.clone() };
+        let covered = channel(&drawn, "instance").into_iter().map(|instance| instance >= 0.0);
+        tone_map(&mut twin, exposure, covered);
+        for (a, b) in drawn.display.iter().zip(&twin.display) {
+            assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1), "{a:?} {b:?}");
+        }
+    }
+}
