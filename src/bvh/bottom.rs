@@ -4,21 +4,32 @@
 //! shaders read them too.
 
 use glam::{Vec3, Vec3A};
-use obvhs::{BvhBuildParams, aabb::Aabb, cwbvh::CwBvh, cwbvh::node::CwBvhNode};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode};
 use rayon::prelude::*;
 
 use super::{
     gpu::{GpuMaskedTriangle, GpuTriangle},
-    triangle::is_degenerate,
-    wide::{BOTTOM_DEPTH, build_wide},
+    nodes::{Child, LeafCost, Node, WideTree, widen},
+    traverse,
+    tree::{clustered, median_split},
+    triangle::{LANES, TriangleBlock, is_degenerate},
+    wide,
 };
 use crate::scene::{Material, Mesh, Scene};
+
+/// Quality of the binary trees.
+const PARAMS: BvhBuildParams = BvhBuildParams::medium_build();
+
+/// A block of triangles in comparison with a node.
+const LEAF_COST: LeafCost = LeafCost { at_a_time: LANES, most: 2, cost: 1.5 };
 
 /// What the top levels need to know of a mesh's BVH.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshRoot {
-    /// Index of its root in [`BottomLevels::nodes`].
-    pub(super) root: u32,
+    /// Where to start in [`BottomLevels::nodes`].
+    pub(super) root: Child,
+    /// Index of its root in [`BottomLevels::gpu_nodes`].
+    pub(super) gpu_root: u32,
     /// Object-space bounds of its triangles.
     pub(super) bounds: Aabb,
 }
@@ -26,8 +37,11 @@ pub(super) struct MeshRoot {
 /// The bottom levels of all meshes, one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BottomLevels {
-    pub(super) nodes: Vec<CwBvhNode>,
-    pub(super) triangles: Vec<GpuTriangle>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) gpu_nodes: Vec<CwBvhNode>,
+    /// In the order of the leaves of `gpu_nodes`.
+    pub(super) gpu_triangles: Vec<GpuTriangle>,
     pub(super) masked: Vec<GpuMaskedTriangle>,
     /// None for a mesh without a triangle that could be hit.
     pub(super) roots: Vec<Option<MeshRoot>>,
@@ -45,36 +59,52 @@ impl BottomLevels {
         levels
     }
 
-    fn append(&mut self, mut mesh: MeshBvh) {
-        let first_node = self.nodes.len() as u32;
-        let first_triangle = self.triangles.len() as u32;
+    fn append(&mut self, mesh: Option<MeshBvh>) {
+        let Some(mut mesh) = mesh else {
+            self.roots.push(None);
+            return;
+        };
+        let (first_node, first_block) = (self.nodes.len(), self.blocks.len());
+        let gpu_root = self.gpu_nodes.len() as u32;
+        let first_triangle = self.gpu_triangles.len() as u32;
         let first_masked = self.masked.len() as u32;
-        for node in &mut mesh.bvh.nodes {
-            node.child_base_idx += first_node;
+        for node in &mut mesh.tree.nodes {
+            node.children = node.children.map(|child| child.moved(first_node, first_block));
+        }
+        for node in &mut mesh.gpu.nodes {
+            node.child_base_idx += gpu_root;
             node.primitive_base_idx += first_triangle;
         }
-        for triangle in mesh.triangles.iter_mut().filter(|t| t.masked != 0) {
-            triangle.masked += first_masked;
+        let in_blocks = mesh.blocks.iter_mut().flat_map(|block| &mut block.masked);
+        let in_triangles = mesh.gpu_triangles.iter_mut().map(|triangle| &mut triangle.masked);
+        for masked in in_blocks.chain(in_triangles).filter(|masked| **masked != 0) {
+            *masked += first_masked;
         }
-        self.roots.push(
-            (!mesh.bvh.nodes.is_empty())
-                .then_some(MeshRoot { root: first_node, bounds: mesh.bvh.total_aabb }),
-        );
-        self.nodes.append(&mut mesh.bvh.nodes);
-        self.triangles.append(&mut mesh.triangles);
+        self.roots.push(Some(MeshRoot {
+            root: mesh.tree.root.moved(first_node, first_block),
+            gpu_root,
+            bounds: mesh.gpu.total_aabb,
+        }));
+        self.nodes.append(&mut mesh.tree.nodes);
+        self.blocks.append(&mut mesh.blocks);
+        self.gpu_nodes.append(&mut mesh.gpu.nodes);
+        self.gpu_triangles.append(&mut mesh.gpu_triangles);
         self.masked.append(&mut mesh.masked);
     }
 }
 
 /// One mesh's BVH, with indices from zero.
 struct MeshBvh {
-    bvh: CwBvh,
-    triangles: Vec<GpuTriangle>,
+    tree: WideTree,
+    blocks: Vec<TriangleBlock>,
+    gpu: CwBvh,
+    gpu_triangles: Vec<GpuTriangle>,
     masked: Vec<GpuMaskedTriangle>,
 }
 
 impl MeshBvh {
-    fn build(mesh: &Mesh, materials: &[Material]) -> Self {
+    /// None without a triangle that could be hit.
+    fn build(mesh: &Mesh, materials: &[Material]) -> Option<Self> {
         // Leave out what could never be hit.
         let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
@@ -83,17 +113,15 @@ impl MeshBvh {
                 !is_degenerate(v0, v1, v2)
             })
             .collect();
-        let boxes: Vec<Aabb> =
-            ids.iter().map(|&id| Aabb::from_points(&corners(id).map(Vec3A::from))).collect();
-        let bvh = build_wide(&boxes, BvhBuildParams::medium_build(), BOTTOM_DEPTH);
+        if ids.is_empty() {
+            return None;
+        }
 
-        // Lay out the triangles in the order of the leaves.
+        // Find what alpha tests need.
         let mut masked = Vec::new();
-        let triangles = bvh
-            .primitive_indices
+        let triangles: Vec<GpuTriangle> = ids
             .iter()
-            .map(|&primitive| {
-                let id = ids[primitive as usize];
+            .map(|&id| {
                 let material = mesh.triangle_materials.get(id as usize).copied();
                 let mask = material
                     .and_then(|material| materials.get(material as usize))
@@ -112,8 +140,37 @@ impl MeshBvh {
                 }
             })
             .collect();
-        Self { bvh, triangles, masked }
+
+        // Lay out the triangles in the order of the leaves, for the CPU and for shaders.
+        let boxes: Vec<Aabb> =
+            ids.iter().map(|&id| Aabb::from_points(&corners(id).map(Vec3A::from))).collect();
+        let binary = clustered(&boxes, &PARAMS);
+        let (mut tree, mut blocks) = blocks_of(&binary, &triangles);
+        if tree.depth > traverse::BOTTOM_DEPTH {
+            (tree, blocks) = blocks_of(&median_split(&boxes), &triangles);
+        }
+        assert!(tree.depth <= traverse::BOTTOM_DEPTH, "a balanced tree is shallow");
+        let gpu = wide::compress(&binary, &boxes, PARAMS.max_prims_per_leaf, wide::BOTTOM_DEPTH);
+        let gpu_triangles = gpu.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
+        Some(Self { tree, blocks, gpu, gpu_triangles, masked })
     }
+}
+
+/// The wide tree over `triangles`, and these in blocks.
+fn blocks_of(binary: &Bvh2, triangles: &[GpuTriangle]) -> (WideTree, Vec<TriangleBlock>) {
+    let mut blocks = Vec::new();
+    let tree = widen(binary, LEAF_COST, |members| {
+        let first = blocks.len();
+        blocks.extend(members.chunks(LANES).map(|members| {
+            let mut block = TriangleBlock::empty(triangles[members[0] as usize].v0);
+            for (lane, &member) in members.iter().enumerate() {
+                block.set(lane, &triangles[member as usize]);
+            }
+            block
+        }));
+        Child::leaf(first, blocks.len() - first)
+    });
+    (tree, blocks)
 }
 
 fn masked_triangle(mesh: &Mesh, id: u32, mask: usize) -> GpuMaskedTriangle {

@@ -142,11 +142,11 @@ impl TwoLevelBvh {
     pub fn gpu_layout(&self) -> GpuBvh {
         let regions = Regions::of(self);
         let (masks, mask_bits) = pack_masks(&self.alpha_masks);
-        let mut nodes = self.bottom.nodes.clone();
+        let mut nodes = self.bottom.gpu_nodes.clone();
         nodes.resize(regions.node_end.max(1), CwBvhNode::default());
         let mut layout = GpuBvh {
             nodes,
-            triangles: never_empty(self.bottom.triangles.clone()),
+            triangles: never_empty(self.bottom.gpu_triangles.clone()),
             triangle_uvs: never_empty(self.bottom.masked.clone()),
             masks: never_empty(masks),
             mask_bits: never_empty(mask_bits),
@@ -179,16 +179,16 @@ impl TwoLevelBvh {
         };
         GpuBvhUpdate {
             node_offset: first_node as u32,
-            nodes: level.nodes.iter().map(to_absolute).collect(),
+            nodes: level.gpu.nodes.iter().map(to_absolute).collect(),
             instance_offset: first_instance as u32,
-            instances: level.placed.iter().map(gpu_instance).collect(),
+            instances: level.gpu.primitive_indices.iter().map(|&i| gpu_instance(&level.placed[i as usize])).collect(),
             roots: self.roots(&Regions::of(self)),
         }
     }
 
     fn roots(&self, regions: &Regions) -> GpuBvhRoots {
         let root = |level: &TopLevel, first: usize| {
-            if level.nodes.is_empty() { NO_ROOT } else { first as u32 }
+            if level.gpu.nodes.is_empty() { NO_ROOT } else { first as u32 }
         };
         GpuBvhRoots {
             static_root: root(&self.static_level, regions.static_node),
@@ -211,7 +211,7 @@ impl Regions {
     fn of(bvh: &TwoLevelBvh) -> Self {
         let members = |dynamic| bvh.members(dynamic).count();
         let (fixed, moving) = (members(false), members(true));
-        let static_node = bvh.bottom.nodes.len();
+        let static_node = bvh.bottom.gpu_nodes.len();
         let dynamic_node = static_node + most_nodes(fixed);
         Self {
             static_node,
@@ -231,7 +231,7 @@ fn most_nodes(members: usize) -> usize {
 fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
     GpuInstance {
         world_to_object: rows(&placed.world_to_object),
-        root: placed.root,
+        root: placed.mesh.gpu_root,
         instance: placed.instance,
         pad: [0; 2],
     }

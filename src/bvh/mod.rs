@@ -6,9 +6,11 @@
 
 mod bottom;
 pub mod gpu;
+mod nodes;
 mod query;
 mod top;
 mod traverse;
+mod tree;
 mod triangle;
 mod wide;
 
@@ -96,8 +98,8 @@ impl TwoLevelBvh {
             bottom: BottomLevels::build(scene),
             alpha_masks: scene.alpha_masks.clone(),
             instances,
-            static_level: TopLevel::default(),
-            dynamic_level: TopLevel::default(),
+            static_level: TopLevel::build(std::iter::empty()),
+            dynamic_level: TopLevel::build(std::iter::empty()),
             static_builds: 0,
             dynamic_builds: 0,
         };

@@ -3,64 +3,67 @@
 //! In: the two-level BVH and a ray. Out: a hit. A ray enters an instance by transforming its origin and
 //! direction without normalising, so that t means the same in both spaces.
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
 
 use super::{
     Hit, Ray, TwoLevelBvh,
-    gpu::GpuTriangle,
+    nodes::Child,
     top::{PlacedInstance, TopLevel},
     traverse::{BoxRay, Stack, Visitor, traverse},
-    triangle::{TriangleHit, TriangleRay},
+    triangle::{BlockHits, TriangleBlock, TriangleRay},
 };
 
 /// A query in progress; `ANY` stops at the first hit, whichever it is.
 pub(super) struct Query<'a, const ANY: bool> {
     bvh: &'a TwoLevelBvh,
     ray: Ray,
-    best: Option<Hit>,
+    /// The best so far. Until there is one, its t is the ray's t_max and its indices are the lowest, so that
+    /// nothing at t_max comes before it.
+    best: Hit,
 }
 
 impl<'a, const ANY: bool> Query<'a, ANY> {
     pub(super) fn new(bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
-        Self { bvh, ray: *ray, best: None }
+        let best = Hit { t: ray.t_max, instance: 0, triangle: 0, barycentrics: Vec2::ZERO };
+        Self { bvh, ray: *ray, best }
     }
 
     /// The closest hit, or any one.
     pub(super) fn run(mut self) -> Option<Hit> {
         let bvh = self.bvh;
-        let ray = BoxRay::new(self.ray.origin, self.ray.direction);
+        let ray = BoxRay::new(self.ray.origin, self.ray.direction, self.ray.t_min);
         let mut stack = Stack::new();
         for level in [&bvh.static_level, &bvh.dynamic_level] {
-            if level.nodes.is_empty() {
-                continue;
-            }
             let mut visitor = InstanceVisitor { query: &mut self, level };
-            if traverse(&level.nodes, 0, &ray, &mut stack, &mut visitor) {
+            if traverse(&level.nodes, level.root, &ray, &mut stack, &mut visitor) {
                 break;
             }
         }
-        self.best
+        (self.best.t < self.ray.t_max).then_some(self.best)
     }
 
+    /// Keeps the best of some triangles' hits. True if that is enough.
     #[inline(always)]
-    fn interval(&self) -> (f32, f32) {
-        let t_max = self.best.map_or(self.ray.t_max, |hit| hit.t);
-        (self.ray.t_min, t_max)
-    }
-
-    /// Keeps a hit if it is nearer than the best so far, or as near with lower indices.
-    #[inline(always)]
-    fn offer(&mut self, hit: Hit) -> bool {
-        let (t_min, t_max) = self.interval();
-        let nearer = hit.t < t_max
-            || self.best.is_some_and(|best| {
-                hit.t == best.t && (hit.instance, hit.triangle) < (best.instance, best.triangle)
-            });
-        let accepted = hit.t > t_min && nearer;
-        if accepted {
-            self.best = Some(hit);
+    fn offer(&mut self, instance: u32, block: &TriangleBlock, hits: &BlockHits) -> bool {
+        let mut met = hits.met;
+        let t = hits.t.to_array();
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % t.len();
+            met &= met - 1;
+            let best = &self.best;
+            let triangle = block.ids[lane];
+            let nearer = t[lane] < best.t
+                || t[lane] == best.t && (instance, triangle) < (best.instance, best.triangle);
+            let barycentrics = Vec2::new(hits.barycentrics[0][lane], hits.barycentrics[1][lane]);
+            let masked = block.masked[lane];
+            if nearer && (masked == 0 || is_opaque(self.bvh, masked, barycentrics)) {
+                self.best = Hit { t: t[lane], instance, triangle, barycentrics };
+                if ANY {
+                    return true;
+                }
+            }
         }
-        accepted
+        false
     }
 }
 
@@ -72,22 +75,26 @@ struct InstanceVisitor<'q, 'a, const ANY: bool> {
 
 impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
     #[inline(always)]
-    fn interval(&self) -> (f32, f32) {
-        self.query.interval()
+    fn t_max(&self) -> f32 {
+        self.query.best.t
     }
 
     #[inline(always)]
-    fn visit(&mut self, primitive: u32, stack: &mut Stack) -> bool {
-        let placed = &self.level.placed[primitive as usize];
-        let bottom = &self.query.bvh.bottom;
-        let (origin, direction) = to_object(placed, &self.query.ray);
-        let mut visitor = TriangleVisitor {
-            ray: TriangleRay::new(origin, direction),
-            instance: placed.instance,
-            query: self.query,
-        };
-        let ray = BoxRay::new(origin, direction);
-        traverse(&bottom.nodes, placed.root, &ray, stack, &mut visitor)
+    fn visit(&mut self, leaf: Child, stack: &mut Stack) -> bool {
+        leaf.run().any(|index| {
+            let placed = &self.level.placed[index];
+            let bottom = &self.query.bvh.bottom;
+            let (origin, direction) = to_object(placed, &self.query.ray);
+            let t_min = self.query.ray.t_min;
+            let mut visitor = TriangleVisitor {
+                ray: TriangleRay::new(origin, direction),
+                t_min: Vec4::splat(t_min),
+                instance: placed.instance,
+                query: self.query,
+            };
+            let ray = BoxRay::new(origin, direction, t_min);
+            traverse(&bottom.nodes, placed.mesh.root, &ray, stack, &mut visitor)
+        })
     }
 }
 
@@ -95,47 +102,40 @@ impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
 struct TriangleVisitor<'q, 'a, const ANY: bool> {
     query: &'q mut Query<'a, ANY>,
     ray: TriangleRay,
+    t_min: Vec4,
     instance: u32,
 }
 
 impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
     #[inline(always)]
-    fn interval(&self) -> (f32, f32) {
-        self.query.interval()
+    fn t_max(&self) -> f32 {
+        self.query.best.t
     }
 
     #[inline(always)]
-    fn visit(&mut self, primitive: u32, _stack: &mut Stack) -> bool {
+    fn visit(&mut self, leaf: Child, _stack: &mut Stack) -> bool {
         let bvh = self.query.bvh;
-        let triangle = &bvh.bottom.triangles[primitive as usize];
-        let Some(TriangleHit { t, barycentrics }) = self.ray.intersect(triangle) else {
-            return false;
-        };
-        let (t_min, t_max) = self.query.interval();
-        let nearer = t > t_min && t <= t_max;
-        if !nearer || !is_opaque(bvh, triangle, barycentrics) {
-            return false;
-        }
-        let hit = Hit { t, instance: self.instance, triangle: triangle.id, barycentrics };
-        self.query.offer(hit) && ANY
+        bvh.bottom.blocks[leaf.run()].iter().any(|block| {
+            match self.ray.intersect(block, self.t_min, self.query.best.t) {
+                Some(hits) => self.query.offer(self.instance, block, &hits),
+                None => false,
+            }
+        })
     }
 }
 
 /// The ray's origin and direction in an instance's object space.
-pub(super) fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3, Vec3) {
+fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3, Vec3) {
     let world_to_object = &placed.world_to_object;
     let origin = world_to_object.transform_point3a(Vec3A::from(ray.origin));
     let direction = world_to_object.transform_vector3a(Vec3A::from(ray.direction));
     (origin.into(), direction.into())
 }
 
-/// Whether the triangle's alpha mask, if it has one, leaves the surface there.
-#[inline(always)]
-fn is_opaque(bvh: &TwoLevelBvh, triangle: &GpuTriangle, barycentrics: Vec2) -> bool {
-    if triangle.masked == 0 {
-        return true;
-    }
-    let masked = &bvh.bottom.masked[triangle.masked as usize - 1];
+/// Whether the alpha mask of the masked triangle `masked`, counted from 1, leaves the surface there.
+#[inline(never)]
+fn is_opaque(bvh: &TwoLevelBvh, masked: u32, barycentrics: Vec2) -> bool {
+    let masked = &bvh.bottom.masked[masked as usize - 1];
     let first = 1.0 - barycentrics.x - barycentrics.y;
     let uv = masked.uv0 * first + masked.uv1 * barycentrics.x + masked.uv2 * barycentrics.y;
     bvh.alpha_masks[masked.mask as usize].opaque_at(uv)

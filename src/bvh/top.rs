@@ -1,33 +1,42 @@
-//! A top level: one CWBVH over the world bounds of some instances.
+//! A top level: a BVH over the world bounds of some instances.
 //!
 //! In: instances with their object-to-world transforms and the roots of their meshes. Out: nodes whose
-//! primitives are placed instances in leaf order.
+//! leaves are placed instances, for the CPU and for shaders.
 
 use glam::{Affine3A, Mat3A, Vec3A};
-use obvhs::{BvhBuildParams, aabb::Aabb, cwbvh::node::CwBvhNode};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh};
 
 use super::{
     bottom::MeshRoot,
-    traverse::SLAB_PADDING,
-    wide::{TOP_DEPTH, build_wide},
+    nodes::{Child, LeafCost, Node, WideTree, widen},
+    traverse::{self, SLAB_PADDING},
+    tree::{clustered, median_split},
+    wide,
 };
+
+/// Quality of the binary tree.
+const PARAMS: BvhBuildParams = BvhBuildParams::fast_build();
+
+/// One instance a leaf.
+const LEAF_COST: LeafCost = LeafCost { at_a_time: 1, most: 1, cost: 1.0 };
 
 /// A mesh's BVH in its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedInstance {
     pub(super) world_to_object: Affine3A,
-    /// Root of the mesh's bottom level.
-    pub(super) root: u32,
+    pub(super) mesh: MeshRoot,
     /// Index into `Scene::instances`.
     pub(super) instance: u32,
 }
 
 /// A BVH over placed instances.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct TopLevel {
-    /// Empty when there is nothing to hit.
-    pub(super) nodes: Vec<CwBvhNode>,
-    /// In leaf order.
+    pub(super) nodes: Vec<Node>,
+    /// Where to start.
+    pub(super) root: Child,
+    /// For shaders. Without nodes when there is nothing to hit.
+    pub(super) gpu: CwBvh,
     pub(super) placed: Vec<PlacedInstance>,
     /// World bounds, without padding; none when there is nothing to hit.
     pub(super) bounds: Option<Aabb>,
@@ -48,13 +57,27 @@ impl TopLevel {
             let tight = transformed(&mesh.bounds, &transform);
             boxes.push(padded(tight, &transform, &world_to_object));
             bounds = Some(bounds.map_or(tight, |sum| sum.union(&tight)));
-            placed.push(PlacedInstance { world_to_object, root: mesh.root, instance });
+            placed.push(PlacedInstance { world_to_object, mesh, instance });
         }
-        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::fast_build() };
-        let bvh = build_wide(&boxes, params, TOP_DEPTH);
-        let in_leaf_order = bvh.primitive_indices.iter();
-        Self { placed: in_leaf_order.map(|&i| placed[i as usize]).collect(), nodes: bvh.nodes, bounds }
+        let mut level =
+            Self { nodes: Vec::new(), root: Child::NOTHING, gpu: CwBvh::default(), placed, bounds };
+        if !boxes.is_empty() {
+            let binary = clustered(&boxes, &PARAMS);
+            let mut tree = widened(&binary);
+            if tree.depth > traverse::TOP_DEPTH {
+                tree = widened(&median_split(&boxes));
+            }
+            assert!(tree.depth <= traverse::TOP_DEPTH, "a balanced tree is shallow");
+            level.nodes = tree.nodes;
+            level.root = tree.root;
+            level.gpu = wide::compress(&binary, &boxes, 1, wide::TOP_DEPTH);
+        }
+        level
     }
+}
+
+fn widened(binary: &Bvh2) -> WideTree {
+    widen(binary, LEAF_COST, |members| Child::leaf(members[0] as usize, members.len()))
 }
 
 /// Bounds of a transformed box.

@@ -1,179 +1,139 @@
-//! Depth-first traversal of a compressed wide BVH (Ylitie et al. 2017, algorithm 1).
+//! Depth-first traversal of a wide BVH, nearest child first.
 //!
-//! In: nodes, a root and a ray. Out: each primitive whose box the ray may touch, roughly front to back.
+//! In: nodes, where to start and a ray. Out: each leaf whose box the ray may touch, roughly front to back.
 //! The slab test is conservative at every scale: its padding follows from the magnitudes that were
 //! rounded, never from an absolute epsilon.
 
+use arrayvec::ArrayVec;
 use glam::{Vec3, Vec4};
-use obvhs::cwbvh::node::CwBvhNode;
 
-/// Relative padding of the slab test: covers the rounding of the quantised boxes and of the test.
+use super::nodes::{Child, Node, WIDTH};
+
+/// Padding of the slab test, relative to the coordinates of a box, which is padded when it is built, and to
+/// those of a ray's origin: covers the rounding of both the slab test and the triangle test.
 pub(super) const SLAB_PADDING: f32 = 1.0 / (1 << 19) as f32;
 
 /// A direction component below this share of the largest counts as this much.
-pub(super) const SMALLEST_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;
+const SMALLEST_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// Deepest stack that a query can need; the depths of both levels bound it, see [`super::wide`].
-const STACK_SIZE: usize = 64;
+/// Most nodes on the way from a bottom level's root to a leaf.
+pub(super) const BOTTOM_DEPTH: usize = 32;
 
-/// A ray prepared for box tests.
+/// Most nodes on the way from a top level's root to a leaf.
+pub(super) const TOP_DEPTH: usize = 24;
+
+/// Deepest stack that a query can need: each node on the way leaves all of its children but one for later.
+const STACK_SIZE: usize = (BOTTOM_DEPTH + TOP_DEPTH) * (WIDTH - 1);
+
+/// What is still to be visited, and where the ray enters its box; shared by both levels of one query.
+pub(super) type Stack = ArrayVec<(Child, f32), STACK_SIZE>;
+
+/// A ray prepared for box tests: it meets the plane `x` at `x * inverse + start`, padded towards both ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRay {
-    origin: Vec3,
-    inverse: Vec3,
-    negative: [bool; 3],
-    /// Bits 0 to 2 inverted by sign of the direction, repeated in each byte: orders the children.
-    octant: u32,
+    inverse: [Vec4; 3],
+    near_start: [Vec4; 3],
+    far_start: [Vec4; 3],
+    /// Index of the near plane on each axis.
+    near: [usize; 3],
+    t_min: Vec4,
 }
 
 impl BoxRay {
     /// Prepares a ray; zero components of the direction are made tiny, so that nothing divides by zero.
-    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+    pub(super) fn new(origin: Vec3, direction: Vec3, t_min: f32) -> Self {
         let size = direction.abs();
         let size = size.max(Vec3::splat(size.max_element() * SMALLEST_DIRECTION));
+        let inverse_size = 1.0 / size;
         let negative = [direction.x < 0.0, direction.y < 0.0, direction.z < 0.0];
         let sign = Vec3::from(negative.map(|negative| if negative { -1.0 } else { 1.0 }));
-        let bits = [4, 2, 1];
-        let positive: u32 = (0..3).filter(|&i| !negative[i]).map(|i| bits[i]).sum();
-        Self { origin, inverse: sign / size, negative, octant: positive * 0x0101_0101 }
-    }
-}
-
-/// Groups of nodes still to visit, shared by both levels of one query.
-pub(super) struct Stack {
-    entries: [[u32; 2]; STACK_SIZE],
-    len: usize,
-}
-
-impl Stack {
-    pub(super) fn new() -> Self {
-        Self { entries: [[0; 2]; STACK_SIZE], len: 0 }
+        let inverse = inverse_size * sign;
+        let start = -origin * inverse;
+        let padding = inverse_size * (SLAB_PADDING * origin.abs().max_element());
+        let splat = |v: Vec3| [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)];
+        Self {
+            inverse: splat(inverse),
+            near_start: splat(start - padding),
+            far_start: splat(start + padding),
+            near: negative.map(usize::from),
+            t_min: Vec4::splat(t_min),
+        }
     }
 
+    /// Where the ray enters the boxes of a node's children, and a bit for each that it meets.
     #[inline(always)]
-    fn push(&mut self, group: [u32; 2]) {
-        self.entries[self.len] = group;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> [u32; 2] {
-        self.len -= 1;
-        self.entries[self.len]
+    fn meet(&self, node: &Node, t_max: f32) -> (Vec4, u32) {
+        let enter = |axis: usize| {
+            node.planes[axis][self.near[axis] & 1] * self.inverse[axis] + self.near_start[axis]
+        };
+        let leave = |axis: usize| {
+            node.planes[axis][!self.near[axis] & 1] * self.inverse[axis] + self.far_start[axis]
+        };
+        let near = enter(0).max(enter(1)).max(enter(2).max(self.t_min));
+        let far = leave(0).min(leave(1)).min(leave(2).min(Vec4::splat(t_max)));
+        (near, near.cmple(far).bitmask())
     }
 }
 
-/// What a traversal does with the primitives that it finds.
+/// What a traversal does with the leaves that it finds.
 pub(super) trait Visitor {
-    /// The open interval of t that is still of interest.
-    fn interval(&self) -> (f32, f32);
-    /// Tests one primitive; true ends the traversal.
-    fn visit(&mut self, primitive: u32, stack: &mut Stack) -> bool;
+    /// Where what is of interest ends.
+    fn t_max(&self) -> f32;
+    /// Tests a leaf; true ends the traversal.
+    fn visit(&mut self, leaf: Child, stack: &mut Stack) -> bool;
 }
 
-/// Visits all primitives below `root` whose boxes meet the ray within the visitor's interval. True if
-/// the visitor ended it.
+/// Visits all leaves below `root` whose boxes the ray meets before the visitor's t_max. True if the
+/// visitor ended it.
 #[inline(always)]
 pub(super) fn traverse(
-    nodes: &[CwBvhNode],
-    root: u32,
+    nodes: &[Node],
+    root: Child,
     ray: &BoxRay,
     stack: &mut Stack,
     visitor: &mut impl Visitor,
 ) -> bool {
-    let floor = stack.len;
-    // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children).
-    let mut group = [root, 0x8000_0000];
+    let floor = stack.len();
+    let mut child = root;
     loop {
-        // Take the nearest child of the group, and leave the rest for later.
-        let first = 31 - group[1].leading_zeros();
-        let slot = (first - 24) ^ (ray.octant & 7);
-        let before = (group[1] & !(u32::MAX << slot)).count_ones();
-        let node = &nodes[(group[0] + before) as usize];
-        group[1] &= !(1 << first);
-        if group[1] >> 24 != 0 {
-            stack.push(group);
-        }
-
-        // Intersect its children, and test those that are primitives.
-        let (t_min, t_max) = visitor.interval();
-        let hits = child_hits(node, ray, t_min, t_max);
-        let mut primitives = hits & 0x00ff_ffff;
-        while primitives != 0 {
-            let offset = 31 - primitives.leading_zeros();
-            primitives &= !(1 << offset);
-            if visitor.visit(node.primitive_base_idx + offset, stack) {
-                stack.len = floor;
+        if child.is_leaf() {
+            if visitor.visit(child, stack) {
+                stack.truncate(floor);
                 return true;
             }
+        } else {
+            let node = &nodes[child.index()];
+            let (near, mut met) = ray.meet(node, visitor.t_max());
+            if met != 0 {
+                // Go on with the nearest child, and leave the others for later.
+                let near = near.to_array();
+                let lane = met.trailing_zeros() as usize % WIDTH;
+                met &= met - 1;
+                let mut nearest = (node.children[lane], near[lane]);
+                while met != 0 {
+                    let lane = met.trailing_zeros() as usize % WIDTH;
+                    met &= met - 1;
+                    let other = (node.children[lane], near[lane]);
+                    if other.1 < nearest.1 {
+                        stack.push(nearest);
+                        nearest = other;
+                    } else {
+                        stack.push(other);
+                    }
+                }
+                child = nearest.0;
+                continue;
+            }
         }
-
-        // Go on with its inner children, or with what was left for later.
-        group = [node.child_base_idx, hits & 0xff00_0000 | u32::from(node.imask)];
-        if group[1] >> 24 == 0 {
-            if stack.len == floor {
+        loop {
+            if stack.len() == floor {
                 return false;
             }
-            group = stack.pop();
+            let Some((next, near)) = stack.pop() else { return false };
+            if near <= visitor.t_max() {
+                child = next;
+                break;
+            }
         }
     }
-}
-
-/// Bits 24 to 31: inner children that the ray meets, by visiting order; bits 0 to 23: primitives.
-#[inline(always)]
-fn child_hits(node: &CwBvhNode, ray: &BoxRay, t_min: f32, t_max: f32) -> u32 {
-    // Bring the ray into the node's grid; the padding moves each near plane nearer and far plane farther.
-    let cell = Vec3::new(
-        f32::from_bits(u32::from(node.e[0]) << 23),
-        f32::from_bits(u32::from(node.e[1]) << 23),
-        f32::from_bits(u32::from(node.e[2]) << 23),
-    );
-    let to_node = node.p - ray.origin;
-    let reach = to_node.abs().max_element() + 255.0 * cell.max_element();
-    let padding = (SLAB_PADDING * reach) * ray.inverse.abs();
-    let step = cell * ray.inverse;
-    let start = to_node * ray.inverse;
-    let (near, far) = (start - padding, start + padding);
-
-    // Test four children at a time.
-    let [near_x, far_x] = ordered(ray.negative[0], &node.child_min_x, &node.child_max_x);
-    let [near_y, far_y] = ordered(ray.negative[1], &node.child_min_y, &node.child_max_y);
-    let [near_z, far_z] = ordered(ray.negative[2], &node.child_min_z, &node.child_max_z);
-    let mut met = 0;
-    for half in 0..2 {
-        let enter_x = lanes(near_x, half) * step.x + near.x;
-        let enter_y = lanes(near_y, half) * step.y + near.y;
-        let enter_z = lanes(near_z, half) * step.z + near.z;
-        let leave_x = lanes(far_x, half) * step.x + far.x;
-        let leave_y = lanes(far_y, half) * step.y + far.y;
-        let leave_z = lanes(far_z, half) * step.z + far.z;
-        let enter = enter_x.max(enter_y).max(enter_z.max(Vec4::splat(t_min)));
-        let leave = leave_x.min(leave_y).min(leave_z.min(Vec4::splat(t_max)));
-        met |= enter.cmple(leave).bitmask() << (4 * half);
-    }
-
-    // Spread the met children over the bits of their visiting order or their primitives.
-    let (bits, shifts) = node.get_child_and_index_bits(ray.octant);
-    let mut hits = 0;
-    while met != 0 {
-        let byte = met.trailing_zeros() * 8;
-        met &= met - 1;
-        hits |= ((bits >> byte) as u32 & 0xff) << ((shifts >> byte) as u32 & 0x1f);
-    }
-    hits
-}
-
-#[inline(always)]
-fn ordered<'a>(negative: bool, min: &'a [u8; 8], max: &'a [u8; 8]) -> [&'a [u8; 8]; 2] {
-    if negative { [max, min] } else { [min, max] }
-}
-
-#[inline(always)]
-fn lanes(planes: &[u8; 8], half: usize) -> Vec4 {
-    Vec4::new(
-        f32::from(planes[4 * half]),
-        f32::from(planes[4 * half + 1]),
-        f32::from(planes[4 * half + 2]),
-        f32::from(planes[4 * half + 3]),
-    )
 }

@@ -1,28 +1,71 @@
-//! The ray-triangle test, after Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
+//! The ray-triangle test, after Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for four
+//! triangles at a time.
 //!
-//! In: a ray in object space and a triangle in leaf order. Out: t and barycentrics. Two triangles that
+//! In: a ray in object space and four triangles side by side. Out: t and barycentrics. Two triangles that
 //! share an edge compute the same edge function with opposite sign, so that with inclusive edges no ray
 //! slips between them. `shaders/include/tracer_software.glsl` repeats these operations in this order.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::gpu::GpuTriangle;
+
+/// Triangles that are tested at a time.
+pub(super) const LANES: usize = 4;
+
+/// Up to four triangles side by side.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct TriangleBlock {
+    /// Coordinates by axis and corner. A lane without a triangle holds one of no size, which is never hit.
+    corners: [[Vec4; 3]; 3],
+    /// Indices into the mesh's triangles.
+    pub(super) ids: [u32; LANES],
+    /// 0, or 1 + index of what their alpha tests need.
+    pub(super) masked: [u32; LANES],
+}
+
+impl TriangleBlock {
+    /// A block full of triangles without size at `place`.
+    pub(super) fn empty(place: Vec3) -> Self {
+        Self {
+            corners: place.to_array().map(|coordinate| [Vec4::splat(coordinate); 3]),
+            ids: [0; LANES],
+            masked: [0; LANES],
+        }
+    }
+
+    /// Puts a triangle into a lane.
+    pub(super) fn set(&mut self, lane: usize, triangle: &GpuTriangle) {
+        let corners = [triangle.v0, triangle.v1, triangle.v2];
+        for (axis, planes) in self.corners.iter_mut().enumerate() {
+            for (corner, plane) in planes.iter_mut().enumerate() {
+                plane[lane] = corners[corner][axis];
+            }
+        }
+        self.ids[lane] = triangle.id;
+        self.masked[lane] = triangle.masked;
+    }
+}
 
 /// A ray in object space, sheared so that it runs along one axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleRay {
-    origin: Vec3,
     /// The axis of the largest direction component and the two after it, as indices.
     axes: [usize; 3],
+    /// In the order of the axes.
+    origin: [Vec4; 3],
     /// Direction of the other two axes over that of the main one, and 1 over that of the main one.
-    shear: Vec3,
+    shear: [Vec4; 3],
 }
 
-/// Where a ray meets a triangle's plane, within its edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TriangleHit {
-    pub(super) t: f32,
-    pub(super) barycentrics: Vec2,
+/// Where a ray meets the planes of a block's triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BlockHits {
+    /// A bit for each triangle that is met within its edges and within the interval.
+    pub(super) met: u32,
+    pub(super) t: Vec4,
+    /// Weights of the second and of the third corner.
+    pub(super) barycentrics: [Vec4; 2],
 }
 
 impl TriangleRay {
@@ -38,39 +81,42 @@ impl TriangleRay {
         };
         let axes = [(main + 1) % 3, (main + 2) % 3, main];
         let along = direction[main];
-        let shear = Vec3::new(direction[axes[0]] / along, direction[axes[1]] / along, 1.0 / along);
-        Self { origin, axes, shear }
+        let shear = [direction[axes[0]] / along, direction[axes[1]] / along, 1.0 / along];
+        Self { axes, origin: axes.map(|axis| Vec4::splat(origin[axis])), shear: shear.map(Vec4::splat) }
     }
 
-    /// Meets the plane within the edges, both sides, at any t. A degenerate triangle is never hit.
+    /// Meets the planes within the edges, both sides, where t_min < t <= t_max. A triangle without size is
+    /// never hit.
     #[inline(always)]
-    pub(super) fn intersect(&self, triangle: &GpuTriangle) -> Option<TriangleHit> {
+    pub(super) fn intersect(&self, block: &TriangleBlock, t_min: Vec4, t_max: f32) -> Option<BlockHits> {
         // Move the vertices into the frame of the ray.
-        let [ax, ay, az] = self.shear_vertex(triangle.v0);
-        let [bx, by, bz] = self.shear_vertex(triangle.v1);
-        let [cx, cy, cz] = self.shear_vertex(triangle.v2);
+        let [ax, ay, az] = self.shear_corner(block, 0);
+        let [bx, by, bz] = self.shear_corner(block, 1);
+        let [cx, cy, cz] = self.shear_corner(block, 2);
 
         // Evaluate the three edge functions; inclusive edges, either winding.
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
-        let outside = u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0;
+        let outside = u.min(v).min(w).cmplt(Vec4::ZERO) & u.max(v).max(w).cmpgt(Vec4::ZERO);
         let det = u + v + w;
-        if outside || det == 0.0 {
+        let met = !outside & det.cmpne(Vec4::ZERO);
+        if !met.any() {
             return None;
         }
 
         // Interpolate the distance along the main axis.
         let scale = 1.0 / det;
-        let t = (u * az + v * bz + w * cz) * scale * self.shear.z;
-        Some(TriangleHit { t, barycentrics: Vec2::new(v * scale, w * scale) })
+        let t = (u * az + v * bz + w * cz) * scale * self.shear[2];
+        let met = (met & t.cmpgt(t_min) & t.cmple(Vec4::splat(t_max))).bitmask();
+        (met != 0).then(|| BlockHits { met, t, barycentrics: [v * scale, w * scale] })
     }
 
     #[inline(always)]
-    fn shear_vertex(&self, vertex: Vec3) -> [f32; 3] {
-        let relative = vertex - self.origin;
-        let along = relative[self.axes[2]];
-        [relative[self.axes[0]] - self.shear.x * along, relative[self.axes[1]] - self.shear.y * along, along]
+    fn shear_corner(&self, block: &TriangleBlock, corner: usize) -> [Vec4; 3] {
+        let relative = |i: usize| block.corners[self.axes[i]][corner] - self.origin[i];
+        let along = relative(2);
+        [relative(0) - self.shear[0] * along, relative(1) - self.shear[1] * along, along]
     }
 }
 

@@ -146,33 +146,40 @@ impl<'a> Job<'a> {
         Ok(job)
     }
 
-    /// Fails where one output would be written over an input or another output.
+    /// Fails where one output would be written over an input, be it a frame that is not compared, or over
+    /// another output.
     fn check_apart(&self) -> Result<(), CliError> {
-        let mut outputs = Vec::new();
+        let check = |option: &str, file: &OutputFile, taken: &[(&str, &NumberedPath)]| match taken
+            .iter()
+            .find(|(_, name)| name.covers(file, 0..u64::MAX))
+        {
+            None => Ok(()),
+            Some((taken, _)) => Err(CliError::Usage(format!(
+                "{option} {}: would be written over a file of {taken}; give it another name",
+                file.path().display()
+            ))),
+        };
+        let mut taken = vec![("IMAGE", &self.image), ("REFERENCE", &self.reference)];
         if let Some(heatmap) = &self.heatmap {
-            let first = if heatmap.is_sequence() { *self.frames.start() } else { *self.frames.end() };
-            for frame in first..=*self.frames.end() {
-                outputs.push(("--heatmap", OutputFile::new(heatmap.path_of(frame))?));
+            for frame in self.frames.clone().filter(|&frame| self.is_drawn(heatmap, frame)) {
+                check("--heatmap", &OutputFile::new(heatmap.path_of(frame))?, &taken)?;
             }
+            taken.push(("--heatmap", heatmap));
         }
-        outputs.extend(self.plot.iter().map(|plot| ("--plot", plot.file().clone())));
-        outputs.extend(self.json.iter().map(|json| ("--json", json.clone())));
-        let frames = *self.frames.start()..self.frames.end() + 1;
-        for (index, (option, file)) in outputs.iter().enumerate() {
-            let taken = [("IMAGE", &self.image), ("REFERENCE", &self.reference)]
-                .into_iter()
-                .find_map(|(name, path)| path.covers(file, frames.clone()).then_some(name))
-                .or_else(|| {
-                    outputs[..index].iter().find(|(_, other)| file.is_same(other.path())).map(|(o, _)| *o)
-                });
-            if let Some(taken) = taken {
-                let path = file.path().display();
-                return Err(CliError::Usage(format!(
-                    "{option} {path}: would be written over a file of {taken}; give it another name"
-                )));
+        let plot = self.plot.as_ref().map(PlotFile::file);
+        plot.map_or(Ok(()), |plot| check("--plot", plot, &taken))?;
+        self.json.as_ref().map_or(Ok(()), |json| check("--json", json, &taken))?;
+        match (plot, &self.json) {
+            (Some(plot), Some(json)) if json.is_same(plot.path()) => {
+                Err(CliError::Usage("--plot and --json: give them different names".to_owned()))
             }
+            _ => Ok(()),
         }
-        Ok(())
+    }
+
+    /// Whether there is a heat map of this frame: of every one, or of the last.
+    fn is_drawn(&self, heatmap: &NumberedPath, frame: u64) -> bool {
+        heatmap.is_sequence() || frame == *self.frames.end()
     }
 
     /// Compares all frames and draws their heat maps.
@@ -250,10 +257,9 @@ impl<'a> Job<'a> {
         reference: &Image,
         comparison: &Comparison,
     ) -> Result<(), CliError> {
-        let Some(target) = &self.heatmap else { return Ok(()) };
-        if !target.is_sequence() && frame != *self.frames.end() {
+        let Some(target) = self.heatmap.as_ref().filter(|target| self.is_drawn(target, frame)) else {
             return Ok(());
-        }
+        };
         let metrics = &comparison.metrics;
         let flip = if comparison.exposures.is_some() { "HDR-FLIP error" } else { "FLIP error" };
         let (kind, name, mean) = match self.arguments.heatmap_of {

@@ -27,9 +27,17 @@ impl Image {
     pub fn read(path: &Path, layer: Option<&str>) -> Result<Self, MetricsError> {
         let bytes =
             std::fs::read(path).map_err(|source| MetricsError::Read { path: path.to_path_buf(), source })?;
+        Self::decode(path, &bytes, layer)
+    }
+
+    /// Does what [`Self::read`] does, once the file at `path` has been read into `bytes`.
+    ///
+    /// # Errors
+    /// As for [`Self::read`].
+    pub fn decode(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Self, MetricsError> {
         let name = path.display().to_string();
         if bytes.starts_with(EXR_MAGIC) {
-            let (size, pixels) = read_exr(path, &bytes, layer)?;
+            let (size, pixels) = read_exr(path, bytes, layer)?;
             let layer = layer.map(|layer| format!(", layer {layer}")).unwrap_or_default();
             return Self::from_linear(name + &layer, size, pixels);
         }
@@ -39,7 +47,7 @@ impl Image {
         if layer.is_some() {
             return Err(MetricsError::LayerOfPng(path.to_path_buf()));
         }
-        let (size, pixels) = read_png(path, &bytes)?;
+        let (size, pixels) = read_png(path, bytes)?;
         Self::from_display(name, size, pixels)
     }
 }

@@ -58,7 +58,8 @@ pub(super) fn read_exr(
         check_size(path, [width, height])?;
     }
     let part = OnePart { header, channels: read().no_deep_data().largest_resolution_level().all_channels() };
-    let image = part.first_valid_layer().all_attributes().from_chunks(chunks).map_err(decode_error)?;
+    let image =
+        part.first_valid_layer().all_attributes().non_parallel().from_chunks(chunks).map_err(decode_error)?;
     let pixels = placed(&image.layer_data, &channels, window)
         .ok_or_else(|| decode_error(Error::NotSupported("subsampled channels".into())))?;
     Ok(([window.size.0, window.size.1], pixels))

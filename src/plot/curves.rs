@@ -131,11 +131,15 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     });
     match ends {
         None => 0.0..1.0,
+        Some((least, greatest)) if least == greatest => {
+            let half = if least == 0.0 { 0.5 } else { 0.05 * least.abs() };
+            least - half..least + half
+        }
         Some((least, greatest)) => {
-            // Values that are all the same, or all but the same, stand in the middle.
+            // Differences too small for the labels are not blown up.
             let middle = 0.5 * least + 0.5 * greatest;
             let half = (0.5 * greatest - 0.5 * least) * (1.0 + 2.0 * margin);
-            let half = half.max(1.0e-6 * middle.abs()).max(1.0e-12);
+            let half = half.max(1.0e-6 * middle.abs());
             middle - half..middle + half
         }
     }
@@ -152,4 +156,18 @@ fn line_colour(index: usize) -> RGBColor {
         RGBColor(86, 180, 233),
     ];
     COLOURS[index % COLOURS.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_their_values() {
+        assert_eq!(range([].into_iter(), 0.1), 0.0..1.0);
+        assert_eq!(range([0.0; 3].into_iter(), 0.1), -0.5..0.5);
+        assert_eq!(range([20.0].into_iter(), 0.1), 19.0..21.0);
+        assert_eq!(range([3.0, -1.0, 1.0].into_iter(), 0.0), -1.0..3.0);
+        assert_eq!(range([0.0, 8.0].into_iter(), 0.25), -2.0..10.0);
+    }
 }

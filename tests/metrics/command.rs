@@ -236,6 +236,7 @@ fn wrong_options_are_wrong_usage() {
 fn outputs_are_found_writable_first_and_never_lie_over_inputs() {
     let run = with_pictures();
     write(&run, "f0.png", 0.1, [WIDTH, HEIGHT]);
+    write(&run, "f1.png", 0.1, [WIDTH, HEIGHT]);
     let before =
         run.files().into_iter().map(|name| (fs::read(run.path(&name)).unwrap(), name)).collect::<Vec<_>>();
     for (arguments, code, says) in [
@@ -256,6 +257,8 @@ fn outputs_are_found_writable_first_and_never_lie_over_inputs() {
         ),
         (&["f{frame}.png", "b.png", "--plot", "f0.png"], 2, "over a file of IMAGE"),
         (&["a.png", "b.png", "--json", "h.png", "--heatmap", "h.png"], 2, "over a file of --heatmap"),
+        (&["f{frame}.png", "b.png", "--json", "./x.svg", "--plot", "x.svg"], 2, "--plot and --json"),
+        (&["f{frame}.png", "b.png", "--frames", "0-0", "--json", "f1.png"], 2, "over a file of IMAGE"),
     ] {
         assert_fails(&run.glowworm(&[&["compare"], arguments].concat()), code, &[says]);
     }
