@@ -104,7 +104,7 @@ impl ExportFolder {
             let own = fs::canonicalize(self.path.join(folder));
             own.is_ok_and(|own| fs::canonicalize(parent_of(file.path())).is_ok_and(|other| other == own))
         };
-        within(SCENE_FILE) || within(REPORT_FILE) || SUBFOLDERS.iter().any(|folder| below(&folder))
+        within(SCENE_FILE) || within(REPORT_FILE) || SUBFOLDERS.iter().any(below)
     }
 
     /// Whether there is anything in the folder but what a killed export left.

@@ -59,7 +59,7 @@ fn spot(light: &Light, id: &str, intensity: Vec3, [inner, outer]: [f32; 2]) -> V
         .map(|(index, ramp)| {
             Element::plugin("emitter", "spot")
                 .attribute("id", format!("{id}-{index}"))
-                .to_world(&place)
+                .placed(&place)
                 .rgb("intensity", intensity * ramp.share as f32)
                 .float("beam_width", ramp.beam.to_degrees() as f32)
                 .float("cutoff_angle", ramp.cutoff.to_degrees() as f32)

@@ -26,7 +26,7 @@ use serde::Serialize;
 
 use crate::report::COMMIT;
 use crate::scene::{LightKind, Pose, Scene};
-use remarks::Remark;
+use remarks::{Remark, SMALL_RADIUS};
 use shapes::Part;
 use xml::Element;
 
@@ -101,6 +101,8 @@ pub struct ExportReport {
     pub max_depth: i64,
     /// What became of highlights.
     pub specular: Specular,
+    /// Materials whose highlights glowworm shows.
+    pub highlights: usize,
     /// Radiance of pixels that see nothing, to be added by 1 - alpha.
     pub background: [f32; 3],
     /// Shapes of the Mitsuba scene.
@@ -199,6 +201,9 @@ impl<'a> Export<'a> {
 
     /// The whole of `scene.xml`.
     fn document(&mut self) -> Element {
+        if self.scene.bounding_sphere(self.pose).radius < SMALL_RADIUS {
+            self.remarks.insert(Remark::RaysStartFarOff);
+        }
         let shapes = self.shapes();
         let emitters = self.emitters();
         let materials: Vec<u32> = self.used_materials.iter().copied().collect();
@@ -243,6 +248,7 @@ impl<'a> Export<'a> {
             integrator: self.integrator_name(),
             max_depth: self.max_depth(),
             specular: self.settings.specular,
+            highlights: self.highlights(),
             background: self.scene.background.to_array(),
             shapes: self.shapes,
             triangles: self.triangles,

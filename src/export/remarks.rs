@@ -3,11 +3,18 @@
 use glam::Vec3;
 
 use super::{Export, Specular};
-use crate::scene::LightKind;
+use crate::scene::{Light, LightKind};
+
+/// Scenes of a smaller radius than this suffer from how far Mitsuba moves rays off surfaces.
+pub(super) const SMALL_RADIUS: f32 = 0.1;
 
 /// Something of the scene that Mitsuba cannot have exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
+    /// The scene is small.
+    RaysStartFarOff,
+    /// Shading normals that look away from the camera.
+    NormalsTurn,
     /// The falloff of spots.
     SpotsArePolygons,
     /// Lamps that are shaded smoothly lose that.
@@ -21,6 +28,14 @@ pub(super) enum Remark {
 impl Remark {
     fn text(self) -> &'static str {
         match self {
+            Self::RaysStartFarOff => {
+                "Mitsuba moves rays off surfaces by 9e-5 units and more, which loses shadows in a scene as small \
+                 as this; scale it up."
+            }
+            Self::NormalsTurn => {
+                "Where a smooth surface is seen so flatly that its shading normal looks away, Mitsuba turns that \
+                 normal over; glowworm does not."
+            }
             Self::SpotsArePolygons => {
                 "The falloff of a spot light is a sum of spots of Mitsuba, within 0.1 % of its intensity."
             }
@@ -42,7 +57,7 @@ impl Export<'_> {
     /// Every difference, a sentence each.
     pub(super) fn inexact(&self) -> Vec<String> {
         let mut inexact: Vec<String> = self.remarks.iter().map(|remark| remark.text().to_owned()).collect();
-        inexact.extend(self.highlights());
+        inexact.extend(self.remark_highlights());
         let background = self.scene.background;
         if background != Vec3::ZERO {
             inexact.push(format!(
@@ -54,30 +69,39 @@ impl Export<'_> {
         inexact
     }
 
+    /// Materials in use whose highlights (Ks, Ns) glowworm shows.
+    pub(super) fn highlights(&self) -> usize {
+        let has_no_area = |light: &Light| !matches!(light.kind, LightKind::Area { .. });
+        if self.scene.lights.iter().any(has_no_area) { self.shiny_materials() } else { 0 }
+    }
+
+    fn shiny_materials(&self) -> usize {
+        let specular = |&&material: &&u32| self.scene.materials[material as usize].specular;
+        self.used_materials.iter().filter(|material| specular(material) != Vec3::ZERO).count()
+    }
+
     /// What became of the highlights, unless that changes nothing.
-    fn highlights(&self) -> Option<String> {
-        let materials = &self.scene.materials;
-        let shiny =
-            self.used_materials.iter().filter(|&&m| materials[m as usize].specular != Vec3::ZERO).count();
-        let makes_highlights = |kind: &LightKind| !matches!(kind, LightKind::Area { .. });
-        let seen = self.scene.lights.iter().any(|light| makes_highlights(&light.kind));
+    fn remark_highlights(&self) -> Option<String> {
         let only = "glowworm's reflect light straight from point, spot and directional lights on the visible \
                     surface alone";
         match self.settings.specular {
-            Specular::Omit if shiny > 0 && seen => Some(format!(
-                "The highlights of {shiny} materials are left out: {only}, to which no BSDF can be limited."
-            )),
-            Specular::Convert if shiny > 0 => {
+            Specular::Omit if self.highlights() > 0 => {
+                let of = materials(self.highlights());
+                Some(format!("The highlights of {of} are left out: {only}, to which no BSDF can be limited."))
+            }
+            Specular::Convert if self.shiny_materials() > 0 => {
+                let of = materials(self.shiny_materials());
                 let dimmed = match self.dimmed_highlights {
                     0 => String::new(),
                     dimmed => format!(
-                        " Those of {dimmed} materials are weaker than they were, since with the diffuse part \
-                         they would reflect more light than arrives."
+                        " Those of {} are weaker than they were, since with the diffuse part they would \
+                         reflect more light than arrives.",
+                        materials(dimmed)
                     ),
                 };
                 Some(format!(
-                    "The highlights of {shiny} materials are rough conductors (Beckmann, alpha^2 = 2 / (Ns + 2)), \
-                     which reflect all light; {only}.{dimmed}"
+                    "The highlights of {of} are rough conductors (Beckmann, alpha^2 = 2 / (Ns + 2)), which \
+                     reflect all light; {only}.{dimmed}"
                 ))
             }
             _ => None,
@@ -99,4 +123,8 @@ impl Export<'_> {
         head.extend(self.inexact().into_iter().map(|difference| format!("Not exact: {difference}")));
         head
     }
+}
+
+fn materials(count: usize) -> String {
+    if count == 1 { "1 material".to_owned() } else { format!("{count} materials") }
 }

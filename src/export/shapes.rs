@@ -88,9 +88,13 @@ impl Export<'_> {
     /// A shape that emits no light.
     fn surface(&mut self, index: usize, material: u32) -> Element {
         let transform = self.pose.instances[index];
-        let owner = Owner::Mesh(self.scene.instances[index].mesh);
+        let mesh = self.scene.instances[index].mesh;
+        if !self.remarks.contains(&Remark::NormalsTurn) && has_smooth(&self.scene.meshes[mesh], material) {
+            self.remarks.insert(Remark::NormalsTurn);
+        }
+        let owner = Owner::Mesh(mesh);
         let shape = self.shape(index, Part { owner, material });
-        self.with_bsdf(shape.to_world(&transform), material)
+        self.with_bsdf(shape.placed(&transform), material)
     }
 
     /// A shape that emits light and, where `hide_emitters` hides it, what the camera sees in its place.
@@ -150,7 +154,7 @@ impl Export<'_> {
         let reflects = glow.albedo != Vec3::ZERO;
         if reflects && self.has_portals {
             self.remarks.insert(Remark::SeenLampsReflectNothing);
-        } else if reflects && triangles_of(mesh, material).any(|triangle| is_smooth(mesh, triangle)) {
+        } else if reflects && has_smooth(mesh, material) {
             self.remarks.insert(Remark::LampsAreFlat);
         }
         if glow.alpha_mask.is_some() {
@@ -169,10 +173,12 @@ fn triangles_of(mesh: &Mesh, material: u32) -> impl Iterator<Item = usize> {
     of.filter(move |&(_, &other)| other == material).map(|(triangle, _)| triangle)
 }
 
-/// Whether a triangle is shaded as if it were bent.
-fn is_smooth(mesh: &Mesh, triangle: usize) -> bool {
-    let flat = normal_of(mesh.triangle_positions(triangle as u32));
-    mesh.triangles[triangle].iter().any(|&vertex| mesh.normals[vertex as usize].dot(flat).abs() < 0.999)
+/// Whether a triangle of a material is shaded as if it were bent.
+fn has_smooth(mesh: &Mesh, material: u32) -> bool {
+    triangles_of(mesh, material).any(|triangle| {
+        let flat = normal_of(mesh.triangle_positions(triangle as u32));
+        mesh.triangles[triangle].iter().any(|&vertex| mesh.normals[vertex as usize].dot(flat).abs() < 0.999)
+    })
 }
 
 /// The triangles with those vertices that they use.

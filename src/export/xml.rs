@@ -92,7 +92,7 @@ impl Element {
     }
 
     /// `to_world`, unless it moves nothing.
-    pub(super) fn to_world(self, transform: &Affine3A) -> Self {
+    pub(super) fn placed(self, transform: &Affine3A) -> Self {
         if *transform == Affine3A::IDENTITY {
             return self;
         }

@@ -107,7 +107,7 @@ fn highlights_become_rough_conductors_that_take_nothing_from_the_diffuse_part() 
     assert!(reflected.distance(specular) < 1e-6);
     let alpha: f32 = value(parts[1], "alpha").parse().unwrap();
     assert!((alpha - 0.25).abs() < 1e-6);
-    assert!(exported.report.inexact[0].contains("1 materials are rough conductors"));
+    assert!(exported.report.inexact[0].contains("highlights of 1 material are rough conductors"));
     assert!(!exported.report.inexact[0].contains("weaker"));
 }
 
@@ -123,7 +123,7 @@ fn highlights_have_what_the_diffuse_part_leaves() {
     let image = image::open(exported.path(value(texture, "filename"))).unwrap().to_rgb16();
     // The texel over the weight of its part is white.
     assert_eq!(image.get_pixel(0, 0).0, [65_535; 3]);
-    assert!(exported.report.inexact[0].contains("Those of 1 materials are weaker"));
+    assert!(exported.report.inexact[0].contains("Those of 1 material are weaker"));
 
     let white = shiny(with_highlight(1.0, Vec3::splat(0.9)), None);
     assert!(!white.text.contains("roughconductor"));
@@ -137,7 +137,13 @@ fn highlights_have_what_the_diffuse_part_leaves() {
 #[test]
 fn highlights_that_are_left_out_are_named_only_where_they_would_be_seen() {
     let mut scene = all_kinds();
-    let left_out = |scene: &Scene| export(scene).report.inexact.iter().any(|line| line.contains("left out"));
+    scene.materials[1].specular = Vec3::splat(0.1);
+    let left_out = |scene: &Scene| {
+        let report = export(scene).report;
+        let named = report.inexact.iter().any(|line| line.contains("left out"));
+        assert_eq!(named, report.highlights > 0);
+        named
+    };
     assert!(left_out(&scene));
     scene.lights.retain(|light| matches!(light.kind, glowworm::scene::LightKind::Area { .. }));
     assert!(!left_out(&scene));

@@ -101,3 +101,18 @@ fn what_is_neither_seen_nor_shines_is_left_out() {
     assert_eq!(elements(document.root_element(), "shape").len(), 1);
     assert_eq!(exported.report.triangles, 12);
 }
+
+#[test]
+fn small_and_smooth_scenes_are_remarked_upon() {
+    let ball = |radius: f32| {
+        export(&scene(&format!(
+            "models = [{{ name = \"ball\", primitive = \"sphere\", size = [{radius}, {radius}, {radius}] }}]
+            instances = [{{ model = \"ball\" }}]"
+        )))
+    };
+    let says = |exported: &Exported, what| exported.report.inexact.iter().any(|line| line.contains(what));
+    let (small, large) = (ball(0.02), ball(2.0));
+    assert!(says(&small, "as small as this") && !says(&large, "as small as this"));
+    assert!(says(&large, "turns that normal over"));
+    assert!(!says(&export(&load_scene("cornell-box", None).unwrap()), "normal"));
+}

@@ -1,0 +1,217 @@
+"""What scripts/verify-with-mitsuba runs: exports scenes, renders them with glowworm's reference path tracer and with
+Mitsuba, and compares the pictures.
+
+A scene passes if its mean luminance agrees within 1 % and 95 % of its blocks of 16 x 16 pixels do within 3 %. With
+too few samples noise alone fails it.
+
+Highlights are judged apart, since no material of Mitsuba reflects as glowworm's do (see `glowworm export --help`).
+Scenes whose models are found by --assets are rendered without them, by material files in which Ks is 0; where
+that cannot be, the scene has a figure but no verdict.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import mitsuba as mi
+import numpy as np
+
+SHIPPED = ["cornell-box", "tests/scene-files/all-kinds.toml"]
+WITH_ASSETS = ["sponza", "sibenik", "conference", "classroom", "living-room"]
+MEAN_TOLERANCE = 0.01
+BLOCK_SHARE = 0.95
+# Samples at once: multijitter wants squares, and more would take much memory.
+SAMPLES_AT_ONCE = [256, 64, 16, 4, 1]
+
+
+def fail(message):
+    sys.exit(f"verify-with-mitsuba: error: {message}")
+
+
+def arguments(root):
+    parser = argparse.ArgumentParser(prog="verify-with-mitsuba", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="names or files; otherwise all that are there")
+    parser.add_argument("--spp", type=int, default=1024, help="samples of each pixel (%(default)s)")
+    parser.add_argument("--size", default="256x256", metavar="WxH", help="size of the pictures (%(default)s)")
+    parser.add_argument("--bounces", metavar="N", help="bounces of light, otherwise the scene's")
+    parser.add_argument("--frame", default="0", metavar="K", help="frame of the animation (%(default)s)")
+    parser.add_argument("--ci", action="store_true", help="the shipped scenes, small: some minutes on two cores")
+    parser.add_argument("--highlights", action="store_true",
+                        help="also render what has highlights with them, for a figure without a verdict")
+    parser.add_argument("--variant", help="Mitsuba's, otherwise llvm_ad_rgb where it works, else scalar_rgb")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="leave exports and pictures in this folder")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
+    options = parser.parse_args()
+    if options.ci:
+        options.size = "128x96"
+    if options.spp < 1:
+        parser.error("--spp must be at least 1")
+    if not options.scenes:
+        options.scenes = [str(root / name) if "/" in name else name for name in SHIPPED]
+        if not options.ci and os.environ.get("GLOWWORM_ASSETS"):
+            options.scenes += WITH_ASSETS
+    return options
+
+
+def working_variant():
+    """Tried in a process of its own: an LLVM that does not suit ends it."""
+    trial = ("import mitsuba as mi; mi.set_variant('llvm_ad_rgb'); "
+             "print(mi.render(mi.load_dict(mi.cornell_box()), spp=1))")
+    works = subprocess.run([sys.executable, "-c", trial], capture_output=True).returncode == 0
+    return "llvm_ad_rgb" if works else "scalar_rgb"
+
+
+class Bench:
+    """Runs both programs in one folder."""
+
+    def __init__(self, root, options, folder):
+        self.glowworm = str(root / "glowworm")
+        self.options = options
+        self.folder = folder
+        self.common = ["--size", options.size, "--frame", options.frame]
+        if options.bounces:
+            self.common += ["--bounces", options.bounces]
+
+    def run(self, *command):
+        done = subprocess.run([self.glowworm, *map(str, command)], stdout=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            fail(f"glowworm {command[0]} failed (see above)")
+
+    def export(self, scene, name, *more):
+        """The report of the export NAME."""
+        out = self.folder / name
+        self.run("export", scene, *self.common, "--out", out, *more)
+        return json.loads((out / "glowworm-export.json").read_text())
+
+    def reference(self, scene, name, *more):
+        """File of glowworm's picture, and the seconds that it took."""
+        picture, report = self.folder / f"{name}-glowworm.exr", self.folder / f"{name}-glowworm.json"
+        self.run("reference", scene, *self.common, "--spp", self.options.spp, "--out", picture, "--json", report, *more)
+        return picture, json.loads(report.read_text())["seconds"]
+
+    def mitsuba(self, name, background):
+        """File of Mitsuba's picture of the export NAME, and the seconds that it took."""
+        scene = mi.load_file(str(self.folder / name / "scene.xml"))
+        total, samples, start = 0.0, 0, time.perf_counter()
+        while samples < self.options.spp:
+            count = next(count for count in SAMPLES_AT_ONCE if count <= self.options.spp - samples)
+            picture = np.array(mi.render(scene, spp=count, seed=samples), dtype=np.float64)
+            total, samples = total + picture * count, samples + count
+        seconds = time.perf_counter() - start
+        picture = total / samples
+        if picture.shape[2] == 4:
+            picture = picture[..., :3] + (1.0 - picture[..., 3:]) * np.array(background)
+        file = self.folder / f"{name}-mitsuba.exr"
+        mi.Bitmap(picture.astype(np.float32)).write(str(file))
+        return file, seconds
+
+    def compare(self, name, ours, theirs):
+        report = self.folder / f"{name}-compare.json"
+        self.run("compare", ours, theirs, "--blocks", "16", "--json", report)
+        return json.loads(report.read_text())
+
+
+def without_highlights(assets, folder):
+    """A copy of the assets by links, with material files of which Ks is 0."""
+    for path in assets.rglob("*"):
+        copy = folder / path.relative_to(assets)
+        if path.is_dir():
+            copy.mkdir(parents=True, exist_ok=True)
+        elif path.suffix.lower() == ".mtl":
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            lines = path.read_bytes().split(b"\n")
+            dull = [b"Ks 0 0 0" if line.split()[:1] == [b"Ks"] else line for line in lines]
+            copy.write_bytes(b"\n".join(dull))
+        else:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.symlink_to(path.resolve())
+    return folder
+
+
+def row(scene, what, compared, seconds, verdict):
+    return {
+        "scene": scene,
+        "highlights": what,
+        "mean_ratio": compared["mean_ratio"],
+        "block_p95": compared["blocks"]["p95_relative_error"],
+        "blocks_within_3_percent": compared["blocks"]["within_3_percent"],
+        "glowworm_seconds": seconds[0],
+        "mitsuba_seconds": seconds[1],
+        "passed": verdict,
+    }
+
+
+def agrees(compared):
+    return (abs(compared["mean_ratio"] - 1.0) <= MEAN_TOLERANCE
+            and compared["blocks"]["within_3_percent"] >= BLOCK_SHARE)
+
+
+def verify(bench, scene, assets, dull_assets):
+    """Rows of the table for one scene."""
+    name = Path(scene).stem
+    report = bench.export(scene, name)
+    shiny = report["highlights"] > 0
+    dull = shiny and assets and Path(scene).suffix == ""
+    theirs, their_seconds = bench.mitsuba(name, report["background"])
+    rows = []
+    if dull or not shiny:
+        more = ["--assets", dull_assets()] if dull else []
+        ours, our_seconds = bench.reference(scene, name, *more)
+        compared = bench.compare(name, ours, theirs)
+        rows.append(row(name, "none", compared, (our_seconds, their_seconds), agrees(compared)))
+    if shiny and (bench.options.highlights or not dull):
+        ours, our_seconds = bench.reference(scene, f"{name}-highlights")
+        compared = bench.compare(f"{name}-highlights", ours, theirs)
+        rows.append(row(name, "left out", compared, (our_seconds, their_seconds), None))
+        report = bench.export(scene, f"{name}-converted", "--specular", "convert")
+        converted, seconds = bench.mitsuba(f"{name}-converted", report["background"])
+        compared = bench.compare(f"{name}-converted", ours, converted)
+        rows.append(row(name, "converted", compared, (our_seconds, seconds), None))
+    return rows
+
+
+def show(rows):
+    print("| scene | highlights | glowworm / Mitsuba, mean | blocks within 3 % | 95 % of blocks within "
+          "| glowworm, s | Mitsuba, s | |")
+    print("|---|---|---|---|---|---|---|---|")
+    for r in rows:
+        verdict = {True: "agrees", False: "DIFFERS", None: ""}[r["passed"]]
+        print(f"| {r['scene']} | {r['highlights']} | {r['mean_ratio']:.4f} | {100 * r['blocks_within_3_percent']:.1f} % "
+              f"| {100 * r['block_p95']:.2f} % | {r['glowworm_seconds']:.0f} | {r['mitsuba_seconds']:.0f} | {verdict} |")
+
+
+def main():
+    root = Path(sys.argv.pop(1))
+    options = arguments(root)
+    variant = options.variant or working_variant()
+    mi.set_variant(variant)
+    mi.set_log_level(mi.LogLevel.Error)
+    print(f"Mitsuba {mi.__version__} ({variant}), {options.size}, {options.spp} samples a pixel", flush=True)
+    with tempfile.TemporaryDirectory(prefix="verify-with-mitsuba.") as scratch:
+        folder = options.keep or Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        bench = Bench(root, options, folder)
+        assets = os.environ.get("GLOWWORM_ASSETS")
+        overlay = Path(scratch) / "assets"
+
+        def dull_assets():
+            return overlay if overlay.exists() else without_highlights(Path(assets), overlay)
+
+        rows = []
+        for scene in options.scenes:
+            print(f"{scene} ...", file=sys.stderr, flush=True)
+            rows += verify(bench, scene, assets, dull_assets)
+    show(rows)
+    if options.json:
+        report = {"mitsuba": mi.__version__, "variant": variant, "spp": options.spp, "size": options.size, "rows": rows}
+        options.json.write_text(json.dumps(report, indent=2) + "\n")
+    sys.exit(1 if any(r["passed"] is False for r in rows) else 0)
+
+
+main()
