@@ -3,7 +3,9 @@
 //! In: the two-level BVH and a ray. Out: a hit. A ray enters an instance by transforming its origin and
 //! direction without normalising, so that t means the same in both spaces.
 
-use glam::{Vec2, Vec3, Vec3A, Vec4};
+use std::cell::RefCell;
+
+use glam::{Vec2, Vec3A, Vec4};
 
 use super::{
     Hit, Ray, TwoLevelBvh,
@@ -12,6 +14,11 @@ use super::{
     traverse::{BoxRay, Stack, Visitor, traverse},
     triangle::{BlockHits, TriangleBlock, TriangleRay},
 };
+
+thread_local! {
+    /// Kept, because clearing it for each ray would take long.
+    static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
+}
 
 /// A query in progress; `ANY` stops at the first hit, whichever it is.
 pub(super) struct Query<'a, const ANY: bool> {
@@ -31,14 +38,15 @@ impl<'a, const ANY: bool> Query<'a, ANY> {
     /// The closest hit, or any one.
     pub(super) fn run(mut self) -> Option<Hit> {
         let bvh = self.bvh;
-        let ray = BoxRay::new(self.ray.origin, self.ray.direction, self.ray.t_min);
-        let mut stack = Stack::new();
-        for level in [&bvh.static_level, &bvh.dynamic_level] {
-            let mut visitor = InstanceVisitor { query: &mut self, level };
-            if traverse(&level.nodes, level.root, &ray, &mut stack, &mut visitor) {
-                break;
+        let ray = BoxRay::new(self.ray.origin.into(), self.ray.direction.into(), self.ray.t_min);
+        STACK.with_borrow_mut(|stack| {
+            for level in [&bvh.static_level, &bvh.dynamic_level] {
+                let mut visitor = InstanceVisitor { query: &mut self, level };
+                if traverse(&level.nodes, level.root, &ray, stack, &mut visitor) {
+                    break;
+                }
             }
-        }
+        });
         (self.best.t < self.ray.t_max).then_some(self.best)
     }
 
@@ -74,6 +82,7 @@ struct InstanceVisitor<'q, 'a, const ANY: bool> {
 }
 
 impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
+    const ANY: bool = ANY;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.query.best.t
@@ -87,7 +96,7 @@ impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
             let (origin, direction) = to_object(placed, &self.query.ray);
             let t_min = self.query.ray.t_min;
             let mut visitor = TriangleVisitor {
-                ray: TriangleRay::new(origin, direction),
+                ray: TriangleRay::new(origin.into(), direction.into()),
                 t_min: Vec4::splat(t_min),
                 instance: placed.instance,
                 query: self.query,
@@ -107,6 +116,7 @@ struct TriangleVisitor<'q, 'a, const ANY: bool> {
 }
 
 impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
+    const ANY: bool = ANY;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.query.best.t
@@ -125,11 +135,11 @@ impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
 }
 
 /// The ray's origin and direction in an instance's object space.
-fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3, Vec3) {
+fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3A, Vec3A) {
     let world_to_object = &placed.world_to_object;
     let origin = world_to_object.transform_point3a(Vec3A::from(ray.origin));
     let direction = world_to_object.transform_vector3a(Vec3A::from(ray.direction));
-    (origin.into(), direction.into())
+    (origin, direction)
 }
 
 /// Whether the alpha mask of the masked triangle `masked`, counted from 1, leaves the surface there.
