@@ -4,16 +4,13 @@
 //! where leaves begin, is the choice of least cost by the surface area heuristic (Ylitie et al. 2017,
 //! section 3.1), found by dynamic programming.
 
-use glam::{Vec3A, Vec4};
+use glam::Vec3A;
 use obvhs::{aabb::Aabb, bvh2::Bvh2};
 
-use super::traverse::SLAB_PADDING;
+use super::{simd::Eight, traverse::SLAB_PADDING};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
-
-/// Groups of four of them, whose boxes are tested at a time.
-pub(super) const GROUPS: usize = WIDTH / 4;
 
 /// What a node's child is: a node, or a run of things in leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,13 +71,13 @@ impl Child {
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower and upper planes of each axis. A child that is not there has an empty box.
-    pub(super) planes: [[[Vec4; GROUPS]; 2]; 3],
+    pub(super) planes: [[Eight; 2]; 3],
     pub(super) children: [Child; WIDTH],
 }
 
 impl Node {
     const EMPTY: Self = Self {
-        planes: [[[Vec4::INFINITY; GROUPS], [Vec4::NEG_INFINITY; GROUPS]]; 3],
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
         children: [Child::NOTHING; WIDTH],
     };
 
@@ -89,8 +86,8 @@ impl Node {
         let padding = Vec3A::splat(SLAB_PADDING * reach);
         let (min, max) = (bounds.min - padding, bounds.max + padding);
         for axis in 0..3 {
-            self.planes[axis][0][lane / 4][lane % 4] = min[axis];
-            self.planes[axis][1][lane / 4][lane % 4] = max[axis];
+            self.planes[axis][0][lane] = min[axis];
+            self.planes[axis][1][lane] = max[axis];
         }
     }
 }

@@ -4,9 +4,12 @@
 //! The slab test is conservative at every scale: its padding follows from the magnitudes that were
 //! rounded, never from an absolute epsilon.
 
-use glam::{Vec3A, Vec4};
+use glam::Vec3A;
 
-use super::nodes::{Child, GROUPS, Node, WIDTH};
+use super::{
+    nodes::{Child, Node, WIDTH},
+    simd::{Eight, Simd},
+};
 
 /// Padding of the slab test, relative to the coordinates of a box, which is padded when it is built, and to
 /// those of a ray's origin: covers the rounding of both the slab test and the triangle test.
@@ -55,54 +58,53 @@ impl Stack {
 
 /// A ray prepared for box tests: it meets the plane `x` at `x * inverse + start`, padded towards both ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BoxRay {
-    inverse: [Vec4; 3],
-    near_start: [Vec4; 3],
-    far_start: [Vec4; 3],
+pub(super) struct BoxRay<S: Simd> {
+    simd: S,
+    inverse: [S::Floats; 3],
+    near_start: [S::Floats; 3],
+    far_start: [S::Floats; 3],
     /// Index of the near plane on each axis.
     near: [usize; 3],
-    t_min: Vec4,
+    t_min: S::Floats,
 }
 
-impl BoxRay {
+impl<S: Simd> BoxRay<S> {
     /// Prepares a ray; zero components of the direction are made tiny, so that nothing divides by zero.
     #[inline(always)]
-    pub(super) fn new(origin: Vec3A, direction: Vec3A, t_min: f32) -> Self {
+    pub(super) fn new(simd: S, origin: Vec3A, direction: Vec3A, t_min: f32) -> Self {
         let size = direction.abs();
         let size = size.max(Vec3A::splat(size.max_element() * SMALLEST_DIRECTION));
         let inverse = 1.0 / size.copysign(direction);
         let start = -origin * inverse;
         let padding = inverse.abs() * (SLAB_PADDING * origin.abs().max_element());
-        let splat = |v: Vec3A| [Vec4::splat(v.x), Vec4::splat(v.y), Vec4::splat(v.z)];
+        let splat = |v: Vec3A| [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)];
         let negative = direction.is_negative_bitmask() as usize;
         Self {
+            simd,
             inverse: splat(inverse),
             near_start: splat(start - padding),
             far_start: splat(start + padding),
             near: [negative & 1, negative >> 1 & 1, negative >> 2 & 1],
-            t_min: Vec4::splat(t_min),
+            t_min: simd.splat(t_min),
         }
     }
 
     /// Where the ray enters the boxes of a node's children, and a bit for each that it meets.
     #[inline(always)]
-    fn meet(&self, node: &Node, t_max: f32) -> ([[f32; 4]; GROUPS], u32) {
-        let sides = |axis: usize| {
+    fn meet(&self, node: &Node, t_max: f32) -> (Eight, u32) {
+        let simd = self.simd;
+        let slab = |axis: usize| {
             let near = self.near[axis] & 1;
-            (&node.planes[axis][near], &node.planes[axis][near ^ 1])
+            let [enter, leave] = [&node.planes[axis][near], &node.planes[axis][near ^ 1]];
+            (
+                simd.mul_add(simd.load(enter), self.inverse[axis], self.near_start[axis]),
+                simd.mul_add(simd.load(leave), self.inverse[axis], self.far_start[axis]),
+            )
         };
-        let [x, y, z] = [sides(0), sides(1), sides(2)];
-        let mut nears = [[0.0; 4]; GROUPS];
-        let mut mets = 0;
-        for group in 0..GROUPS {
-            let enter = |planes: &[Vec4; GROUPS], axis: usize| planes[group] * self.inverse[axis] + self.near_start[axis];
-            let leave = |planes: &[Vec4; GROUPS], axis: usize| planes[group] * self.inverse[axis] + self.far_start[axis];
-            let near = enter(x.0, 0).max(enter(y.0, 1)).max(enter(z.0, 2).max(self.t_min));
-            let far = leave(x.1, 0).min(leave(y.1, 1)).min(leave(z.1, 2).min(Vec4::splat(t_max)));
-            nears[group] = near.to_array();
-            mets |= near.cmple(far).bitmask() << (4 * group);
-        }
-        (nears, mets)
+        let [x, y, z] = [slab(0), slab(1), slab(2)];
+        let enter = simd.max(simd.max(x.0, y.0), simd.max(z.0, self.t_min));
+        let leave = simd.min(simd.min(x.1, y.1), simd.min(z.1, simd.splat(t_max)));
+        (simd.store(enter), simd.le(enter, leave))
     }
 }
 
@@ -118,10 +120,10 @@ pub(super) trait Visitor {
 /// Visits all leaves below `root` whose boxes the ray meets before the visitor's t_max. True if the
 /// visitor ended it.
 #[inline(always)]
-pub(super) fn traverse<V: Visitor>(
+pub(super) fn traverse<S: Simd, V: Visitor>(
     nodes: &[Node],
     root: Child,
-    ray: &BoxRay,
+    ray: &BoxRay<S>,
     stack: &mut Stack,
     visitor: &mut V,
 ) -> bool {
@@ -134,10 +136,10 @@ pub(super) fn traverse<V: Visitor>(
 }
 
 #[inline(always)]
-fn traverse_closest<V: Visitor>(
+fn traverse_closest<S: Simd, V: Visitor>(
     nodes: &[Node],
     root: Child,
-    ray: &BoxRay,
+    ray: &BoxRay<S>,
     stack: &mut Stack,
     visitor: &mut V,
 ) {
@@ -151,7 +153,6 @@ fn traverse_closest<V: Visitor>(
             let (near, mut met) = ray.meet(node, visitor.t_max());
             if met != 0 {
                 // Go on with the nearest child, and leave the others for later.
-                let near = near.as_flattened();
                 let mut lane = met.trailing_zeros() as usize % WIDTH;
                 met &= met - 1;
                 while met != 0 {
@@ -180,10 +181,10 @@ fn traverse_closest<V: Visitor>(
 }
 
 #[inline(always)]
-fn traverse_any<V: Visitor>(
+fn traverse_any<S: Simd, V: Visitor>(
     nodes: &[Node],
     root: Child,
-    ray: &BoxRay,
+    ray: &BoxRay<S>,
     stack: &mut Stack,
     visitor: &mut V,
 ) -> bool {
