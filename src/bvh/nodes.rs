@@ -4,10 +4,9 @@
 //! where leaves begin, is the choice of least cost by the surface area heuristic (Ylitie et al. 2017,
 //! section 3.1), found by dynamic programming.
 
-use glam::Vec3A;
 use obvhs::{aabb::Aabb, bvh2::Bvh2};
 
-use super::{simd::Eight, traverse::SLAB_PADDING};
+use super::simd::Eight;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -82,12 +81,9 @@ impl Node {
     };
 
     fn set(&mut self, lane: usize, bounds: &Aabb) {
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let padding = Vec3A::splat(SLAB_PADDING * reach);
-        let (min, max) = (bounds.min - padding, bounds.max + padding);
         for axis in 0..3 {
-            self.planes[axis][0][lane] = min[axis];
-            self.planes[axis][1][lane] = max[axis];
+            self.planes[axis][0][lane] = bounds.min[axis];
+            self.planes[axis][1][lane] = bounds.max[axis];
         }
     }
 }
