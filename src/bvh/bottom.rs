@@ -4,7 +4,9 @@
 //! shaders read them too.
 
 use glam::{Vec3, Vec3A};
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode, triangle::Triangle};
+use obvhs::{
+    BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode, triangle::Triangle,
+};
 use rayon::prelude::*;
 
 use super::{
@@ -145,12 +147,15 @@ impl MeshBvh {
         // Lay out the triangles in the order of the leaves, for the CPU and for shaders.
         let mut bounds = Aabb::empty();
         let references = References::to_triangles(
-            &triangles.iter().map(|triangle| {
-                let [v0, v1, v2] = [triangle.v0, triangle.v1, triangle.v2].map(Vec3A::from);
-                let triangle = Triangle { v0, v1, v2 };
-                bounds = bounds.union(&triangle.aabb());
-                triangle
-            }).collect::<Vec<_>>(),
+            &triangles
+                .iter()
+                .map(|triangle| {
+                    let [v0, v1, v2] = [triangle.v0, triangle.v1, triangle.v2].map(Vec3A::from);
+                    let triangle = Triangle { v0, v1, v2 };
+                    bounds = bounds.union(&triangle.aabb());
+                    triangle
+                })
+                .collect::<Vec<_>>(),
         );
         let boxes = &references.boxes;
         let binary = clustered(boxes, &PARAMS);
@@ -168,7 +173,11 @@ impl MeshBvh {
 }
 
 /// The wide tree over `triangles`, and these in blocks.
-fn blocks_of(binary: &Bvh2, references: &References, triangles: &[GpuTriangle]) -> (WideTree, Vec<TriangleBlock>) {
+fn blocks_of(
+    binary: &Bvh2,
+    references: &References,
+    triangles: &[GpuTriangle],
+) -> (WideTree, Vec<TriangleBlock>) {
     let mut blocks = Vec::new();
     let mut members = Vec::new();
     let tree = widen(binary, LEAF_COST, |leaf| {

@@ -41,7 +41,8 @@ struct Entry {
 }
 
 impl Stack {
-    pub(super) const EMPTY: Self = Self { entries: [Entry { child: Child::NOTHING, near: 0.0 }; STACK_SIZE], len: 0 };
+    pub(super) const EMPTY: Self =
+        Self { entries: [Entry { child: Child::NOTHING, near: 0.0 }; STACK_SIZE], len: 0 };
 
     #[inline(always)]
     fn push(&mut self, entry: Entry) {

@@ -82,7 +82,11 @@ impl TriangleRay {
         let (origin, direction) = (origin.to_array(), direction.to_array());
         let [x, y, along] = axes.map(|axis| direction[axis]);
         let shear = Vec3A::new(x, y, 1.0) / along;
-        Self { axes, origin: axes.map(|axis| Vec4::splat(origin[axis])), shear: shear.to_array().map(Vec4::splat) }
+        Self {
+            axes,
+            origin: axes.map(|axis| Vec4::splat(origin[axis])),
+            shear: shear.to_array().map(Vec4::splat),
+        }
     }
 
     /// Meets the planes within the edges, both sides, where t_min < t <= t_max. A triangle without size is
