@@ -76,10 +76,8 @@ pub(super) struct Node {
 }
 
 impl Node {
-    const EMPTY: Self = Self {
-        planes: [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3],
-        children: [Child::NOTHING; WIDTH],
-    };
+    const EMPTY: Self =
+        Self { planes: [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3], children: [Child::NOTHING; WIDTH] };
 
     fn set(&mut self, lane: usize, bounds: &Aabb) {
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();

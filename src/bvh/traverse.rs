@@ -63,12 +63,10 @@ impl BoxRay {
     /// Where the ray enters the boxes of a node's children, and a bit for each that it meets.
     #[inline(always)]
     fn meet(&self, node: &Node, t_max: f32) -> (Vec4, u32) {
-        let enter = |axis: usize| {
-            node.planes[axis][self.near[axis] & 1] * self.inverse[axis] + self.near_start[axis]
-        };
-        let leave = |axis: usize| {
-            node.planes[axis][!self.near[axis] & 1] * self.inverse[axis] + self.far_start[axis]
-        };
+        let enter =
+            |axis: usize| node.planes[axis][self.near[axis] & 1] * self.inverse[axis] + self.near_start[axis];
+        let leave =
+            |axis: usize| node.planes[axis][!self.near[axis] & 1] * self.inverse[axis] + self.far_start[axis];
         let near = enter(0).max(enter(1)).max(enter(2).max(self.t_min));
         let far = leave(0).min(leave(1)).min(leave(2).min(Vec4::splat(t_max)));
         (near, near.cmple(far).bitmask())

@@ -153,8 +153,8 @@ mod tests {
     #[test]
     fn it_reads_what_it_wrote() {
         let picture = picture();
-        assert_eq!(read_picture(Cursor::new(encode(&picture))).unwrap(), picture);
-        let mut bytes = encode(&picture);
+        assert_eq!(read_picture(Cursor::new(encoded(&picture))).unwrap(), picture);
+        let mut bytes = encoded(&picture);
         bytes.truncate(bytes.len() / 2);
         assert!(read_picture(Cursor::new(bytes)).is_err());
     }
