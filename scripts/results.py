@@ -18,7 +18,7 @@ FOUR_LIGHTS = "tests/scene-files/all-kinds.toml"
 TRUTH_SIZE = "128x128"
 LOSS_SIZE = "128x128"
 CURVE_SIZE = "32x32"
-CURVE_SEEDS = range(4)
+CURVE_SEEDS = range(3)
 
 
 class Lab:
@@ -67,9 +67,15 @@ class Lab:
 def mitsuba(lab):
     """The path tracer against Mitsuba, six scenes, 256x256, 1,024 samples a pixel."""
     report = lab.folder / "mitsuba.json"
-    lab.script("scripts/verify-with-mitsuba", "--spp", 1024, "--size", "256x256", "--highlights", "--json", report,
-               *SCENES, lab.scene(FOUR_LIGHTS), check=False)
-    lab.keep("mitsuba", json.loads(report.read_text()))
+    scenes = [*SCENES, lab.scene(FOUR_LIGHTS)]
+    lab.script("scripts/verify-with-mitsuba", "--spp", 1024, "--size", "256x256", "--json", report, *scenes, check=False)
+    figures = json.loads(report.read_text())
+    # Highlights have no verdict, so fewer samples do.
+    lab.script("scripts/verify-with-mitsuba", "--spp", 128, "--size", "256x256", "--highlights", "--json", report,
+               *scenes, check=False)
+    figures["highlights"] = [row for row in json.loads(report.read_text())["rows"] if row["highlights"] != "none"]
+    figures["rows"] = [row for row in figures["rows"] if row["highlights"] == "none"]
+    lab.keep("mitsuba", figures)
 
 
 def truth(lab):
@@ -78,7 +84,7 @@ def truth(lab):
     for scene in ["cornell-box", "sponza", "conference", FOUR_LIGHTS]:
         drawn = lab.folder / "drawn.exr"
         report = lab.render(scene, drawn, "--size", TRUTH_SIZE, "--vpls", 65536, "--temporal-sets", 64,
-                            "--interleave", 1, "--clamp", 0, "--bounces", 2, "--layers")
+                            "--interleave", 2, "--clamp", 0, "--bounces", 2, "--layers")
         expected = lab.truth(scene, TRUTH_SIZE, 1024, "--bounces", 2)
         compared = lab.compare(drawn, expected, "--layer", "indirect", "--blocks", 16)
         vpls = report["frames"][-1]["vpls"]

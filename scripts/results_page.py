@@ -20,13 +20,13 @@ def table(head, rows):
 
 def mitsuba(figures, _):
     rows = [[r["scene"], r["highlights"], f"{r['mean_ratio']:.4f}", percent(r["blocks_within_3_percent"]),
-             percent(r["block_p95"], 2)] for r in figures["rows"]]
+             percent(r["block_p95"], 2)] for r in figures["rows"] + figures["highlights"]]
     head = ["scene", "highlights", "mean, glowworm over Mitsuba", "blocks within 3 %", "95 % of blocks within"]
     return f"""## The path tracer against Mitsuba
 
 `glowworm reference` and Mitsuba {figures['mitsuba']} ({figures['variant']}) on what `glowworm export` wrote, {figures['size']},
 {figures['spp']} samples a pixel, 2 bounces. Blocks are of 16 x 16 pixels, by mean luminance. Highlights (Ks) are judged
-apart, as no material of Mitsuba reflects quite so: "none" has none on either side, "left out" only in glowworm's
+apart, with 128 samples, as no material of Mitsuba reflects quite so: "none" has none on either side, "left out" only in glowworm's
 picture, and "converted" Mitsuba's closest material.
 
 {table(head, rows)}
@@ -39,7 +39,7 @@ def truth(figures, _):
     head = ["scene", "mean, renderer over path tracer", "blocks within 5 %", "95 % of blocks within", "valid VPLs", "escaped"]
     return f"""## The light of VPLs against the path tracer
 
-The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces, clamp off, no interleaving,
+The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces, clamp off, interleave 2,
 {figures['size']}, on {figures['rows'][0]['device']}; blocks of 16 x 16 pixels.
 
 {table(head, rows)}

@@ -4,14 +4,14 @@
 //! shaders read them too.
 
 use glam::{Vec3, Vec3A};
-use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode};
+use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode, triangle::Triangle};
 use rayon::prelude::*;
 
 use super::{
     gpu::{GpuMaskedTriangle, GpuTriangle},
     nodes::{Child, LeafCost, Node, WideTree, widen},
     traverse,
-    tree::{clustered, median_split},
+    tree::{References, clustered, median_split},
     triangle::{LANES, TriangleBlock, is_degenerate},
     wide,
 };
@@ -83,7 +83,7 @@ impl BottomLevels {
         self.roots.push(Some(MeshRoot {
             root: mesh.tree.root.moved(first_node, first_block),
             gpu_root,
-            bounds: mesh.gpu.total_aabb,
+            bounds: mesh.bounds,
         }));
         self.nodes.append(&mut mesh.tree.nodes);
         self.blocks.append(&mut mesh.blocks);
@@ -100,6 +100,7 @@ struct MeshBvh {
     gpu: CwBvh,
     gpu_triangles: Vec<GpuTriangle>,
     masked: Vec<GpuMaskedTriangle>,
+    bounds: Aabb,
 }
 
 impl MeshBvh {
@@ -142,24 +143,39 @@ impl MeshBvh {
             .collect();
 
         // Lay out the triangles in the order of the leaves, for the CPU and for shaders.
-        let boxes: Vec<Aabb> =
-            ids.iter().map(|&id| Aabb::from_points(&corners(id).map(Vec3A::from))).collect();
-        let binary = clustered(&boxes, &PARAMS);
-        let (mut tree, mut blocks) = blocks_of(&binary, &triangles);
+        let mut bounds = Aabb::empty();
+        let references = References::to_triangles(
+            &triangles.iter().map(|triangle| {
+                let [v0, v1, v2] = [triangle.v0, triangle.v1, triangle.v2].map(Vec3A::from);
+                let triangle = Triangle { v0, v1, v2 };
+                bounds = bounds.union(&triangle.aabb());
+                triangle
+            }).collect::<Vec<_>>(),
+        );
+        let boxes = &references.boxes;
+        let binary = clustered(boxes, &PARAMS);
+        let (mut tree, mut blocks) = blocks_of(&binary, &references, &triangles);
         if tree.depth > traverse::BOTTOM_DEPTH {
-            (tree, blocks) = blocks_of(&median_split(&boxes), &triangles);
+            (tree, blocks) = blocks_of(&median_split(boxes), &references, &triangles);
         }
         assert!(tree.depth <= traverse::BOTTOM_DEPTH, "a balanced tree is shallow");
-        let gpu = wide::compress(&binary, &boxes, PARAMS.max_prims_per_leaf, wide::BOTTOM_DEPTH);
-        let gpu_triangles = gpu.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
-        Some(Self { tree, blocks, gpu, gpu_triangles, masked })
+        let gpu = wide::compress(&binary, boxes, PARAMS.max_prims_per_leaf, wide::BOTTOM_DEPTH);
+        let in_leaf_order = gpu.primitive_indices.iter();
+        let gpu_triangles =
+            in_leaf_order.map(|&i| triangles[references.primitives[i as usize] as usize]).collect();
+        Some(Self { tree, blocks, gpu, gpu_triangles, masked, bounds })
     }
 }
 
 /// The wide tree over `triangles`, and these in blocks.
-fn blocks_of(binary: &Bvh2, triangles: &[GpuTriangle]) -> (WideTree, Vec<TriangleBlock>) {
+fn blocks_of(binary: &Bvh2, references: &References, triangles: &[GpuTriangle]) -> (WideTree, Vec<TriangleBlock>) {
     let mut blocks = Vec::new();
-    let tree = widen(binary, LEAF_COST, |members| {
+    let mut members = Vec::new();
+    let tree = widen(binary, LEAF_COST, |leaf| {
+        members.clear();
+        members.extend(leaf.iter().map(|&i| references.primitives[i as usize]));
+        members.sort_unstable();
+        members.dedup();
         let first = blocks.len();
         blocks.extend(members.chunks(LANES).map(|members| {
             let mut block = TriangleBlock::empty(triangles[members[0] as usize].v0);

@@ -181,12 +181,7 @@ impl TwoLevelBvh {
             node_offset: first_node as u32,
             nodes: level.gpu.nodes.iter().map(to_absolute).collect(),
             instance_offset: first_instance as u32,
-            instances: level
-                .gpu
-                .primitive_indices
-                .iter()
-                .map(|&i| gpu_instance(&level.placed[i as usize]))
-                .collect(),
+            instances: level.gpu.primitive_indices.iter().map(|&i| gpu_instance(&level.placed[i as usize])).collect(),
             roots: self.roots(&Regions::of(self)),
         }
     }

@@ -8,6 +8,7 @@ mod bottom;
 pub mod gpu;
 mod nodes;
 mod query;
+mod simd;
 mod top;
 mod traverse;
 mod tree;
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::scene::{AlphaMask, Scene};
 use bottom::{BottomLevels, MeshRoot};
-use query::Query;
+use query::query;
 use top::TopLevel;
 
 /// Fewest rays that are worth a task of their own.
@@ -58,6 +59,9 @@ pub struct Hit {
 /// static one is built once. An instance whose transform has no inverse is not hit.
 #[derive(Clone, Debug)]
 pub struct TwoLevelBvh {
+    /// Whether the processor has it.
+    #[cfg(target_arch = "x86_64")]
+    avx2: Option<simd::Avx2>,
     bottom: BottomLevels,
     alpha_masks: Vec<AlphaMask>,
     instances: Vec<InstanceState>,
@@ -95,6 +99,8 @@ impl TwoLevelBvh {
             })
             .collect();
         let mut bvh = Self {
+            #[cfg(target_arch = "x86_64")]
+            avx2: if std::env::var_os("NOAVX").is_some() { None } else { simd::Avx2::try_new() },
             bottom: BottomLevels::build(scene),
             alpha_masks: scene.alpha_masks.clone(),
             instances,
@@ -158,12 +164,12 @@ impl TwoLevelBvh {
 
     /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        Query::<false>::new(self, ray).run()
+        query::<false>(self, ray)
     }
 
     /// Whether anything lies on the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        Query::<true>::new(self, ray).run().is_some()
+        query::<true>(self, ray).is_some()
     }
 
     /// [`Self::intersect`] for many rays, over all cores, answers in the order of the rays.

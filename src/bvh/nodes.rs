@@ -4,13 +4,12 @@
 //! where leaves begin, is the choice of least cost by the surface area heuristic (Ylitie et al. 2017,
 //! section 3.1), found by dynamic programming.
 
-use glam::{Vec3A, Vec4};
 use obvhs::{aabb::Aabb, bvh2::Bvh2};
 
-use super::traverse::SLAB_PADDING;
+use super::simd::Eight;
 
 /// Children of a node.
-pub(super) const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 8;
 
 /// What a node's child is: a node, or a run of things in leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,21 +70,20 @@ impl Child {
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower and upper planes of each axis. A child that is not there has an empty box.
-    pub(super) planes: [[Vec4; 2]; 3],
+    pub(super) planes: [[Eight; 2]; 3],
     pub(super) children: [Child; WIDTH],
 }
 
 impl Node {
-    const EMPTY: Self =
-        Self { planes: [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3], children: [Child::NOTHING; WIDTH] };
+    const EMPTY: Self = Self {
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+        children: [Child::NOTHING; WIDTH],
+    };
 
     fn set(&mut self, lane: usize, bounds: &Aabb) {
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let padding = Vec3A::splat(SLAB_PADDING * reach);
-        let (min, max) = (bounds.min - padding, bounds.max + padding);
         for axis in 0..3 {
-            self.planes[axis][0][lane] = min[axis];
-            self.planes[axis][1][lane] = max[axis];
+            self.planes[axis][0][lane] = bounds.min[axis];
+            self.planes[axis][1][lane] = bounds.max[axis];
         }
     }
 }

@@ -3,18 +3,41 @@
 //! In: the two-level BVH and a ray. Out: a hit. A ray enters an instance by transforming its origin and
 //! direction without normalising, so that t means the same in both spaces.
 
-use glam::{Vec2, Vec3, Vec3A, Vec4};
+use std::cell::RefCell;
+
+use glam::{Vec2, Vec3A, Vec4};
 
 use super::{
     Hit, Ray, TwoLevelBvh,
     nodes::Child,
+    simd::{Portable, Simd},
     top::{PlacedInstance, TopLevel},
     traverse::{BoxRay, Stack, Visitor, traverse},
     triangle::{BlockHits, TriangleBlock, TriangleRay},
 };
 
+thread_local! {
+    /// Kept, because clearing it for each ray would take long.
+    static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
+}
+
+/// The closest hit along `ray`, or, with `ANY`, any hit.
+pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, ray: &Ray) -> Option<Hit> {
+    STACK.with_borrow_mut(|stack| {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = bvh.avx2 {
+            return avx2.vectorize(
+                #[inline(always)]
+                || Query::<_, ANY>::new(avx2, bvh, ray).run(stack),
+            );
+        }
+        Query::<_, ANY>::new(Portable, bvh, ray).run(stack)
+    })
+}
+
 /// A query in progress; `ANY` stops at the first hit, whichever it is.
-pub(super) struct Query<'a, const ANY: bool> {
+struct Query<'a, S, const ANY: bool> {
+    simd: S,
     bvh: &'a TwoLevelBvh,
     ray: Ray,
     /// The best so far. Until there is one, its t is the ray's t_max and its indices are the lowest, so that
@@ -22,20 +45,21 @@ pub(super) struct Query<'a, const ANY: bool> {
     best: Hit,
 }
 
-impl<'a, const ANY: bool> Query<'a, ANY> {
-    pub(super) fn new(bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
+impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
+    #[inline(always)]
+    fn new(simd: S, bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
         let best = Hit { t: ray.t_max, instance: 0, triangle: 0, barycentrics: Vec2::ZERO };
-        Self { bvh, ray: *ray, best }
+        Self { simd, bvh, ray: *ray, best }
     }
 
     /// The closest hit, or any one.
-    pub(super) fn run(mut self) -> Option<Hit> {
+    #[inline(always)]
+    fn run(mut self, stack: &mut Stack) -> Option<Hit> {
         let bvh = self.bvh;
-        let ray = BoxRay::new(self.ray.origin, self.ray.direction, self.ray.t_min);
-        let mut stack = Stack::new();
+        let ray = BoxRay::new(self.simd, self.ray.origin.into(), self.ray.direction.into(), self.ray.t_min);
         for level in [&bvh.static_level, &bvh.dynamic_level] {
             let mut visitor = InstanceVisitor { query: &mut self, level };
-            if traverse(&level.nodes, level.root, &ray, &mut stack, &mut visitor) {
+            if traverse(&level.nodes, level.root, &ray, stack, &mut visitor) {
                 break;
             }
         }
@@ -68,12 +92,13 @@ impl<'a, const ANY: bool> Query<'a, ANY> {
 }
 
 /// Goes down from a top level into its instances.
-struct InstanceVisitor<'q, 'a, const ANY: bool> {
-    query: &'q mut Query<'a, ANY>,
+struct InstanceVisitor<'q, 'a, S, const ANY: bool> {
+    query: &'q mut Query<'a, S, ANY>,
     level: &'a TopLevel,
 }
 
-impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
+impl<S: Simd, const ANY: bool> Visitor for InstanceVisitor<'_, '_, S, ANY> {
+    const ANY: bool = ANY;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.query.best.t
@@ -81,32 +106,35 @@ impl<const ANY: bool> Visitor for InstanceVisitor<'_, '_, ANY> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: Child, stack: &mut Stack) -> bool {
-        leaf.run().any(|index| {
-            let placed = &self.level.placed[index];
+        for placed in &self.level.placed[leaf.run()] {
             let bottom = &self.query.bvh.bottom;
             let (origin, direction) = to_object(placed, &self.query.ray);
-            let t_min = self.query.ray.t_min;
+            let (simd, t_min) = (self.query.simd, self.query.ray.t_min);
             let mut visitor = TriangleVisitor {
                 ray: TriangleRay::new(origin, direction),
                 t_min: Vec4::splat(t_min),
                 instance: placed.instance,
                 query: self.query,
             };
-            let ray = BoxRay::new(origin, direction, t_min);
-            traverse(&bottom.nodes, placed.mesh.root, &ray, stack, &mut visitor)
-        })
+            let ray = BoxRay::new(simd, origin, direction, t_min);
+            if traverse(&bottom.nodes, placed.mesh.root, &ray, stack, &mut visitor) {
+                return true;
+            }
+        }
+        false
     }
 }
 
 /// Tests the triangles of one instance.
-struct TriangleVisitor<'q, 'a, const ANY: bool> {
-    query: &'q mut Query<'a, ANY>,
+struct TriangleVisitor<'q, 'a, S, const ANY: bool> {
+    query: &'q mut Query<'a, S, ANY>,
     ray: TriangleRay,
     t_min: Vec4,
     instance: u32,
 }
 
-impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
+impl<S: Simd, const ANY: bool> Visitor for TriangleVisitor<'_, '_, S, ANY> {
+    const ANY: bool = ANY;
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.query.best.t
@@ -115,21 +143,24 @@ impl<const ANY: bool> Visitor for TriangleVisitor<'_, '_, ANY> {
     #[inline(always)]
     fn visit(&mut self, leaf: Child, _stack: &mut Stack) -> bool {
         let bvh = self.query.bvh;
-        bvh.bottom.blocks[leaf.run()].iter().any(|block| {
-            match self.ray.intersect(block, self.t_min, self.query.best.t) {
-                Some(hits) => self.query.offer(self.instance, block, &hits),
-                None => false,
+        for block in &bvh.bottom.blocks[leaf.run()] {
+            if let Some(hits) = self.ray.intersect(block, self.t_min, self.query.best.t)
+                && self.query.offer(self.instance, block, &hits)
+            {
+                return true;
             }
-        })
+        }
+        false
     }
 }
 
 /// The ray's origin and direction in an instance's object space.
-fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3, Vec3) {
+#[inline(always)]
+fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3A, Vec3A) {
     let world_to_object = &placed.world_to_object;
     let origin = world_to_object.transform_point3a(Vec3A::from(ray.origin));
     let direction = world_to_object.transform_vector3a(Vec3A::from(ray.direction));
-    (origin.into(), direction.into())
+    (origin, direction)
 }
 
 /// Whether the alpha mask of the masked triangle `masked`, counted from 1, leaves the surface there.

@@ -4,12 +4,46 @@
 //! Locally-Ordered Clustering") with reinsertion (Meister and Bittner 2018, "Parallel Reinsertion"), or, where that
 //! would be too deep, a median split.
 
+use glam::Vec3A;
 use obvhs::{
     BvhBuildParams,
     aabb::Aabb,
     bvh2::{Bvh2, node::Bvh2Node, reinsertion::ReinsertionOptimizer},
     ploc::PlocBuilder,
+    splits::split_aabbs_preset,
+    triangle::Triangle,
 };
+
+use super::traverse::SLAB_PADDING;
+
+/// Boxes to build over, of which several may bound the same primitive.
+#[derive(Clone, Debug, Default)]
+pub(super) struct References {
+    pub(super) boxes: Vec<Aabb>,
+    /// What each bounds.
+    pub(super) primitives: Vec<u32>,
+}
+
+impl References {
+    /// One box for each triangle, and more for those that are large and fill theirs badly. Each box is padded
+    /// by what rounding may move a hit on its triangle.
+    pub(super) fn to_triangles(triangles: &[Triangle]) -> Self {
+        let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+        let mut primitives: Vec<u32> = (0..triangles.len() as u32).collect();
+        let areas = || boxes.iter().map(Aabb::half_area);
+        let (sum, largest) = (areas().sum::<f32>(), areas().fold(0.0, f32::max));
+        let mean = sum / triangles.len() as f32;
+        split_aabbs_preset(&mut boxes, &mut primitives, triangles, mean, largest);
+        for (bounds, &primitive) in boxes.iter_mut().zip(&primitives) {
+            // The whole triangle takes part in the test, not only what lies in the box.
+            let Triangle { v0, v1, v2 } = triangles[primitive as usize];
+            let reach = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
+            let padding = Vec3A::splat(SLAB_PADDING * reach);
+            *bounds = Aabb::new(bounds.min - padding, bounds.max + padding);
+        }
+        Self { boxes, primitives }
+    }
+}
 
 /// Builds over `boxes`; `params` decides on quality against time.
 pub(super) fn clustered(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {

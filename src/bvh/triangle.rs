@@ -5,7 +5,7 @@
 //! share an edge compute the same edge function with opposite sign, so that with inclusive edges no ray
 //! slips between them. `shaders/include/tracer_software.glsl` repeats these operations in this order.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::gpu::GpuTriangle;
 
@@ -47,6 +47,9 @@ impl TriangleBlock {
     }
 }
 
+/// The two axes after each, and it.
+static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 /// A ray in object space, sheared so that it runs along one axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleRay {
@@ -70,19 +73,16 @@ pub(super) struct BlockHits {
 
 impl TriangleRay {
     /// Prepares a ray; the direction may have any length, and t is in units of it.
-    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+    #[inline(always)]
+    pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let size = direction.abs();
-        let main = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let axes = [(main + 1) % 3, (main + 2) % 3, main];
-        let along = direction[main];
-        let shear = [direction[axes[0]] / along, direction[axes[1]] / along, 1.0 / along];
-        Self { axes, origin: axes.map(|axis| Vec4::splat(origin[axis])), shear: shear.map(Vec4::splat) }
+        // Both sides are evaluated: which is the longest is anyone's guess, and a wrong one costs more.
+        let main = if (size.x > size.y) & (size.x > size.z) { 0 } else { 2 - usize::from(size.y > size.z) };
+        let axes = AXES[main];
+        let (origin, direction) = (origin.to_array(), direction.to_array());
+        let [x, y, along] = axes.map(|axis| direction[axis]);
+        let shear = Vec3A::new(x, y, 1.0) / along;
+        Self { axes, origin: axes.map(|axis| Vec4::splat(origin[axis])), shear: shear.to_array().map(Vec4::splat) }
     }
 
     /// Meets the planes within the edges, both sides, where t_min < t <= t_max. A triangle without size is

@@ -19,7 +19,7 @@ fn write(run: &Run, name: &str, level: f32, [width, height]: [usize; 2]) {
         height,
         colour: values().map(|value| [value; 3]).collect(),
         display: values().map(|value| [(value * 255.0) as u8; 4]).collect(),
-        layers: Vec::new(),
+        ..Picture::default()
     };
     PictureTarget::new(run.path(name).as_ref(), false).unwrap().write(&picture, 0).unwrap();
 }

@@ -191,6 +191,7 @@ fn glowworms_own_layers_are_read() {
             name: "indirect".to_owned(),
             channels: ["R", "G", "B"].map(|name| (name.to_owned(), plane(0.25))).into(),
         }],
+        ..Picture::default()
     };
     let path = PictureTarget::new(&folder.path("a.exr"), true).unwrap().write(&picture, 0).unwrap();
     assert_constant(&read(&path), [1.0, 2.0, 3.0]);
