@@ -105,7 +105,7 @@ pub struct ExportReport {
     pub highlights: usize,
     /// Radiance of pixels that see nothing, to be added by 1 - alpha.
     pub background: [f32; 3],
-    /// Shapes of the Mitsuba scene.
+    /// Shapes of the Mitsuba scene: meshes of one material, and copies of groups of them.
     pub shapes: usize,
     /// Triangles of all instances.
     pub triangles: usize,
@@ -145,6 +145,8 @@ struct Export<'a> {
     /// Tinted textures; the place is the number in the file's name.
     tints: Vec<(usize, Vec3)>,
     used_materials: BTreeSet<u32>,
+    /// Meshes that are shape groups.
+    groups: BTreeSet<usize>,
     remarks: BTreeSet<Remark>,
     dimmed_highlights: usize,
     shapes: usize,
@@ -191,6 +193,7 @@ impl<'a> Export<'a> {
             files: BTreeMap::new(),
             tints: Vec::new(),
             used_materials: BTreeSet::new(),
+            groups: BTreeSet::new(),
             remarks: BTreeSet::new(),
             dimmed_highlights: 0,
             shapes: 0,

@@ -3,7 +3,8 @@
 //! In: the instances of a scene and where they stand. Out: a `<shape>` for each material of each, and the meshes
 //! that they name among the files of the export.
 //!
-//! - What emits no light lies in object space, with a transform: instances of a model share its files.
+//! - What emits no light lies in object space, with a transform. Of a mesh that is there more than once a
+//!   `shapegroup` holds it, and each is an `instance`.
 //! - What emits lies in world space, shaded flat, because Mitsuba takes the side that shines, and how much of it
 //!   is seen, from the shading normal. The front of a mirrored instance stays its front.
 //! - A portal, which emits but is not there, is a `null` surface with an emitter. `volpath` lets light pass
@@ -65,36 +66,64 @@ impl Export<'_> {
     /// The shapes of all instances.
     pub(super) fn shapes(&mut self) -> Vec<Element> {
         let scene = self.scene;
+        let mut copies = vec![0; scene.meshes.len()];
+        for instance in scene.instances.iter().filter(|instance| instance.visible) {
+            copies[instance.mesh] += 1;
+        }
         let mut shapes = Vec::new();
         for (index, instance) in scene.instances.iter().enumerate() {
-            let mesh = &scene.meshes[instance.mesh];
-            let mut materials = mesh.triangle_materials.clone();
-            materials.sort_unstable();
-            materials.dedup();
-            for material in materials {
-                let emits = scene.materials[material as usize].is_emissive();
-                match (instance.visible, emits) {
-                    (true, false) => shapes.push(self.surface(index, material)),
-                    (true, true) => shapes.extend(self.lamp(index, material)),
-                    (false, true) => shapes.push(self.portal(index, material)),
-                    (false, false) => continue,
+            let (lamps, surfaces) = self.materials_of(instance.mesh);
+            for material in lamps {
+                self.count_triangles(instance.mesh, material);
+                match instance.visible {
+                    true => shapes.extend(self.lamp(index, material)),
+                    false => shapes.push(self.portal(index, material)),
                 }
-                self.triangles += triangles_of(mesh, material).count();
+            }
+            if !instance.visible || surfaces.is_empty() {
+                continue;
+            }
+            surfaces.iter().for_each(|&material| self.count_triangles(instance.mesh, material));
+            let transform = self.pose.instances[index];
+            if copies[instance.mesh] == 1 {
+                let parts = surfaces.iter().map(|&material| self.surface(instance.mesh, material));
+                shapes.extend(parts.map(|part| part.placed(&transform)));
+            } else {
+                let group = named("mesh", instance.mesh, &scene.meshes[instance.mesh].name);
+                if self.groups.insert(instance.mesh) {
+                    let parts: Vec<_> =
+                        surfaces.iter().map(|&material| self.surface(instance.mesh, material)).collect();
+                    let shape = Element::plugin("shape", "shapegroup").attribute("id", &group);
+                    shapes.push(shape.children(parts));
+                }
+                self.shapes += 1;
+                let id = named("instance", index, &instance.name);
+                let copy = Element::plugin("shape", "instance").attribute("id", id);
+                shapes.push(copy.child(Element::new("ref").attribute("id", group)).placed(&transform));
             }
         }
         shapes
     }
 
-    /// A shape that emits no light.
-    fn surface(&mut self, index: usize, material: u32) -> Element {
-        let transform = self.pose.instances[index];
-        let mesh = self.scene.instances[index].mesh;
+    /// Materials of a mesh: those that emit light, and the others.
+    fn materials_of(&self, mesh: usize) -> (Vec<u32>, Vec<u32>) {
+        let mut materials = self.scene.meshes[mesh].triangle_materials.clone();
+        materials.sort_unstable();
+        materials.dedup();
+        materials.into_iter().partition(|&material| self.scene.materials[material as usize].is_emissive())
+    }
+
+    fn count_triangles(&mut self, mesh: usize, material: u32) {
+        self.triangles += triangles_of(&self.scene.meshes[mesh], material).count();
+    }
+
+    /// A part of a mesh that emits no light.
+    fn surface(&mut self, mesh: usize, material: u32) -> Element {
         if !self.remarks.contains(&Remark::NormalsTurn) && has_smooth(&self.scene.meshes[mesh], material) {
             self.remarks.insert(Remark::NormalsTurn);
         }
-        let owner = Owner::Mesh(mesh);
-        let shape = self.shape(index, Part { owner, material });
-        self.with_bsdf(shape.placed(&transform), material)
+        let shape = self.shape(Part { owner: Owner::Mesh(mesh), material });
+        self.with_bsdf(shape, material)
     }
 
     /// A shape that emits light and, where `hide_emitters` hides it, what the camera sees in its place.
@@ -124,24 +153,22 @@ impl Export<'_> {
     }
 
     fn flat_shape(&mut self, index: usize, material: u32, steps: u32) -> Element {
-        let part = Part { owner: Owner::Instance { index, steps }, material };
-        self.shape(index, part).boolean("face_normals", true)
+        let owner = Owner::Instance { index, steps };
+        self.shape(Part { owner, material }).boolean("face_normals", true)
     }
 
-    fn shape(&mut self, index: usize, part: Part) -> Element {
+    /// A shape without a material.
+    fn shape(&mut self, part: Part) -> Element {
         let material = self.bsdf_id(part.material);
-        let instance = named("instance", index, &self.scene.instances[index].name);
-        let (id, file) = match part.owner {
-            Owner::Mesh(mesh) => {
-                let mesh = named("mesh", mesh, &self.scene.meshes[mesh].name);
-                (format!("{instance}-{material}"), format!("meshes/{mesh}-{material}.ply"))
-            }
-            Owner::Instance { steps, .. } => {
-                let id = format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize]);
-                (id.clone(), format!("meshes/{id}.ply"))
+        let id = match part.owner {
+            Owner::Mesh(mesh) => format!("{}-{material}", named("mesh", mesh, &self.scene.meshes[mesh].name)),
+            Owner::Instance { index, steps } => {
+                let instance = named("instance", index, &self.scene.instances[index].name);
+                format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize])
             }
         };
         self.shapes += 1;
+        let file = format!("meshes/{id}.ply");
         self.add_file(&file, Content::Mesh(part));
         Element::plugin("shape", "ply").attribute("id", id).string("filename", &file)
     }

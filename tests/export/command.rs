@@ -36,7 +36,7 @@ fn it_says_what_was_exported() {
     let output = run(&folder, &[&[scene], &options[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.starts_with("there/scene.xml: 13 shapes, 10270 triangles, "), "{said}");
+    assert!(said.starts_with("there/scene.xml: 15 shapes, 10270 triangles, "), "{said}");
     assert!(said.contains("\nnot exact: The background (0.3 0.5 0.9) lights nothing"), "{said}");
     let report: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("a.json")).unwrap()).unwrap();

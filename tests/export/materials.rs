@@ -51,7 +51,7 @@ fn textures_are_as_they_were_or_tinted() {
         }
     }
     // An image's first row is its top, which is where v = 0 is.
-    let picture = exported.mesh(by_id(document.root_element(), "instance-0-room-material-3-picture"));
+    let picture = exported.mesh(by_id(document.root_element(), "mesh-0-room-material-3-picture"));
     let top_left = picture.positions.iter().position(|p| *p == Vec3::new(-2.0, 3.0, -2.0)).unwrap();
     assert_eq!(picture.uvs[top_left], Vec2::ZERO);
 }
@@ -74,7 +74,7 @@ fn masks_are_black_where_nothing_is() {
         assert_eq!(texel.0[0], if mask.opaque_at(uv) { 255 } else { 0 });
     }
     assert!(image.pixels().any(|texel| texel.0[0] == 0));
-    assert!(!exported.mesh(by_id(document.root_element(), "instance-0-room-material-4")).uvs.is_empty());
+    assert!(!exported.mesh(by_id(document.root_element(), "mesh-0-room-material-4")).uvs.is_empty());
 }
 
 /// One quad of a material, perhaps with a texture of one grey, under a point light.

@@ -73,13 +73,23 @@ fn lamps_are_flat_and_shine_on_their_front_side() {
 }
 
 #[test]
-fn instances_share_the_files_of_their_model() {
+fn meshes_that_are_there_more_than_once_are_groups() {
     let exported = export(&all_kinds());
     let document = roxmltree::Document::parse(&exported.text).unwrap();
-    let file = |start| value(by_id(document.root_element(), start), "filename");
-    assert_eq!(file("instance-1-wedge"), file("instance-2-mirrored_wedge"));
-    assert_eq!(file("instance-3-egg"), file("instance-4-thrown_ball"));
-    assert!(to_world(by_id(document.root_element(), "instance-2-")).determinant() < 0.0);
+    let root = document.root_element();
+    for (mesh, instances) in [
+        ("mesh-1-wedge", ["instance-1-wedge", "instance-2-mirrored_wedge"]),
+        ("mesh-2-ball", ["instance-3-egg", "instance-4-thrown_ball"]),
+    ] {
+        let group = by_id(root, mesh);
+        assert_eq!((kind(group), elements(group, "shape").len()), ("shapegroup", 1));
+        assert!(exported.mesh(only(group, "shape")).triangles.len() >= 4);
+        for id in instances {
+            let instance = by_id(root, id);
+            assert_eq!((kind(instance), only(instance, "ref").attribute("id")), ("instance", Some(mesh)));
+        }
+    }
+    assert!(to_world(by_id(root, "instance-2-")).determinant() < 0.0);
 }
 
 #[test]
