@@ -5,7 +5,9 @@
 //!
 //! With rho the albedo, n the shading normal and x0 the visible surface, the path x0, x1, ... estimates
 //!
-//!     E(x0) = E_area(x0) + pi E[ rho(x1)/pi E_all(x1) + rho(x1) rho(x2)/pi E_all(x2) + ... ]
+//! ```text
+//! E(x0) = E_area(x0) + pi mean[ rho(x1)/pi E_all(x1) + rho(x1) rho(x2)/pi E_all(x2) + ... ]
+//! ```
 //!
 //! (Kajiya 1986), each E by one light sample and one scattered ray, joined by the power heuristic.
 
