@@ -25,7 +25,7 @@ use glam::Vec3;
 use serde::Serialize;
 
 use crate::report::COMMIT;
-use crate::scene::{LightKind, Pose, Scene};
+use crate::scene::{Light, LightKind, Pose, Scene};
 use remarks::{Remark, SMALL_RADIUS};
 use shapes::Part;
 use xml::Element;
@@ -181,7 +181,7 @@ pub const SCENE_FILE: &str = "scene.xml";
 
 impl<'a> Export<'a> {
     fn new(scene: &'a Scene, pose: &'a Pose, settings: &'a ExportSettings) -> Self {
-        let is_portal = |light: &crate::scene::Light| match light.kind {
+        let is_portal = |light: &Light| match light.kind {
             LightKind::Area { instance, .. } => !scene.instances[instance].visible,
             _ => false,
         };

@@ -111,7 +111,8 @@ impl Export<'_> {
     /// The head of the file.
     pub(super) fn head(&self) -> Vec<String> {
         let settings = self.settings;
-        let name: String = self.scene.name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let unfit = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
+        let name = self.scene.name.replace(unfit, " ");
         let mut head = vec![
             format!(
                 "{name}, frame {} ({} s), by glowworm export. Linear radiance, W/m^2/sr.",

@@ -13,6 +13,8 @@
 //!   that does not refract: once through that, a ray from the camera counts as scattered, and sees the copy.
 //!   Nothing else does, and the copy is never chosen as a light.
 
+use std::collections::BTreeMap;
+
 use glam::{Affine3A, Vec3};
 
 use super::ply::PlyMesh;
@@ -66,55 +68,57 @@ impl Export<'_> {
     /// The shapes of all instances.
     pub(super) fn shapes(&mut self) -> Vec<Element> {
         let scene = self.scene;
+        let materials: Vec<_> = scene.meshes.iter().map(materials_of).collect();
         let mut copies = vec![0; scene.meshes.len()];
         for instance in scene.instances.iter().filter(|instance| instance.visible) {
             copies[instance.mesh] += 1;
         }
         let mut shapes = Vec::new();
         for (index, instance) in scene.instances.iter().enumerate() {
-            let (lamps, surfaces) = self.materials_of(instance.mesh);
-            for material in lamps {
-                self.count_triangles(instance.mesh, material);
-                match instance.visible {
-                    true => shapes.extend(self.lamp(index, material)),
-                    false => shapes.push(self.portal(index, material)),
+            let emits = |material: u32| scene.materials[material as usize].is_emissive();
+            let mut surfaces = Vec::new();
+            for (&material, triangles) in &materials[instance.mesh] {
+                match (instance.visible, emits(material)) {
+                    (true, false) => surfaces.push(material),
+                    (true, true) => shapes.extend(self.lamp(index, material)),
+                    (false, true) => shapes.push(self.portal(index, material)),
+                    (false, false) => continue,
                 }
+                self.triangles += triangles;
             }
-            if !instance.visible || surfaces.is_empty() {
-                continue;
-            }
-            surfaces.iter().for_each(|&material| self.count_triangles(instance.mesh, material));
-            let transform = self.pose.instances[index];
-            if copies[instance.mesh] == 1 {
-                let parts = surfaces.iter().map(|&material| self.surface(instance.mesh, material));
-                shapes.extend(parts.map(|part| part.placed(&transform)));
+            if copies[instance.mesh] > 1 && !surfaces.is_empty() {
+                shapes.extend(self.group(instance.mesh, &surfaces));
+                shapes.push(self.copy(index));
             } else {
-                let group = named("mesh", instance.mesh, &scene.meshes[instance.mesh].name);
-                if self.groups.insert(instance.mesh) {
-                    let parts: Vec<_> =
-                        surfaces.iter().map(|&material| self.surface(instance.mesh, material)).collect();
-                    let shape = Element::plugin("shape", "shapegroup").attribute("id", &group);
-                    shapes.push(shape.children(parts));
-                }
-                self.shapes += 1;
-                let id = named("instance", index, &instance.name);
-                let copy = Element::plugin("shape", "instance").attribute("id", id);
-                shapes.push(copy.child(Element::new("ref").attribute("id", group)).placed(&transform));
+                let transform = &self.pose.instances[index];
+                let parts = surfaces.iter().map(|&material| self.surface(instance.mesh, material));
+                shapes.extend(parts.map(|part| part.placed(transform)));
             }
         }
         shapes
     }
 
-    /// Materials of a mesh: those that emit light, and the others.
-    fn materials_of(&self, mesh: usize) -> (Vec<u32>, Vec<u32>) {
-        let mut materials = self.scene.meshes[mesh].triangle_materials.clone();
-        materials.sort_unstable();
-        materials.dedup();
-        materials.into_iter().partition(|&material| self.scene.materials[material as usize].is_emissive())
+    /// The group of a mesh's surfaces, unless it is there already.
+    fn group(&mut self, mesh: usize, surfaces: &[u32]) -> Option<Element> {
+        let is_new = self.groups.insert(mesh);
+        is_new.then(|| {
+            let parts: Vec<_> = surfaces.iter().map(|&material| self.surface(mesh, material)).collect();
+            Element::plugin("shape", "shapegroup").attribute("id", self.mesh_id(mesh)).children(parts)
+        })
     }
 
-    fn count_triangles(&mut self, mesh: usize, material: u32) {
-        self.triangles += triangles_of(&self.scene.meshes[mesh], material).count();
+    /// A copy of its mesh's group where an instance stands.
+    fn copy(&mut self, index: usize) -> Element {
+        self.shapes += 1;
+        let instance = &self.scene.instances[index];
+        let group = Element::new("ref").attribute("id", self.mesh_id(instance.mesh));
+        let copy =
+            Element::plugin("shape", "instance").attribute("id", named("instance", index, &instance.name));
+        copy.child(group).placed(&self.pose.instances[index])
+    }
+
+    fn mesh_id(&self, mesh: usize) -> String {
+        named("mesh", mesh, &self.scene.meshes[mesh].name)
     }
 
     /// A part of a mesh that emits no light.
@@ -161,7 +165,7 @@ impl Export<'_> {
     fn shape(&mut self, part: Part) -> Element {
         let material = self.bsdf_id(part.material);
         let id = match part.owner {
-            Owner::Mesh(mesh) => format!("{}-{material}", named("mesh", mesh, &self.scene.meshes[mesh].name)),
+            Owner::Mesh(mesh) => format!("{}-{material}", self.mesh_id(mesh)),
             Owner::Instance { index, steps } => {
                 let instance = named("instance", index, &self.scene.instances[index].name);
                 format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize])
@@ -192,6 +196,15 @@ impl Export<'_> {
 
 fn emitter(material: &Material) -> Element {
     Element::plugin("emitter", "area").rgb("radiance", material.emission)
+}
+
+/// Materials of a mesh, and how many triangles there are of each.
+fn materials_of(mesh: &Mesh) -> BTreeMap<u32, usize> {
+    let mut materials = BTreeMap::new();
+    for &material in &mesh.triangle_materials {
+        *materials.entry(material).or_insert(0) += 1;
+    }
+    materials
 }
 
 /// Indices of the triangles of a material.

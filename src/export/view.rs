@@ -1,8 +1,9 @@
 //! How the picture is taken: integrator, camera, film and sampler.
 
+use glam::Vec3;
+
 use super::Export;
 use super::xml::{Element, numbers};
-use glam::Vec3;
 
 impl Export<'_> {
     /// The parameters that `mitsuba -D name=value` changes.

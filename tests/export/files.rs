@@ -58,7 +58,7 @@ fn all_files_are_named_and_all_names_are_found() {
 
 #[test]
 fn any_name_is_safe() {
-    let name = "-->\"<&'../../x -- \u{1}\u{e4}/\\..\n";
+    let name = "-->\"<&'../../x -- \u{1}\u{ffff}\u{e4}/\\..\n";
     let mut scene = cornell_box();
     scene.name = name.to_owned();
     scene.meshes[0].name = name.to_owned();
