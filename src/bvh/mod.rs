@@ -59,7 +59,7 @@ pub struct Hit {
 /// static one is built once. An instance whose transform has no inverse is not hit.
 #[derive(Clone, Debug)]
 pub struct TwoLevelBvh {
-    /// Whether the processor has it.
+    /// The instructions, where the processor has them.
     #[cfg(target_arch = "x86_64")]
     avx2: Option<simd::Avx2>,
     bottom: BottomLevels,
@@ -100,7 +100,7 @@ impl TwoLevelBvh {
             .collect();
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
-            avx2: if std::env::var_os("NOAVX").is_some() { None } else { simd::Avx2::try_new() },
+            avx2: simd::Avx2::try_new(),
             bottom: BottomLevels::build(scene),
             alpha_masks: scene.alpha_masks.clone(),
             instances,

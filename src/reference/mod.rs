@@ -10,6 +10,7 @@
 //! - `path`: one sample: next-event estimation and multiple importance sampling.
 //! - `lights`: drawing a light from a point.
 //! - `sampler`: random numbers.
+//! - `surfaces`: what a hit looks at.
 //! - `film`: sums, means and errors.
 //! - `resume`: what an unfinished picture says about itself.
 
@@ -18,6 +19,7 @@ mod lights;
 mod path;
 mod resume;
 mod sampler;
+mod surfaces;
 
 pub use film::Film;
 pub use resume::{Identity, PixelFilter, Progress};
@@ -32,6 +34,7 @@ use crate::scene::{Pose, Scene};
 use lights::Lights;
 use path::PixelSample;
 use sampler::Sampler;
+use surfaces::Surfaces;
 
 /// Fewest neighbouring pixels that are worth a task of their own.
 const PIXELS_PER_TASK: usize = 64;
@@ -69,6 +72,7 @@ pub struct Reference<'a> {
     scene: &'a Scene,
     pose: &'a Pose,
     bvh: TwoLevelBvh,
+    surfaces: Surfaces,
     lights: Lights,
     lights_can_be_found: bool,
     /// Of the scene, for ray offsets.
@@ -91,6 +95,7 @@ impl<'a> Reference<'a> {
             scene,
             pose,
             bvh: TwoLevelBvh::build(scene, &pose.instances),
+            surfaces: Surfaces::new(scene, pose),
             lights_can_be_found: lights.can_be_found(),
             lights,
             radius,

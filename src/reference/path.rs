@@ -20,7 +20,7 @@ use super::lights::{Arrival, LightSample, Share, cosine_density, power_heuristic
 use super::sampler::Sampler;
 use crate::bvh::{Hit, Ray};
 use crate::sampling::{self, Frame};
-use crate::scene::{Material, Side, SurfacePoint, WorldSurface, luminance};
+use crate::scene::{Material, Side, WorldSurface, luminance};
 
 /// Bounces before Russian roulette may end a path without a limit.
 const CERTAIN_BOUNCES: u32 = 3;
@@ -200,10 +200,9 @@ impl Reference<'_> {
 
     /// The surface that a ray of `direction` has hit, on the side that it met.
     fn look(&self, hit: &Hit, direction: Vec3) -> Found<'_> {
-        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
-        let found = self.scene.surface_at(self.pose, hit.instance, point, Side::Facing(direction));
-        let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh];
-        let material = &self.scene.materials[mesh.triangle_materials[hit.triangle as usize] as usize];
+        let (triangle, placement) = self.surfaces.of(hit);
+        let found = placement.place(&triangle.interpolate(hit.barycentrics), Side::Facing(direction));
+        let material = &self.scene.materials[triangle.material as usize];
         let albedo = material.albedo_at(self.scene, found.uv);
         Found { surface: found.surface, front: found.front, material, albedo }
     }

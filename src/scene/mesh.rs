@@ -44,6 +44,36 @@ pub struct Surface {
     pub uv: Vec2,
 }
 
+/// What the corners of one triangle say, side by side in memory: whoever looks at many hits keeps these
+/// instead of going from triangle to vertices.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct TriangleSurface {
+    positions: [Vec3; 3],
+    normals: [Vec3; 3],
+    uvs: [Vec2; 3],
+    geometric_normal: Vec3,
+    /// Index into `Scene::materials`.
+    pub material: u32,
+}
+
+impl TriangleSurface {
+    /// Position, normals and texture coordinates where the second and third corner have these weights.
+    #[inline]
+    pub fn interpolate(&self, barycentrics: Vec2) -> Surface {
+        let (u, v) = (barycentrics.x, barycentrics.y);
+        let w = 1.0 - u - v;
+        let [a, b, c] = self.positions;
+        let shading = self.normals[0] * w + self.normals[1] * u + self.normals[2] * v;
+        Surface {
+            position: a * w + b * u + c * v,
+            normal: shading.normalize_or(self.geometric_normal),
+            geometric_normal: self.geometric_normal,
+            uv: self.uvs[0] * w + self.uvs[1] * u + self.uvs[2] * v,
+        }
+    }
+}
+
 impl Mesh {
     /// Object-space bounds (min, max) of all vertices; both zero for a mesh without any.
     pub fn bounds(&self) -> (Vec3, Vec3) {
@@ -63,18 +93,20 @@ impl Mesh {
 
     /// Position, normals and texture coordinates at `point`.
     pub fn interpolate(&self, point: SurfacePoint) -> Surface {
-        let vertices = self.triangles[point.triangle as usize].map(|vertex| vertex as usize);
-        let [i, j, k] = vertices;
-        let (u, v) = (point.barycentrics.x, point.barycentrics.y);
-        let w = 1.0 - u - v;
-        let [a, b, c] = [self.positions[i], self.positions[j], self.positions[k]];
-        let geometric_normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
-        let shading = self.normals[i] * w + self.normals[j] * u + self.normals[k] * v;
-        Surface {
-            position: a * w + b * u + c * v,
-            normal: shading.normalize_or(geometric_normal),
-            geometric_normal,
-            uv: self.uvs[i] * w + self.uvs[j] * u + self.uvs[k] * v,
+        self.triangle_surface(point.triangle).interpolate(point.barycentrics)
+    }
+
+    /// Everything that a triangle's corners say.
+    pub fn triangle_surface(&self, triangle: u32) -> TriangleSurface {
+        let corners = self.triangles[triangle as usize].map(|vertex| vertex as usize);
+        let positions = corners.map(|vertex| self.positions[vertex]);
+        let [a, b, c] = positions;
+        TriangleSurface {
+            positions,
+            normals: corners.map(|vertex| self.normals[vertex]),
+            uvs: corners.map(|vertex| self.uvs[vertex]),
+            geometric_normal: (b - a).cross(c - a).normalize_or(Vec3::Y),
+            material: self.triangle_materials[triangle as usize],
         }
     }
 

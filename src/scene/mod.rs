@@ -34,10 +34,10 @@ pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use load::load_scene;
 pub use material::{AlphaMask, Material, Texture};
-pub use mesh::{Mesh, Surface, SurfacePoint};
+pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use world_surface::ray_offset;
-pub(crate) use world_surface::{Side, WorldSurface};
+pub(crate) use world_surface::{Placement, Side, WorldSurface};
 
 use glam::{Affine3A, Vec2, Vec3};
 

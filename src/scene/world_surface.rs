@@ -3,9 +3,9 @@
 //! In: an instance, a place on its mesh and the side that was hit. Out: where that is now, and which way
 //! it faces.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
-use super::{Pose, Scene, SurfacePoint};
+use super::{Pose, Scene, Surface, SurfacePoint};
 
 /// How far along its normal a ray starts off the surface point `p`, so that it meets neither that
 /// surface nor, from the other side, what lies behind it. Both terms are lengths of the scene, so the
@@ -49,34 +49,48 @@ pub(crate) struct Found {
     pub(crate) uv: Vec2,
 }
 
-impl Scene {
-    /// The surface at `point` of `instance`, where `pose` has it.
-    pub(crate) fn surface_at(&self, pose: &Pose, instance: u32, point: SurfacePoint, side: Side) -> Found {
-        let transform = &pose.instances[instance as usize];
-        let local = self.meshes[self.instances[instance as usize].mesh].interpolate(point);
-        let front_normal = world_normal(transform, local.geometric_normal, Vec3::Y);
+/// A transform from object to world, ready to be applied to surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    transform: Affine3A,
+    /// For normals: the inverse transpose, up to its length.
+    normals: Mat3A,
+}
+
+impl Placement {
+    pub(crate) fn new(transform: &Affine3A) -> Self {
+        let m = &transform.matrix3;
+        // The signed cofactor matrix, which flattened instances have too.
+        let [x, y, z] = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
+        let sign = if m.x_axis.dot(x) < 0.0 { -1.0 } else { 1.0 };
+        // Small scenes have small cofactors: scale, lest the squares of normals underflow.
+        let largest = x.abs().max(y.abs()).max(z.abs()).max_element();
+        let scale = if largest > 0.0 { sign / largest } else { sign };
+        Self { transform: *transform, normals: Mat3A::from_cols(x * scale, y * scale, z * scale) }
+    }
+
+    /// An object's surface in the world, from `side`.
+    #[inline]
+    pub(crate) fn place(&self, local: &Surface, side: Side) -> Found {
+        let turn = |normal: Vec3| Vec3::from(self.normals * Vec3A::from(normal));
+        let front_normal = turn(local.geometric_normal).normalize_or(Vec3::Y);
         let front = match side {
             Side::Front(front) => front,
             Side::Facing(direction) => front_normal.dot(direction) < 0.0,
         };
         let geometric_normal = if front { front_normal } else { -front_normal };
         // The G-buffer too turns vertex normals to the side that is seen.
-        let shading = world_normal(transform, local.normal, front_normal);
+        let shading = turn(local.normal).normalize_or(front_normal);
         let normal = if shading.dot(geometric_normal) >= 0.0 { shading } else { -shading };
-        let position = transform.transform_point3(local.position);
+        let position = self.transform.transform_point3a(local.position.into()).into();
         Found { front, surface: WorldSurface { position, geometric_normal, normal }, uv: local.uv }
     }
 }
 
-/// Normals transform by the inverse transpose, up to its length the signed cofactor matrix, which
-/// flattened instances have too.
-fn world_normal(transform: &Affine3A, normal: Vec3, fallback: Vec3) -> Vec3 {
-    let m = &transform.matrix3;
-    let cofactor = m.y_axis.cross(m.z_axis) * normal.x
-        + m.z_axis.cross(m.x_axis) * normal.y
-        + m.x_axis.cross(m.y_axis) * normal.z;
-    let mirrored = m.x_axis.dot(m.y_axis.cross(m.z_axis)) < 0.0;
-    let turned = Vec3::from(if mirrored { -cofactor } else { cofactor });
-    // Small scenes have small cofactors: normalise in steps, lest the squares underflow.
-    (turned / turned.abs().max_element()).normalize_or(fallback)
+impl Scene {
+    /// The surface at `point` of `instance`, where `pose` has it.
+    pub(crate) fn surface_at(&self, pose: &Pose, instance: u32, point: SurfacePoint, side: Side) -> Found {
+        let local = self.meshes[self.instances[instance as usize].mesh].interpolate(point);
+        Placement::new(&pose.instances[instance as usize]).place(&local, side)
+    }
 }
