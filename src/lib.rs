@@ -20,6 +20,7 @@
 pub mod bvh;
 pub mod cli;
 pub mod export;
+mod memory;
 pub mod metrics;
 pub mod output;
 pub mod passes;

@@ -17,6 +17,7 @@ use super::{
     triangle::{LANES, TriangleBlock, is_degenerate},
     wide,
 };
+use crate::memory::Pages;
 use crate::scene::{Material, Mesh, Scene};
 
 /// Quality of the binary trees.
@@ -39,8 +40,8 @@ pub(super) struct MeshRoot {
 /// The bottom levels of all meshes, one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BottomLevels {
-    pub(super) nodes: Vec<Node>,
-    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) nodes: Pages<Node>,
+    pub(super) blocks: Pages<TriangleBlock>,
     pub(super) gpu_nodes: Vec<CwBvhNode>,
     /// In the order of the leaves of `gpu_nodes`.
     pub(super) gpu_triangles: Vec<GpuTriangle>,
@@ -55,18 +56,20 @@ impl BottomLevels {
         let built: Vec<_> =
             scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
         let mut levels = Self::default();
+        let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
         for mesh in built {
-            levels.append(mesh);
+            levels.append(mesh, &mut nodes, &mut blocks);
         }
-        levels
+        Self { nodes: Pages::new(nodes), blocks: Pages::new(blocks), ..levels }
     }
 
-    fn append(&mut self, mesh: Option<MeshBvh>) {
+    /// Appends all but the nodes and blocks for the CPU to `self`, and these to `nodes` and `blocks`.
+    fn append(&mut self, mesh: Option<MeshBvh>, nodes: &mut Vec<Node>, blocks: &mut Vec<TriangleBlock>) {
         let Some(mut mesh) = mesh else {
             self.roots.push(None);
             return;
         };
-        let (first_node, first_block) = (self.nodes.len(), self.blocks.len());
+        let (first_node, first_block) = (nodes.len(), blocks.len());
         let gpu_root = self.gpu_nodes.len() as u32;
         let first_triangle = self.gpu_triangles.len() as u32;
         let first_masked = self.masked.len() as u32;
@@ -87,8 +90,8 @@ impl BottomLevels {
             gpu_root,
             bounds: mesh.bounds,
         }));
-        self.nodes.append(&mut mesh.tree.nodes);
-        self.blocks.append(&mut mesh.blocks);
+        nodes.append(&mut mesh.tree.nodes);
+        blocks.append(&mut mesh.blocks);
         self.gpu_nodes.append(&mut mesh.gpu.nodes);
         self.gpu_triangles.append(&mut mesh.gpu_triangles);
         self.masked.append(&mut mesh.masked);

@@ -12,7 +12,8 @@ use super::simd::Eight;
 pub(super) const WIDTH: usize = 8;
 
 /// What a node's child is: a node, or a run of things in leaves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub(super) struct Child(u32);
 
 impl Child {
@@ -66,18 +67,21 @@ impl Child {
 }
 
 /// A node: the boxes of its children, and the children.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower and upper planes of each axis. A child that is not there has an empty box.
     pub(super) planes: [[Eight; 2]; 3],
     pub(super) children: [Child; WIDTH],
+    /// Up to four cache lines.
+    padding: [u32; 8],
 }
 
 impl Node {
     const EMPTY: Self = Self {
         planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
         children: [Child::NOTHING; WIDTH],
+        padding: [0; 8],
     };
 
     fn set(&mut self, lane: usize, bounds: &Aabb) {

@@ -111,6 +111,7 @@ impl<S: Simd, const ANY: bool> Visitor for InstanceVisitor<'_, '_, S, ANY> {
             let (origin, direction) = to_object(placed, &self.query.ray);
             let (simd, t_min) = (self.query.simd, self.query.ray.t_min);
             let mut visitor = TriangleVisitor {
+                blocks: &bottom.blocks,
                 ray: TriangleRay::new(origin, direction),
                 t_min: Vec4::splat(t_min),
                 instance: placed.instance,
@@ -128,6 +129,7 @@ impl<S: Simd, const ANY: bool> Visitor for InstanceVisitor<'_, '_, S, ANY> {
 /// Tests the triangles of one instance.
 struct TriangleVisitor<'q, 'a, S, const ANY: bool> {
     query: &'q mut Query<'a, S, ANY>,
+    blocks: &'a [TriangleBlock],
     ray: TriangleRay,
     t_min: Vec4,
     instance: u32,
@@ -142,8 +144,7 @@ impl<S: Simd, const ANY: bool> Visitor for TriangleVisitor<'_, '_, S, ANY> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: Child, _stack: &mut Stack) -> bool {
-        let bvh = self.query.bvh;
-        for block in &bvh.bottom.blocks[leaf.run()] {
+        for block in &self.blocks[leaf.run()] {
             if let Some(hits) = self.ray.intersect(block, self.t_min, self.query.best.t)
                 && self.query.offer(self.instance, block, &hits)
             {

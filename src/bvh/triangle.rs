@@ -13,7 +13,7 @@ use super::gpu::GpuTriangle;
 pub(super) const LANES: usize = 4;
 
 /// Up to four triangles side by side.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct TriangleBlock {
     /// Coordinates by axis and corner. A lane without a triangle holds one of no size, which is never hit.
@@ -22,6 +22,8 @@ pub(super) struct TriangleBlock {
     pub(super) ids: [u32; LANES],
     /// 0, or 1 + index of what their alpha tests need.
     pub(super) masked: [u32; LANES],
+    /// Up to three cache lines.
+    padding: [u32; 4],
 }
 
 impl TriangleBlock {
@@ -31,6 +33,7 @@ impl TriangleBlock {
             corners: place.to_array().map(|coordinate| [Vec4::splat(coordinate); 3]),
             ids: [0; LANES],
             masked: [0; LANES],
+            padding: [0; 4],
         }
     }
 

@@ -64,7 +64,7 @@ struct Found<'a> {
     surface: WorldSurface,
     front: bool,
     material: &'a Material,
-    albedo: Vec3,
+    uv: Vec2,
 }
 
 impl Reference<'_> {
@@ -82,11 +82,12 @@ impl Reference<'_> {
         let first = found.surface;
         let irradiance =
             self.light(&first, Share::Area, picks.y, on_light) + self.scattered_light(&first, sampler);
+        let albedo = found.material.albedo_at(self.scene, found.uv);
         PixelSample {
-            direct: emission + self.direct_light(&found, to_eye, picks.x, on_light),
+            direct: emission + self.direct_light(&found, albedo, to_eye, picks.x, on_light),
             irradiance,
             seen: Some(Seen {
-                albedo: found.albedo,
+                albedo,
                 normal: first.normal,
                 position: first.position,
                 depth: hit.t,
@@ -95,14 +96,21 @@ impl Reference<'_> {
     }
 
     /// Radiance towards the eye of point, spot and directional lights: Lambert and normalised Blinn-Phong.
-    fn direct_light(&self, found: &Found<'_>, to_eye: Vec3, pick: f32, u: Vec2) -> Vec3 {
+    fn direct_light(
+        &self,
+        found: &Found<'_>,
+        albedo: Vec3,
+        to_eye: Vec3,
+        pick: f32,
+        u: Vec2,
+    ) -> Vec3 {
         let Some((light, cosine)) = self.unshadowed(&found.surface, Share::ShadowMapped, pick, u) else {
             return Vec3::ZERO;
         };
         let (specular, shininess) = (found.material.specular, found.material.shininess);
         let half = (light.direction + to_eye).normalize_or(found.surface.normal);
         let lobe = found.surface.normal.dot(half).max(0.0).powf(shininess);
-        let reflectance = found.albedo / PI + specular * ((shininess + 8.0) / (8.0 * PI) * lobe);
+        let reflectance = albedo / PI + specular * ((shininess + 8.0) / (8.0 * PI) * lobe);
         light.irradiance * cosine * reflectance
     }
 
@@ -178,9 +186,10 @@ impl Reference<'_> {
             }
 
             // Add what lights send to it and it passes on.
-            throughput *= found.albedo;
             share = Share::All;
-            sum += throughput / PI * self.light(&found.surface, share, choice.x, on_light);
+            let arriving = self.light(&found.surface, share, choice.x, on_light);
+            throughput *= found.material.albedo_at(self.scene, found.uv);
+            sum += throughput / PI * arriving;
 
             // Russian roulette.
             if self.bounces.is_none() && bounce >= CERTAIN_BOUNCES {
@@ -203,7 +212,10 @@ impl Reference<'_> {
         let (triangle, placement) = self.surfaces.of(hit);
         let found = placement.place(&triangle.interpolate(hit.barycentrics), Side::Facing(direction));
         let material = &self.scene.materials[triangle.material as usize];
-        let albedo = material.albedo_at(self.scene, found.uv);
-        Found { surface: found.surface, front: found.front, material, albedo }
+        // Its texels are wanted after the rays to the lights, which give them the time to come.
+        if let Some(texture) = material.albedo_texture {
+            self.scene.textures[texture].prefetch(found.uv);
+        }
+        Found { surface: found.surface, front: found.front, material, uv: found.uv }
     }
 }

@@ -3,12 +3,13 @@
 //! In: a scene and its pose. Out: for a hit, what its triangle's corners say and where its instance stands.
 
 use crate::bvh::Hit;
+use crate::memory::Pages;
 use crate::scene::{Placement, Pose, Scene, TriangleSurface};
 
 #[derive(Debug)]
 pub(super) struct Surfaces {
     /// Those of all meshes, one mesh after the other.
-    triangles: Vec<TriangleSurface>,
+    triangles: Pages<TriangleSurface>,
     instances: Vec<PlacedMesh>,
 }
 
@@ -30,7 +31,7 @@ impl Surfaces {
             first_triangle: firsts[instance.mesh],
             placement: Placement::new(transform),
         });
-        Self { instances: instances.collect(), triangles }
+        Self { instances: instances.collect(), triangles: Pages::new(triangles) }
     }
 
     #[inline]

@@ -46,8 +46,8 @@ pub struct Surface {
 
 /// What the corners of one triangle say, side by side in memory: whoever looks at many hits keeps these
 /// instead of going from triangle to vertices.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
 pub struct TriangleSurface {
     positions: [Vec3; 3],
     normals: [Vec3; 3],
@@ -55,6 +55,8 @@ pub struct TriangleSurface {
     geometric_normal: Vec3,
     /// Index into `Scene::materials`.
     pub material: u32,
+    /// Up to two cache lines.
+    padding: [u32; 4],
 }
 
 impl TriangleSurface {
@@ -107,6 +109,7 @@ impl Mesh {
             uvs: corners.map(|vertex| self.uvs[vertex]),
             geometric_normal: (b - a).cross(c - a).normalize_or(Vec3::Y),
             material: self.triangle_materials[triangle as usize],
+            padding: [0; 4],
         }
     }
 

@@ -1,0 +1,76 @@
+//! Hints to the processor and the operating system about memory; nothing here changes what is computed.
+//!
+//! In: places that will be read soon, arrays that are read at random. Out: fewer waits for them.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use memmap2::{MmapMut, MmapOptions};
+
+/// An array that is read at random places: in large pages where the system has them, so that the processor
+/// need not look up where so many small ones lie. Copies share it.
+#[derive(Clone, Debug)]
+pub(crate) struct Pages<T> {
+    content: Arc<Content<T>>,
+}
+
+#[derive(Debug)]
+enum Content<T> {
+    Mapped { memory: MmapMut, bytes: usize },
+    /// Where there is nothing to map, or it failed.
+    Plain(Vec<T>),
+}
+
+impl<T: Pod> Pages<T> {
+    pub(crate) fn new(values: Vec<T>) -> Self {
+        let content = match Self::map(&values) {
+            Some(memory) => Content::Mapped { memory, bytes: size_of_val(values.as_slice()) },
+            None => Content::Plain(values),
+        };
+        Self { content: Arc::new(content) }
+    }
+
+    #[cfg(target_os = "linux")]
+    fn map(values: &[T]) -> Option<MmapMut> {
+        let bytes: &[u8] = bytemuck::cast_slice(values);
+        let mut memory = MmapOptions::new().len(bytes.len()).map_anon().ok()?;
+        memory.advise(memmap2::Advice::HugePage).ok()?;
+        memory[..bytes.len()].copy_from_slice(bytes);
+        Some(memory)
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn map(_values: &[T]) -> Option<MmapMut> {
+        None
+    }
+}
+
+impl<T> Default for Pages<T> {
+    fn default() -> Self {
+        Self { content: Arc::new(Content::Plain(Vec::new())) }
+    }
+}
+
+impl<T: Pod> Deref for Pages<T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        match &*self.content {
+            Content::Mapped { memory, bytes } => bytemuck::cast_slice(&memory[..*bytes]),
+            Content::Plain(values) => values,
+        }
+    }
+}
+
+/// Asks for the cache line of `value`, which will be read soon.
+#[inline(always)]
+pub(crate) fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(sse) = pulp::core_arch::x86::Sse::try_new() {
+        sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(value).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
