@@ -17,7 +17,10 @@ pub(crate) struct Pages<T> {
 
 #[derive(Debug)]
 enum Content<T> {
-    Mapped { memory: MmapMut, bytes: usize },
+    Mapped {
+        memory: MmapMut,
+        bytes: usize,
+    },
     /// Where there is nothing to map, or it failed.
     Plain(Vec<T>),
 }
@@ -64,12 +67,15 @@ impl<T: Pod> Deref for Pages<T> {
     }
 }
 
-/// Asks for the cache line of `value`, which will be read soon.
+/// Asks for the cache lines of `value`, which will be read soon.
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]
     if let Some(sse) = pulp::core_arch::x86::Sse::try_new() {
-        sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(value).cast());
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(64) {
+            sse._mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(start.wrapping_add(64 * line));
+        }
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = value;

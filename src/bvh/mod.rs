@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::scene::{AlphaMask, Scene};
 use bottom::{BottomLevels, MeshRoot};
-use query::query;
+use query::{query, query_all};
 use top::TopLevel;
 
 /// Fewest rays that are worth a task of their own.
@@ -172,16 +172,28 @@ impl TwoLevelBvh {
         query::<true>(self, ray).is_some()
     }
 
-    /// [`Self::intersect`] for many rays, over all cores, answers in the order of the rays.
-    pub fn intersect_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        let rays = rays.par_iter().with_min_len(RAYS_PER_TASK);
-        rays.map(|ray| self.intersect(ray)).collect()
+    /// [`Self::intersect`] for many rays on this thread, answers in the order of the rays.
+    pub fn intersect_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let mut hits = vec![None; rays.len()];
+        query_all::<false>(self, rays, &mut |ray, hit| hits[ray] = hit);
+        hits
     }
 
-    /// [`Self::occluded`] for many rays, over all cores, answers in the order of the rays.
+    /// [`Self::occluded`] for many rays on this thread, answers in the order of the rays.
+    pub fn occluded_all(&self, rays: &[Ray]) -> Vec<bool> {
+        let mut occluded = vec![false; rays.len()];
+        query_all::<true>(self, rays, &mut |ray, hit| occluded[ray] = hit.is_some());
+        occluded
+    }
+
+    /// [`Self::intersect_all`] over all cores.
+    pub fn intersect_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.intersect_all(rays)).collect()
+    }
+
+    /// [`Self::occluded_all`] over all cores.
     pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
-        let rays = rays.par_iter().with_min_len(RAYS_PER_TASK);
-        rays.map(|ray| self.occluded(ray)).collect()
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.occluded_all(rays)).collect()
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.

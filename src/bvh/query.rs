@@ -35,6 +35,30 @@ pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, ray: &Ray) -> Option<Hit
     })
 }
 
+/// [`query`] for many rays; gives each answer to `found` with the index of its ray.
+pub(super) fn query_all<const ANY: bool>(
+    bvh: &TwoLevelBvh,
+    rays: &[Ray],
+    found: &mut impl FnMut(usize, Option<Hit>),
+) {
+    STACK.with_borrow_mut(|stack| {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = bvh.avx2 {
+            return avx2.vectorize(
+                #[inline(always)]
+                || {
+                    for (index, ray) in rays.iter().enumerate() {
+                        found(index, Query::<_, ANY>::new(avx2, bvh, ray).run(stack));
+                    }
+                },
+            );
+        }
+        for (index, ray) in rays.iter().enumerate() {
+            found(index, Query::<_, ANY>::new(Portable, bvh, ray).run(stack));
+        }
+    });
+}
+
 /// A query in progress; `ANY` stops at the first hit, whichever it is.
 struct Query<'a, S, const ANY: bool> {
     simd: S,
@@ -56,10 +80,17 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
     #[inline(always)]
     fn run(mut self, stack: &mut Stack) -> Option<Hit> {
         let bvh = self.bvh;
-        let ray = BoxRay::new(self.simd, self.ray.origin.into(), self.ray.direction.into(), self.ray.t_min);
         for level in [&bvh.static_level, &bvh.dynamic_level] {
+            let (simd, ray) = (self.simd, self.ray);
             let mut visitor = InstanceVisitor { query: &mut self, level };
-            if traverse(&level.nodes, level.root, &ray, stack, &mut visitor) {
+            let enough = if level.root.is_leaf() {
+                // One instance or none: no box to meet on the way.
+                visitor.visit(level.root, stack)
+            } else {
+                let ray = BoxRay::new(simd, ray.origin.into(), ray.direction.into(), ray.t_min);
+                traverse(&level.nodes, level.root, &ray, stack, &mut visitor)
+            };
+            if enough {
                 break;
             }
         }

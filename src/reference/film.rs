@@ -16,6 +16,8 @@ pub struct Film {
     width: usize,
     height: usize,
     samples: u64,
+    /// The latest sample of each pixel.
+    pub(super) pass: Vec<PixelSample>,
     light: Vec<LightSums>,
     /// What `--layers` asks for; else empty.
     parts: Vec<PartSums>,
@@ -60,6 +62,7 @@ impl Film {
             width,
             height,
             samples: 0,
+            pass: filled(pixels)?,
             light: filled(pixels)?,
             parts: filled(if layers { pixels } else { 0 })?,
             instances,
@@ -83,10 +86,10 @@ impl Film {
         !self.parts.is_empty()
     }
 
-    /// Adds one sample of every pixel.
-    pub(super) fn add(&mut self, pass: &[PixelSample]) {
+    /// Adds the latest sample of every pixel.
+    pub(super) fn add(&mut self) {
         let half = (self.samples & 1) as usize;
-        for (sums, sample) in self.light.iter_mut().zip(pass) {
+        for (sums, sample) in self.light.iter_mut().zip(&self.pass) {
             let radiance = sample.radiance();
             if radiance.is_finite() {
                 sums.radiance += radiance.as_dvec3();
@@ -95,7 +98,7 @@ impl Film {
                 self.dropped += 1;
             }
         }
-        for (sums, sample) in self.parts.iter_mut().zip(pass) {
+        for (sums, sample) in self.parts.iter_mut().zip(&self.pass) {
             if sample.radiance().is_finite() {
                 sums.direct += sample.direct.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();

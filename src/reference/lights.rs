@@ -132,21 +132,24 @@ impl Lights {
         if let [light] = lights {
             return (light.weight(p, n) > 0.0).then_some((light, 1.0));
         }
-        let total: f32 = lights.iter().map(|light| light.weight(p, n)).sum();
-        let mut rest = pick * total;
+        // In one pass: each light takes the place of the one chosen before with its share of the sum so far, and
+        // what is left of `pick` is as random as it was.
+        let (mut total, mut rest) = (0.0, pick);
         let mut chosen = None;
         for light in lights {
             let weight = light.weight(p, n);
             if weight > 0.0 {
-                // Rounding may leave a rest after the last light; then that one it is.
-                chosen = Some((light, weight / total));
-                if rest < weight {
-                    break;
+                total += weight;
+                let share = weight / total;
+                if rest < share {
+                    chosen = Some((light, weight));
+                    rest /= share;
+                } else {
+                    rest = (rest - share) / (1.0 - share);
                 }
-                rest -= weight;
             }
         }
-        chosen
+        chosen.map(|(light, weight)| (light, weight / total))
     }
 
     /// What triangle `triangle` of `instance` sends against the ray `direction` (unit) that left a surface at

@@ -32,12 +32,11 @@ use rayon::prelude::*;
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::scene::{Pose, Scene};
 use lights::Lights;
-use path::PixelSample;
 use sampler::Sampler;
 use surfaces::Surfaces;
 
-/// Fewest neighbouring pixels that are worth a task of their own.
-const PIXELS_PER_TASK: usize = 64;
+/// Neighbouring pixels whose paths are traced together.
+const GROUP: usize = 128;
 
 /// How a picture is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +112,7 @@ impl<'a> Reference<'a> {
     /// # Errors
     /// Where it does not fit into memory.
     pub fn film(&self) -> Result<Film, ReferenceError> {
-        let instances = (0..self.pixels()).into_par_iter().with_min_len(PIXELS_PER_TASK);
+        let instances = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
         let in_middle = |pixel: usize| {
             let ray = self.camera_ray(self.place(pixel, Vec2::splat(0.5)));
             self.bvh.intersect(&ray).map_or(-1, |hit| hit.instance as i32)
@@ -140,24 +139,25 @@ impl<'a> Reference<'a> {
     /// set; false then.
     pub fn add_sample(&self, film: &mut Film, stop: &AtomicBool) -> bool {
         let number = film.samples();
-        let pixels = (0..self.pixels()).into_par_iter().with_min_len(PIXELS_PER_TASK);
-        let pass: Vec<PixelSample> = pixels
-            .map(|pixel| {
-                if stop.load(Ordering::Relaxed) {
-                    return PixelSample::default();
-                }
+        film.pass.par_chunks_mut(GROUP).enumerate().for_each(|(group, samples)| {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
+            let pixels = (group * GROUP..).take(samples.len());
+            let places = pixels.map(|pixel| {
                 let mut sampler = Sampler::new(self.seed, pixel as u32, number);
                 let inside = sampler.next();
                 let inside = match self.filter {
                     PixelFilter::Box => inside,
                     PixelFilter::Center => Vec2::splat(0.5),
                 };
-                self.trace(self.place(pixel, inside), &mut sampler)
-            })
-            .collect();
+                (self.place(pixel, inside), sampler)
+            });
+            self.trace(places.collect(), samples);
+        });
         let complete = !stop.load(Ordering::Relaxed);
         if complete {
-            film.add(&pass);
+            film.add();
         }
         complete
     }

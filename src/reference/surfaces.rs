@@ -3,7 +3,7 @@
 //! In: a scene and its pose. Out: for a hit, what its triangle's corners say and where its instance stands.
 
 use crate::bvh::Hit;
-use crate::memory::Pages;
+use crate::memory::{self, Pages};
 use crate::scene::{Placement, Pose, Scene, TriangleSurface};
 
 #[derive(Debug)]
@@ -25,13 +25,19 @@ impl Surfaces {
         let mut firsts = Vec::with_capacity(scene.meshes.len());
         for mesh in &scene.meshes {
             firsts.push(triangles.len());
-            triangles.extend((0..mesh.triangles.len() as u32).map(|triangle| mesh.triangle_surface(triangle)));
+            triangles
+                .extend((0..mesh.triangles.len() as u32).map(|triangle| mesh.triangle_surface(triangle)));
         }
         let instances = scene.instances.iter().zip(&pose.instances).map(|(instance, transform)| PlacedMesh {
             first_triangle: firsts[instance.mesh],
             placement: Placement::new(transform),
         });
         Self { instances: instances.collect(), triangles: Pages::new(triangles) }
+    }
+
+    /// Asks for what [`Self::of`] will read soon.
+    pub(super) fn prefetch(&self, hit: &Hit) {
+        memory::prefetch(self.of(hit).0);
     }
 
     #[inline]

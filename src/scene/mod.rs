@@ -35,6 +35,7 @@ pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use load::load_scene;
 pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
+pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use world_surface::ray_offset;
 pub(crate) use world_surface::{Placement, Side, WorldSurface};

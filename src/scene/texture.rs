@@ -63,46 +63,55 @@ impl Texture {
 
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
+        self.filter(self.footprint(uv))
+    }
+
+    /// The mean of four texels.
+    pub(crate) fn filter(&self, footprint: Footprint) -> Vec3 {
         let texels = &self.levels[0].2;
         let table = &*SRGB_TO_LINEAR;
-        let Footprint { places, fraction } = self.footprint(uv);
-        let [top, bottom] = places.map(|row| {
-            let [left, right] = row.map(|i| {
-                let [r, g, b] =
-                    [texels[i], texels[i + 1], texels[i + 2]].map(|channel| table[channel as usize]);
-                Vec3::new(r, g, b)
-            });
-            left.lerp(right, fraction.x)
-        });
+        let texel = |place: u32| {
+            let texel: &[u8; 4] = texels[4 * place as usize..].first_chunk().expect("texels have four bytes");
+            Vec3::new(table[texel[0] as usize], table[texel[1] as usize], table[texel[2] as usize])
+        };
+        let Footprint { top, bottom, fraction } = footprint;
+        let top = texel(top[0]).lerp(texel(top[1]), fraction.x);
+        let bottom = texel(bottom[0]).lerp(texel(bottom[1]), fraction.x);
         top.lerp(bottom, fraction.y)
     }
 
-    /// Asks for the texels that [`Self::sample`] will read soon.
-    pub(crate) fn prefetch(&self, uv: Vec2) {
+    /// Asks for the texels about `uv`, which will be read soon.
+    pub(crate) fn prefetch(&self, uv: Vec2) -> Footprint {
         let texels = &self.levels[0].2;
-        for [left, _] in self.footprint(uv).places {
-            memory::prefetch(&texels[left]);
-        }
+        let footprint = self.footprint(uv);
+        memory::prefetch(&texels[4 * footprint.top[0] as usize]);
+        memory::prefetch(&texels[4 * footprint.bottom[0] as usize]);
+        footprint
     }
 
-    /// Where the texels about `uv` are.
+    /// The texels about `uv`.
     #[inline(always)]
     fn footprint(&self, uv: Vec2) -> Footprint {
         let (width, height, _) = self.levels[0];
         let wrapped = Vec2::new(fraction(uv.x), fraction(uv.y));
         // Moved by a texel, lest it be negative.
         let at = wrapped * Vec2::new(width as f32, height as f32) + 0.5;
-        let (x, y) = (neighbours(at.x as u32, width), neighbours(at.y as u32, height));
-        let place = |x: u32, y: u32| 4 * (y as usize * width as usize + x as usize);
-        let places = y.map(|y| x.map(|x| place(x, y)));
-        Footprint { places, fraction: at - Vec2::new((at.x as u32) as f32, (at.y as u32) as f32) }
+        let next = at.as_uvec2();
+        let ([left, right], [top, bottom]) = (neighbours(next.x, width), neighbours(next.y, height));
+        Footprint {
+            top: [top * width + left, top * width + right],
+            bottom: [bottom * width + left, bottom * width + right],
+            fraction: at - next.as_vec2(),
+        }
     }
 }
 
-/// Four texels and how far between them a place lies.
-struct Footprint {
-    /// Of the first byte of each: rows, columns.
-    places: [[usize; 2]; 2],
+/// Four texels of level 0, by their places, and where between them one looks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Footprint {
+    /// Left and right.
+    top: [u32; 2],
+    bottom: [u32; 2],
     fraction: Vec2,
 }
 
