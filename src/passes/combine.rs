@@ -5,7 +5,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::storage_image;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{
+    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
+};
 
 /// Bins of the luminance histogram.
 const BINS: u64 = 256;
@@ -49,8 +51,8 @@ impl CombinePass {
             combine: ComputePipeline::new(device, "combine", shaders::COMBINE_COMP)?,
             exposure: ComputePipeline::new(device, "exposure", shaders::EXPOSURE_COMP)?,
             tone_map: ComputePipeline::new(device, "tone_map", shaders::TONE_MAP_COMP)?,
-            colour: storage_image(device, "colour", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            display: storage_image(device, "display", vk::Format::R8G8B8A8_UNORM, extent)?,
+            colour: colour(device, extent)?,
+            display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
         })
@@ -64,6 +66,11 @@ impl CombinePass {
     /// What the last frame shows: RGBA8, sRGB-encoded.
     pub fn display(&self) -> &Image {
         &self.display
+    }
+
+    /// What radiance is multiplied by before it is shown.
+    pub fn exposure(&self) -> &Buffer {
+        &self.factor
     }
 
     /// Makes the picture.
@@ -98,4 +105,15 @@ impl CombinePass {
             .dispatch_over(extent)?;
         Ok(&self.display)
     }
+}
+
+fn colour(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "colour", vk::Format::R32G32B32A32_SFLOAT, extent)
+}
+
+/// Views draw over it.
+fn display(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    let format = vk::Format::R8G8B8A8_UNORM;
+    let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+    Image::new(device, &ImageDescription { name: "display", format, extent, layers: None, levels: 1, usage })
 }

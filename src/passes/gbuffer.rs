@@ -90,6 +90,7 @@ impl GBufferPass {
                 attributes: &attributes,
                 colors: &FORMATS,
                 depth_bias: None,
+                blend: false,
             },
         )?;
         let images: Vec<&Image> =
@@ -137,21 +138,25 @@ impl GBufferPass {
             .read("frame", inputs.frame)
             .read("instances", inputs.instances)
             .read("materials", &inputs.scene.materials);
-        inputs.tracer.bind_masks(pass).draw(&Targets { colors: &colors, depth: &targets.depth }, |list| {
-            list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-            let draws = visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
-                last.material == next.material
-            });
-            let mut bound = None;
-            for draw in &draws {
-                if bound != Some(draw.material) {
-                    list.material(&self.materials, draw.material as usize);
-                    bound = Some(draw.material);
+        inputs.tracer.bind_masks(pass).draw(
+            &Targets::Cleared { colors: &colors, depth: &targets.depth },
+            |list| {
+                list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
+                let draws =
+                    visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
+                        last.material == next.material
+                    });
+                let mut bound = None;
+                for draw in &draws {
+                    if bound != Some(draw.material) {
+                        list.material(&self.materials, draw.material as usize);
+                        bound = Some(draw.material);
+                    }
+                    let push = Push { instance: draw.instance, material: draw.material };
+                    list.draw(&push, draw.first, draw.count);
                 }
-                let push = Push { instance: draw.instance, material: draw.material };
-                list.draw(&push, draw.first, draw.count);
-            }
-        })?;
+            },
+        )?;
         Ok(targets)
     }
 }

@@ -24,7 +24,7 @@ impl VplManager {
         for class in 0..layout.classes {
             result.class_starts.push(result.vpls.len() as u32);
             let slots: &[u32] = if set < layout.sets { self.deal.cell(layout, set, class) } else { &[] };
-            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot as usize)));
+            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot)));
         }
         result.class_starts.push(result.vpls.len() as u32);
         result
@@ -75,7 +75,12 @@ impl VplManager {
         })
     }
 
-    fn gpu_vpl(&self, world: World<'_>, index: usize) -> Option<GpuVpl> {
+    /// The VPL of a slot, where it is now; none if it has no flux or there is no such slot.
+    pub fn gpu_vpl(&self, world: World<'_>, slot: u32) -> Option<GpuVpl> {
+        let index = slot as usize;
+        if index >= self.slots.len() {
+            return None;
+        }
         let flux = self.flux(index);
         if flux == Vec3::ZERO {
             return None;
@@ -84,7 +89,7 @@ impl VplManager {
         let surface = locate(world, &self.slots[index], address);
         Some(GpuVpl {
             position: surface.position,
-            slot: index as u32,
+            slot,
             normal: surface.normal,
             bounce: address.bounce,
             flux,
