@@ -5,9 +5,13 @@
 
 mod live;
 mod passes;
+mod paths;
+mod pick;
 mod picture;
 mod view;
 
+pub use paths::reason_colour;
+pub use pick::{Picked, camera_ray};
 pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
@@ -134,7 +138,7 @@ impl Renderer {
         let lights = self.update(&scene, pose);
         let uniforms = self.uniforms(pose);
         let world = World { scene: &scene, pose, bvh: &self.bvh };
-        let view = ViewOfFrame::new(&self.view, &self.vpls, world);
+        let view = ViewOfFrame::new(&self.view, &self.vpls, world, self.settings.size);
 
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
@@ -176,7 +180,7 @@ impl Renderer {
 
     /// What the passes want to know of the view; the set is the caller's business.
     fn uniforms(&self, pose: &Pose) -> FrameUniforms {
-        let Settings { size, interleave, clamp, position_cutoff, .. } = self.settings;
+        let Settings { size, interleave, position_cutoff, .. } = self.settings;
         let camera = &pose.camera;
         // Near and far swapped: reversed depth keeps its precision far away.
         let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
@@ -188,7 +192,7 @@ impl Renderer {
             view_projection,
             previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
             eye: camera.eye.extend(self.lengths.radius),
-            background: self.scene.background.extend(clamp / self.lengths.transport.powi(2)),
+            background: self.scene.background.extend(self.geometry_bound()),
             ray,
             ray_x,
             ray_y,
@@ -199,6 +203,11 @@ impl Renderer {
             depth_scale: power_of_two_near(self.lengths.radius).recip(),
             ..FrameUniforms::default()
         }
+    }
+
+    /// Bound c of the geometry term, 1/m^2; 0: none.
+    fn geometry_bound(&self) -> f32 {
+        self.settings.clamp / self.lengths.transport.powi(2)
     }
 
     /// The CPU's three stages, while the device is busy with the frame before.

@@ -1,5 +1,6 @@
 //! `combine`: direct light plus albedo/pi times indirect irradiance, exposure, filmic tone map, sRGB.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -35,9 +36,9 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
-    combine: ComputePipeline,
-    exposure: ComputePipeline,
-    tone_map: ComputePipeline,
+    combine: Rc<ComputePipeline>,
+    exposure: Rc<ComputePipeline>,
+    tone_map: Rc<ComputePipeline>,
     colour: Image,
     display: Image,
     histogram: Buffer,
@@ -47,10 +48,24 @@ pub struct CombinePass {
 impl CombinePass {
     /// Makes the pipelines and the images, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = |name, spirv| Ok(Rc::new(ComputePipeline::new(device, name, spirv)?));
         Ok(Self {
-            combine: ComputePipeline::new(device, "combine", shaders::COMBINE_COMP)?,
-            exposure: ComputePipeline::new(device, "exposure", shaders::EXPOSURE_COMP)?,
-            tone_map: ComputePipeline::new(device, "tone_map", shaders::TONE_MAP_COMP)?,
+            combine: pipeline("combine", shaders::COMBINE_COMP)?,
+            exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
+            tone_map: pipeline("tone_map", shaders::TONE_MAP_COMP)?,
+            colour: colour(device, extent)?,
+            display: display(device, extent)?,
+            histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
+            factor: Buffer::new(device, "exposure_factor", 16)?,
+        })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            combine: Rc::clone(&self.combine),
+            exposure: Rc::clone(&self.exposure),
+            tone_map: Rc::clone(&self.tone_map),
             colour: colour(device, extent)?,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,

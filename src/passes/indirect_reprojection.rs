@@ -1,6 +1,7 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -46,21 +47,21 @@ struct Push {
 
 /// The pass.
 pub struct IndirectReprojectionPass {
-    pipeline: ComputePipeline,
+    pipeline: Rc<ComputePipeline>,
     irradiance: Image,
 }
 
 impl IndirectReprojectionPass {
     /// Makes the pipeline and its image of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            pipeline: ComputePipeline::new(
-                device,
-                "indirect_reprojection",
-                shaders::INDIRECT_REPROJECTION_COMP,
-            )?,
-            irradiance: irradiance(device, extent)?,
-        })
+        let spirv = shaders::INDIRECT_REPROJECTION_COMP;
+        let pipeline = ComputePipeline::new(device, "indirect_reprojection", spirv)?;
+        Ok(Self { pipeline: Rc::new(pipeline), irradiance: irradiance(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Rc::clone(&self.pipeline), irradiance: irradiance(device, extent)? })
     }
 
     /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.

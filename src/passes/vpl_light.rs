@@ -1,5 +1,6 @@
 //! `vpl_light`: what one VPL alone sends to every pixel, for looking at VPLs one by one.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
@@ -24,17 +25,20 @@ pub struct VplLightInputs<'a> {
 
 /// The pass.
 pub struct VplLightPass {
-    pipeline: ComputePipeline,
+    pipeline: Rc<ComputePipeline>,
     light: Image,
 }
 
 impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            pipeline: ComputePipeline::new(device, "vpl_light", shaders::VPL_LIGHT_COMP)?,
-            light: storage_image(device, "vpl_light", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-        })
+        let pipeline = ComputePipeline::new(device, "vpl_light", shaders::VPL_LIGHT_COMP)?;
+        Ok(Self { pipeline: Rc::new(pipeline), light: light(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Rc::clone(&self.pipeline), light: light(device, extent)? })
     }
 
     /// Casts a ray a pixel. Gives the weighted irradiance; a: 1 where the VPL sees the pixel.
@@ -51,4 +55,8 @@ impl VplLightPass {
         inputs.tracer.bind(pass).dispatch_over(self.light.extent())?;
         Ok(&self.light)
     }
+}
+
+fn light(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "vpl_light", vk::Format::R32G32B32A32_SFLOAT, extent)
 }

@@ -26,8 +26,12 @@ pub(super) struct Passes {
     pub indirect_shading: IndirectShadingPass,
     pub indirect_reprojection: IndirectReprojectionPass,
     pub combine: CombinePass,
-    pub sets: SetHistory,
     pub views: ViewPasses,
+    /// What the sets have drawn.
+    sets: SetHistory,
+    /// What they drew before they became others: shown until all of the new ones have been drawn.
+    settled: Option<SetHistory>,
+    pub device: Arc<Device>,
 }
 
 /// What the passes of one frame read.
@@ -74,9 +78,19 @@ impl Passes {
             indirect_shading: IndirectShadingPass::new(device, size, interleave)?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,
-            sets: SetHistory::new(device, size, temporal_sets, instances)?,
             views: ViewPasses::default(),
+            sets: SetHistory::new(device, size, temporal_sets, instances)?,
+            settled: None,
+            device: Arc::clone(device),
         })
+    }
+
+    /// Goes on with other sets. No frame may be on its way.
+    pub fn begin_sets(&mut self, sets: SetHistory) {
+        let last = std::mem::replace(&mut self.sets, sets);
+        if self.settled.is_none() && last.is_complete() {
+            self.settled = Some(last);
+        }
     }
 
     pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &PassInputs<'_>) -> Result<(), VulkanError> {
@@ -108,10 +122,16 @@ impl Passes {
         self.indirect_shading.filter(frame, &shading, self.sets.buffers())?;
         let drawn = inputs.drawn;
         self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
+        if self.sets.is_complete() && self.settled.is_some() {
+            // Frames on their way still read the old ones.
+            self.device.wait_idle()?;
+            self.settled = None;
+        }
+        let shown_sets = self.settled.as_ref().unwrap_or(&self.sets);
         let reprojection = ReprojectionInputs {
             frame: uniforms,
             gbuffer,
-            sets: &self.sets,
+            sets: shown_sets,
             instances,
             pose,
             drawn,
@@ -136,7 +156,7 @@ impl Passes {
                 irradiance,
                 class_irradiance: self.indirect_shading.unfiltered(),
                 drawn_sets: &self.sets,
-                shown_sets: &self.sets,
+                shown_sets,
                 exposure: self.combine.exposure(),
                 display,
             };

@@ -2,11 +2,13 @@
 //!
 //! In: a [`DebugView`]. Out: which passes run after `combine`; with the default view none does.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::passes::PassInputs;
+use super::paths::PathView;
 use super::{RenderError, Renderer};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass};
 use crate::passes::direct_shadows::Shadows;
@@ -81,9 +83,9 @@ impl DebugView {
 /// The passes of a view, made when they are first needed.
 #[derive(Default)]
 pub(super) struct ViewPasses {
-    buffer: Option<BufferViewPass>,
+    buffer: Option<Rc<BufferViewPass>>,
     vpl_light: Option<VplLightPass>,
-    overlay: Option<OverlayPass>,
+    overlay: Option<Rc<OverlayPass>>,
 }
 
 /// The view with what the CPU knows of it in this frame.
@@ -99,15 +101,18 @@ pub(super) struct ViewOfFrame<'a> {
 
 impl<'a> ViewOfFrame<'a> {
     /// What the CPU knows of `view` in the world of this frame; none where there is nothing to show.
-    pub fn new(view: &'a DebugView, vpls: &VplManager, world: World<'_>) -> Option<Self> {
+    pub fn new(view: &'a DebugView, vpls: &VplManager, world: World<'_>, size: [u32; 2]) -> Option<Self> {
         if !view.replaces() && !view.draws_lines() {
             return None;
         }
+        let paths = |style| PathView { style, single: view.single_vpl, height: size[1] }.lines(vpls);
+        let mut lines = view.vpl_paths.map(paths).unwrap_or_default();
+        lines.extend(&view.lines);
         Some(Self {
             view,
             vpl: view.single_vpl.and_then(|slot| vpls.gpu_vpl(world, slot)),
             weight: vpls.counters().valid as f32,
-            lines: view.lines.clone(),
+            lines,
         })
     }
 }
@@ -136,15 +141,21 @@ impl ViewPasses {
         extent: [u32; 2],
     ) -> Result<(), VulkanError> {
         if view.replaces() && self.buffer.is_none() {
-            self.buffer = Some(BufferViewPass::new(device)?);
+            self.buffer = Some(Rc::new(BufferViewPass::new(device)?));
         }
         if view.single_vpl.is_some() && self.vpl_light.is_none() {
             self.vpl_light = Some(VplLightPass::new(device, extent)?);
         }
         if view.draws_lines() && self.overlay.is_none() {
-            self.overlay = Some(OverlayPass::new(device)?);
+            self.overlay = Some(Rc::new(OverlayPass::new(device)?));
         }
         Ok(())
+    }
+
+    /// The same passes for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let vpl_light = self.vpl_light.as_ref().map(|pass| pass.resized(device, extent)).transpose()?;
+        Ok(Self { buffer: self.buffer.clone(), vpl_light, overlay: self.overlay.clone() })
     }
 
     /// Writes the view over the picture.

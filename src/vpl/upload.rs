@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use super::deal::NONE;
+use super::emitter::Source;
 use super::invalidate::locate;
 use super::slots::{SlotState, SlotView};
 use super::{CellFlux, GpuVpl, SetVpls, VplManager, World};
@@ -71,8 +72,27 @@ impl VplManager {
                 normal: surface.normal,
                 flux: self.flux(index),
                 stale: address.light != NONE && !slot.fresh,
+                set: self.layout.cell(index as u32).0,
+                age: self.frame - slot.shot,
+                origin: self.origin(index),
+                invalidation: self.invalidations[index],
             }
         })
+    }
+
+    /// Where the light of a slot's VPL comes from.
+    pub(super) fn origin(&self, index: usize) -> Vec3 {
+        let (address, surface) = (&self.deal.addresses[index], &self.surfaces[index]);
+        if address.parent != NONE {
+            return self.surfaces[address.parent as usize].position;
+        }
+        match self.watch.emitters.get(address.light as usize).map(|emitter| &emitter.source) {
+            Some(Source::Point { position } | Source::Spot { position, .. }) => *position,
+            Some(Source::Directional { frame, .. }) => {
+                surface.position - frame.normal * (0.5 * self.watch.bounds.radius)
+            }
+            Some(Source::Area(_)) | None => surface.position,
+        }
     }
 
     /// The VPL of a slot, where it is now; none if it has no flux or there is no such slot.
