@@ -43,15 +43,15 @@ impl PathView {
         let mut lines: Vec<Line> = valid()
             .filter(|slot| slot.origin != slot.position)
             .map(|slot| {
-                let colour = self.colour(slot, brightest).extend(self.line_opacity());
+                let colour = self.colour(vpls, slot, brightest).extend(self.line_opacity());
                 line(slot.origin, slot.position, colour.to_array(), 1.5 * scale)
             })
             .collect();
-        lines.extend(slots.iter().flat_map(|slot| flash(slot, vpls.frame(), scale)));
+        lines.extend(slots.iter().flat_map(|slot| flash(vpls, slot.slot, scale)));
         lines.extend(valid().map(|slot| {
             let share = (luminance(slot.flux) / brightest).sqrt();
             let diameter = scale * (DIAMETERS[0] + (DIAMETERS[1] - DIAMETERS[0]) * share);
-            let colour = self.colour(slot, brightest).extend(1.0);
+            let colour = self.colour(vpls, slot, brightest).extend(1.0);
             Line::point(slot.position, colour.to_array(), diameter, HIDDEN)
         }));
         lines
@@ -61,22 +61,25 @@ impl PathView {
         if self.single.is_some() { 1.0 } else { LINE_OPACITY }
     }
 
-    fn colour(&self, slot: &SlotView, brightest: f32) -> Vec3 {
+    fn colour(&self, vpls: &VplManager, slot: &SlotView, brightest: f32) -> Vec3 {
         match self.style {
             PathStyle::Bounce => bounce_colour(slot.bounce),
             // Six stops from the faintest to the brightest.
             PathStyle::Flux => heat(1.0 + (luminance(slot.flux) / brightest).log2() / 6.0),
             // A thousand frames are old.
-            PathStyle::Age => heat(1.0 - (slot.age as f32 + 1.0).log2() / 10.0),
+            PathStyle::Age => {
+                let age = vpls.history(slot.slot).map_or(0, |history| history.age);
+                heat(1.0 - (age as f32 + 1.0).log2() / 10.0)
+            }
             PathStyle::Set => hue(slot.set as f32 * GOLDEN),
         }
     }
 }
 
 /// Where a VPL was that became invalid a short while ago, and how its light came there.
-fn flash(slot: &SlotView, frame: u32, scale: f32) -> Vec<Line> {
-    let Some(last) = slot.invalidation else { return Vec::new() };
-    let age = frame.saturating_sub(last.frame);
+fn flash(vpls: &VplManager, slot: u32, scale: f32) -> Vec<Line> {
+    let Some(last) = vpls.history(slot).and_then(|history| history.invalidation) else { return Vec::new() };
+    let age = vpls.frame().saturating_sub(last.frame);
     if age >= FLASH_FRAMES {
         return Vec::new();
     }
