@@ -15,6 +15,8 @@ fn start() -> Settings {
     Settings { size: [72, 48], vpls: 128, temporal_sets: 4, interleave: 2, ..Settings::default() }
 }
 
+type Change = fn(&mut Settings);
+
 /// What a renderer made with these settings shows once all sets have been drawn.
 fn fresh(lab: &Lab, scene: &Arc<Scene>, settings: &Settings) -> Picture {
     lab.rendered(scene, settings, 2 * settings.temporal_sets).read_picture(true).unwrap()
@@ -29,7 +31,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let changes: [(&str, fn(&mut Settings)); 9] = [
+    let changes: [(&str, Change); 9] = [
         ("more sets", |settings| settings.temporal_sets = 7),
         ("one set", |settings| settings.temporal_sets = 1),
         ("VPLs", |settings| settings.vpls = 700),

@@ -1,9 +1,10 @@
 //! Lines, points and light paths lie where they should.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use glowworm::output::Picture;
-use glowworm::renderer::{BufferView, DebugView, Line, PathStyle, Renderer};
+use glowworm::renderer::{BufferView, DebugView, Line, PathStyle, Renderer, reason_colour};
 use glowworm::scene::{Camera, Pose};
+use glowworm::settings::Settings;
 use glowworm::vpl::SlotState;
 
 use super::support::{Lab, channel, scene};
@@ -41,7 +42,7 @@ fn vpls_are_drawn_where_they_are() {
     let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
     let slots: Vec<_> = renderer.vpls().slots().filter(|slot| slot.state == SlotState::Valid).collect();
     let (mut seen, mut hidden) = (0, 0);
-    for slot in slots.iter().step_by(3) {
+    for slot in &slots {
         let Some((x, y, depth)) = project(&pose.camera, slot.position) else { continue };
         // Its own point comes last on its path.
         let paths = DebugView {
@@ -126,4 +127,41 @@ fn lines_that_begin_behind_the_eye_are_cut_off() {
     let pixels = changed(eye - ray + (ray_x + ray_y) * 0.5, end, &mut renderer);
     assert!(pixels.len() > 10, "{}", pixels.len());
     assert!(pixels.iter().all(|(x, _)| *x >= 36), "{pixels:?}");
+}
+
+#[test]
+fn vpls_that_became_invalid_flash_with_their_reason() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(STUDIO);
+    let mut pose = scene.pose(0.0);
+    let mut renderer = lab.rendered(&scene, &Settings { budget: 1, ..settings(4, 2) }, 4);
+    // The block comes between the lamp and the wall behind it.
+    pose.instances[1] = Affine3A::from_translation(Vec3::new(-1.0, 1.6, -0.6)) * pose.instances[1];
+    let paths = DebugView { vpl_paths: Some(PathStyle::Bounce), ..view(BufferView::Depth) };
+    let drawn = shown(&mut renderer, &pose, &paths);
+    let depths = channel(&drawn, "depth");
+    let (mut flashing, mut in_front) = (0, 0);
+    for slot in renderer.vpls().slots() {
+        let last = renderer.vpls().history(slot.slot).and_then(|history| history.invalidation);
+        let Some(last) = last else { continue };
+        assert_eq!(last.frame, renderer.vpls().frame());
+        let Some((x, y, depth)) = project(&pose.camera, last.position) else { continue };
+        if depth > depths[y * SIDE + x] * 1.005 {
+            continue;
+        }
+        in_front += 1;
+        let colour = reason_colour(last.reason).map(|value| (value * 255.0) as u8);
+        let off = rgb(&drawn, x, y).iter().zip(colour).map(|(a, b)| a.abs_diff(b)).max();
+        flashing += u32::from(off <= Some(2));
+    }
+    // Others may lie on top of some.
+    assert!(in_front >= 5 && 3 * flashing >= 2 * in_front, "{flashing} of {in_front} flash");
+
+    // A second later nothing is left of them.
+    for _ in 0..30 {
+        renderer.render(&pose).unwrap();
+    }
+    let later = shown(&mut renderer, &pose, &paths);
+    let red = |picture: &Picture| picture.display.iter().filter(|pixel| pixel[..3] == [255, 25, 25]).count();
+    assert!(red(&drawn) > 0 && red(&later) == 0, "{} and {}", red(&drawn), red(&later));
 }

@@ -29,6 +29,10 @@ name = "block"
 model = "block"
 translation = [0.5, -0.9, 0.2]
 dynamic = true
+[[instances]]
+name = "second block"
+model = "block"
+translation = [-1.2, -1.1, -0.8]
 [[lights]]
 type = "point"
 position = [-0.5, 1.0, 0.3]

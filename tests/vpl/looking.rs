@@ -26,7 +26,7 @@ fn frame(stage: &mut Stage, manager: &mut VplManager) -> (VplCounters, Vec<SlotV
 }
 
 fn last_invalidation(manager: &VplManager, slot: &SlotView) -> Option<Invalidation> {
-    manager.history(slot.slot).unwrap().invalidation
+    manager.history(slot.slot).and_then(|history| history.invalidation)
 }
 
 /// The slots that became invalid in the manager's last frame for this reason.
