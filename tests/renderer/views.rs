@@ -145,7 +145,10 @@ fn expected(view: BufferView, picture: &Picture) -> Option<Vec<Vec3>> {
         BufferView::Motion => of_layer("motion", 0)
             .into_iter()
             .zip(of_layer("motion", 1))
-            .map(|(x, y)| (Vec2::new(x, y) * SIDE as f32 / 16.0 * 0.5 + 0.5).extend(0.5))
+            .map(|(x, y)| {
+                let share = Vec2::new(x, y) * SIDE as f32 / 16.0;
+                (share.signum() * share.abs().map(f32::sqrt) * 0.5 + 0.5).extend(0.5)
+            })
             .collect(),
         BufferView::Depth => {
             // The eye is within the room: nearest is the near plane, farthest a corner.

@@ -67,7 +67,7 @@ fn what_comes_between_is_the_reason() {
     for slot in became_invalid(&manager, InvalidationReason::Occluded).iter().filter(|slot| slot.bounce == 1)
     {
         // Its path crosses the plate, which lies at height 1.
-        let last = last_invalidation(&manager, &slot).unwrap();
+        let last = last_invalidation(&manager, slot).unwrap();
         let part = (last.origin.y - 1.0) / (last.origin.y - last.position.y);
         let crossing = last.origin.lerp(last.position, part);
         assert!(crossing.x.abs() < 0.35 && crossing.z.abs() < 0.35, "{crossing}");
