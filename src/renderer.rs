@@ -3,8 +3,16 @@
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
+mod live;
 mod passes;
+mod paths;
+mod pick;
 mod picture;
+mod view;
+
+pub use paths::reason_colour;
+pub use pick::{Picked, camera_ray};
+pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -13,9 +21,9 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
-use crate::passes::indirect_reprojection::DrawnSet;
 use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
 use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, percentile};
@@ -24,6 +32,7 @@ use crate::settings::{Settings, TracerKind};
 use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use passes::{PassInputs, Passes};
+use view::ViewOfFrame;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +49,7 @@ pub enum RenderError {
 pub struct Renderer {
     scene: Arc<Scene>,
     settings: Settings,
+    view: DebugView,
     bvh: TwoLevelBvh,
     vpls: VplManager,
     lengths: Lengths,
@@ -63,6 +73,23 @@ struct Lengths {
     radius: f32,
     /// A typical distance between surfaces that light each other, world units.
     transport: f32,
+}
+
+/// A scene with what can be worked out without a device, on any thread.
+pub struct PreparedScene {
+    scene: Arc<Scene>,
+    bvh: TwoLevelBvh,
+    transport: Option<f32>,
+}
+
+impl PreparedScene {
+    /// Builds the BVH; takes a second or so for a million triangles.
+    pub fn new(scene: &Arc<Scene>) -> Self {
+        let rest = scene.pose(0.0);
+        let bvh = TwoLevelBvh::build(scene, &rest.instances);
+        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
+        Self { scene: Arc::clone(scene), bvh, transport }
+    }
 }
 
 /// What the CPU's stages give to the device's passes, and what they cost.
@@ -90,12 +117,21 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
+        Self::with_scene(device, PreparedScene::new(scene), settings, pose)
+    }
+
+    /// The same for a scene that was prepared beforehand.
+    pub fn with_scene(
+        device: &Arc<Device>,
+        prepared: PreparedScene,
+        settings: &Settings,
+        pose: &Pose,
+    ) -> Result<Self, RenderError> {
         if settings.tracer == TracerKind::Hardware {
             return Err(RenderError::NoHardwareTracer);
         }
-        let rest = scene.pose(0.0);
-        let mut bvh = TwoLevelBvh::build(scene, &rest.instances);
-        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
+        let PreparedScene { scene, mut bvh, transport } = prepared;
+        let scene = &scene;
         bvh.update(&pose.instances);
         let vpls = VplManager::new(World { scene, pose, bvh: &bvh }, settings);
         let (low, high) = bvh.bounds();
@@ -110,6 +146,7 @@ impl Renderer {
             device: Arc::clone(device),
             scene: Arc::clone(scene),
             settings: settings.clone(),
+            view: DebugView::default(),
             bvh,
             vpls,
             lengths,
@@ -126,6 +163,8 @@ impl Renderer {
         let scene = Arc::clone(&self.scene);
         let lights = self.update(&scene, pose);
         let uniforms = self.uniforms(pose);
+        let world = World { scene: &scene, pose, bvh: &self.bvh };
+        let view = ViewOfFrame::new(&self.view, &self.vpls, world, self.settings.size);
 
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
@@ -151,6 +190,7 @@ impl Renderer {
             vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,
             drawn: lights.drawn,
             set_flux: &lights.flux.sets,
+            view,
         };
         self.passes.record(&mut frame, &inputs)?;
         frame.submit()?;
@@ -166,7 +206,7 @@ impl Renderer {
 
     /// What the passes want to know of the view; the set is the caller's business.
     fn uniforms(&self, pose: &Pose) -> FrameUniforms {
-        let Settings { size, interleave, temporal_sets, clamp, position_cutoff, .. } = self.settings;
+        let Settings { size, interleave, position_cutoff, .. } = self.settings;
         let camera = &pose.camera;
         // Near and far swapped: reversed depth keeps its precision far away.
         let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
@@ -178,7 +218,7 @@ impl Renderer {
             view_projection,
             previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
             eye: camera.eye.extend(self.lengths.radius),
-            background: self.scene.background.extend(clamp / self.lengths.transport.powi(2)),
+            background: self.scene.background.extend(self.geometry_bound()),
             ray,
             ray_x,
             ray_y,
@@ -187,9 +227,13 @@ impl Renderer {
             light_count: u32::try_from(pose.lights.iter().filter(has_shadow_map).count()).unwrap_or(u32::MAX),
             position_cutoff,
             depth_scale: power_of_two_near(self.lengths.radius).recip(),
-            sets: temporal_sets,
             ..FrameUniforms::default()
         }
+    }
+
+    /// Bound c of the geometry term, 1/m^2; 0: none.
+    fn geometry_bound(&self) -> f32 {
+        self.settings.clamp / self.lengths.transport.powi(2)
     }
 
     /// The CPU's three stages, while the device is busy with the frame before.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::options::RunOptions;
-use super::render::{RenderOptions, render};
+use super::render::{RenderOptions, ViewOptions, render};
 use super::{CliError, say};
 use crate::settings::Settings;
 
@@ -27,5 +27,6 @@ pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError>
     let out = format!("glowworm-{name}.png");
     say::warning(&format!("there is no window yet; rendering {} to {out} instead", options.scene));
     let DemoOptions { scene, settings, run } = options;
-    render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, settings, run }, given)
+    let view = ViewOptions::default();
+    render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, view, settings, run }, given)
 }

@@ -9,10 +9,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::options::RunOptions;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
-use crate::renderer::Renderer;
+use crate::renderer::{BufferView, DebugView, PathStyle, Renderer};
 use crate::report::{FrameReport, RenderReport};
 use crate::scene::{Pose, Scene, load_scene};
 use crate::settings::Settings;
+use crate::vpl::SlotState;
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -31,9 +32,71 @@ pub(super) struct RenderOptions {
     #[arg(long, help_heading = "Files")]
     pub layers: bool,
     #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
     pub run: RunOptions,
+}
+
+/// What to look at other than the picture.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Looking inside (.png only)")]
+pub(super) struct ViewOptions {
+    /// Show one of the images that a frame goes through in place of the picture.
+    #[arg(long, value_name = "NAME", value_enum, default_value = "combined")]
+    view: BufferView,
+    /// The temporal set that set-buffer and set-reprojected show.
+    #[arg(long, value_name = "K", default_value = "0")]
+    view_set: u32,
+    /// Draw VPLs as points and their paths as lines; colours tell this.
+    #[arg(long, value_name = "COLOURS", value_enum)]
+    vpl_paths: Option<PathStyle>,
+    /// Show the light and path of the VPL in this slot alone, as bright as if all VPLs were like it.
+    #[arg(long, value_name = "SLOT")]
+    single_vpl: Option<u32>,
+}
+
+impl ViewOptions {
+    /// Fails where there is nothing of the kind to look at.
+    fn check(&self, settings: &Settings, target: &PictureTarget) -> Result<(), CliError> {
+        let wrong = |what: String| Err(CliError::Usage(what));
+        if self.debug_view() != DebugView::default() && target.is_linear() {
+            return wrong("--view, --vpl-paths and --single-vpl: only a .png shows them".to_owned());
+        }
+        if self.view_set >= settings.temporal_sets {
+            let (set, sets) = (self.view_set, settings.temporal_sets);
+            return wrong(format!("--view-set {set}: must be below --temporal-sets, which is {sets}"));
+        }
+        match self.single_vpl {
+            Some(slot) if slot >= settings.vpls => {
+                wrong(format!("--single-vpl {slot}: must be below --vpls, which is {}", settings.vpls))
+            }
+            None if self.view == BufferView::VplVisibility => {
+                wrong("--view vpl-visibility: say of which VPL with --single-vpl SLOT".to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Says so where the single VPL is not there in the last frame.
+    fn note_missing(&self, renderer: &Renderer) {
+        let Some(slot) = self.single_vpl else { return };
+        let held = renderer.vpls().slots().nth(slot as usize);
+        if held.is_none_or(|held| held.state != SlotState::Valid) {
+            say::warning(&format!("--single-vpl {slot}: the slot holds no VPL, so there is no light of it"));
+        }
+    }
+
+    fn debug_view(&self) -> DebugView {
+        DebugView {
+            buffer: self.view,
+            set: self.view_set,
+            vpl_paths: self.vpl_paths,
+            single_vpl: self.single_vpl,
+            lines: Vec::new(),
+        }
+    }
 }
 
 /// Renders the scene. `given` are the settings given on the command line.
@@ -45,6 +108,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let device = device::open(&options.run.device)?;
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    options.view.check(&settings, &target)?;
     let frames = options.frames.unwrap_or_else(|| u64::from(settings.temporal_sets));
     if let Some(json) = &json {
         check_apart(json, &target, frames, options)?;
@@ -52,7 +116,9 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     device::note_slow(&device);
     let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
+    renderer.set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut renderer, frames, &target, pose_of)?;
+    options.view.note_missing(&renderer);
     drop(renderer);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();

@@ -1,6 +1,7 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
 //! specular; what surfaces emit; the background.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::direct_shadows::Shadows;
@@ -19,21 +20,26 @@ pub struct DirectShadingInputs<'a> {
     pub shadows: &'a Shadows<'a>,
     /// For what materials emit.
     pub scene: &'a SceneBuffers,
+    /// Instances of this frame, for the same.
+    pub instances: &'a Upload,
 }
 
 /// The pass.
 pub struct DirectShadingPass {
-    pipeline: ComputePipeline,
+    pipeline: Rc<ComputePipeline>,
     direct: Image,
 }
 
 impl DirectShadingPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            pipeline: ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?,
-            direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-        })
+        let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
+        Ok(Self { pipeline: Rc::new(pipeline), direct: direct(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Rc::clone(&self.pipeline), direct: direct(device, extent)? })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -59,8 +65,13 @@ impl DirectShadingPass {
             .read("lights", &inputs.shadows.lights)
             .read("shadow_tiles", &inputs.shadows.tiles)
             .read("materials", &inputs.scene.materials)
+            .read("instances", inputs.instances)
             .write("direct", &self.direct)
             .dispatch_over(self.direct.extent())?;
         Ok(&self.direct)
     }
+}
+
+fn direct(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)
 }

@@ -36,14 +36,6 @@ pub struct FrameUniforms {
     pub depth_scale: f32,
     /// Temporal set of this frame.
     pub set: u32,
-    /// T.
-    pub sets: u32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -56,6 +48,8 @@ pub struct InstanceData {
     pub world_to_object: [Vec4; 3],
     /// Rows of the 3x4 matrix, one frame ago.
     pub previous_object_to_world: [Vec4; 3],
+    /// rgb: what its materials' emission is multiplied by.
+    pub emission: Vec4,
     /// 1: it may move.
     pub dynamic: u32,
     /// 1: its transform swaps left and right.
@@ -140,6 +134,18 @@ pub struct SetParameters {
     pub pad2: u32,
 }
 
+/// A line over the picture; `OverlayLine` in shaders/include/overlay.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct OverlayLine {
+    /// xyz: world position of one end; w: width in pixels.
+    pub from_width: Vec4,
+    /// xyz: of the other end; w: what the opacity of hidden parts is multiplied by.
+    pub to_hidden: Vec4,
+    /// Display values, opacity.
+    pub colour: Vec4,
+}
+
 impl SetParameters {
     /// Whether both were seen by the same camera.
     pub fn same_view(&self, other: &Self) -> bool {
@@ -193,11 +199,7 @@ mod tests {
             position_cutoff,
             irradiance_scale,
             depth_scale,
-            set,
-            sets,
-            pad0,
-            pad1,
-            pad2
+            set
         );
         same_layout!(
             shaders::GBUFFER_FRAG,
@@ -205,6 +207,7 @@ mod tests {
             object_to_world,
             world_to_object,
             previous_object_to_world,
+            emission,
             dynamic,
             mirrored,
             pad0,
@@ -235,6 +238,7 @@ mod tests {
             pad1,
             pad2
         );
+        same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
         same_layout!(shaders::INDIRECT_SHADING_COMP, GpuVpl, position, slot, normal, bounce, flux, _pad);
     }
 }

@@ -10,10 +10,14 @@ use std::ops::Range;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use crate::bvh::Ray;
 use crate::sampling;
 use crate::scene::{
     AreaTriangle, BoundingSphere, Light, LightKind, Mesh, Pose, Scene, luminance, ray_offset, spot_falloff,
 };
+
+/// Most area lights whose bounds are looked at one by one.
+const MOST_BOUNDS: usize = 16;
 
 /// Which lights take part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +52,8 @@ pub(super) struct Lights {
     shadow_mapped: usize,
     /// For each instance the area lights on it, as indices into `lights`.
     of_instance: Vec<Vec<usize>>,
+    /// Bounds (min, max) of what scattered rays can find.
+    to_be_found: Vec<(Vec3, Vec3)>,
 }
 
 #[derive(Clone, Debug)]
@@ -102,12 +108,36 @@ impl Lights {
         }
         let count = shadow_mapped.len();
         let lights = shadow_mapped.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
-        Self { lights: lights.collect(), shadow_mapped: count, of_instance }
+        let lights: Vec<PosedLight> = lights.collect();
+        let to_be_found = lights.iter().filter_map(|light| match light {
+            PosedLight::Area(area) if area.visible => Some(area.padded_bounds()),
+            _ => None,
+        });
+        let mut to_be_found: Vec<_> = to_be_found.collect();
+        if to_be_found.len() > MOST_BOUNDS {
+            let all = to_be_found.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |all, bounds| {
+                (all.0.min(bounds.0), all.1.max(bounds.1))
+            });
+            to_be_found = vec![all];
+        }
+        Self { lights, shadow_mapped: count, of_instance, to_be_found }
     }
 
     /// Whether scattered rays can find an emissive surface.
     pub(super) fn can_be_found(&self) -> bool {
-        self.lights.iter().any(|light| matches!(light, PosedLight::Area(area) if area.visible))
+        !self.to_be_found.is_empty()
+    }
+
+    /// Whether the ray passes the bounds of something that emits.
+    pub(super) fn may_be_found_by(&self, ray: &Ray) -> bool {
+        let inverse = ray.direction.recip();
+        self.to_be_found.iter().any(|&(min, max)| {
+            // A plane that the ray runs within gives no number, which minimum and maximum ignore.
+            let (a, b) = ((min - ray.origin) * inverse, (max - ray.origin) * inverse);
+            let enter = a.min(b).max_element().max(ray.t_min);
+            let leave = a.max(b).min_element().min(ray.t_max);
+            enter <= leave
+        })
     }
 
     fn range(&self, share: Share) -> Range<usize> {
@@ -278,18 +308,22 @@ impl AreaLight {
             cdf.push((sum / power).min(1.0) as f32);
             emitter.density = (cdf[cdf.len() - 1] - before) / emitter.area();
         }
-        let corners = || emitters.iter().flat_map(|emitter| emitter.corners);
-        let (min, max) = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| {
-            (min.min(corner), max.max(corner))
-        });
+        let bounds = BoundingSphere::around(bounds_of(&emitters));
         (power > 0.0 && power.is_finite()).then(|| Self {
             triangles: emitters,
             cdf,
             power: power as f32,
-            bounds: BoundingSphere::around((min, max)),
+            bounds,
             visible: scene.instances[instance].visible,
             scene_radius: 0.0,
         })
+    }
+
+    /// World bounds (min, max), padded by more than what rounding may move a hit.
+    fn padded_bounds(&self) -> (Vec3, Vec3) {
+        let (min, max) = bounds_of(&self.triangles);
+        let padding = 10.0 * ray_offset(min.abs().max(max.abs()), self.scene_radius);
+        (min - padding, max + padding)
     }
 
     fn sample(&self, p: Vec3, u: Vec2) -> Option<LightSample> {
@@ -312,6 +346,12 @@ impl AreaLight {
             density: self.visible.then_some(density),
         })
     }
+}
+
+/// World bounds (min, max) of emissive triangles.
+fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
+    let corners = emitters.iter().flat_map(|emitter| emitter.corners);
+    corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)))
 }
 
 impl Emitter {

@@ -172,7 +172,9 @@ impl Reference<'_> {
             going.retain(|&index| {
                 let path = &mut paths[index];
                 let [turn, choice, on_light] = std::array::from_fn(|_| path.sampler.next());
+                // Where the limit is reached only emission counts.
                 let ray = self.scattered_ray(&path.at.surface, turn);
+                let ray = ray.filter(|ray| passes_on || self.lights.may_be_found_by(ray));
                 if let Some(ray) = ray {
                     path.direction = ray.direction;
                     numbers.push((choice, on_light));

@@ -37,8 +37,8 @@ pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
-pub use world_surface::ray_offset;
-pub(crate) use world_surface::{Placement, Side, WorldSurface};
+pub(crate) use world_surface::{Placement, Side};
+pub use world_surface::{WorldSurface, ray_offset};
 
 use glam::{Affine3A, Vec2, Vec3};
 

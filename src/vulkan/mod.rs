@@ -9,6 +9,7 @@
 mod access;
 mod barrier;
 mod device;
+mod draw;
 mod error;
 mod frame;
 mod instance;
@@ -27,11 +28,12 @@ pub mod shaders {
 pub use access::Access;
 pub use ash::vk;
 pub use device::{Device, DeviceInfo};
+pub use draw::{DrawList, Targets};
 pub use error::VulkanError;
 pub use frame::{Frame, FrameTimes, Frames, Upload};
 pub use instance::{Instance, InstanceOptions};
 pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
-pub use pass::{DrawList, Pass, Resource, Targets};
+pub use pass::{Pass, Resource};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
 pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;

@@ -9,7 +9,7 @@ use super::access::{Access, Barrier};
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
-use super::{Buffer, BufferSlice, ComputePipeline, GraphicsPipeline, Image, MaterialSets, VulkanError};
+use super::{BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, VulkanError};
 
 /// Something that can be bound.
 #[derive(Clone, Copy)]
@@ -40,20 +40,12 @@ struct Bound<'a> {
     write: bool,
 }
 
-/// Images that a graphics pass clears to zero and draws into.
-pub struct Targets<'a> {
-    /// Colour images.
-    pub colors: &'a [&'a Image],
-    /// Depth image, cleared to 0 (infinitely far away).
-    pub depth: &'a Image,
-}
-
 /// A pass being recorded. Mistakes in bindings come out of the final call.
 pub struct Pass<'f> {
-    recorder: Recorder<'f>,
-    name: &'static str,
+    pub(super) recorder: Recorder<'f>,
+    pub(super) name: &'static str,
     pipeline: vk::Pipeline,
-    layout: &'f Layout,
+    pub(super) layout: &'f Layout,
     compute: bool,
     bound: BTreeMap<&'f str, Bound<'f>>,
     push: Vec<u8>,
@@ -128,50 +120,38 @@ impl<'f> Pass<'f> {
         Ok(())
     }
 
-    /// Clears the targets and draws into them what `draw` lists.
+    /// Draws into the targets what `draw` lists.
     pub fn draw(
         mut self,
         targets: &Targets<'_>,
         draw: impl FnOnce(&mut DrawList<'_>),
     ) -> Result<(), VulkanError> {
         self.recorder.begin_scope(self.name);
-        let mut images: Vec<(&Image, Barrier)> = Vec::new();
-        for image in targets.colors {
-            images.extend(
-                image.tracker.use_image(Access::ColorAttachment, false).map(|barrier| (*image, barrier)),
-            );
-        }
-        images.extend(
-            targets
-                .depth
-                .tracker
-                .use_image(Access::DepthAttachment, false)
-                .map(|barrier| (targets.depth, barrier)),
-        );
-        self.bind(&images)?;
-        let colors: Vec<_> = targets
-            .colors
-            .iter()
-            .map(|image| {
-                vk::RenderingAttachmentInfo::default()
-                    .image_view(image.view)
-                    .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-                    .load_op(vk::AttachmentLoadOp::CLEAR)
-                    .store_op(vk::AttachmentStoreOp::STORE)
-            })
+        let colors = targets.colors().iter().map(|image| (*image, Access::ColorAttachment));
+        let depth = targets.depth().map(|image| (image, Access::DepthAttachment));
+        let images: Vec<(&Image, Barrier)> = colors
+            .chain(depth)
+            .filter_map(|(image, access)| Some((image, image.tracker.use_image(access, false)?)))
             .collect();
-        let depth = vk::RenderingAttachmentInfo::default()
-            .image_view(targets.depth.view)
-            .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
-            .load_op(vk::AttachmentLoadOp::CLEAR)
-            .store_op(vk::AttachmentStoreOp::STORE);
-        let [width, height] = targets.depth.extent();
+        self.bind(&images)?;
+        let attachment = |image: &Image, layout| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(image.view)
+                .image_layout(layout)
+                .load_op(targets.load_op())
+                .store_op(vk::AttachmentStoreOp::STORE)
+        };
+        let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let colors: Vec<_> = targets.colors().iter().map(|image| attachment(image, color)).collect();
+        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let depth = targets.depth().map(|image| attachment(image, depth));
+        let [width, height] = targets.extent();
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
-        let info = vk::RenderingInfo::default()
-            .render_area(area)
-            .layer_count(1)
-            .color_attachments(&colors)
-            .depth_attachment(&depth);
+        let mut info =
+            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth {
+            info = info.depth_attachment(depth);
+        }
         let commands = self.recorder.commands();
         // SAFETY: the targets are in attachment layout and live until the frame is done.
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
@@ -303,81 +283,5 @@ fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,
         _ => false,
-    }
-}
-
-/// The draws of one graphics pass.
-pub struct DrawList<'p> {
-    pass: &'p Pass<'p>,
-}
-
-impl DrawList<'_> {
-    /// Draws into a part of the targets from now on.
-    pub fn viewport(&mut self, offset: [u32; 2], extent: [u32; 2]) {
-        let viewport = vk::Viewport {
-            x: offset[0] as f32,
-            y: offset[1] as f32,
-            width: extent[0] as f32,
-            height: extent[1] as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
-        let scissor = vk::Rect2D {
-            offset: vk::Offset2D {
-                x: i32::try_from(offset[0]).unwrap_or(0),
-                y: i32::try_from(offset[1]).unwrap_or(0),
-            },
-            extent: vk::Extent2D { width: extent[0], height: extent[1] },
-        };
-        // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
-            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
-        }
-    }
-
-    /// Takes vertices and 32-bit indices from here on.
-    pub fn geometry(&mut self, vertices: &Buffer, indices: &Buffer) {
-        // SAFETY: both buffers live until the frame is done and were filled before it.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            let commands = self.pass.recorder.commands();
-            raw.cmd_bind_vertex_buffers(commands, 0, &[vertices.raw], &[0]);
-            raw.cmd_bind_index_buffer(commands, indices.raw, 0, vk::IndexType::UINT32);
-        }
-    }
-
-    /// Uses the textures of a material from now on.
-    pub fn material(&mut self, sets: &MaterialSets, index: usize) {
-        // SAFETY: the set was made for set 1 of a pipeline with this layout.
-        unsafe {
-            self.pass.recorder.device().raw().cmd_bind_descriptor_sets(
-                self.pass.recorder.commands(),
-                vk::PipelineBindPoint::GRAPHICS,
-                self.pass.layout.raw,
-                1,
-                &[sets.sets[index]],
-                &[],
-            );
-        }
-    }
-
-    /// Draws `count` indices from `first` on with these push constants.
-    pub fn draw<T: Pod>(&mut self, constants: &T, first: u32, count: u32) {
-        let bytes = bytemuck::bytes_of(constants);
-        assert_eq!(
-            bytes.len(),
-            self.pass.layout.reflection.push_size as usize,
-            "push constants of pass {}",
-            self.pass.name
-        );
-        // SAFETY: the indices lie within the bound buffers, which the scene's upload made together.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            let commands = self.pass.recorder.commands();
-            raw.cmd_push_constants(commands, self.pass.layout.raw, self.pass.layout.stages, 0, bytes);
-            raw.cmd_draw_indexed(commands, count, 1, first, 0, 0);
-        }
     }
 }
