@@ -351,7 +351,8 @@ impl AreaLight {
 /// World bounds (min, max) of emissive triangles.
 fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
     let corners = emitters.iter().flat_map(|emitter| emitter.corners);
-    corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)))
+    corners
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)))
 }
 
 impl Emitter {

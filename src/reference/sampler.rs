@@ -7,7 +7,10 @@
 //! Even and odd samples come from two scramblings, so that the two halves of a picture are independent
 //! estimates: their difference is what tells the error.
 
+use std::sync::LazyLock;
+
 use glam::Vec2;
+use sobol_burley::parts::{self, Int4};
 
 use crate::sampling::hash;
 
@@ -17,10 +20,20 @@ const SEQUENCE_LENGTH: u64 = 1 << 16;
 /// Groups of four dimensions that the sequence has.
 const DIMENSION_SETS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
 
+/// The sequence's points, reversed bit by bit, for each group of dimensions, each four bits of the reversed index,
+/// and each value of these. A point is linear in the bits of its index: the sum (exclusive or) of four of these.
+static PARTS: LazyLock<Vec<[[Int4; 16]; 4]>> = LazyLock::new(|| {
+    let of_four_bits = |set, place| {
+        std::array::from_fn(|value| parts::sobol_int4_rev((value as u32) << (28 - 4 * place), set))
+    };
+    (0..DIMENSION_SETS).map(|set| std::array::from_fn(|place| of_four_bits(set, place))).collect()
+});
+
 /// Hands out the points of one sample.
 #[derive(Clone, Debug)]
 pub(super) struct Sampler {
-    index: u32,
+    /// The sample's place in the sequence, shuffled for this pixel, bits reversed.
+    index_rev: u32,
     seed: u32,
     next_set: u32,
     /// The second half of the last group, if it was not asked for yet.
@@ -32,12 +45,10 @@ impl Sampler {
     pub(super) fn new(seed: u32, pixel: u32, sample: u64) -> Self {
         let (half, place) = ((sample & 1) as u32, sample >> 1);
         let round = (place / SEQUENCE_LENGTH) as u32;
-        Self {
-            index: (place % SEQUENCE_LENGTH) as u32,
-            seed: hash(hash(seed, pixel), 2 * round + half),
-            next_set: 0,
-            spare: None,
-        }
+        let index = (place % SEQUENCE_LENGTH) as u32;
+        let seed = hash(hash(seed, pixel), 2 * round + half);
+        let index_rev = parts::owen_scramble_rev(index.reverse_bits(), hash(seed, 0));
+        Self { index_rev, seed, next_set: 0, spare: None }
     }
 
     /// The next point.
@@ -51,7 +62,14 @@ impl Sampler {
             self.seed = hash(self.seed, DIMENSION_SETS);
             self.next_set = 0;
         }
-        let [x, y, z, w] = sobol_burley::sample_4d(self.index, self.next_set, self.seed);
+        let parts = &PARTS[self.next_set as usize];
+        let four_bits = |place: usize| parts[place][(self.index_rev >> (28 - 4 * place) & 15) as usize];
+        let point_rev = four_bits(0) ^ four_bits(1) ^ four_bits(2) ^ four_bits(3);
+        // Each dimension has a scrambling of its own.
+        let first = 4 * self.next_set;
+        let seeds = Int4::from([first, first + 1, first + 2, first + 3]) ^ Int4::from([self.seed; 4]);
+        let scrambled = parts::owen_scramble_int4_rev(point_rev, parts::hash_int4(seeds));
+        let [x, y, z, w] = scrambled.reverse_bits().to_f32_norm();
         self.next_set += 1;
         self.spare = Some(Vec2::new(z, w));
         Vec2::new(x, y)
