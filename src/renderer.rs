@@ -22,7 +22,7 @@ use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, percentile
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
 use crate::settings::{Settings, TracerKind};
 use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
-use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+use crate::vulkan::{Device, FrameTimes, Frames, Image, VulkanError};
 use passes::{PassInputs, Passes};
 
 /// Why a picture could not be made.
@@ -210,6 +210,21 @@ impl Renderer {
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
             counts: self.vpls.counters(),
         }
+    }
+
+    /// The reports of finished frames that were not given yet, in order. Does not wait.
+    pub fn take_reports(&mut self) -> Vec<FrameReport> {
+        std::mem::take(&mut self.reports)
+    }
+
+    /// The picture of the last frame, sRGB-encoded, on the device.
+    pub fn display(&self) -> &Image {
+        self.passes.combine.display()
+    }
+
+    /// The BVH of the world as the last frame showed it.
+    pub fn bvh(&self) -> &TwoLevelBvh {
+        &self.bvh
     }
 
     /// Waits for all frames and gives the reports that were not given yet, in order.

@@ -216,6 +216,25 @@ impl Settings {
         Ok(())
     }
 
+    /// The options of the command line, without their dashes, that make these settings out of the defaults,
+    /// each with its value.
+    pub fn differing_options(&self) -> Vec<(String, String)> {
+        let table = |settings: &Self| toml::Table::try_from(settings).unwrap_or_default();
+        let defaults = table(&Self::default());
+        let written = |value: toml::Value| match value {
+            toml::Value::String(text) => text,
+            toml::Value::Array(sides) => {
+                sides.iter().map(ToString::to_string).collect::<Vec<_>>().join("x")
+            }
+            number => number.to_string(),
+        };
+        table(self)
+            .into_iter()
+            .filter(|(name, value)| defaults.get(name) != Some(value))
+            .map(|(name, value)| (name.replace('_', "-"), written(value)))
+            .collect()
+    }
+
     fn check_ranges(&self) -> Result<(), SettingsError> {
         let [width, height] = self.size;
         let side = 1..=16_384;

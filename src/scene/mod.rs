@@ -144,6 +144,21 @@ impl Scene {
         }
     }
 
+    /// A copy without meshes and textures, which is all that [`Self::pose`] needs.
+    pub fn without_meshes(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            instances: self.instances.clone(),
+            lights: self.lights.clone(),
+            camera: self.camera,
+            camera_animation: self.camera_animation.clone(),
+            background: self.background,
+            settings: self.settings.clone(),
+            warnings: self.warnings.clone(),
+            ..Self::new("")
+        }
+    }
+
     /// Where everything stands at `time`, seconds.
     pub fn pose(&self, time: f64) -> Pose {
         let transform = |instance: &Instance| match &instance.animation {

@@ -1,4 +1,5 @@
-//! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking, timers.
+//! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking,
+//! timers, windows.
 //!
 //! Every object frees itself when dropped and keeps alive what it was made from. A [`Frame`] records
 //! passes: resources are bound by the names that the shaders give them, and a small tracker in each
@@ -16,7 +17,11 @@ mod memory;
 mod pass;
 mod pipeline;
 mod reflect;
+mod present;
 mod sampler;
+mod surface;
+mod swapchain;
+mod ui;
 mod upload;
 
 /// The compiled shaders, one constant a file.
@@ -34,4 +39,8 @@ pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
 pub use pass::{DrawList, Pass, Resource, Targets};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
 pub use reflect::{BindingKind, Reflection};
+pub use present::{Presented, Presenter};
 pub use sampler::Sampler;
+pub use surface::Surface;
+pub use swapchain::PresentMode;
+pub use ui::UiDrawing;

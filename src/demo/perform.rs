@@ -1,0 +1,121 @@
+//! Carries out wishes, between frames.
+
+use serde_json::json;
+
+use super::DemoError;
+use super::action::Action;
+use super::app::App;
+use super::gpu::Gpu;
+use super::loader::Order;
+use super::screenshot;
+use crate::settings::Settings;
+use super::app::Open;
+
+impl App {
+    /// Does what a person asked for. What a person can get wrong is shown in the panel; an error ends the
+    /// program.
+    pub(super) fn perform(&mut self, wish: Action) -> Result<(), DemoError> {
+        self.log.event("action", &wish);
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let own = open.stage.as_ref().map(|stage| stage.rest.pose(open.clock.time).camera);
+        match wish {
+            Action::ToggleHelp => open.panel.help = !open.panel.help,
+            Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
+            Action::TogglePause => open.clock.paused = !open.clock.paused,
+            Action::Scrub(time) => open.clock.time = time.max(0.0),
+            Action::Home => open.flight.home(),
+            Action::StoreBookmark(number) => {
+                if let Some(own) = own {
+                    open.flight.store(number, open.flight.camera(&own));
+                    open.panel.message = format!("camera {} kept", number + 1);
+                }
+            }
+            Action::GoToBookmark(number) => {
+                if let Some(camera) = open.flight.bookmark(number) {
+                    open.flight.go_to(camera);
+                }
+            }
+            Action::ToggleFullscreen => {
+                let full = open.window.fullscreen().is_some();
+                let wanted = (!full).then_some(winit::window::Fullscreen::Borderless(None));
+                open.window.set_fullscreen(wanted);
+            }
+            Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
+            Action::RestartDevice(index) => return self.restart_device(index),
+            Action::Open(name) => {
+                open.panel.error = None;
+                open.order(name, None);
+            }
+            Action::Set(settings) => open.set(*settings),
+            Action::Screenshot { exr } => {
+                if let Some(stage) = &open.stage {
+                    open.saving.push(screenshot::take(stage, exr)?);
+                }
+            }
+            Action::CopyCommand => {
+                if let Some(stage) = &open.stage {
+                    let command = stage.command_line();
+                    self.log.event("command", &command);
+                    open.panel.message = format!("copied: {command}");
+                    open.egui.set_clipboard_text(command);
+                }
+            }
+            Action::Quit => open.closing = true,
+        }
+        Ok(())
+    }
+
+    /// Closes the device and opens another, or the same one again, with the same scene.
+    pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        open.loader.stop();
+        let stage = open.stage.take();
+        let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
+        let mode = open.gpu.presenter.mode();
+        open.gpu.presenter.close();
+        open.gpu = Gpu::open_on(open.gpu.instance(), &open.window, wanted.as_deref(), mode)?;
+        open.forget_textures();
+        let info = open.gpu.device.info();
+        self.log.event("device", json!({ "name": info.name, "index": info.index }));
+        if let Some(stage) = stage {
+            open.order(stage.name, Some(stage.settings));
+        }
+        Ok(())
+    }
+}
+
+impl Open {
+    /// Has a scene loaded and shown: with these settings, or with its own.
+    fn order(&mut self, name: String, settings: Option<Settings>) {
+        let size = self.window.inner_size();
+        let order = Order {
+            name,
+            settings,
+            device: std::sync::Arc::clone(&self.gpu.device),
+            size: [size.width.max(1), size.height.max(1)],
+        };
+        self.loader.start(order);
+    }
+
+    /// Changes the settings of the scene on show.
+    fn set(&mut self, settings: Settings) {
+        let Some(stage) = &mut self.stage else { return };
+        if let Err(error) = settings.check() {
+            self.panel.error = Some(error.to_string());
+            return;
+        }
+        stage.settings = settings.clone();
+        let name = stage.name.clone();
+        self.order(name, Some(settings));
+    }
+
+    /// A new user interface that looks like the old one: it sends its textures again.
+    fn forget_textures(&mut self) {
+        let context = egui::Context::default();
+        let memory = self.egui.egui_ctx().memory(Clone::clone);
+        context.memory_mut(|fresh| *fresh = memory);
+        let scale = Some(self.window.scale_factor() as f32);
+        self.egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &self.window, scale, None, None);
+        self.textures = egui::TexturesDelta::default();
+    }
+}
