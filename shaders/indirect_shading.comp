@@ -21,16 +21,6 @@ layout(set = 0, binding = 6, rgba32ui) uniform uimage2D class_irradiance;
 
 layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
 
-vec3 contribution(GpuVpl vpl, vec3 p, vec3 n) {
-    vec3 d = vpl.position - p;
-    float squared = dot(d, d);
-    if (squared <= 0.0) return vec3(0.0);
-    float inverse = 1.0 / squared;
-    float cosines = max(dot(n, d), 0.0) * max(-dot(vpl.normal, d), 0.0) * inverse;
-    float c = frame.background.w;
-    return vpl.flux / PI * cosines * (c > 0.0 ? min(inverse, c) : inverse);
-}
-
 void main() {
     // In the order of the picture: unlike rays, sums gain nothing from neighbours of one class.
     uvec2 pixel = gl_GlobalInvocationID.xy;

@@ -3,8 +3,16 @@
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
+mod live;
 mod passes;
+mod paths;
+mod pick;
 mod picture;
+mod view;
+
+pub use paths::reason_colour;
+pub use pick::{Picked, camera_ray};
+pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -13,17 +21,18 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
-use crate::passes::indirect_reprojection::DrawnSet;
 use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
 use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, percentile};
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
 use crate::settings::{Settings, TracerKind};
 use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
-use crate::vulkan::{Device, FrameTimes, Frames, Image, VulkanError};
+use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use passes::{PassInputs, Passes};
+use view::ViewOfFrame;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +49,7 @@ pub enum RenderError {
 pub struct Renderer {
     scene: Arc<Scene>,
     settings: Settings,
+    view: DebugView,
     bvh: TwoLevelBvh,
     vpls: VplManager,
     lengths: Lengths,
@@ -110,6 +120,7 @@ impl Renderer {
             device: Arc::clone(device),
             scene: Arc::clone(scene),
             settings: settings.clone(),
+            view: DebugView::default(),
             bvh,
             vpls,
             lengths,
@@ -126,6 +137,8 @@ impl Renderer {
         let scene = Arc::clone(&self.scene);
         let lights = self.update(&scene, pose);
         let uniforms = self.uniforms(pose);
+        let world = World { scene: &scene, pose, bvh: &self.bvh };
+        let view = ViewOfFrame::new(&self.view, &self.vpls, world, self.settings.size);
 
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
@@ -151,6 +164,7 @@ impl Renderer {
             vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,
             drawn: lights.drawn,
             set_flux: &lights.flux.sets,
+            view,
         };
         self.passes.record(&mut frame, &inputs)?;
         frame.submit()?;
@@ -166,7 +180,7 @@ impl Renderer {
 
     /// What the passes want to know of the view; the set is the caller's business.
     fn uniforms(&self, pose: &Pose) -> FrameUniforms {
-        let Settings { size, interleave, temporal_sets, clamp, position_cutoff, .. } = self.settings;
+        let Settings { size, interleave, position_cutoff, .. } = self.settings;
         let camera = &pose.camera;
         // Near and far swapped: reversed depth keeps its precision far away.
         let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
@@ -178,7 +192,7 @@ impl Renderer {
             view_projection,
             previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
             eye: camera.eye.extend(self.lengths.radius),
-            background: self.scene.background.extend(clamp / self.lengths.transport.powi(2)),
+            background: self.scene.background.extend(self.geometry_bound()),
             ray,
             ray_x,
             ray_y,
@@ -187,9 +201,13 @@ impl Renderer {
             light_count: u32::try_from(pose.lights.iter().filter(has_shadow_map).count()).unwrap_or(u32::MAX),
             position_cutoff,
             depth_scale: power_of_two_near(self.lengths.radius).recip(),
-            sets: temporal_sets,
             ..FrameUniforms::default()
         }
+    }
+
+    /// Bound c of the geometry term, 1/m^2; 0: none.
+    fn geometry_bound(&self) -> f32 {
+        self.settings.clamp / self.lengths.transport.powi(2)
     }
 
     /// The CPU's three stages, while the device is busy with the frame before.
@@ -215,11 +233,6 @@ impl Renderer {
     /// The reports of finished frames that were not given yet, in order. Does not wait.
     pub fn take_reports(&mut self) -> Vec<FrameReport> {
         std::mem::take(&mut self.reports)
-    }
-
-    /// The picture of the last frame, sRGB-encoded, on the device.
-    pub fn display(&self) -> &Image {
-        self.passes.combine.display()
     }
 
     /// The BVH of the world as the last frame showed it.

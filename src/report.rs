@@ -4,7 +4,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::settings::Settings;
-use crate::vpl::VplCounters;
+use crate::vpl::{InvalidatedBy, InvalidationReason, VplCounters};
 
 /// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
 /// files and shaders.
@@ -155,11 +155,22 @@ fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
             slots: count(|frame| frame.vpls.slots)?,
             valid: count(|frame| frame.vpls.valid)?,
             escaped: count(|frame| frame.vpls.escaped)?,
+            stale: count(|frame| frame.vpls.stale)?,
             invalidated: count(|frame| frame.vpls.invalidated)?,
+            invalidated_by: invalidated_by_at(frames, quantile)?,
             shot: count(|frame| frame.vpls.shot)?,
         },
         shadow_rays: percentile(frames.iter().map(|frame| frame.figures.shadow_rays), quantile)?,
     })
+}
+
+fn invalidated_by_at(frames: &[FrameReport], quantile: f64) -> Option<InvalidatedBy> {
+    let mut counts = InvalidatedBy::default();
+    for reason in InvalidationReason::ALL {
+        let of_frames = frames.iter().map(|frame| frame.figures.vpls.invalidated_by.count(reason));
+        *counts.count_mut(reason) = percentile(of_frames, quantile)?;
+    }
+    Some(counts)
 }
 
 #[cfg(test)]
@@ -193,8 +204,8 @@ mod tests {
                     slots: 512,
                     valid: 500,
                     escaped: 12,
-                    invalidated: 0,
                     shot: number as u32,
+                    ..VplCounters::default()
                 },
                 shadow_rays: 1000 - number,
             },
@@ -229,7 +240,7 @@ mod tests {
         let top = vec!["scene", "device", "driver", "settings", "commit", "frames", "summary"];
         assert_eq!(keys(&json), sorted(top));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
-        let counts = vec!["slots", "valid", "escaped", "invalidated", "shot"];
+        let counts = vec!["slots", "valid", "escaped", "stale", "invalidated", "invalidated_by", "shot"];
         let first = &json["frames"][0];
         assert_eq!(keys(first), sorted([figures.clone(), vec!["frame"]].concat()));
         for part in [first, &json["summary"]["median"], &json["summary"]["p95"]] {

@@ -15,10 +15,6 @@ layout(set = 0, binding = 0, std140) uniform FrameUniforms {
     float irradiance_scale;        // set buffers hold irradiance times this
     float depth_scale;             // packed depths are view depths times this
     uint set;                      // temporal set of this frame
-    uint sets;                     // T
-    uint pad0;
-    uint pad1;
-    uint pad2;
 } frame;
 
 const float PI = 3.14159265358979;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::options::RunOptions;
-use super::render::{RenderOptions, render};
+use super::render::{RenderOptions, ViewOptions, render};
 use super::{CliError, device, say};
 use crate::demo::{self, DemoError, Launch};
 use crate::settings::Settings;
@@ -47,7 +47,8 @@ fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<
     let out = format!("glowworm-{name}.png");
     say::warning(&format!("no display to open a window on ({reason}); rendering {} to {out}", options.scene));
     let DemoOptions { scene, settings, run } = options;
-    render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, settings, run }, given)
+    let view = ViewOptions::default();
+    render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, view, settings, run }, given)
 }
 
 impl From<DemoError> for CliError {

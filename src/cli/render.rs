@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::options::RunOptions;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
-use crate::renderer::Renderer;
+use crate::renderer::{BufferView, DebugView, PathStyle, Renderer};
 use crate::report::{FrameReport, RenderReport};
 use crate::scene::{Pose, Scene, load_scene};
 use crate::settings::Settings;
@@ -31,9 +31,41 @@ pub(super) struct RenderOptions {
     #[arg(long, help_heading = "Files")]
     pub layers: bool,
     #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
     pub run: RunOptions,
+}
+
+/// What to look at other than the picture.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Looking inside (.png only)")]
+pub(super) struct ViewOptions {
+    /// Show one of the images that a frame goes through in place of the picture.
+    #[arg(long, value_name = "NAME", value_enum, default_value = "combined")]
+    view: BufferView,
+    /// The temporal set that set-buffer and set-reprojected show.
+    #[arg(long, value_name = "K", default_value = "0")]
+    view_set: u32,
+    /// Draw VPLs as points and their paths as lines; colours tell this.
+    #[arg(long, value_name = "COLOURS", value_enum)]
+    vpl_paths: Option<PathStyle>,
+    /// Show the light and path of the VPL in this slot alone, as bright as if all VPLs were like it.
+    #[arg(long, value_name = "SLOT")]
+    single_vpl: Option<u32>,
+}
+
+impl ViewOptions {
+    fn debug_view(&self) -> DebugView {
+        DebugView {
+            buffer: self.view,
+            set: self.view_set,
+            vpl_paths: self.vpl_paths,
+            single_vpl: self.single_vpl,
+            lines: Vec::new(),
+        }
+    }
 }
 
 /// Renders the scene. `given` are the settings given on the command line.
@@ -52,6 +84,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     device::note_slow(&device);
     let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
+    renderer.set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut renderer, frames, &target, pose_of)?;
     drop(renderer);
     device::check_validation(&device.validation_messages())?;

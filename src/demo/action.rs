@@ -3,6 +3,7 @@
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use crate::renderer::DebugView;
 use crate::settings::Settings;
 use crate::vulkan::PresentMode;
 
@@ -34,6 +35,18 @@ pub enum Action {
     Open(String),
     /// Changes the settings.
     Set(Box<Settings>),
+    /// Shows something else in place of the picture, or over it.
+    View(Box<DebugView>),
+    /// Shows the next buffer, or the one before.
+    StepBuffer(i32),
+    /// Shows the light of the next VPL alone, or of the one before.
+    StepVpl(i32),
+    /// Shows the light of all VPLs again.
+    AllVpls,
+    /// Draws the paths of VPLs, or no longer.
+    TogglePaths,
+    /// Lists the VPLs that light the next point that is clicked, or no longer.
+    ToggleInspector,
     /// Writes the picture to a file: PNG, or EXR.
     Screenshot {
         /// Linear radiance instead of what is on screen.
@@ -69,6 +82,15 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
     bind("F4", "copy the command line of this picture", KeyCode::F4, NONE, || Action::CopyCommand),
+    bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
+    bind("Shift+V", "buffer before", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
+    bind("P", "paths of VPLs on and off", KeyCode::KeyP, NONE, || Action::TogglePaths),
+    bind(".", "next VPL alone", KeyCode::Period, NONE, || Action::StepVpl(1)),
+    bind(",", "VPL before alone", KeyCode::Comma, NONE, || Action::StepVpl(-1)),
+    bind("/", "all VPLs again", KeyCode::Slash, NONE, || Action::AllVpls),
+    bind("I", "inspector: which VPLs light the point that is clicked", KeyCode::KeyI, NONE, || {
+        Action::ToggleInspector
+    }),
     bind("Ctrl+Q", "close", KeyCode::KeyQ, CONTROL, || Action::Quit),
 ];
 

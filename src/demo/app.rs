@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use glam::Vec2;
 use serde_json::json;
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
@@ -15,6 +16,7 @@ use super::clock::{Clock, Pace};
 use super::flight::Flight;
 use super::gpu::Gpu;
 use super::history::{History, Sample};
+use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
 use super::panel::{self, PanelState, Shown};
@@ -54,6 +56,7 @@ pub(super) struct Open {
     pub flight: Flight,
     pub pointer: Pointer,
     pub history: History,
+    pub inspector: Inspector,
     pub modifiers: ModifiersState,
     /// Textures of the user interface that have not reached the device.
     pub textures: egui::TexturesDelta,
@@ -116,6 +119,7 @@ impl App {
             flight: Flight::new(1.0),
             pointer: Pointer::default(),
             history: History::default(),
+            inspector: Inspector::default(),
             modifiers: ModifiersState::empty(),
             textures: egui::TexturesDelta::default(),
             resized: None,
@@ -278,10 +282,10 @@ impl Open {
             let mut shown = Shown {
                 stage: self.stage.as_ref(),
                 clock: &mut self.clock,
-                flight: &self.flight,
                 history: &self.history,
                 loader: &self.loader,
                 gpu: &self.gpu,
+                inspector: &self.inspector,
             };
             wishes.extend(panel::show(ui, &mut self.panel, &mut shown));
         });
@@ -294,15 +298,16 @@ impl Open {
 
     fn draw_stage(&mut self) -> Result<(), DemoError> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
+        self.inspector.refresh(stage)?;
         let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
         Ok(stage.render(self.clock.time, camera)?)
     }
 
     /// Where the pointer is in the picture, from (0, 0) at the top left to (1, 1).
-    fn pointer_in_picture(&self) -> [f32; 2] {
+    fn pointer_in_picture(&self) -> Vec2 {
         let size = self.window.inner_size();
-        let [x, y] = self.pointer.position;
-        [x / size.width.max(1) as f32, y / size.height.max(1) as f32]
+        let extent = Vec2::new(size.width.max(1) as f32, size.height.max(1) as f32);
+        Vec2::from_array(self.pointer.position) / extent
     }
 
     fn key(&mut self, code: KeyCode, state: ElementState, repeat: bool) {
@@ -330,8 +335,14 @@ impl Open {
             }
             MouseButton::Middle => {
                 let at = self.pointer_in_picture();
-                if let Some((point, _)) = self.stage.as_ref().and_then(|stage| stage.pick(at)) {
-                    self.pointer.begin(button, Drag::Orbit(point));
+                if let Some(picked) = self.stage.as_ref().and_then(|stage| stage.pick(at)) {
+                    self.pointer.begin(button, Drag::Orbit(picked.surface.position));
+                }
+            }
+            MouseButton::Left if self.inspector.is_on() => {
+                let at = self.pointer_in_picture();
+                if let Some(stage) = &self.stage {
+                    self.inspector.look(stage, at);
                 }
             }
             _ => {}

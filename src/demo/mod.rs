@@ -9,6 +9,7 @@ mod clock;
 mod flight;
 mod gpu;
 mod history;
+mod inspector;
 mod loader;
 mod log;
 mod panel;

@@ -8,7 +8,9 @@ use super::app::App;
 use super::gpu::Gpu;
 use super::loader::Order;
 use super::screenshot;
+use crate::renderer::{BufferView, DebugView, PathStyle};
 use crate::settings::Settings;
+use crate::vpl::SlotState;
 use super::app::Open;
 
 impl App {
@@ -46,7 +48,15 @@ impl App {
                 open.panel.error = None;
                 open.order(name, None);
             }
-            Action::Set(settings) => open.set(*settings),
+            Action::Set(settings) => open.set(&settings)?,
+            Action::View(view) => open.view(&view)?,
+            Action::StepBuffer(by) => open.step_buffer(by)?,
+            Action::StepVpl(by) => open.step_vpl(by)?,
+            Action::AllVpls => open.change_view(|view| view.single_vpl = None)?,
+            Action::TogglePaths => open.change_view(|view| {
+                view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
+            })?,
+            Action::ToggleInspector => open.inspector.toggle(),
             Action::Screenshot { exr } => {
                 if let Some(stage) = &open.stage {
                     open.saving.push(screenshot::take(stage, exr)?);
@@ -98,15 +108,62 @@ impl Open {
     }
 
     /// Changes the settings of the scene on show.
-    fn set(&mut self, settings: Settings) {
-        let Some(stage) = &mut self.stage else { return };
+    fn set(&mut self, settings: &Settings) -> Result<(), DemoError> {
+        let Some(stage) = &mut self.stage else { return Ok(()) };
         if let Err(error) = settings.check() {
             self.panel.error = Some(error.to_string());
-            return;
+            return Ok(());
         }
-        stage.settings = settings.clone();
-        let name = stage.name.clone();
-        self.order(name, Some(settings));
+        match stage.renderer.set_settings(settings, &stage.pose).map_err(DemoError::from) {
+            Ok(()) => stage.settings.clone_from(settings),
+            Err(error) if error.is_device_lost() => return Err(error),
+            Err(error) => self.panel.error = Some(error.to_string()),
+        }
+        Ok(())
+    }
+
+    fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
+        match &mut self.stage {
+            Some(stage) => Ok(stage.renderer.set_view(view)?),
+            None => Ok(()),
+        }
+    }
+
+    fn change_view(&mut self, change: impl FnOnce(&mut DebugView)) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let mut view = stage.renderer.view().clone();
+        change(&mut view);
+        self.view(&view)
+    }
+
+    fn step_buffer(&mut self, by: i32) -> Result<(), DemoError> {
+        self.change_view(|view| {
+            let all = BufferView::ALL;
+            let now = all.iter().position(|buffer| *buffer == view.buffer).unwrap_or(0);
+            let next = (now as i32 + by).rem_euclid(all.len() as i32);
+            view.buffer = all[next as usize];
+        })
+    }
+
+    /// Goes to the next valid VPL, or the one before; from all VPLs to the first.
+    fn step_vpl(&mut self, by: i32) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let slots = stage.renderer.vpls().slots();
+        let valid: Vec<u32> =
+            slots.filter(|slot| slot.state == SlotState::Valid).map(|slot| slot.slot).collect();
+        self.change_view(|view| {
+            let next = match view.single_vpl {
+                None => 0,
+                Some(now) if by > 0 => valid.iter().position(|slot| *slot > now).unwrap_or(0),
+                Some(now) => {
+                    let before = valid.iter().rposition(|slot| *slot < now);
+                    before.unwrap_or(valid.len().saturating_sub(1))
+                }
+            };
+            view.single_vpl = valid.get(next).copied();
+            // So that the path is seen as well.
+            view.vpl_paths.get_or_insert_default();
+        })
     }
 
     /// A new user interface that looks like the old one: it sends its textures again.

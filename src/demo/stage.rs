@@ -1,10 +1,10 @@
 //! The scene that is shown, with its renderer.
 
-use glam::Vec3;
+use glam::Vec2;
 
 use super::loader::Built;
-use crate::bvh::{Hit, Ray};
-use crate::renderer::{RenderError, Renderer};
+use crate::bvh::Ray;
+use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
 use crate::scene::{Camera, Pose, Scene};
 use crate::settings::Settings;
@@ -46,18 +46,17 @@ impl Stage {
     }
 
     /// The nearest surface at a place in the picture, from (0, 0) at the top left to (1, 1).
-    pub fn pick(&self, at: [f32; 2]) -> Option<(Vec3, Hit)> {
-        let ray = self.ray(at);
-        let hit = self.renderer.bvh().intersect(&ray)?;
-        Some((ray.origin + ray.direction * hit.t, hit))
+    pub fn pick(&self, at: Vec2) -> Option<Picked> {
+        self.renderer.pick(&self.pose, at * self.extent())
     }
 
     /// The ray through a place in the picture.
-    pub fn ray(&self, [x, y]: [f32; 2]) -> Ray {
-        let camera = &self.pose.camera;
-        let [middle, across, down] = camera.pixel_rays(self.aspect());
-        let direction = middle + across * (2.0 * x - 1.0) + down * (2.0 * y - 1.0);
-        Ray { origin: camera.eye, direction, t_min: camera.near, t_max: camera.far }
+    pub fn ray(&self, at: Vec2) -> Ray {
+        camera_ray(&self.pose.camera, self.settings.size, at * self.extent())
+    }
+
+    fn extent(&self) -> Vec2 {
+        Vec2::from_array(self.settings.size.map(|side| side as f32))
     }
 
     /// The command line that renders this scene with these settings.
@@ -74,10 +73,5 @@ impl Stage {
             .collect();
         let out = format!("{}.png", self.rest.name);
         format!("glowworm render {}{options} --out {}", quoted(&self.name), quoted(&out))
-    }
-
-    /// Width over height of the picture.
-    pub fn aspect(&self) -> f32 {
-        self.settings.size[0] as f32 / self.settings.size[1] as f32
     }
 }

@@ -1,11 +1,14 @@
 //! `combine`: direct light plus albedo/pi times indirect irradiance, exposure, filmic tone map, sRGB.
 
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
 use super::storage_image;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{
+    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
+};
 
 /// Bins of the luminance histogram.
 const BINS: u64 = 256;
@@ -33,9 +36,9 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
-    combine: ComputePipeline,
-    exposure: ComputePipeline,
-    tone_map: ComputePipeline,
+    combine: Arc<ComputePipeline>,
+    exposure: Arc<ComputePipeline>,
+    tone_map: Arc<ComputePipeline>,
     colour: Image,
     display: Image,
     histogram: Buffer,
@@ -45,12 +48,26 @@ pub struct CombinePass {
 impl CombinePass {
     /// Makes the pipelines and the images, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
         Ok(Self {
-            combine: ComputePipeline::new(device, "combine", shaders::COMBINE_COMP)?,
-            exposure: ComputePipeline::new(device, "exposure", shaders::EXPOSURE_COMP)?,
-            tone_map: ComputePipeline::new(device, "tone_map", shaders::TONE_MAP_COMP)?,
-            colour: storage_image(device, "colour", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            display: storage_image(device, "display", vk::Format::R8G8B8A8_UNORM, extent)?,
+            combine: pipeline("combine", shaders::COMBINE_COMP)?,
+            exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
+            tone_map: pipeline("tone_map", shaders::TONE_MAP_COMP)?,
+            colour: colour(device, extent)?,
+            display: display(device, extent)?,
+            histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
+            factor: Buffer::new(device, "exposure_factor", 16)?,
+        })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            combine: Arc::clone(&self.combine),
+            exposure: Arc::clone(&self.exposure),
+            tone_map: Arc::clone(&self.tone_map),
+            colour: colour(device, extent)?,
+            display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
         })
@@ -64,6 +81,11 @@ impl CombinePass {
     /// What the last frame shows: RGBA8, sRGB-encoded.
     pub fn display(&self) -> &Image {
         &self.display
+    }
+
+    /// What radiance is multiplied by before it is shown.
+    pub fn exposure(&self) -> &Buffer {
+        &self.factor
     }
 
     /// Makes the picture.
@@ -98,4 +120,15 @@ impl CombinePass {
             .dispatch_over(extent)?;
         Ok(&self.display)
     }
+}
+
+fn colour(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "colour", vk::Format::R32G32B32A32_SFLOAT, extent)
+}
+
+/// Views draw over it.
+fn display(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    let format = vk::Format::R8G8B8A8_UNORM;
+    let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::COLOR_ATTACHMENT;
+    Image::new(device, &ImageDescription { name: "display", format, extent, layers: None, levels: 1, usage })
 }

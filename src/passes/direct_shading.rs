@@ -1,6 +1,7 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
 //! specular; what surfaces emit; the background.
 
+
 use std::sync::Arc;
 
 use super::direct_shadows::Shadows;
@@ -23,17 +24,20 @@ pub struct DirectShadingInputs<'a> {
 
 /// The pass.
 pub struct DirectShadingPass {
-    pipeline: ComputePipeline,
+    pipeline: Arc<ComputePipeline>,
     direct: Image,
 }
 
 impl DirectShadingPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            pipeline: ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?,
-            direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-        })
+        let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
+        Ok(Self { pipeline: Arc::new(pipeline), direct: direct(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), direct: direct(device, extent)? })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -63,4 +67,8 @@ impl DirectShadingPass {
             .dispatch_over(self.direct.extent())?;
         Ok(&self.direct)
     }
+}
+
+fn direct(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)
 }

@@ -44,6 +44,10 @@ pub struct Shadows<'a> {
     pub lights: Upload,
     /// `ShadowTile`s of this frame.
     pub tiles: Upload,
+    /// How many.
+    pub tile_count: u32,
+    /// Texels across each.
+    pub tile_size: u32,
 }
 
 #[repr(C)]
@@ -79,6 +83,7 @@ impl DirectShadowsPass {
                 ],
                 colors: &[],
                 depth_bias: Some([0.0, SLOPE_BIAS]),
+                blend: false,
             },
         )?;
         let atlas = atlas(device, [1, 1])?;
@@ -99,6 +104,7 @@ impl DirectShadowsPass {
         let plan = ShadowPlan::new(inputs.pose, &view);
         let lights = frame.upload(&plan.lights)?;
         let tiles = frame.upload(&plan.tiles)?;
+        let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
         let current = self.drawn.as_ref().is_some_and(|(tiles, instances)| {
             tiles.tiles == plan.tiles && *instances == inputs.pose.instances
         });
@@ -111,7 +117,7 @@ impl DirectShadowsPass {
             self.draw(frame, inputs, &plan)?;
             self.drawn = Some((plan, inputs.pose.instances.clone()));
         }
-        Ok(Shadows { atlas: &self.atlas, lights, tiles })
+        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_size })
     }
 
     fn draw(
@@ -121,7 +127,7 @@ impl DirectShadowsPass {
         plan: &ShadowPlan,
     ) -> Result<(), VulkanError> {
         let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
-        inputs.tracer.bind_masks(pass).draw(&Targets { colors: &[], depth: &self.atlas }, |list| {
+        inputs.tracer.bind_masks(pass).draw(&Targets::Cleared { colors: &[], depth: &self.atlas }, |list| {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
             for tile in &plan.tiles {
                 let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];

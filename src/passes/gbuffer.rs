@@ -1,6 +1,7 @@
 //! `gbuffer`: position, normal, albedo, specular, instance and motion of the nearest surface, by raster.
 
 use std::mem::offset_of;
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -42,6 +43,29 @@ pub struct GBuffer {
     depth: Image,
 }
 
+impl GBuffer {
+    fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let target = |name: &str, format, usage| {
+            Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
+        };
+        let color =
+            |name: &str, index: usize| target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT);
+        Ok(Self {
+            position: color("gbuffer_position", 0)?,
+            normal: color("gbuffer_normal", 1)?,
+            albedo: color("gbuffer_albedo", 2)?,
+            specular: color("gbuffer_specular", 3)?,
+            instance: color("gbuffer_instance", 4)?,
+            motion: color("gbuffer_motion", 5)?,
+            depth: target(
+                "gbuffer_depth",
+                vk::Format::D32_SFLOAT,
+                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            )?,
+        })
+    }
+}
+
 /// What the pass reads.
 pub struct GBufferInputs<'a> {
     /// Frame uniforms.
@@ -67,8 +91,8 @@ struct Push {
 
 /// The pass.
 pub struct GBufferPass {
-    pipeline: GraphicsPipeline,
-    materials: MaterialSets,
+    pipeline: Arc<GraphicsPipeline>,
+    materials: Arc<MaterialSets>,
     targets: GBuffer,
 }
 
@@ -90,30 +114,26 @@ impl GBufferPass {
                 attributes: &attributes,
                 colors: &FORMATS,
                 depth_bias: None,
+                blend: false,
             },
         )?;
         let images: Vec<&Image> =
             scene.material_textures.iter().map(|&texture| &scene.textures[texture]).collect();
         let materials = MaterialSets::new(device, &pipeline, &images, &scene.sampler)?;
-        let target = |name: &str, format, usage| {
-            Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
-        };
-        let color =
-            |name: &str, index: usize| target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT);
-        let targets = GBuffer {
-            position: color("gbuffer_position", 0)?,
-            normal: color("gbuffer_normal", 1)?,
-            albedo: color("gbuffer_albedo", 2)?,
-            specular: color("gbuffer_specular", 3)?,
-            instance: color("gbuffer_instance", 4)?,
-            motion: color("gbuffer_motion", 5)?,
-            depth: target(
-                "gbuffer_depth",
-                vk::Format::D32_SFLOAT,
-                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
-            )?,
-        };
-        Ok(Self { pipeline, materials, targets })
+        Ok(Self {
+            pipeline: Arc::new(pipeline),
+            materials: Arc::new(materials),
+            targets: GBuffer::new(device, extent)?,
+        })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            pipeline: Arc::clone(&self.pipeline),
+            materials: Arc::clone(&self.materials),
+            targets: GBuffer::new(device, extent)?,
+        })
     }
 
     /// What the last frame wrote.
@@ -137,21 +157,25 @@ impl GBufferPass {
             .read("frame", inputs.frame)
             .read("instances", inputs.instances)
             .read("materials", &inputs.scene.materials);
-        inputs.tracer.bind_masks(pass).draw(&Targets { colors: &colors, depth: &targets.depth }, |list| {
-            list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-            let draws = visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
-                last.material == next.material
-            });
-            let mut bound = None;
-            for draw in &draws {
-                if bound != Some(draw.material) {
-                    list.material(&self.materials, draw.material as usize);
-                    bound = Some(draw.material);
+        inputs.tracer.bind_masks(pass).draw(
+            &Targets::Cleared { colors: &colors, depth: &targets.depth },
+            |list| {
+                list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
+                let draws =
+                    visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
+                        last.material == next.material
+                    });
+                let mut bound = None;
+                for draw in &draws {
+                    if bound != Some(draw.material) {
+                        list.material(&self.materials, draw.material as usize);
+                        bound = Some(draw.material);
+                    }
+                    let push = Push { instance: draw.instance, material: draw.material };
+                    list.draw(&push, draw.first, draw.count);
                 }
-                let push = Push { instance: draw.instance, material: draw.material };
-                list.draw(&push, draw.first, draw.count);
-            }
-        })?;
+            },
+        )?;
         Ok(targets)
     }
 }

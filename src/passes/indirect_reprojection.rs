@@ -1,20 +1,17 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec4;
 
 use super::gbuffer::GBuffer;
-use super::scene_buffers::transform_rows;
+use super::set_history::{DrawnSet, SetHistory, parameters, upload_parameters};
 use super::storage_image;
 use super::structs::SetParameters;
-use crate::scene::{Camera, Pose};
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
-
-/// Room for sets in the shader's uniform block: the most temporal sets that settings allow.
-const MAX_SETS: usize = 64;
+use crate::scene::Pose;
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
@@ -22,8 +19,8 @@ pub struct ReprojectionInputs<'a> {
     pub frame: &'a Upload,
     /// The visible surfaces.
     pub gbuffer: &'a GBuffer,
-    /// One layer a set.
-    pub set_buffers: &'a Image,
+    /// What the sets have drawn.
+    pub sets: &'a SetHistory,
     /// Instances of this frame.
     pub instances: &'a Upload,
     /// Where everything stands.
@@ -36,15 +33,6 @@ pub struct ReprojectionInputs<'a> {
     pub set_flux: &'a [f32],
 }
 
-/// The set that this frame drew.
-#[derive(Clone, Copy, Debug)]
-pub struct DrawnSet {
-    /// Its index.
-    pub set: u32,
-    /// What its buffer's irradiance is multiplied by.
-    pub irradiance_scale: f32,
-}
-
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
@@ -53,36 +41,27 @@ struct Push {
     total_flux: f32,
     drawn_count: u32,
     same_view_count: u32,
+    set_count: u32,
+    set_size: [u32; 2],
 }
 
 /// The pass.
 pub struct IndirectReprojectionPass {
-    pipeline: ComputePipeline,
+    pipeline: Arc<ComputePipeline>,
     irradiance: Image,
-    history: Buffer,
-    /// One for each set, none before it was first drawn.
-    parameters: Vec<Option<SetParameters>>,
 }
 
 impl IndirectReprojectionPass {
-    /// Makes the pipeline, its image of `extent` texels and the history of `sets` frames.
-    pub fn new(
-        device: &Arc<Device>,
-        extent: [u32; 2],
-        sets: u32,
-        instances: usize,
-    ) -> Result<Self, VulkanError> {
-        let history = u64::from(sets) * instances as u64 * size_of::<[Vec4; 3]>() as u64;
-        Ok(Self {
-            pipeline: ComputePipeline::new(
-                device,
-                "indirect_reprojection",
-                shaders::INDIRECT_REPROJECTION_COMP,
-            )?,
-            irradiance: storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            history: Buffer::new(device, "instance_history", history)?,
-            parameters: vec![None; sets as usize],
-        })
+    /// Makes the pipeline and its image of `extent` texels.
+    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let spirv = shaders::INDIRECT_REPROJECTION_COMP;
+        let pipeline = ComputePipeline::new(device, "indirect_reprojection", spirv)?;
+        Ok(Self { pipeline: Arc::new(pipeline), irradiance: irradiance(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), irradiance: irradiance(device, extent)? })
     }
 
     /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.
@@ -90,48 +69,41 @@ impl IndirectReprojectionPass {
         &self.irradiance
     }
 
-    /// Notes what this frame drew, then brings all sets together.
+    /// Brings all sets together.
     pub fn record(
-        &mut self,
+        &self,
         frame: &mut Frame<'_>,
         inputs: &ReprojectionInputs<'_>,
     ) -> Result<&Image, VulkanError> {
-        let set = inputs.drawn.set as usize;
-        let extent = self.irradiance.extent();
-        let now = parameters(&inputs.pose.camera, extent, &inputs.drawn, inputs.set_flux[set]);
-        self.parameters[set] = Some(now);
-        let rows = transform_rows(inputs.pose);
-        if !rows.is_empty() {
-            let upload = frame.upload(&rows)?;
-            let offset = set * size_of_val(rows.as_slice());
-            frame.copy(&upload, &self.history, offset as u64);
-        }
-        let flux = |(drawn, now): (&Option<SetParameters>, &f32)| drawn.map_or(*now, |set| set.ray.w);
-        let total_flux = self.parameters.iter().zip(inputs.set_flux).map(flux).sum();
+        let (sets, extent) = (inputs.sets, self.irradiance.extent());
+        let flux = |(set, drawn): (usize, &Option<SetParameters>)| {
+            drawn.map_or(inputs.set_flux.get(set).copied().unwrap_or(0.0), |set| set.ray.w)
+        };
+        let total_flux = sets.parameters().iter().enumerate().map(flux).sum();
+        let now = parameters(&inputs.pose.camera, extent, &inputs.drawn, 0.0);
+        let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
-            self.parameters.iter().flatten().partition(|set| set.same_view(&now));
+            sets.parameters().iter().flatten().partition(|set| set_size == extent && set.same_view(&now));
         let push = Push {
-            instance_count: to_u32(rows.len()),
+            instance_count: to_u32(inputs.pose.instances.len()),
             scale_missing: u32::from(inputs.scale_missing),
             total_flux,
             drawn_count: to_u32(same_view.len() + other.len()),
             same_view_count: to_u32(same_view.len()),
+            set_count: to_u32(sets.parameters().len()),
+            set_size,
         };
-        let mut all = [SetParameters::default(); MAX_SETS];
-        for (target, set) in all.iter_mut().zip(same_view.into_iter().chain(other)) {
-            *target = set;
-        }
-        let parameters = frame.upload(&all)?;
+        let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
         frame
             .pass("indirect_reprojection", &self.pipeline)
             .read("frame", inputs.frame)
             .read("gbuffer_position", &inputs.gbuffer.position)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("gbuffer_instance", &inputs.gbuffer.instance)
-            .read("set_buffers", inputs.set_buffers)
+            .read("set_buffers", sets.buffers())
             .read("set_parameters", &parameters)
             .read("instances", inputs.instances)
-            .read("instance_history", &self.history)
+            .read("instance_history", sets.transforms())
             .write("irradiance", &self.irradiance)
             .push(&push)
             .dispatch_over(extent)?;
@@ -139,16 +111,8 @@ impl IndirectReprojectionPass {
     }
 }
 
-fn parameters(camera: &Camera, extent: [u32; 2], drawn: &DrawnSet, flux: f32) -> SetParameters {
-    let [ray, ray_x, ray_y] = camera.pixel_rays(extent[0] as f32 / extent[1] as f32);
-    SetParameters {
-        eye: camera.eye.extend(1.0 / drawn.irradiance_scale),
-        ray: ray.extend(flux),
-        ray_x: ray_x.extend(1.0 / ray_x.length_squared()),
-        ray_y: ray_y.extend(1.0 / ray_y.length_squared()),
-        layer: drawn.set,
-        ..SetParameters::default()
-    }
+fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)
 }
 
 fn to_u32(count: usize) -> u32 {

@@ -1,14 +1,13 @@
 //! `indirect_shading`: irradiance of the frame's set from its visible VPLs, then the discontinuity filter,
 //! which joins the classes of each pixel's neighbourhood and writes the set buffer.
 
+
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
 use super::indirect_shadows::{Chunk, UploadedSet};
 use super::storage_image;
-use crate::vulkan::{
-    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
-};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// What the pass reads.
 pub struct IndirectShadingInputs<'a> {
@@ -24,51 +23,29 @@ pub struct IndirectShadingInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadingPass {
-    gather: ComputePipeline,
-    filter: ComputePipeline,
+    gather: Arc<ComputePipeline>,
+    filter: Arc<ComputePipeline>,
     class_irradiance: Image,
-    /// One layer a set: rgb: scaled irradiance; a: scaled view depth.
-    set_buffers: Image,
 }
 
 impl IndirectShadingPass {
-    /// Makes the pipelines and `sets` set buffers of `extent` texels.
-    pub fn new(
-        device: &Arc<Device>,
-        extent: [u32; 2],
-        interleave: u32,
-        sets: u32,
-    ) -> Result<Self, VulkanError> {
+    /// Makes the pipelines and the image, of `extent` texels.
+    pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
+        let pipeline =
+            |name, spirv| Ok(Arc::new(ComputePipeline::specialised(device, name, spirv, &[interleave])?));
         Ok(Self {
-            gather: ComputePipeline::specialised(
-                device,
-                "indirect_shading",
-                shaders::INDIRECT_SHADING_COMP,
-                &[interleave],
-            )?,
-            filter: ComputePipeline::specialised(
-                device,
-                "discontinuity_filter",
-                shaders::DISCONTINUITY_FILTER_COMP,
-                &[interleave],
-            )?,
-            class_irradiance: storage_image(
-                device,
-                "class_irradiance",
-                vk::Format::R32G32B32A32_UINT,
-                extent,
-            )?,
-            set_buffers: Image::new(
-                device,
-                &ImageDescription {
-                    name: "set_buffers",
-                    format: vk::Format::R16G16B16A16_SFLOAT,
-                    extent,
-                    layers: Some(sets),
-                    levels: 1,
-                    usage: vk::ImageUsageFlags::STORAGE,
-                },
-            )?,
+            gather: pipeline("indirect_shading", shaders::INDIRECT_SHADING_COMP)?,
+            filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            class_irradiance: class_irradiance(device, extent)?,
+        })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            gather: Arc::clone(&self.gather),
+            filter: Arc::clone(&self.filter),
+            class_irradiance: class_irradiance(device, extent)?,
         })
     }
 
@@ -92,21 +69,30 @@ impl IndirectShadingPass {
             .dispatch_over(self.class_irradiance.extent())
     }
 
-    /// Filters into the set buffer of this frame's set.
+    /// Irradiance of each pixel's class as bits of floats; a: its surface, packed.
+    pub fn unfiltered(&self) -> &Image {
+        &self.class_irradiance
+    }
+
+    /// Filters into the set buffer of this frame's set, a layer of `set_buffers`.
     pub fn filter(
         &self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadingInputs<'_>,
-    ) -> Result<&Image, VulkanError> {
+        set_buffers: &Image,
+    ) -> Result<(), VulkanError> {
         frame
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("class_irradiance", &self.class_irradiance)
             .read("class_flux", &inputs.set.class_flux)
-            .write("set_buffers", &self.set_buffers)
+            .write("set_buffers", set_buffers)
             .push(&inputs.set.total_flux)
-            .dispatch_over(self.set_buffers.extent())?;
-        Ok(&self.set_buffers)
+            .dispatch_over(set_buffers.extent())
     }
+}
+
+fn class_irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "class_irradiance", vk::Format::R32G32B32A32_UINT, extent)
 }

@@ -1,5 +1,6 @@
 //! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling).
 
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -69,7 +70,7 @@ pub struct IndirectShadowsInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadowsPass {
-    pipeline: ComputePipeline,
+    pipeline: Arc<ComputePipeline>,
     visibility: Buffer,
     counters: Buffer,
     words: u32,
@@ -85,16 +86,37 @@ impl IndirectShadowsPass {
         interleave: u32,
         set_size: u32,
     ) -> Result<Self, VulkanError> {
+        let pipeline = ComputePipeline::specialised(
+            device,
+            "indirect_shadows",
+            shaders::INDIRECT_SHADOWS_COMP,
+            &[interleave],
+        )?;
+        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave, set_size)
+    }
+
+    /// The same pass for pictures of `extent` texels and sets of `set_size` slots.
+    pub fn resized(
+        &self,
+        device: &Arc<Device>,
+        extent: [u32; 2],
+        set_size: u32,
+    ) -> Result<Self, VulkanError> {
+        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave, set_size)
+    }
+
+    fn with_pipeline(
+        device: &Arc<Device>,
+        pipeline: Arc<ComputePipeline>,
+        extent: [u32; 2],
+        interleave: u32,
+        set_size: u32,
+    ) -> Result<Self, VulkanError> {
         let plane = u64::from(extent[0]) * u64::from(extent[1]) * 4;
         let needed = set_size.div_ceil(interleave * interleave).div_ceil(32).max(1);
         let words = needed.min(u32::try_from((MAX_VISIBILITY_BYTES / plane).max(1)).unwrap_or(1));
         Ok(Self {
-            pipeline: ComputePipeline::specialised(
-                device,
-                "indirect_shadows",
-                shaders::INDIRECT_SHADOWS_COMP,
-                &[interleave],
-            )?,
+            pipeline,
             visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             words,

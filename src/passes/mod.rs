@@ -3,6 +3,7 @@
 //! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
 //! [`crate::vulkan::Frame`].
 
+pub mod buffer_view;
 pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
@@ -11,10 +12,13 @@ pub mod gbuffer;
 pub mod indirect_reprojection;
 pub mod indirect_shading;
 pub mod indirect_shadows;
+pub mod overlay;
 pub mod scene_buffers;
+pub mod set_history;
 pub mod shadow_tiles;
 pub mod structs;
 pub mod tracer;
+pub mod vpl_light;
 
 use std::sync::Arc;
 
@@ -27,15 +31,6 @@ fn storage_image(
     format: vk::Format,
     extent: [u32; 2],
 ) -> Result<Image, VulkanError> {
-    Image::new(
-        device,
-        &ImageDescription {
-            name,
-            format,
-            extent,
-            layers: None,
-            levels: 1,
-            usage: vk::ImageUsageFlags::STORAGE,
-        },
-    )
+    let usage = vk::ImageUsageFlags::STORAGE;
+    Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
 }

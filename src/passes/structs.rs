@@ -36,14 +36,6 @@ pub struct FrameUniforms {
     pub depth_scale: f32,
     /// Temporal set of this frame.
     pub set: u32,
-    /// T.
-    pub sets: u32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -140,6 +132,18 @@ pub struct SetParameters {
     pub pad2: u32,
 }
 
+/// A line over the picture; `OverlayLine` in shaders/include/overlay.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct OverlayLine {
+    /// xyz: world position of one end; w: width in pixels.
+    pub from_width: Vec4,
+    /// xyz: of the other end; w: what the opacity of hidden parts is multiplied by.
+    pub to_hidden: Vec4,
+    /// Display values, opacity.
+    pub colour: Vec4,
+}
+
 impl SetParameters {
     /// Whether both were seen by the same camera.
     pub fn same_view(&self, other: &Self) -> bool {
@@ -193,11 +197,7 @@ mod tests {
             position_cutoff,
             irradiance_scale,
             depth_scale,
-            set,
-            sets,
-            pad0,
-            pad1,
-            pad2
+            set
         );
         same_layout!(
             shaders::GBUFFER_FRAG,
@@ -235,6 +235,7 @@ mod tests {
             pad1,
             pad2
         );
+        same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
         same_layout!(shaders::INDIRECT_SHADING_COMP, GpuVpl, position, slot, normal, bounce, flux, _pad);
     }
 }

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use super::view::{ViewOfFrame, ViewPasses, ViewSources};
 use crate::passes::combine::{CombineInputs, CombinePass};
 use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
 use crate::passes::direct_shadows::{DirectShadowsPass, ShadowInputs};
 use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
-use crate::passes::indirect_reprojection::{DrawnSet, IndirectReprojectionPass, ReprojectionInputs};
+use crate::passes::indirect_reprojection::{IndirectReprojectionPass, ReprojectionInputs};
 use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
 use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::set_history::{DrawnSet, SetHistory};
 use crate::passes::tracer::Tracer;
 use crate::scene::Pose;
 use crate::settings::{MissingSets, Settings};
@@ -24,6 +26,12 @@ pub(super) struct Passes {
     pub indirect_shading: IndirectShadingPass,
     pub indirect_reprojection: IndirectReprojectionPass,
     pub combine: CombinePass,
+    pub views: ViewPasses,
+    /// What the sets have drawn.
+    sets: SetHistory,
+    /// What they drew before they became others: shown until all of the new ones have been drawn.
+    settled: Option<SetHistory>,
+    pub device: Arc<Device>,
 }
 
 /// What the passes of one frame read.
@@ -45,6 +53,8 @@ pub(super) struct PassInputs<'a> {
     pub drawn: DrawnSet,
     /// Luminous flux of each set.
     pub set_flux: &'a [f32],
+    /// What to show other than the picture.
+    pub view: Option<ViewOfFrame<'a>>,
 }
 
 impl Passes {
@@ -65,10 +75,22 @@ impl Passes {
                 interleave,
                 vpls.div_ceil(temporal_sets),
             )?,
-            indirect_shading: IndirectShadingPass::new(device, size, interleave, temporal_sets)?,
-            indirect_reprojection: IndirectReprojectionPass::new(device, size, temporal_sets, instances)?,
+            indirect_shading: IndirectShadingPass::new(device, size, interleave)?,
+            indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,
+            views: ViewPasses::default(),
+            sets: SetHistory::new(device, size, temporal_sets, instances)?,
+            settled: None,
+            device: Arc::clone(device),
         })
+    }
+
+    /// Goes on with other sets. No frame may be on its way.
+    pub fn begin_sets(&mut self, sets: SetHistory) {
+        let last = std::mem::replace(&mut self.sets, sets);
+        if self.settled.is_none() && last.is_complete() {
+            self.settled = Some(last);
+        }
     }
 
     pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &PassInputs<'_>) -> Result<(), VulkanError> {
@@ -97,14 +119,22 @@ impl Passes {
             self.indirect_shadows.record(frame, &rays, &chunk)?;
             self.indirect_shading.gather(frame, &shading, &chunk)?;
         }
-        let set_buffers = self.indirect_shading.filter(frame, &shading)?;
+        self.indirect_shading.filter(frame, &shading, self.sets.buffers())?;
+        let drawn = inputs.drawn;
+        self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
+        if self.sets.is_complete() && self.settled.is_some() {
+            // Frames on their way still read the old ones.
+            self.device.wait_idle()?;
+            self.settled = None;
+        }
+        let shown_sets = self.settled.as_ref().unwrap_or(&self.sets);
         let reprojection = ReprojectionInputs {
             frame: uniforms,
             gbuffer,
-            set_buffers,
+            sets: shown_sets,
             instances,
             pose,
-            drawn: inputs.drawn,
+            drawn,
             scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
             set_flux: inputs.set_flux,
         };
@@ -117,7 +147,21 @@ impl Passes {
             albedo: &gbuffer.albedo,
             exposure: inputs.settings.exposure,
         };
-        self.combine.record(frame, &light)?;
+        let display = self.combine.record(frame, &light)?;
+        if let Some(view) = &inputs.view {
+            let sources = ViewSources {
+                gbuffer,
+                shadows: &shadows,
+                direct,
+                irradiance,
+                class_irradiance: self.indirect_shading.unfiltered(),
+                drawn_sets: &self.sets,
+                shown_sets,
+                exposure: self.combine.exposure(),
+                display,
+            };
+            self.views.record(frame, inputs, view, &sources)?;
+        }
         frame.read_back(self.indirect_shadows.counters());
         Ok(())
     }

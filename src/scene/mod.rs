@@ -36,8 +36,8 @@ pub use load::load_scene;
 pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint};
 pub use texture::{linear_to_srgb, srgb_to_linear};
-pub use world_surface::ray_offset;
-pub(crate) use world_surface::{Side, WorldSurface};
+pub(crate) use world_surface::Side;
+pub use world_surface::{WorldSurface, ray_offset};
 
 use glam::{Affine3A, Vec2, Vec3};
 

@@ -17,13 +17,13 @@ pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
 
 /// A surface seen from the side that was hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct WorldSurface {
+pub struct WorldSurface {
     /// World position.
-    pub(crate) position: Vec3,
+    pub position: Vec3,
     /// Unit normal of the flat triangle.
-    pub(crate) geometric_normal: Vec3,
+    pub geometric_normal: Vec3,
     /// Unit interpolated normal: VPLs shine and scatter about it.
-    pub(crate) normal: Vec3,
+    pub normal: Vec3,
 }
 
 impl WorldSurface {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::deal::{Address, Deal, NONE};
 use super::emitter::Source;
+use super::invalidation::{Invalidation, InvalidationReason};
 use super::quota::deal_quota;
 use super::shoot::SLOTS_PER_TASK;
 use super::slots::{Slot, SlotState};
@@ -25,8 +26,8 @@ const BEFORE_HIT: f32 = 1.0 - 1e-5;
 enum Test {
     /// Nothing: it stays as it is.
     Keep,
-    /// Nothing: it cannot stay.
-    Lose,
+    /// Nothing: it cannot stay, for this reason.
+    Lose(InvalidationReason),
     /// It stays if this is free.
     Free(Ray),
 }
@@ -77,6 +78,8 @@ impl VplManager {
             self.surfaces[index] = surfaces[before];
         }
         self.cursors = Default::default();
+        self.invalidations.fill(None);
+        *self.counters.invalidated_by.count_mut(InvalidationReason::NoSlot) += lost as u32;
         lost as u32
     }
 
@@ -128,18 +131,19 @@ impl VplManager {
         // Judge in slot order, so that a parent's end reaches all that come after it.
         let mut lost = 0;
         for (index, test) in tests.iter().enumerate() {
-            let stays = match test {
-                Test::Keep => true,
-                Test::Lose => false,
-                Test::Free(_) => occluded.next() == Some(false),
+            let fault = match test {
+                Test::Keep => None,
+                Test::Lose(reason) => Some(*reason),
+                Test::Free(_) => (occluded.next() != Some(false)).then_some(InvalidationReason::Occluded),
             };
-            lost += u32::from(self.judge(index, stays));
+            lost += u32::from(self.judge(index, fault));
         }
         lost
     }
 
-    /// Settles one slot whose parent is settled; returns whether it became invalid.
-    fn judge(&mut self, index: usize, stays: bool) -> bool {
+    /// Settles one slot whose parent is settled; `fault` is what speaks against it. Returns whether it became
+    /// invalid.
+    fn judge(&mut self, index: usize, fault: Option<InvalidationReason>) -> bool {
         let parent = self.deal.addresses[index].parent;
         let (parent_state, parent_fresh) = match parent {
             NONE => (SlotState::Valid, true),
@@ -149,18 +153,35 @@ impl VplManager {
             }
         };
         let slot = &mut self.slots[index];
-        let before = slot.state;
+        let (before, shot) = (slot.state, slot.shot);
         if before == SlotState::Invalid {
             return false;
         }
-        match (parent_state, stays) {
-            (SlotState::Invalid, _) | (SlotState::Valid, false) => *slot = Slot::INVALID,
-            (SlotState::Escaped, _) => *slot = Slot::escaped(parent_fresh),
+        let fault = match (parent_state, fault) {
+            (SlotState::Invalid, _) => Some(InvalidationReason::ParentInvalid),
+            (SlotState::Valid, fault) => fault,
+            (SlotState::Escaped, _) => {
+                *slot = Slot::escaped(parent_fresh, shot);
+                return false;
+            }
+        };
+        match fault {
+            Some(reason) => self.give_up(index, reason),
             // The ray that a new shot would trace was tested just now, and escapes.
-            (SlotState::Valid, true) if before == SlotState::Escaped => slot.fresh = parent_fresh,
-            _ => {}
+            None if before == SlotState::Escaped => slot.fresh = parent_fresh,
+            None => {}
         }
-        slot.state == SlotState::Invalid
+        fault.is_some()
+    }
+
+    /// Makes a slot that holds something invalid, and notes why.
+    fn give_up(&mut self, index: usize, reason: InvalidationReason) {
+        *self.counters.invalidated_by.count_mut(reason) += 1;
+        if self.slots[index].state == SlotState::Valid {
+            let (position, origin) = (self.surfaces[index].position, self.origin(index));
+            self.invalidations[index] = Some(Invalidation { reason, frame: self.frame, position, origin });
+        }
+        self.slots[index] = Slot::INVALID;
     }
 
     fn test_for(&self, index: usize) -> Test {
@@ -175,10 +196,12 @@ impl VplManager {
         match slot.state {
             SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, |(ray, _)| Test::Free(ray)),
             _ if address.bounce == 0 => self.test_on_light(slot, address),
-            _ if slot.fresh => self.ray_of(index as u32).map_or(Test::Lose, |(ray, _)| {
-                let t_max = slot.t * BEFORE_HIT;
-                Test::Free(Ray { t_max, ..ray })
-            }),
+            _ if slot.fresh => {
+                self.ray_of(index as u32).map_or(Test::Lose(InvalidationReason::FacesAway), |(ray, _)| {
+                    let t_max = slot.t * BEFORE_HIT;
+                    Test::Free(Ray { t_max, ..ray })
+                })
+            }
             _ => self.test_segment(&self.surfaces[index], address),
         }
     }
@@ -188,7 +211,7 @@ impl VplManager {
             Source::Area(table) if table.instance == slot.instance && table.glows(slot.point.triangle) => {
                 Test::Keep
             }
-            _ => Test::Lose,
+            _ => Test::Lose(InvalidationReason::LightChanged),
         }
     }
 
@@ -205,7 +228,7 @@ impl VplManager {
             let arrives = surface.geometric_normal.dot(along) < 0.0;
             return match leaves && arrives {
                 true => Test::Free(towards(parent.offset_position(radius))),
-                false => Test::Lose,
+                false => Test::Lose(InvalidationReason::FacesAway),
             };
         }
         let source = &self.watch.emitters[address.light as usize].source;
@@ -214,15 +237,16 @@ impl VplManager {
             Source::Directional { frame, .. } => {
                 Ray { origin: end, direction: -frame.normal, t_min: 0.0, t_max: f32::INFINITY }
             }
-            Source::Area(_) => return Test::Lose,
+            Source::Area(_) => return Test::Lose(InvalidationReason::LightChanged),
         };
         let arrives = match source {
             Source::Directional { frame, .. } => surface.geometric_normal.dot(frame.normal) < 0.0,
             _ => surface.geometric_normal.dot(surface.position - ray.origin) < 0.0,
         };
-        match arrives && source.shines_on(surface.position) {
-            true => Test::Free(ray),
-            false => Test::Lose,
+        match (arrives, source.shines_on(surface.position)) {
+            (true, true) => Test::Free(ray),
+            (false, _) => Test::Lose(InvalidationReason::FacesAway),
+            (true, false) => Test::Lose(InvalidationReason::LightTurnedAway),
         }
     }
 }

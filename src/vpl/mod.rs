@@ -7,11 +7,14 @@
 //! - `emitter`, `focus`: where paths start.
 //! - `shoot`: filling slots; `invalidate`: what the world no longer supports; `replace`: what to shoot next.
 //! - `watch`: what changed in the world; `upload`: what the shaders get.
+//! - `invalidation`, `inspect`: for looking inside.
 
 mod deal;
 mod emitter;
 mod focus;
+mod inspect;
 mod invalidate;
+mod invalidation;
 mod quota;
 mod replace;
 mod shoot;
@@ -19,6 +22,8 @@ mod slots;
 mod upload;
 mod watch;
 
+pub use inspect::{Gathering, VplContribution};
+pub use invalidation::{InvalidatedBy, Invalidation, InvalidationReason};
 pub use slots::{SlotState, SlotView};
 
 use bytemuck::{Pod, Zeroable};
@@ -91,8 +96,12 @@ pub struct VplCounters {
     pub valid: u32,
     /// Slots whose ray left the scene: true samples of zero light.
     pub escaped: u32,
+    /// Slots that hold something, but would hold something else if they were shot again.
+    pub stale: u32,
     /// Slots invalidated in this frame.
     pub invalidated: u32,
+    /// Those by reason.
+    pub invalidated_by: InvalidatedBy,
     /// Slots shot in this frame.
     pub shot: u32,
 }
@@ -118,6 +127,10 @@ pub struct VplManager {
     pending: u32,
     cursors: [Cursor; 2],
     counters: VplCounters,
+    /// Frames so far.
+    frame: u32,
+    /// The last invalidation of each slot since the slots were last dealt.
+    invalidations: Vec<Option<Invalidation>>,
 }
 
 impl VplManager {
@@ -141,6 +154,8 @@ impl VplManager {
             pending: 0,
             cursors: Default::default(),
             counters: VplCounters::default(),
+            frame: 0,
+            invalidations: vec![None; layout.slots as usize],
             budget: settings.budget.max(1),
             layout,
             watch,
@@ -153,9 +168,16 @@ impl VplManager {
         manager
     }
 
+    /// Shoots at most this many slots a frame from now on.
+    pub fn set_budget(&mut self, budget: u32) {
+        self.budget = budget.max(1);
+    }
+
     /// Algorithm 2: invalidates what the scene no longer supports; returns how many slots.
     pub fn invalidate(&mut self, world: World<'_>) -> u32 {
+        self.frame += 1;
         self.counters.shot = 0;
+        self.counters.invalidated_by = InvalidatedBy::default();
         self.counters.invalidated = self.invalidate_slots(world);
         self.counters.invalidated
     }
@@ -171,12 +193,17 @@ impl VplManager {
         self.counters
     }
 
+    /// Frames so far: 1 in the first one, 0 before it.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
     /// Takes stock of all slots.
     fn count(&mut self) {
         self.live.clear();
         self.live.resize(self.watch.emitters.len(), [0; MAX_BOUNCES + 1]);
         self.pending = 0;
-        let (mut valid, mut escaped) = (0, 0);
+        let (mut valid, mut escaped, mut stale) = (0, 0, 0);
         for (slot, address) in self.slots.iter().zip(&self.deal.addresses) {
             if address.light == NONE {
                 continue;
@@ -186,9 +213,11 @@ impl VplManager {
             self.live[address.light as usize][address.bounce as usize] += u32::from(live);
             valid += u32::from(slot.state == SlotState::Valid);
             escaped += u32::from(slot.state == SlotState::Escaped);
+            stale += u32::from(live && !slot.fresh);
         }
         self.counters.slots = self.layout.slots;
         self.counters.valid = valid;
         self.counters.escaped = escaped;
+        self.counters.stale = stale;
     }
 }

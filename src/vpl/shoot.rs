@@ -135,7 +135,7 @@ impl VplManager {
                 (hit, Side::Front(true))
             }
             (Aim::Trace(ray, _), Some(hit)) => (hit, Side::Facing(ray.direction)),
-            _ => return (Slot::escaped(fresh), WorldSurface::default()),
+            _ => return (Slot::escaped(fresh, self.frame), WorldSurface::default()),
         };
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let mut found = world.scene.surface_at(world.pose, hit.instance, point, side);
@@ -157,6 +157,7 @@ impl VplManager {
             point,
             t: hit.t,
             throughput,
+            shot: self.frame,
         };
         (filled, found.surface)
     }
@@ -168,7 +169,7 @@ impl VplManager {
             let shot = slots[path[level] as usize];
             if shot.state == SlotState::Escaped {
                 for &descendant in &path[level + 1..] {
-                    slots[descendant as usize] = Slot::escaped(shot.fresh);
+                    slots[descendant as usize] = Slot::escaped(shot.fresh, shot.shot);
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::invalidation::Invalidation;
 use crate::scene::SurfacePoint;
 
 /// State of a slot.
@@ -33,6 +34,8 @@ pub(super) struct Slot {
     pub(super) t: f32,
     /// Product of the albedos so far, and of the weight of where the path started on an area light.
     pub(super) throughput: Vec3,
+    /// Frame in which it was shot.
+    pub(super) shot: u32,
 }
 
 impl Slot {
@@ -45,11 +48,12 @@ impl Slot {
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         t: 0.0,
         throughput: Vec3::ZERO,
+        shot: 0,
     };
 
-    /// A slot whose path has left the scene.
-    pub(super) fn escaped(fresh: bool) -> Self {
-        Self { state: SlotState::Escaped, fresh, ..Self::INVALID }
+    /// A slot whose path has left the scene, as found in frame `shot`.
+    pub(super) fn escaped(fresh: bool, shot: u32) -> Self {
+        Self { state: SlotState::Escaped, fresh, shot, ..Self::INVALID }
     }
 }
 
@@ -76,4 +80,13 @@ pub struct SlotView {
     pub flux: Vec3,
     /// Whether it still shows the world as it was: it waits for replacement.
     pub stale: bool,
+    /// Its temporal set.
+    pub set: u32,
+    /// Frames since it was shot; 0: in the last one.
+    pub age: u32,
+    /// World position where its light comes from: its parent or its light; some way towards the light if
+    /// that is directional. Of use if valid.
+    pub origin: Vec3,
+    /// When and why its VPL last became invalid.
+    pub invalidation: Option<Invalidation>,
 }

@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use super::deal::NONE;
+use super::emitter::Source;
 use super::invalidate::locate;
 use super::slots::{SlotState, SlotView};
 use super::{CellFlux, GpuVpl, SetVpls, VplManager, World};
@@ -24,7 +25,7 @@ impl VplManager {
         for class in 0..layout.classes {
             result.class_starts.push(result.vpls.len() as u32);
             let slots: &[u32] = if set < layout.sets { self.deal.cell(layout, set, class) } else { &[] };
-            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot as usize)));
+            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot)));
         }
         result.class_starts.push(result.vpls.len() as u32);
         result
@@ -71,11 +72,35 @@ impl VplManager {
                 normal: surface.normal,
                 flux: self.flux(index),
                 stale: address.light != NONE && !slot.fresh,
+                set: self.layout.cell(index as u32).0,
+                age: self.frame - slot.shot,
+                origin: self.origin(index),
+                invalidation: self.invalidations[index],
             }
         })
     }
 
-    fn gpu_vpl(&self, world: World<'_>, index: usize) -> Option<GpuVpl> {
+    /// Where the light of a slot's VPL comes from.
+    pub(super) fn origin(&self, index: usize) -> Vec3 {
+        let (address, surface) = (&self.deal.addresses[index], &self.surfaces[index]);
+        if address.parent != NONE {
+            return self.surfaces[address.parent as usize].position;
+        }
+        match self.watch.emitters.get(address.light as usize).map(|emitter| &emitter.source) {
+            Some(Source::Point { position } | Source::Spot { position, .. }) => *position,
+            Some(Source::Directional { frame, .. }) => {
+                surface.position - frame.normal * (0.5 * self.watch.bounds.radius)
+            }
+            Some(Source::Area(_)) | None => surface.position,
+        }
+    }
+
+    /// The VPL of a slot, where it is now; none if it has no flux or there is no such slot.
+    pub fn gpu_vpl(&self, world: World<'_>, slot: u32) -> Option<GpuVpl> {
+        let index = slot as usize;
+        if index >= self.slots.len() {
+            return None;
+        }
         let flux = self.flux(index);
         if flux == Vec3::ZERO {
             return None;
@@ -84,7 +109,7 @@ impl VplManager {
         let surface = locate(world, &self.slots[index], address);
         Some(GpuVpl {
             position: surface.position,
-            slot: index as u32,
+            slot,
             normal: surface.normal,
             bounce: address.bounce,
             flux,

@@ -40,12 +40,47 @@ struct Bound<'a> {
     write: bool,
 }
 
-/// Images that a graphics pass clears to zero and draws into.
-pub struct Targets<'a> {
-    /// Colour images.
-    pub colors: &'a [&'a Image],
-    /// Depth image, cleared to 0 (infinitely far away).
-    pub depth: &'a Image,
+/// Images that a graphics pass draws into.
+pub enum Targets<'a> {
+    /// Cleared to zero first; depth 0 is infinitely far away.
+    Cleared {
+        /// Colour images.
+        colors: &'a [&'a Image],
+        /// Depth image.
+        depth: &'a Image,
+    },
+    /// Drawn over, without a depth image; for pipelines that blend.
+    Over(&'a Image),
+}
+
+impl<'a> Targets<'a> {
+    fn colors(&self) -> &[&'a Image] {
+        match self {
+            Self::Cleared { colors, .. } => colors,
+            Self::Over(image) => std::slice::from_ref(image),
+        }
+    }
+
+    fn depth(&self) -> Option<&'a Image> {
+        match self {
+            Self::Cleared { depth, .. } => Some(depth),
+            Self::Over(_) => None,
+        }
+    }
+
+    fn extent(&self) -> [u32; 2] {
+        match self {
+            Self::Cleared { depth, .. } => depth.extent(),
+            Self::Over(image) => image.extent(),
+        }
+    }
+
+    fn load_op(&self) -> vk::AttachmentLoadOp {
+        match self {
+            Self::Cleared { .. } => vk::AttachmentLoadOp::CLEAR,
+            Self::Over(_) => vk::AttachmentLoadOp::LOAD,
+        }
+    }
 }
 
 /// A pass being recorded. Mistakes in bindings come out of the final call.
@@ -128,50 +163,38 @@ impl<'f> Pass<'f> {
         Ok(())
     }
 
-    /// Clears the targets and draws into them what `draw` lists.
+    /// Draws into the targets what `draw` lists.
     pub fn draw(
         mut self,
         targets: &Targets<'_>,
         draw: impl FnOnce(&mut DrawList<'_>),
     ) -> Result<(), VulkanError> {
         self.recorder.begin_scope(self.name);
-        let mut images: Vec<(&Image, Barrier)> = Vec::new();
-        for image in targets.colors {
-            images.extend(
-                image.tracker.use_image(Access::ColorAttachment, false).map(|barrier| (*image, barrier)),
-            );
-        }
-        images.extend(
-            targets
-                .depth
-                .tracker
-                .use_image(Access::DepthAttachment, false)
-                .map(|barrier| (targets.depth, barrier)),
-        );
-        self.bind(&images)?;
-        let colors: Vec<_> = targets
-            .colors
-            .iter()
-            .map(|image| {
-                vk::RenderingAttachmentInfo::default()
-                    .image_view(image.view)
-                    .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-                    .load_op(vk::AttachmentLoadOp::CLEAR)
-                    .store_op(vk::AttachmentStoreOp::STORE)
-            })
+        let colors = targets.colors().iter().map(|image| (*image, Access::ColorAttachment));
+        let depth = targets.depth().map(|image| (image, Access::DepthAttachment));
+        let images: Vec<(&Image, Barrier)> = colors
+            .chain(depth)
+            .filter_map(|(image, access)| Some((image, image.tracker.use_image(access, false)?)))
             .collect();
-        let depth = vk::RenderingAttachmentInfo::default()
-            .image_view(targets.depth.view)
-            .image_layout(vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL)
-            .load_op(vk::AttachmentLoadOp::CLEAR)
-            .store_op(vk::AttachmentStoreOp::STORE);
-        let [width, height] = targets.depth.extent();
+        self.bind(&images)?;
+        let attachment = |image: &Image, layout| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(image.view)
+                .image_layout(layout)
+                .load_op(targets.load_op())
+                .store_op(vk::AttachmentStoreOp::STORE)
+        };
+        let color = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let colors: Vec<_> = targets.colors().iter().map(|image| attachment(image, color)).collect();
+        let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        let depth = targets.depth().map(|image| attachment(image, depth));
+        let [width, height] = targets.extent();
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
-        let info = vk::RenderingInfo::default()
-            .render_area(area)
-            .layer_count(1)
-            .color_attachments(&colors)
-            .depth_attachment(&depth);
+        let mut info =
+            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth {
+            info = info.depth_attachment(depth);
+        }
         let commands = self.recorder.commands();
         // SAFETY: the targets are in attachment layout and live until the frame is done.
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
@@ -378,6 +401,14 @@ impl DrawList<'_> {
             let commands = self.pass.recorder.commands();
             raw.cmd_push_constants(commands, self.pass.layout.raw, self.pass.layout.stages, 0, bytes);
             raw.cmd_draw_indexed(commands, count, 1, first, 0, 0);
+        }
+    }
+    /// Draws `instances` times `count` vertices that the shader makes up itself.
+    pub fn draw_made_up(&mut self, count: u32, instances: u32) {
+        // SAFETY: the pipeline takes no vertex buffer.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            raw.cmd_draw(self.pass.recorder.commands(), count, instances, 0, 0);
         }
     }
 }

@@ -176,16 +176,19 @@ pub struct GraphicsDescription<'a> {
     pub colors: &'a [vk::Format],
     /// Constant and slope-scaled depth bias.
     pub depth_bias: Option<[f32; 2]>,
+    /// Blends by alpha over what is there, without a depth buffer.
+    pub blend: bool,
 }
 
-/// Vertex and fragment shader with fixed state: triangles, both sides, reversed depth (greater is nearer).
+/// Vertex and fragment shader with fixed state: triangles, both sides, reversed depth (greater is nearer) or
+/// none.
 pub struct GraphicsPipeline {
     pub(super) raw: vk::Pipeline,
     pub(super) layout: Layout,
 }
 
 impl GraphicsPipeline {
-    /// Makes a pipeline that draws into `colors` and a 32-bit depth buffer.
+    /// Makes a pipeline that draws into `colors` and, unless it blends, a 32-bit depth buffer.
     pub fn new(device: &Arc<Device>, description: &GraphicsDescription<'_>) -> Result<Self, VulkanError> {
         let name = description.name;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
@@ -230,8 +233,9 @@ fn create_graphics(
         stride: description.vertex_stride,
         input_rate: vk::VertexInputRate::VERTEX,
     }];
+    let vertices = if attributes.is_empty() { &vertices[..0] } else { &vertices };
     let input = vk::PipelineVertexInputStateCreateInfo::default()
-        .vertex_binding_descriptions(&vertices)
+        .vertex_binding_descriptions(vertices)
         .vertex_attribute_descriptions(&attributes);
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
@@ -248,14 +252,19 @@ fn create_graphics(
     let samples =
         vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_test_enable(true)
-        .depth_write_enable(true)
+        .depth_test_enable(!description.blend)
+        .depth_write_enable(!description.blend)
         .depth_compare_op(vk::CompareOp::GREATER);
     let blends: Vec<_> = description
         .colors
         .iter()
         .map(|_| {
-            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA)
+            vk::PipelineColorBlendAttachmentState::default()
+                .blend_enable(description.blend)
+                .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+                .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+                .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+                .color_write_mask(vk::ColorComponentFlags::RGBA)
         })
         .collect();
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
@@ -263,7 +272,11 @@ fn create_graphics(
         .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(description.colors)
-        .depth_attachment_format(vk::Format::D32_SFLOAT);
+        .depth_attachment_format(if description.blend {
+            vk::Format::UNDEFINED
+        } else {
+            vk::Format::D32_SFLOAT
+        });
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(shaders)
         .vertex_input_state(&input)

@@ -1,17 +1,20 @@
 //! The panel, one file a section. Sections show state and give back wishes; they change nothing themselves.
 
 mod help;
+mod inspector;
+mod plots;
 mod scene;
 mod settings;
 mod time;
+mod views;
 
 use egui::{Frame, RichText, ScrollArea, Ui};
 
 use super::action::Action;
 use super::clock::Clock;
-use super::flight::Flight;
 use super::gpu::Gpu;
 use super::history::History;
+use super::inspector::Inspector;
 use super::loader::Loader;
 use super::stage::Stage;
 
@@ -37,10 +40,10 @@ pub(super) struct PanelState {
 pub(super) struct Shown<'a> {
     pub stage: Option<&'a Stage>,
     pub clock: &'a mut Clock,
-    pub flight: &'a Flight,
     pub history: &'a History,
     pub loader: &'a Loader,
     pub gpu: &'a Gpu,
+    pub inspector: &'a Inspector,
 }
 
 /// Lays out everything that is drawn over the picture.
@@ -59,9 +62,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             section(ui, "Scene", true, |ui| scene::show(ui, state, shown, &mut wishes));
             section(ui, "Time", true, |ui| time::show(ui, shown, &mut wishes));
+            section(ui, "Look inside", false, |ui| views::show(ui, shown, &mut wishes));
+            section(ui, "Measured", false, |ui| plots::show(ui, shown));
             section(ui, "Settings", false, |ui| settings::show(ui, state, shown, &mut wishes));
         });
     });
+    if shown.inspector.is_on() {
+        inspector::show(ui, shown, &mut wishes);
+    }
     wishes
 }
 

@@ -1,0 +1,189 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Shows one of the images that a frame goes through instead of the picture. In: those images and which one.
+// Out: display. Light is shown as the picture is, with its exposure; everything else as plain display values.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "lights.glsl"
+#include "scene.glsl"
+#include "set_parameters.glsl"
+#include "tone_map.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
+layout(set = 0, binding = 4) uniform texture2D gbuffer_specular;
+layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 6) uniform texture2D gbuffer_motion;
+layout(set = 0, binding = 7) uniform texture2D direct;
+layout(set = 0, binding = 8) uniform texture2D irradiance;
+layout(set = 0, binding = 9) uniform utexture2D class_irradiance;
+layout(set = 0, binding = 10) uniform texture2DArray set_buffers;
+layout(set = 0, binding = 11, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
+layout(set = 0, binding = 12, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
+layout(set = 0, binding = 13, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+layout(set = 0, binding = 14) uniform texture2D shadow_atlas;
+layout(set = 0, binding = 15, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
+layout(set = 0, binding = 16, std430) readonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 17, rgba8) uniform writeonly image2D display;
+
+// Twin: Push in src/passes/buffer_view.rs.
+layout(push_constant) uniform Push {
+    vec4 low;            // xyz: lower corner of the scene's bounds; w: nearest depth of anything
+    vec4 extent;         // xyz: upper corner less the lower; w: farthest depth of anything
+    uvec2 set_size;      // of the set buffers, texels
+    uint view;           // one of those below
+    uint set_count;      // sets in all
+    uint set_drawn;      // 1: the set to show has been drawn; it is the first of set_parameters
+    uint instance_count;
+    uint tile_size;      // texels across a shadow map
+    uint tile_count;     // shadow maps
+    float unfiltered;    // what the irradiance of one class and set stands for
+    uint one_vpl;        // 1: irradiance is that of one VPL, and so is the picture; a: its visibility
+    uint pad0;
+    uint pad1;
+} push;
+
+#include "reprojection.glsl"
+
+// Twin: BufferView in src/passes/buffer_view.rs.
+const uint COMBINED = 0u;
+const uint DIRECT = 1u;
+const uint INDIRECT = 2u;
+const uint IRRADIANCE = 3u;
+const uint UNFILTERED = 4u;
+const uint SET_BUFFER = 6u;
+const uint SET_REPROJECTED = 7u;
+const uint SET_COUNT = 8u;
+const uint VPL_VISIBILITY = 9u;
+const uint SHADOW_MAPS = 10u;
+const uint POSITION = 11u;
+const uint DEPTH = 12u;
+const uint NORMAL = 13u;
+const uint GEOMETRIC_NORMAL = 14u;
+const uint ALBEDO = 15u;
+const uint SPECULAR = 16u;
+const uint SHININESS = 17u;
+const uint INSTANCE = 18u;
+const uint MATERIAL_ID = 19u;
+const uint MOTION = 20u;
+
+const vec3 MISSING = vec3(1.0, 0.0, 1.0);
+const vec3 NOTHING = vec3(0.0);
+// Movement in pixels that is shown at full strength.
+const float FULL_MOTION = 16.0;
+
+// A white surface under an irradiance.
+vec3 lit(vec3 e) { return shown(e / PI * exposure.factor); }
+
+// Neighbouring numbers get colours far apart: their hues go on by the golden ratio.
+vec3 number_colour(uint number) {
+    float hue = fract(float(number) * 0.618034);
+    return 0.55 + 0.45 * cos(2.0 * PI * (vec3(hue) + vec3(0.0, 1.0, 2.0) / 3.0));
+}
+
+// From black over blue and green to yellow.
+vec3 share_colour(float share) {
+    vec3 low = mix(vec3(0.0, 0.0, 0.05), vec3(0.15, 0.2, 0.75), clamp(share * 3.0, 0.0, 1.0));
+    vec3 middle = mix(low, vec3(0.1, 0.65, 0.45), clamp(share * 3.0 - 1.0, 0.0, 1.0));
+    return mix(middle, vec3(1.0, 0.92, 0.2), clamp(share * 3.0 - 2.0, 0.0, 1.0));
+}
+
+// The atlas as large as it fits, in the middle; nearer is lighter.
+vec3 shadow_maps(ivec2 pixel) {
+    vec2 atlas = vec2(textureSize(shadow_atlas, 0));
+    vec2 size = vec2(frame.size);
+    float scale = max(atlas.x / size.x, atlas.y / size.y);
+    ivec2 at = ivec2(floor((vec2(pixel) + 0.5 - 0.5 * size) * scale + 0.5 * atlas));
+    if (push.tile_count == 0u || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(atlas)))) return vec3(0.1);
+    uint columns = uint(atlas.x) / push.tile_size;
+    uint tile = uint(at.y) / push.tile_size * columns + uint(at.x) / push.tile_size;
+    if (tile >= push.tile_count) return vec3(0.1);
+    float depth = texelFetch(shadow_atlas, at, 0).r;
+    if (shadow_tiles.data[tile].texel.y != 1.0) return vec3(depth);
+    // Reversed and infinite: near / distance, with near a ten-thousandth of the scene's radius.
+    return vec3(depth > 0.0 ? 1.0 - 1e-4 / (2.0 * depth) : 0.0);
+}
+
+vec3 set_buffer(ivec2 pixel) {
+    if (push.set_drawn == 0u) return MISSING;
+    SetParameters parameters = set_parameters.data[0];
+    ivec2 at = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(push.set_size));
+    vec4 stored = texelFetch(set_buffers, ivec3(at, int(parameters.layer)), 0);
+    return lit(stored.rgb * parameters.eye.w * float(push.set_count));
+}
+
+// What the set knows of the surface of this pixel; what it does not know is marked.
+vec3 set_reprojected(ivec2 pixel, vec3 p, vec3 n, uvec2 id) {
+    if (push.set_drawn == 0u) return MISSING;
+    SetParameters parameters = set_parameters.data[0];
+    if ((id.y & MAY_MOVE) != 0u) {
+        uint row = (parameters.layer * push.instance_count + id.x - 1u) * 3u;
+        InstanceData instance = instances.data[id.x - 1u];
+        vec3 tip = from_rows(row, transform_point(instance.world_to_object, p + n));
+        p = from_rows(row, transform_point(instance.world_to_object, p));
+        n = normalize(tip - p);
+    }
+    vec3 found;
+    return look_up(parameters, p, n, found) ? lit(found * float(push.set_count)) : MISSING;
+}
+
+// Views of things that are there where no surface is, too.
+bool whole_picture(ivec2 pixel, out vec3 colour) {
+    colour = NOTHING;
+    switch (push.view) {
+        case SHADOW_MAPS: colour = shadow_maps(pixel); return true;
+        case SET_BUFFER: colour = set_buffer(pixel); return true;
+        case DIRECT: colour = shown(texelFetch(direct, pixel, 0).rgb * exposure.factor); return true;
+        default: return false;
+    }
+}
+
+vec3 light_view(ivec2 pixel) {
+    vec3 e = texelFetch(irradiance, pixel, 0).rgb;
+    vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
+    switch (push.view) {
+        case UNFILTERED: return lit(uintBitsToFloat(texelFetch(class_irradiance, pixel, 0).rgb) * push.unfiltered);
+        case IRRADIANCE: return lit(e);
+        default: return shown(albedo / PI * e * exposure.factor);
+    }
+}
+
+vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
+    vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
+    vec4 specular = texelFetch(gbuffer_specular, pixel, 0);
+    vec3 geometric = octahedral_decode(normals.zw);
+    vec4 light = texelFetch(irradiance, pixel, 0);
+    switch (push.view) {
+        case SET_REPROJECTED: return set_reprojected(pixel, position.xyz, geometric, id);
+        case SET_COUNT: return share_colour(light.a / float(push.set_count));
+        case VPL_VISIBILITY: return vec3(push.one_vpl == 1u ? light.a : 0.0);
+        case POSITION: return (position.xyz - push.low.xyz) / push.extent.xyz;
+        case DEPTH: return vec3((push.extent.w - position.w) / (push.extent.w - push.low.w));
+        case NORMAL: return octahedral_decode(normals.xy) * 0.5 + 0.5;
+        case GEOMETRIC_NORMAL: return geometric * 0.5 + 0.5;
+        case ALBEDO: return srgb(texelFetch(gbuffer_albedo, pixel, 0).rgb);
+        case SPECULAR: return srgb(specular.rgb);
+        case SHININESS: return vec3(log2(specular.a + 1.0) / 10.0);
+        case INSTANCE: return number_colour(id.x - 1u);
+        case MATERIAL_ID: return number_colour(id.y & MATERIAL);
+        case MOTION:
+            vec2 pixels = texelFetch(gbuffer_motion, pixel, 0).xy * vec2(frame.size);
+            return vec3(0.5 + 0.5 * pixels / FULL_MOTION, 0.5);
+        default: return light_view(pixel);
+    }
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    vec3 colour;
+    if (!whole_picture(pixel, colour) && id.x > 0u) {
+        colour = surface_view(pixel, texelFetch(gbuffer_position, pixel, 0), id);
+    }
+    imageStore(display, pixel, vec4(clamp(colour, 0.0, 1.0), 1.0));
+}

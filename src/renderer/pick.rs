@@ -1,0 +1,62 @@
+//! Asking about the scene under a pixel: which surface, and which VPLs light it.
+
+use glam::Vec2;
+
+use super::Renderer;
+use crate::bvh::Ray;
+use crate::scene::{Camera, Pose, Side, SurfacePoint, WorldSurface};
+use crate::vpl::{Gathering, VplContribution, World};
+
+/// The surface under a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picked {
+    /// Index into the scene's instances.
+    pub instance: usize,
+    /// Index into its mesh's triangles.
+    pub triangle: u32,
+    /// Index into the scene's materials.
+    pub material: usize,
+    /// World-space distance from the eye.
+    pub distance: f32,
+    /// Where it is, and which way the side that is seen faces.
+    pub surface: WorldSurface,
+}
+
+/// The world-space ray through a place of a picture of `size` pixels; (0, 0) is the upper left corner. Its
+/// direction is 1 long along the view axis.
+pub fn camera_ray(camera: &Camera, size: [u32; 2], pixel: Vec2) -> Ray {
+    let extent = Vec2::new(size[0] as f32, size[1] as f32);
+    let [ray, ray_x, ray_y] = camera.pixel_rays(extent.x / extent.y);
+    let at = pixel / extent * 2.0 - 1.0;
+    let direction = ray + ray_x * at.x + ray_y * at.y;
+    Ray { origin: camera.eye, direction, t_min: camera.near, t_max: camera.far }
+}
+
+impl Renderer {
+    /// The surface at a place of the picture, with everything standing as in the last frame but the camera
+    /// as in `pose`; none where there is none. The middle of the first pixel is (0.5, 0.5).
+    pub fn pick(&self, pose: &Pose, pixel: Vec2) -> Option<Picked> {
+        let ray = camera_ray(&pose.camera, self.settings.size, pixel);
+        let hit = self.bvh.intersect(&ray)?;
+        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+        let side = Side::Facing(ray.direction);
+        let surface = self.scene.surface_at(pose, hit.instance, point, side).surface;
+        let instance = hit.instance as usize;
+        let mesh = &self.scene.meshes[self.scene.instances[instance].mesh];
+        Some(Picked {
+            instance,
+            triangle: hit.triangle,
+            material: mesh.triangle_materials[hit.triangle as usize] as usize,
+            distance: hit.t * ray.direction.length(),
+            surface,
+        })
+    }
+
+    /// The VPLs that face a surface point, visible ones first, then by what they bring; what they bring
+    /// together is the indirect irradiance there, once all sets have been drawn.
+    pub fn inspect(&self, pose: &Pose, at: &WorldSurface) -> Vec<VplContribution> {
+        let world = World { scene: &self.scene, pose, bvh: &self.bvh };
+        let gathering = Gathering { clamp: self.geometry_bound(), scene_radius: self.lengths.radius };
+        self.vpls.inspect(world, at, &gathering)
+    }
+}
