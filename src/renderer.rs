@@ -7,11 +7,13 @@ mod live;
 mod passes;
 mod paths;
 mod pick;
+mod replay;
 mod picture;
 mod view;
 
 pub use paths::reason_colour;
 pub use pick::{Picked, camera_ray};
+pub use replay::Replay;
 pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
@@ -43,6 +45,9 @@ pub enum RenderError {
     /// The hardware tracer was asked for.
     #[error("--tracer hardware: there is no hardware tracer yet; use --tracer software")]
     NoHardwareTracer,
+    /// A recording cannot be replayed.
+    #[error("{0}")]
+    Recording(String),
 }
 
 /// Draws a scene, frame by frame.

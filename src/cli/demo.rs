@@ -13,7 +13,7 @@ use crate::settings::Settings;
 #[command(args_override_self = true)]
 pub(super) struct DemoOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
-    #[arg(default_value = "cornell-box")]
+    #[arg(default_value = "playroom")]
     pub scene: String,
     #[command(flatten)]
     pub settings: Settings,

@@ -1,9 +1,13 @@
 //! What a person can ask for, by key or in the panel, and which key asks for what.
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use super::stage::Selected;
 use crate::renderer::DebugView;
+use crate::scene::{InstanceEntry, LightEntry, LightType};
 use crate::settings::Settings;
 use crate::vulkan::PresentMode;
 
@@ -33,6 +37,8 @@ pub enum Action {
     RestartDevice(Option<usize>),
     /// Loads a scene by name or file and shows it instead of this one.
     Open(String),
+    /// How many pixels of the window, each way, one pixel of the picture covers.
+    SetCoarseness(u32),
     /// Changes the settings.
     Set(Box<Settings>),
     /// Shows something else in place of the picture, or over it.
@@ -47,11 +53,35 @@ pub enum Action {
     TogglePaths,
     /// Lists the VPLs that light the next point that is clicked, or no longer.
     ToggleInspector,
+    /// Chooses a light or an instance, or nothing.
+    Select(Option<Selected>),
+    /// Handles that turn in place of those that move, and back.
+    ToggleHandles,
+    /// Changes a light.
+    EditLight(usize, Box<LightEntry>),
+    /// Changes an instance.
+    EditInstance(usize, Box<InstanceEntry>),
+    /// Adds a light where the camera looks.
+    AddLight(LightType),
+    /// Adds a light like the one that is chosen.
+    Duplicate,
+    /// Deletes the light that is chosen.
+    Delete,
+    /// The chosen light goes with the camera, or stays where it is.
+    ToggleHeadlamp,
+    /// Writes the scene as it is now.
+    Save(PathBuf),
+    /// Asks for a file to open.
+    AskOpen,
+    /// Asks for a file to save the scene to.
+    AskSave,
     /// Writes the picture to a file: PNG, or EXR.
     Screenshot {
         /// Linear radiance instead of what is on screen.
         exr: bool,
     },
+    /// Records all that is done from now on; the second time, writes it to a file.
+    ToggleRecording,
     /// Puts the command line that renders this picture into the clipboard.
     CopyCommand,
     /// Closes the window.
@@ -91,6 +121,14 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("I", "inspector: which VPLs light the point that is clicked", KeyCode::KeyI, NONE, || {
         Action::ToggleInspector
     }),
+    bind("T", "handles that move, handles that turn", KeyCode::KeyT, NONE, || Action::ToggleHandles),
+    bind("Esc", "choose nothing", KeyCode::Escape, NONE, || Action::Select(None)),
+    bind("H", "the chosen light goes with the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
+    bind("Ctrl+D", "copy the chosen light", KeyCode::KeyD, CONTROL, || Action::Duplicate),
+    bind("Del", "delete the chosen light", KeyCode::Delete, NONE, || Action::Delete),
+    bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || Action::AskOpen),
+    bind("Ctrl+S", "save the scene", KeyCode::KeyS, CONTROL, || Action::AskSave),
+    bind("Ctrl+R", "record all that is done; again: save it", KeyCode::KeyR, CONTROL, || Action::ToggleRecording),
     bind("Ctrl+Q", "close", KeyCode::KeyQ, CONTROL, || Action::Quit),
 ];
 
@@ -100,6 +138,8 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Q E", "fly down, up"),
     ("Shift", "fly four times as fast"),
     ("Wheel", "fly slower, faster"),
+    ("Click", "choose a thing or a light"),
+    ("Left drag", "a handle: move or turn what is chosen"),
     ("Right drag", "look around"),
     ("Middle drag", "orbit about the point under the pointer"),
     ("Ctrl+1 … 9", "keep this camera"),

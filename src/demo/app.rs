@@ -3,31 +3,35 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::Vec2;
 use serde_json::json;
 use winit::application::ApplicationHandler;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::{ElementState, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::{KeyCode, ModifiersState, PhysicalKey};
 use winit::window::{Window, WindowId};
 
-use super::action::{Action, action_of};
+use super::action::Action;
 use super::clock::{Clock, Pace};
 use super::flight::Flight;
 use super::gpu::Gpu;
+use super::handles::Mode;
 use super::history::{History, Sample};
 use super::inspector::Inspector;
-use super::loader::Loader;
+use super::loader::{Built, Loader};
 use super::log::Log;
-use super::panel::{self, PanelState, Shown};
-use super::pointer::{Drag, Pointer};
+use super::panel::{self, PanelState, Places, Shown};
+use super::pointer::Pointer;
+use super::recorder::Recorder;
 use super::screenshot::Saving;
-use super::stage::Stage;
+use super::stage::{Change, Stage};
 use super::{DemoError, Launch};
+use crate::renderer::DebugView;
 use crate::vulkan::{Instance, Presented, UiDrawing};
 
 /// Size of the window on a CPU driver, where nobody asks for another.
 pub(super) const CPU_SIZE: [u32; 2] = [640, 360];
+/// Pixels of the window, each way, to a pixel of the picture there.
+const CPU_COARSENESS: u32 = 2;
 /// How often to look whether a hidden window can be seen again.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 /// How long a window must keep its size before the picture follows; until then it is stretched.
@@ -44,6 +48,16 @@ pub(super) struct App {
     failed: Option<DemoError>,
 }
 
+/// Whether what is done is recorded.
+#[derive(Default)]
+pub(super) enum Recording {
+    #[default]
+    Off,
+    /// It begins with the renderer that is being made.
+    Waiting,
+    On(Box<Recorder>),
+}
+
 /// What there is while the window is open. Dropped in this order: what uses the device, then the device.
 pub(super) struct Open {
     pub stage: Option<Stage>,
@@ -52,20 +66,29 @@ pub(super) struct Open {
     pub window: Arc<Window>,
     pub egui: egui_winit::State,
     pub panel: PanelState,
+    /// Where the panel's things were in the log.
+    pub places: Places,
     pub clock: Clock,
     pub flight: Flight,
     pub pointer: Pointer,
     pub history: History,
     pub inspector: Inspector,
+    /// What handles do.
+    pub mode: Mode,
     pub modifiers: ModifiersState,
     /// Textures of the user interface that have not reached the device.
     pub textures: egui::TexturesDelta,
+    /// Pixels of the window, each way, to a pixel of the picture.
+    pub coarseness: u32,
     /// When the window last changed its size.
     pub resized: Option<Instant>,
     pub hidden: bool,
+    /// What the scene's view was before the device was closed.
+    pub parked: Option<DebugView>,
     /// Wishes from events, for the next frame.
     pub wishes: Vec<Action>,
     pub closing: bool,
+    pub recording: Recording,
     /// Files on their way to disk.
     pub saving: Vec<Saving>,
 }
@@ -101,7 +124,9 @@ impl App {
         self.instance = Some(Arc::clone(gpu.instance()));
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
-        if info.kind == "cpu" && !self.is_given("size") {
+        let small = info.kind == "cpu" && !self.is_given("size");
+        let coarseness = if small { CPU_COARSENESS } else { 1 };
+        if small {
             let [width, height] = CPU_SIZE;
             let _ = window.request_inner_size(winit::dpi::PhysicalSize::new(width, height));
         }
@@ -115,17 +140,22 @@ impl App {
             gpu,
             window,
             panel: PanelState::default(),
+            places: Places::default(),
             clock: Clock::new(pace),
             flight: Flight::new(1.0),
             pointer: Pointer::default(),
             history: History::default(),
             inspector: Inspector::default(),
+            mode: Mode::default(),
             modifiers: ModifiersState::empty(),
             textures: egui::TexturesDelta::default(),
+            coarseness,
             resized: None,
             hidden: false,
+            parked: None,
             wishes: vec![Action::Open(self.launch.scene.clone())],
             closing: false,
+            recording: Recording::default(),
             saving: Vec::new(),
         });
         Ok(())
@@ -171,6 +201,7 @@ impl App {
         let step = open.stage.as_ref().map_or(0.0, |stage| stage.settings.time_step);
         open.clock.tick(step);
         open.fly();
+        open.drag_handle();
         let started = Instant::now();
         let (primitives, pixels_per_point) = open.lay_out();
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
@@ -178,6 +209,10 @@ impl App {
             self.perform(wish)?;
         }
         let Some(open) = &mut self.open else { return Ok(()) };
+        if open.places != open.panel.places {
+            open.places.clone_from(&open.panel.places);
+            self.log.event("layout", &open.places);
+        }
         open.draw_stage()?;
         let drawing =
             UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
@@ -205,18 +240,8 @@ impl App {
         match open.loader.poll() {
             None => {}
             Some(Ok(built)) => {
-                let same = built.same;
-                let stage = Stage::new(built);
-                self.log.event("scene", json!({ "name": stage.name, "settings": stage.settings }));
-                if !same {
-                    stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-                    open.panel.message = stage.rest.warnings.join("; ");
-                    open.window.set_title(&format!("{} - glowworm", stage.name));
-                    open.flight = Flight::new(stage.radius);
-                    open.clock.time = 0.0;
-                }
-                open.history.clear();
-                open.stage = Some(stage);
+                self.log.event("scene", json!({ "name": built.name, "settings": built.settings, "same": built.same }));
+                open.show(built)?;
             }
             // Without a scene there is nothing to go on with.
             Some(Err(error)) if open.stage.is_none() => return Err(error),
@@ -251,6 +276,51 @@ impl App {
 }
 
 impl Open {
+    /// Shows a scene that has been loaded, or the one on show with a renderer that was made anew.
+    fn show(&mut self, built: Built) -> Result<(), DemoError> {
+        match &mut self.stage {
+            Some(stage) if built.same && stage.name == built.name => {
+                let view = stage.renderer.view().clone();
+                let wanted = stage.settings.clone();
+                let change = stage.renew(built)?;
+                stage.renderer.set_view(&view)?;
+                match &mut self.recording {
+                    Recording::On(recorder) => recorder.renewed(stage),
+                    Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(stage))),
+                    Recording::Off => {}
+                }
+                if stage.settings != wanted {
+                    self.wishes.push(Action::Set(Box::new(wanted)));
+                }
+                // What was edited meanwhile may need another one.
+                if change == Change::Rebuild {
+                    self.rebuild();
+                }
+            }
+            _ => {
+                let mut stage = Stage::new(built);
+                if let Some(view) = self.parked.take() {
+                    stage.renderer.set_view(&view)?;
+                } else {
+                    stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
+                    self.panel.message = stage.rest.warnings.join("; ");
+                    self.window.set_title(&format!("{} - glowworm", stage.name));
+                    self.flight = Flight::new(stage.radius);
+                    self.clock.time = 0.0;
+                }
+                self.stage = Some(stage);
+                // A recording is of one scene.
+                if !matches!(self.recording, Recording::Off) {
+                    self.wishes.push(Action::ToggleRecording);
+                }
+            }
+        }
+        self.history.clear();
+        // The window may have changed its size meanwhile.
+        self.resized = Some(Instant::now());
+        Ok(())
+    }
+
     /// Tells the presenter the window's size, and the renderer once that has come to rest.
     fn follow_size(&mut self) {
         let size = self.window.inner_size();
@@ -259,11 +329,17 @@ impl Open {
             return;
         }
         self.resized = None;
-        let size = [size.width.max(1), size.height.max(1)];
+        let size = self.picture_size();
         if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
             let settings = crate::settings::Settings { size, ..stage.settings.clone() };
             self.wishes.push(Action::Set(Box::new(settings)));
         }
+    }
+
+    /// Pixels of the picture in a window of this size.
+    pub fn picture_size(&self) -> [u32; 2] {
+        let size = self.window.inner_size();
+        [size.width, size.height].map(|side| side.div_ceil(self.coarseness).max(1))
     }
 
     /// Moves the camera by the keys that are held.
@@ -285,7 +361,10 @@ impl Open {
                 history: &self.history,
                 loader: &self.loader,
                 gpu: &self.gpu,
+                coarseness: self.coarseness,
+                recording: &self.recording,
                 inspector: &self.inspector,
+                mode: self.mode,
             };
             wishes.extend(panel::show(ui, &mut self.panel, &mut shown));
         });
@@ -300,81 +379,11 @@ impl Open {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         self.inspector.refresh(stage)?;
         let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
-        Ok(stage.render(self.clock.time, camera)?)
-    }
-
-    /// Where the pointer is in the picture, from (0, 0) at the top left to (1, 1).
-    fn pointer_in_picture(&self) -> Vec2 {
-        let size = self.window.inner_size();
-        let extent = Vec2::new(size.width.max(1) as f32, size.height.max(1) as f32);
-        Vec2::from_array(self.pointer.position) / extent
-    }
-
-    fn key(&mut self, code: KeyCode, state: ElementState, repeat: bool) {
-        let pressed = state == ElementState::Pressed;
-        let plain = !self.modifiers.control_key() && !self.modifiers.alt_key();
-        if !pressed || plain {
-            self.flight.key(code, pressed);
+        stage.render(self.clock.time, camera)?;
+        if let Recording::On(recorder) = &mut self.recording {
+            recorder.frame(stage);
         }
-        if pressed && !repeat {
-            self.wishes.extend(action_of(code, self.modifiers));
-        }
-    }
-
-    fn button(&mut self, button: MouseButton, state: ElementState) {
-        if state == ElementState::Released {
-            if self.pointer.release(button) {
-                self.window.set_cursor_visible(true);
-            }
-            return;
-        }
-        match button {
-            MouseButton::Right => {
-                self.window.set_cursor_visible(false);
-                self.pointer.begin(button, Drag::Look);
-            }
-            MouseButton::Middle => {
-                let at = self.pointer_in_picture();
-                if let Some(picked) = self.stage.as_ref().and_then(|stage| stage.pick(at)) {
-                    self.pointer.begin(button, Drag::Orbit(picked.surface.position));
-                }
-            }
-            MouseButton::Left if self.inspector.is_on() => {
-                let at = self.pointer_in_picture();
-                if let Some(stage) = &self.stage {
-                    self.inspector.look(stage, at);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn pointer_moved(&mut self, position: [f32; 2]) {
-        let way = self.pointer.move_to(position);
-        let (Some(stage), Some(drag)) = (&self.stage, self.pointer.drag()) else { return };
-        let own = stage.rest.pose(self.clock.time).camera;
-        match drag {
-            Drag::Look => {
-                self.flight.look(&own, way);
-                self.keep_pointer_inside();
-            }
-            Drag::Orbit(pivot) => self.flight.orbit(&own, pivot, way),
-        }
-    }
-
-    /// Brings the pointer back to the middle when it comes near an edge, so that one can look around
-    /// without end. Some systems do not let programs move the pointer; there the edge is the end.
-    fn keep_pointer_inside(&mut self) {
-        let size = self.window.inner_size();
-        let sides = [size.width as f32, size.height as f32];
-        let near = |at: f32, side: f32| at < 0.1 * side || at > 0.9 * side;
-        let at_edge = (0..2).any(|axis| near(self.pointer.position[axis], sides[axis]));
-        if at_edge {
-            let [x, y] = sides.map(|side| side * 0.5);
-            if self.window.set_cursor_position(winit::dpi::PhysicalPosition::new(x, y)).is_ok() {
-                self.pointer.move_to([x, y]);
-            }
-        }
+        Ok(())
     }
 }
 
@@ -389,7 +398,10 @@ impl ApplicationHandler for App {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
-        let response = open.egui.on_window_event(&open.window, &event);
+        // Keys that mean something here would also go from widget to widget there.
+        let ours = matches!(&event, WindowEvent::KeyboardInput { event, .. }
+            if event.physical_key == PhysicalKey::Code(KeyCode::Tab) && !open.egui.egui_ctx().egui_wants_keyboard_input());
+        let consumed = !ours && open.egui.on_window_event(&open.window, &event).consumed;
         let context = open.egui.egui_ctx();
         let (keys_taken, pointer_taken) =
             (context.egui_wants_keyboard_input(), context.egui_wants_pointer_input());
@@ -421,7 +433,7 @@ impl ApplicationHandler for App {
                     open.button(button, state);
                 }
             }
-            WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !response.consumed => {
+            WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !consumed => {
                 open.flight.change_speed(match delta {
                     MouseScrollDelta::LineDelta(_, lines) => lines,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 50.0,

@@ -9,14 +9,16 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::{DemoError, Launch};
 use crate::renderer::Renderer;
-use crate::scene::{Scene, load_scene};
+use crate::scene::{Scene, SceneDocument};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
 /// What to build.
 pub(super) struct Order {
-    /// Scene, by name or file.
+    /// Scene, by name or file, as people know it.
     pub name: String,
+    /// The scene itself where it has been edited; none: to be read.
+    pub document: Option<SceneDocument>,
     pub device: Arc<Device>,
     /// Settings of a scene that is already on show; none: the scene's own, below those of the command line.
     pub settings: Option<Settings>,
@@ -27,6 +29,7 @@ pub(super) struct Order {
 /// What was built.
 pub(super) struct Built {
     pub name: String,
+    pub document: SceneDocument,
     pub scene: Arc<Scene>,
     pub settings: Settings,
     pub renderer: Renderer,
@@ -136,7 +139,15 @@ impl Loader {
 }
 
 fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
-    let scene = Arc::new(load_scene(&order.name, launch.assets.as_deref())?);
+    let assets = launch.assets.as_deref();
+    let (document, scene) = match order.document.clone() {
+        Some(document) => {
+            let scene = document.build(assets)?;
+            (document, scene)
+        }
+        None => SceneDocument::open(&order.name, assets)?,
+    };
+    let scene = Arc::new(scene);
     let same = order.settings.is_some();
     let settings = match &order.settings {
         Some(settings) => Settings { size: order.size, ..settings.clone() },
@@ -144,7 +155,7 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
     };
     let _ = sender.send(Message::Step(Step::Building));
     let renderer = Renderer::new(&order.device, &scene, &settings, &scene.pose(0.0))?;
-    Ok(Built { name: order.name, scene, settings, renderer, same })
+    Ok(Built { name: order.name, document, scene, settings, renderer, same })
 }
 
 /// The settings of the scene and the command line, for the window's size. On a CPU what neither of them
@@ -161,7 +172,7 @@ fn settings_for(scene: &Scene, order: &Order, launch: &Launch) -> Result<Setting
 }
 
 /// VPL slots on a CPU driver, where nobody asks for another number.
-const CPU_VPLS: i64 = 256;
+const CPU_VPLS: i64 = 128;
 
 /// Runs `work` on half of the cores at most, and away from those that frames need: a frame that waits for
 /// its own small task would otherwise get a large one of the loader's to do meanwhile.

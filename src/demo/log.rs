@@ -26,11 +26,6 @@ impl Log {
         Ok(log)
     }
 
-    /// Number of the frame that is being made, over all scenes.
-    pub fn frame(&self) -> u64 {
-        self.frame
-    }
-
     /// Something happened.
     pub fn event(&mut self, name: &str, details: impl Serialize) {
         let details = serde_json::to_value(details).unwrap_or(Value::Null);

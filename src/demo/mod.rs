@@ -6,15 +6,20 @@
 mod action;
 mod app;
 mod clock;
+mod command;
+mod edit;
 mod flight;
 mod gpu;
+mod handles;
 mod history;
 mod inspector;
 mod loader;
 mod log;
+mod mouse;
 mod panel;
 mod perform;
 mod pointer;
+mod recorder;
 mod screenshot;
 mod stage;
 

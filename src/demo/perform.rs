@@ -1,14 +1,21 @@
 //! Carries out wishes, between frames.
 
+use std::path::PathBuf;
+
 use serde_json::json;
 
 use super::DemoError;
 use super::action::Action;
-use super::app::App;
+use super::app::{App, Recording};
+use super::edit::new_light;
 use super::gpu::Gpu;
+use super::handles::{Mode, moved_light};
 use super::loader::Order;
-use super::screenshot;
+use super::panel::Purpose;
+use super::screenshot::{self, Saving};
+use super::stage::{Change, Selected, Stage, carry};
 use crate::renderer::{BufferView, DebugView, PathStyle};
+use crate::scene::{LightEntry, SceneDocument, SceneError};
 use crate::settings::Settings;
 use crate::vpl::SlotState;
 use super::app::Open;
@@ -46,7 +53,11 @@ impl App {
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
                 open.panel.error = None;
-                open.order(name, None);
+                open.order(name, None, None);
+            }
+            Action::SetCoarseness(pixels) => {
+                open.coarseness = pixels.clamp(1, 8);
+                open.resized = Some(std::time::Instant::now());
             }
             Action::Set(settings) => open.set(&settings)?,
             Action::View(view) => open.view(&view)?,
@@ -56,15 +67,37 @@ impl App {
             Action::TogglePaths => open.change_view(|view| {
                 view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
             })?,
+            Action::Select(selected) => {
+                if let Some(stage) = &mut open.stage {
+                    stage.selected = selected;
+                }
+            }
+            Action::ToggleHandles => open.mode = if open.mode == Mode::Move { Mode::Turn } else { Mode::Move },
+            Action::EditLight(index, entry) => open.edit(|stage| stage.set_light(index, *entry)),
+            Action::EditInstance(index, entry) => open.edit(|stage| stage.set_instance(index, *entry)),
+            Action::AddLight(kind) => open.edit(|stage| stage.add_light(new_light(stage, kind))),
+            Action::Duplicate => open.duplicate(),
+            Action::Delete => {
+                if let Some(Selected::Light(index)) = open.stage.as_ref().and_then(|stage| stage.selected) {
+                    open.edit(|stage| stage.remove_light(index));
+                }
+            }
+            Action::ToggleHeadlamp => open.toggle_headlamp(),
+            Action::AskOpen => open.panel.scene.ask_for(Purpose::Open, ""),
+            Action::AskSave => {
+                let name = open.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                open.panel.scene.ask_for(Purpose::Save, name);
+            }
+            Action::Save(path) => open.save(path),
             Action::ToggleInspector => open.inspector.toggle(),
             Action::Screenshot { exr } => {
                 if let Some(stage) = &open.stage {
                     open.saving.push(screenshot::take(stage, exr)?);
                 }
             }
+            Action::ToggleRecording => open.toggle_recording(),
             Action::CopyCommand => {
-                if let Some(stage) = &open.stage {
-                    let command = stage.command_line();
+                if let Some(command) = open.command() {
                     self.log.event("command", &command);
                     open.panel.message = format!("copied: {command}");
                     open.egui.set_clipboard_text(command);
@@ -88,7 +121,9 @@ impl App {
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(stage) = stage {
-            open.order(stage.name, Some(stage.settings));
+            let settings = stage.settings.clone();
+            open.parked = Some(stage.renderer.view().clone());
+            open.order(stage.name, Some(stage.document), Some(settings));
         }
         Ok(())
     }
@@ -96,15 +131,89 @@ impl App {
 
 impl Open {
     /// Has a scene loaded and shown: with these settings, or with its own.
-    fn order(&mut self, name: String, settings: Option<Settings>) {
-        let size = self.window.inner_size();
+    fn order(&mut self, name: String, document: Option<SceneDocument>, settings: Option<Settings>) {
         let order = Order {
             name,
+            document,
             settings,
             device: std::sync::Arc::clone(&self.gpu.device),
-            size: [size.width.max(1), size.height.max(1)],
+            size: self.picture_size(),
         };
         self.loader.start(order);
+    }
+
+    /// Carries out an edit, and has the renderer made anew where the edit needs that.
+    fn edit(&mut self, edit: impl FnOnce(&mut Stage) -> Result<Change, SceneError>) {
+        let Some(stage) = &mut self.stage else { return };
+        match edit(stage) {
+            Ok(Change::Live) => {}
+            Ok(Change::Rebuild) => self.rebuild(),
+            Err(error) => self.panel.error = Some(error.to_string()),
+        }
+    }
+
+    /// Has a renderer made for the document as it is now.
+    pub(super) fn rebuild(&mut self) {
+        let Some(stage) = &self.stage else { return };
+        let (name, document) = (stage.name.clone(), stage.document.clone());
+        let settings = stage.settings.clone();
+        self.order(name, Some(document), Some(settings));
+    }
+
+    /// Starts a recording with a renderer that is made anew, since what is seen depends on all that came
+    /// before; or saves the one that is on.
+    fn toggle_recording(&mut self) {
+        match std::mem::take(&mut self.recording) {
+            Recording::Off => {
+                self.recording = Recording::Waiting;
+                self.rebuild();
+            }
+            Recording::Waiting => {}
+            Recording::On(recorder) => {
+                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                match screenshot::free_name(&format!("glowworm-{name}-recording"), "toml") {
+                    Ok(path) => self.saving.push(recorder.save(path)),
+                    Err(error) => self.panel.error = Some(error),
+                }
+            }
+        }
+    }
+
+    fn duplicate(&mut self) {
+        self.edit(|stage| {
+            let Some(Selected::Light(index)) = stage.selected else { return Ok(Change::Live) };
+            let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
+            let name = light.name.as_ref().map(|name| format!("{name} copy"));
+            let copy = LightEntry { name, ..light.clone() };
+            // A little aside, so that both are seen.
+            let way = glam::Vec3::splat(0.05 * stage.radius);
+            stage.add_light(moved_light(&copy, way))
+        });
+    }
+
+    /// The chosen light goes with the camera from now on; the one that does stays where it is.
+    fn toggle_headlamp(&mut self) {
+        self.edit(|stage| {
+            if let Some(lamp) = stage.headlamp.take() {
+                let Some(light) = stage.document.lights().nth(lamp) else { return Ok(Change::Live) };
+                let mut light = light.clone();
+                carry(&mut light, &stage.pose.camera);
+                return stage.set_light(lamp, light);
+            }
+            if let Some(Selected::Light(index)) = stage.selected {
+                stage.headlamp = Some(index);
+            }
+            Ok(Change::Live)
+        });
+    }
+
+    /// Writes the scene as it is now, with the camera as it is now.
+    fn save(&mut self, path: PathBuf) {
+        let Some(stage) = &mut self.stage else { return };
+        let camera = self.flight.has_moved().then_some(&stage.pose.camera);
+        let text = stage.document_to_save(camera).text();
+        stage.edited = false;
+        self.saving.push(Saving::text(path, text));
     }
 
     /// Changes the settings of the scene on show.

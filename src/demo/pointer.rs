@@ -3,13 +3,17 @@
 use glam::Vec3;
 use winit::event::MouseButton;
 
+use super::handles::HandleDrag;
+
 /// A drag, from button down to button up.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Drag {
     /// Looks around.
     Look,
     /// Orbits about a point.
     Orbit(Vec3),
+    /// Moves or turns what is chosen.
+    Handle(Box<HandleDrag>),
 }
 
 /// The pointer in the window, pixels.
@@ -21,8 +25,8 @@ pub(super) struct Pointer {
 
 impl Pointer {
     /// The drag in progress.
-    pub fn drag(&self) -> Option<Drag> {
-        self.drag.map(|(_, drag)| drag)
+    pub fn drag(&self) -> Option<&Drag> {
+        self.drag.as_ref().map(|(_, drag)| drag)
     }
 
     /// A drag begins, unless there is one.
@@ -32,7 +36,7 @@ impl Pointer {
 
     /// A button goes up; true if that ends the drag.
     pub fn release(&mut self, button: MouseButton) -> bool {
-        let ends = self.drag.is_some_and(|(held, _)| held == button);
+        let ends = self.drag.as_ref().is_some_and(|(held, _)| *held == button);
         if ends {
             self.drag = None;
         }

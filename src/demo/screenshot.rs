@@ -1,11 +1,11 @@
-//! Pictures of the scene, written while the window goes on.
+//! Pictures and scene files, written while the window goes on.
 
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 use super::DemoError;
 use super::stage::Stage;
-use crate::output::PictureTarget;
+use crate::output::{OutputFile, PictureTarget};
 
 /// Most pictures of one name in a folder.
 const MOST: u32 = 9999;
@@ -16,6 +16,16 @@ pub(super) struct Saving {
 }
 
 impl Saving {
+    /// Writes a text file.
+    pub fn text(path: PathBuf, text: String) -> Self {
+        let write = move || {
+            let file = OutputFile::new(&path).map_err(|error| error.to_string())?;
+            file.save_text(&text).map_err(|error| error.to_string())?;
+            Ok(path)
+        };
+        Self { thread: std::thread::spawn(write) }
+    }
+
     pub fn is_done(&self) -> bool {
         self.thread.is_finished()
     }
@@ -39,7 +49,8 @@ pub(super) fn take(stage: &Stage, exr: bool) -> Result<Saving, DemoError> {
     Ok(Saving { thread })
 }
 
-fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
+/// A name in the current folder that nothing has.
+pub(super) fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
     (1..=MOST)
         .map(|number| PathBuf::from(format!("{stem}-{number:04}.{extension}")))
         .find(|path| !Path::new(path).exists())

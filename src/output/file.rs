@@ -66,6 +66,11 @@ impl OutputFile {
         Ok(())
     }
 
+    /// Writes a text.
+    pub fn save_text(&self, text: &str) -> Result<(), OutputError> {
+        self.save(|writer| writer.write_all(text.as_bytes()).map_err(|source| self.error(source)))
+    }
+
     /// Writes `value` as JSON.
     pub fn save_json(&self, value: &impl serde::Serialize) -> Result<(), OutputError> {
         self.save(|writer| {

@@ -12,6 +12,11 @@ use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
 use crate::scene::{BoundingSphere, Light, LightKind, Scene};
 
+/// Whether two lights light the world alike, whatever they are called.
+fn shines_like(a: &Light, b: &Light) -> bool {
+    (&a.kind, a.position, a.direction) == (&b.kind, b.position, b.direction)
+}
+
 /// Keeps the last world and compares.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
@@ -116,7 +121,7 @@ impl Watch {
                 _ => false,
             };
             let known = self.lights.get(index);
-            if known == Some(light) && !carried {
+            if known.is_some_and(|known| shines_like(known, light)) && !carried {
                 self.light_changed.push(false);
                 continue;
             }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use clap::Args;
 use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
-use super::{PanelState, Shown};
+use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::settings::{MissingSets, Sequence, Settings, TracerKind};
 
@@ -64,12 +64,20 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
     ]
 }
 
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+pub(super) fn show(
+    ui: &mut Ui,
+    state: &PanelState,
+    shown: &Shown<'_>,
+    places: &mut Places,
+    wishes: &mut Vec<Action>,
+) {
     let Some(stage) = shown.stage else { return };
     let mut settings = stage.settings.clone();
     ui.horizontal_wrapped(|ui| {
         for (name, what, preset) in presets(&stage.settings) {
-            if ui.selectable_label(preset == stage.settings, name).on_hover_text(what).clicked() {
+            let label = ui.selectable_label(preset == stage.settings, name).on_hover_text(what);
+            place(ui, places, name, &label);
+            if label.clicked() {
                 settings = preset;
             }
         }
@@ -82,6 +90,16 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, wishe
             let doc = state.settings.0.get(*name).map_or("", String::as_str);
             row(ui, name, doc, &mut settings, &defaults);
         }
+    }
+    let mut coarseness = shown.coarseness;
+    ui.horizontal(|ui| {
+        ui.label("window pixels a pixel");
+        ui.add(DragValue::new(&mut coarseness).range(1..=8).speed(0.03));
+    })
+    .response
+    .on_hover_text("The size follows the window. 2: every pixel covers 2x2 of the window, at a quarter of the cost.");
+    if coarseness != shown.coarseness {
+        wishes.push(Action::SetCoarseness(coarseness));
     }
     if settings != stage.settings {
         wishes.push(Action::Set(Box::new(settings)));
