@@ -39,6 +39,8 @@ pub enum Action {
     Open(String),
     /// How many pixels of the window, each way, one pixel of the picture covers.
     SetCoarseness(u32),
+    /// Loads the scene again as it is on disk.
+    Reload,
     /// Changes the settings.
     Set(Box<Settings>),
     /// Shows something else in place of the picture, or over it.
@@ -112,6 +114,7 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
     bind("F4", "copy the command line of this picture", KeyCode::F4, NONE, || Action::CopyCommand),
+    bind("F5", "load the scene again", KeyCode::F5, NONE, || Action::Reload),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
     bind("Shift+V", "buffer before", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
     bind("P", "paths of VPLs on and off", KeyCode::KeyP, NONE, || Action::TogglePaths),

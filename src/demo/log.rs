@@ -1,4 +1,5 @@
-//! What happened in the window, frame by frame: with `--json` in a file, with `-v` on standard error.
+//! What happened in the window, frame by frame: with `--json` in a file, with `-v` on standard error,
+//! with `-vv` each frame too.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -44,6 +45,7 @@ impl Log {
             "ui_device_ms": sample.ui_device_ms,
             "measured": sample.report,
         });
+        log::debug!("{entry}");
         self.entry(&entry);
         self.frame += 1;
     }

@@ -55,6 +55,11 @@ impl App {
                 open.panel.error = None;
                 open.order(name, None, None);
             }
+            Action::Reload => {
+                if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone()) {
+                    open.order(name, None, None);
+                }
+            }
             Action::SetCoarseness(pixels) => {
                 open.coarseness = pixels.clamp(1, 8);
                 open.resized = Some(std::time::Instant::now());

@@ -78,11 +78,13 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             let mut places = std::mem::take(&mut state.places);
             let mut header = |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
-            let scene = section(ui, "Scene", true, |ui| scene::show(ui, state, shown, &mut wishes));
+            let mut inner = Places::new();
+            let scene = section(ui, "Scene", true, |ui| {
+                scene::show(ui, state, shown, &mut inner, &mut wishes);
+            });
             header(ui, "Scene", scene);
             let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut wishes));
             header(ui, "Time", time);
-            let mut inner = Places::new();
             let objects = section(ui, "Lights and things", false, |ui| {
                 objects::show(ui, shown, &mut inner, &mut wishes);
             });

@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{ComboBox, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
-use super::{PanelState, Shown};
+use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::app::Recording;
 use crate::scene::BUILTIN_SCENES;
@@ -58,7 +58,13 @@ impl SceneState {
     }
 }
 
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+pub(super) fn show(
+    ui: &mut Ui,
+    state: &mut PanelState,
+    shown: &Shown<'_>,
+    places: &mut Places,
+    wishes: &mut Vec<Action>,
+) {
     let name = shown.stage.map_or("none", |stage| stage.name.as_str());
     ComboBox::from_id_salt("scene").selected_text(short(name)).width(210.0).truncate().show_ui(ui, |ui| {
         for scene in BUILTIN_SCENES {
@@ -70,6 +76,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, wishe
     ui.horizontal(|ui| {
         let field = TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml or model.obj");
         let field = ui.add(field.desired_width(150.0));
+        place(ui, places, "path", &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let typed = state.scene.path.trim();
         if (ui.button("Open").clicked() || entered) && !typed.is_empty() {
