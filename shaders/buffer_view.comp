@@ -172,7 +172,8 @@ vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:
             vec2 pixels = texelFetch(gbuffer_motion, pixel, 0).xy * vec2(frame.size);
-            return vec3(0.5 + 0.5 * pixels / FULL_MOTION, 0.5);
+            // The root shows slow movement, too.
+            return vec3(0.5 + 0.5 * sign(pixels) * sqrt(abs(pixels) / FULL_MOTION), 0.5);
         default: return light_view(pixel);
     }
 }

@@ -20,6 +20,7 @@ layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data
 layout(set = 0, binding = 8, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
 layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
+layout(set = 0, binding = 11, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 
 // Mean of the bilinear comparisons at the corners of a texel: a tent over 3x3 texels.
 float filtered_visibility(vec4 rectangle, vec3 coordinates) {
@@ -110,7 +111,9 @@ void main() {
     vec3 to_eye = normalize(frame.eye.xyz - p);
 
     vec3 radiance = vec3(0.0);
-    if ((id.y & FRONT_FACING) != 0u) radiance = materials.data[id.y & MATERIAL].emission.rgb;
+    if ((id.y & FRONT_FACING) != 0u) {
+        radiance = materials.data[id.y & MATERIAL].emission.rgb * instances.data[id.x - 1u].emission.rgb;
+    }
     for (uint i = 0u; i < frame.light_count; i++) {
         LightData light = lights.data[i];
         vec3 to_light;

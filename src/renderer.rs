@@ -7,8 +7,8 @@ mod live;
 mod passes;
 mod paths;
 mod pick;
-mod replay;
 mod picture;
+mod replay;
 mod view;
 
 pub use paths::reason_colour;
@@ -80,6 +80,23 @@ struct Lengths {
     transport: f32,
 }
 
+/// A scene with what can be worked out without a device, on any thread.
+pub struct PreparedScene {
+    scene: Arc<Scene>,
+    bvh: TwoLevelBvh,
+    transport: Option<f32>,
+}
+
+impl PreparedScene {
+    /// Builds the BVH; takes a second or so for a million triangles.
+    pub fn new(scene: &Arc<Scene>) -> Self {
+        let rest = scene.pose(0.0);
+        let bvh = TwoLevelBvh::build(scene, &rest.instances);
+        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
+        Self { scene: Arc::clone(scene), bvh, transport }
+    }
+}
+
 /// What the CPU's stages give to the device's passes, and what they cost.
 struct IndirectLights {
     vpls: SetVpls,
@@ -105,12 +122,21 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
+        Self::with_scene(device, PreparedScene::new(scene), settings, pose)
+    }
+
+    /// The same for a scene that was prepared beforehand.
+    pub fn with_scene(
+        device: &Arc<Device>,
+        prepared: PreparedScene,
+        settings: &Settings,
+        pose: &Pose,
+    ) -> Result<Self, RenderError> {
         if settings.tracer == TracerKind::Hardware {
             return Err(RenderError::NoHardwareTracer);
         }
-        let rest = scene.pose(0.0);
-        let mut bvh = TwoLevelBvh::build(scene, &rest.instances);
-        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
+        let PreparedScene { scene, mut bvh, transport } = prepared;
+        let scene = &scene;
         bvh.update(&pose.instances);
         let vpls = VplManager::new(World { scene, pose, bvh: &bvh }, settings);
         let (low, high) = bvh.bounds();

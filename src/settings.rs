@@ -221,9 +221,7 @@ impl Settings {
     pub fn differing_options(&self) -> Vec<(String, String)> {
         let written = |value: toml::Value| match value {
             toml::Value::String(text) => text,
-            toml::Value::Array(sides) => {
-                sides.iter().map(ToString::to_string).collect::<Vec<_>>().join("x")
-            }
+            toml::Value::Array(sides) => sides.iter().map(ToString::to_string).collect::<Vec<_>>().join("x"),
             number => number.to_string(),
         };
         self.differing().into_iter().map(|(name, value)| (name.replace('_', "-"), written(value))).collect()

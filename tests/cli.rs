@@ -54,6 +54,24 @@ fn more_temporal_sets_than_vpls_are_wrong_usage() {
 }
 
 #[test]
+fn views_of_what_is_not_there_are_wrong_usage() {
+    let run = Run::new();
+    for (options, says) in [
+        (&["--view", "nothing"][..], "--view"),
+        (
+            &["--view", "set-buffer", "--view-set", "16"],
+            "--view-set 16: must be below --temporal-sets, which is 16",
+        ),
+        (&["--single-vpl", "512"], "--single-vpl 512: must be below --vpls, which is 16"),
+        (&["--view", "vpl-visibility"], "say of which VPL with --single-vpl"),
+        (&["--view", "normal", "--out", "a.exr"], "only a .png shows them"),
+    ] {
+        assert_fails(&run.render("cornell-box", options), 2, &[says]);
+    }
+    assert!(run.files().is_empty());
+}
+
+#[test]
 fn what_is_no_subcommand_is_wrong_usage() {
     let run = Run::new();
     assert_fails(&run.glowworm(&["rendr", "cornell-box"]), 2, &["cornell-box"]);

@@ -9,10 +9,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::options::RunOptions;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
-use crate::renderer::{BufferView, DebugView, PathStyle, Replay};
+use crate::renderer::{BufferView, DebugView, PathStyle, Renderer, Replay};
 use crate::report::{FrameReport, RenderReport};
 use crate::scene::{Scene, load_scene};
 use crate::settings::Settings;
+use crate::vpl::SlotState;
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -58,6 +59,36 @@ pub(super) struct ViewOptions {
 }
 
 impl ViewOptions {
+    /// Fails where there is nothing of the kind to look at.
+    fn check(&self, settings: &Settings, target: &PictureTarget) -> Result<(), CliError> {
+        let wrong = |what: String| Err(CliError::Usage(what));
+        if self.debug_view() != DebugView::default() && target.is_linear() {
+            return wrong("--view, --vpl-paths and --single-vpl: only a .png shows them".to_owned());
+        }
+        if self.view_set >= settings.temporal_sets {
+            let (set, sets) = (self.view_set, settings.temporal_sets);
+            return wrong(format!("--view-set {set}: must be below --temporal-sets, which is {sets}"));
+        }
+        match self.single_vpl {
+            Some(slot) if slot >= settings.vpls => {
+                wrong(format!("--single-vpl {slot}: must be below --vpls, which is {}", settings.vpls))
+            }
+            None if self.view == BufferView::VplVisibility => {
+                wrong("--view vpl-visibility: say of which VPL with --single-vpl SLOT".to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Says so where the single VPL is not there in the last frame.
+    fn note_missing(&self, renderer: &Renderer) {
+        let Some(slot) = self.single_vpl else { return };
+        let held = renderer.vpls().slots().nth(slot as usize);
+        if held.is_none_or(|held| held.state != SlotState::Valid) {
+            say::warning(&format!("--single-vpl {slot}: the slot holds no VPL, so there is no light of it"));
+        }
+    }
+
     fn debug_view(&self) -> DebugView {
         DebugView {
             buffer: self.view,
@@ -78,6 +109,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let device = device::open(&options.run.device)?;
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    options.view.check(&settings, &target)?;
     let recorded = scene.recording.last().map(|last| last.frame + 1);
     let frames = options.frames.or(recorded).unwrap_or_else(|| u64::from(settings.temporal_sets));
     if let Some(json) = &json {
@@ -87,6 +119,7 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let mut replay = Replay::new(&device, &scene, &settings, options.run.files.assets_folder())?;
     replay.renderer().set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut replay, frames, &target)?;
+    options.view.note_missing(replay.renderer());
     drop(replay);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();

@@ -131,7 +131,9 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Del", "delete the chosen light", KeyCode::Delete, NONE, || Action::Delete),
     bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || Action::AskOpen),
     bind("Ctrl+S", "save the scene", KeyCode::KeyS, CONTROL, || Action::AskSave),
-    bind("Ctrl+R", "record all that is done; again: save it", KeyCode::KeyR, CONTROL, || Action::ToggleRecording),
+    bind("Ctrl+R", "record all that is done; again: save it", KeyCode::KeyR, CONTROL, || {
+        Action::ToggleRecording
+    }),
     bind("Ctrl+Q", "close", KeyCode::KeyQ, CONTROL, || Action::Quit),
 ];
 

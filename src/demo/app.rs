@@ -118,7 +118,8 @@ impl App {
             .with_title("glowworm")
             .with_min_inner_size(winit::dpi::PhysicalSize::new(64, 64))
             .with_inner_size(winit::dpi::PhysicalSize::new(width, height));
-        let window = events.create_window(attributes).map_err(|error| DemoError::Window(error.to_string()))?;
+        let window =
+            events.create_window(attributes).map_err(|error| DemoError::Window(error.to_string()))?;
         let window = Arc::new(window);
         let gpu = Gpu::open(&window, &self.launch)?;
         self.instance = Some(Arc::clone(gpu.instance()));
@@ -240,7 +241,10 @@ impl App {
         match open.loader.poll() {
             None => {}
             Some(Ok(built)) => {
-                self.log.event("scene", json!({ "name": built.name, "settings": built.settings, "same": built.same }));
+                self.log.event(
+                    "scene",
+                    json!({ "name": built.name, "settings": built.settings, "same": built.same }),
+                );
                 open.show(built)?;
             }
             // Without a scene there is nothing to go on with.

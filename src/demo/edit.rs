@@ -22,16 +22,14 @@ pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
     // An irradiance of pi at a third of the scene's radius.
     let away = 0.33 * stage.radius;
     let intensity = WHITE * (std::f32::consts::PI * away * away);
-    let name = (1..).map(|number| format!("{} {number}", label(kind))).find(|name| {
-        stage.document.lights().all(|light| light.name.as_ref() != Some(name))
-    });
+    let name = (1..)
+        .map(|number| format!("{} {number}", label(kind)))
+        .find(|name| stage.document.lights().all(|light| light.name.as_ref() != Some(name)));
     let entry = LightEntry { name, ..LightEntry::of(kind) };
     match kind {
-        LightType::Point => LightEntry {
-            position: Some(place.to_array()),
-            intensity: Some(intensity.to_array()),
-            ..entry
-        },
+        LightType::Point => {
+            LightEntry { position: Some(place.to_array()), intensity: Some(intensity.to_array()), ..entry }
+        }
         LightType::Spot => LightEntry {
             position: Some(place.to_array()),
             direction: Some(camera.forward().to_array()),

@@ -26,13 +26,7 @@ pub(super) struct Flight {
 impl Flight {
     /// For a scene of this size, in scene units.
     pub fn new(radius: f32) -> Self {
-        Self {
-            moved: None,
-            bookmarks: [None; 9],
-            speed: 0.3 * radius,
-            held: Vec::new(),
-            running: false,
-        }
+        Self { moved: None, bookmarks: [None; 9], speed: 0.3 * radius, held: Vec::new(), running: false }
     }
 
     /// The camera to draw with, given the scene's own.

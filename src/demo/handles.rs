@@ -106,7 +106,9 @@ pub(super) fn paint(ui: &Ui, stage: &Stage, mode: Mode) {
         let points: Option<Vec<Pos2>> =
             lines(mode, pivot, axis, reach).into_iter().map(|point| projector.point(point)).collect();
         let Some(points) = points else { continue };
-        if mode == Mode::Move && let [from, to] = points[..] {
+        if mode == Mode::Move
+            && let [from, to] = points[..]
+        {
             painter.arrow(from, to - from, Stroke::new(2.5, colour));
         } else {
             painter.line(points, Stroke::new(2.0, colour));
@@ -176,13 +178,17 @@ impl HandleDrag {
         let projector = Projector::new(stage, size);
         let reach = reach(stage, pivot);
         let distance = |axis: Vec3| {
-            let points: Vec<Pos2> =
-                lines(mode, pivot, axis, reach).into_iter().filter_map(|point| projector.point(point)).collect();
+            let points: Vec<Pos2> = lines(mode, pivot, axis, reach)
+                .into_iter()
+                .filter_map(|point| projector.point(point))
+                .collect();
             points.windows(2).map(|ends| distance_to(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min)
         };
         let nearest = AXES.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
         let original = match selected {
-            Selected::Instance(index) => Entry::Instance(index, stage.document.instances().nth(index)?.clone()),
+            Selected::Instance(index) => {
+                Entry::Instance(index, stage.document.instances().nth(index)?.clone())
+            }
             Selected::Light(index) => Entry::Light(index, stage.document.lights().nth(index)?.clone()),
         };
         let drag = Self { mode, axis: nearest, pivot, start: 0.0, original };
@@ -220,7 +226,9 @@ impl HandleDrag {
             (Entry::Instance(index, entry), Mode::Turn) => {
                 Entry::Instance(*index, turned_instance(entry, self.axis, way))
             }
-            (Entry::Light(index, entry), Mode::Move) => Entry::Light(*index, moved_light(entry, self.axis * way)),
+            (Entry::Light(index, entry), Mode::Move) => {
+                Entry::Light(*index, moved_light(entry, self.axis * way))
+            }
             (Entry::Light(index, entry), Mode::Turn) => {
                 Entry::Light(*index, turned_light(entry, Quat::from_axis_angle(self.axis, way)))
             }

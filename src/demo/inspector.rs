@@ -5,7 +5,7 @@ use glam::Vec2;
 use super::DemoError;
 use super::stage::Stage;
 use crate::renderer::{DebugView, Line, Picked};
-use crate::vpl::{InvalidationReason, SlotView, VplContribution};
+use crate::vpl::{SlotHistory, SlotView, VplContribution};
 
 /// VPLs that are listed.
 const LISTED: usize = 24;
@@ -29,7 +29,7 @@ pub(super) struct Found {
     pub slot: SlotView,
     /// Slots from the first bounce to this VPL.
     pub path: Vec<u32>,
-    pub last_reason: Option<InvalidationReason>,
+    pub history: Option<SlotHistory>,
 }
 
 impl Inspector {
@@ -68,7 +68,7 @@ impl Inspector {
                         contribution,
                         slot,
                         path: renderer.vpls().path_to(contribution.slot),
-                        last_reason: slot.invalidation.map(|last| last.reason),
+                        history: renderer.vpls().history(contribution.slot),
                     }
                 }));
                 let from = point.surface.position;

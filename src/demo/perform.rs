@@ -6,6 +6,7 @@ use serde_json::json;
 
 use super::DemoError;
 use super::action::Action;
+use super::app::Open;
 use super::app::{App, Recording};
 use super::edit::new_light;
 use super::gpu::Gpu;
@@ -18,7 +19,6 @@ use crate::renderer::{BufferView, DebugView, PathStyle};
 use crate::scene::{LightEntry, SceneDocument, SceneError};
 use crate::settings::Settings;
 use crate::vpl::SlotState;
-use super::app::Open;
 
 impl App {
     /// Does what a person asked for. What a person can get wrong is shown in the panel; an error ends the
@@ -77,7 +77,9 @@ impl App {
                     stage.selected = selected;
                 }
             }
-            Action::ToggleHandles => open.mode = if open.mode == Mode::Move { Mode::Turn } else { Mode::Move },
+            Action::ToggleHandles => {
+                open.mode = if open.mode == Mode::Move { Mode::Turn } else { Mode::Move }
+            }
             Action::EditLight(index, entry) => open.edit(|stage| stage.set_light(index, *entry)),
             Action::EditInstance(index, entry) => open.edit(|stage| stage.set_instance(index, *entry)),
             Action::AddLight(kind) => open.edit(|stage| stage.add_light(new_light(stage, kind))),

@@ -299,7 +299,9 @@ pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
 fn is_shown_alike(made: &SceneDocument, now: &SceneDocument) -> bool {
     let areas = |document: &SceneDocument| -> Vec<_> {
         let areas = document.lights().filter(|light| light.kind == LightType::Area);
-        areas.map(|light| (light.polygon.is_some(), light.instance.clone(), light.radiance, light.visible)).collect()
+        areas
+            .map(|light| (light.polygon.is_some(), light.instance.clone(), light.radiance, light.visible))
+            .collect()
     };
     let instances = |document: &SceneDocument| -> Vec<_> {
         document.instances().map(|instance| (instance.model.clone(), instance.visible)).collect()

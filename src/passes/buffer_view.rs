@@ -58,7 +58,7 @@ pub enum BufferView {
     Instance,
     /// A colour for each material.
     Material,
-    /// Movement since the last frame: right red, down green, half is none, 16 pixels are full.
+    /// Movement since the last frame: right red, down green, half is none; the root of pixels, 16 are full.
     Motion,
 }
 

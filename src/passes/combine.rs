@@ -1,6 +1,5 @@
 //! `combine`: direct light plus albedo/pi times indirect irradiance, exposure, filmic tone map, sRGB.
 
-
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};

@@ -1,7 +1,6 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
 //! specular; what surfaces emit; the background.
 
-
 use std::sync::Arc;
 
 use super::direct_shadows::Shadows;
@@ -20,6 +19,8 @@ pub struct DirectShadingInputs<'a> {
     pub shadows: &'a Shadows<'a>,
     /// For what materials emit.
     pub scene: &'a SceneBuffers,
+    /// Instances of this frame, for the same.
+    pub instances: &'a Upload,
 }
 
 /// The pass.
@@ -63,6 +64,7 @@ impl DirectShadingPass {
             .read("lights", &inputs.shadows.lights)
             .read("shadow_tiles", &inputs.shadows.tiles)
             .read("materials", &inputs.scene.materials)
+            .read("instances", inputs.instances)
             .write("direct", &self.direct)
             .dispatch_over(self.direct.extent())?;
         Ok(&self.direct)

@@ -1,7 +1,6 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
-
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};

@@ -1,7 +1,6 @@
 //! `indirect_shading`: irradiance of the frame's set from its visible VPLs, then the discontinuity filter,
 //! which joins the classes of each pixel's neighbourhood and writes the set buffer.
 
-
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;

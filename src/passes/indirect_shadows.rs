@@ -1,6 +1,5 @@
 //! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling).
 
-
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};

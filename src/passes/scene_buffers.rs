@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use super::clusters::{Cluster, Draw, cluster};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
-use crate::scene::{Material, Pose, Scene};
+use crate::scene::{LightKind, Material, Pose, Scene};
 use crate::vulkan::{Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
 
 /// One vertex, 32 bytes.
@@ -90,16 +90,20 @@ impl SceneBuffers {
         if self.previous.len() != pose.instances.len() {
             self.previous.clone_from(&pose.instances);
         }
+        let emission = emission_factors(scene, pose);
         let data: Vec<InstanceData> = scene
             .instances
             .iter()
             .zip(&pose.instances)
             .zip(&self.previous)
-            .map(|((instance, now), before)| InstanceData {
+            .zip(emission)
+            .map(|(((instance, now), before), emission)| InstanceData {
                 object_to_world: rows(now),
                 world_to_object: rows(&now.inverse()),
                 previous_object_to_world: rows(before),
-                dynamic: u32::from(instance.dynamic),
+                emission: emission.extend(0.0),
+                // What is static by itself may still be moved by hand.
+                dynamic: u32::from(instance.dynamic || *now != instance.transform || now != before),
                 mirrored: u32::from(now.matrix3.determinant() < 0.0),
                 pad0: 0,
                 pad1: 0,
@@ -167,6 +171,28 @@ fn material_data(material: &Material) -> MaterialData {
 
 fn mask_plus_one(material: &Material) -> u32 {
     material.alpha_mask.map_or(0, |mask| to_u32(mask) + 1)
+}
+
+/// What the emission of each instance's materials is multiplied by, since area lights may be changed or taken away:
+/// radiance now over radiance at rest.
+fn emission_factors(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
+    let mut factors = vec![Vec3::ONE; scene.instances.len()];
+    for light in &scene.lights {
+        let LightKind::Area { instance, triangles } = &light.kind else { continue };
+        let now = pose.lights.iter().find_map(|light| match &light.kind {
+            LightKind::Area { instance: other, triangles } if other == instance => triangles.first(),
+            _ => None,
+        });
+        factors[*instance] = match (triangles.first(), now) {
+            (Some(rest), Some(now)) if rest.radiance != now.radiance => {
+                let factor = now.radiance / rest.radiance;
+                Vec3::select(factor.is_finite_mask(), factor, Vec3::ZERO)
+            }
+            (_, Some(_)) => Vec3::ONE,
+            (_, None) => Vec3::ZERO,
+        };
+    }
+    factors
 }
 
 /// The rows of all instances' transforms, for the history that reprojection follows.

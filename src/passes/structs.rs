@@ -48,6 +48,8 @@ pub struct InstanceData {
     pub world_to_object: [Vec4; 3],
     /// Rows of the 3x4 matrix, one frame ago.
     pub previous_object_to_world: [Vec4; 3],
+    /// rgb: what its materials' emission is multiplied by.
+    pub emission: Vec4,
     /// 1: it may move.
     pub dynamic: u32,
     /// 1: its transform swaps left and right.
@@ -205,6 +207,7 @@ mod tests {
             object_to_world,
             world_to_object,
             previous_object_to_world,
+            emission,
             dynamic,
             mirrored,
             pad0,

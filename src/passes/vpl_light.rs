@@ -1,6 +1,5 @@
 //! `vpl_light`: what one VPL alone sends to every pixel, for looking at VPLs one by one.
 
-
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;

@@ -6,7 +6,7 @@
 
 use super::passes::Passes;
 use super::view::ViewPasses;
-use super::{RenderError, Renderer};
+use super::{PreparedScene, RenderError, Renderer};
 use crate::passes::combine::CombinePass;
 use crate::passes::direct_shading::DirectShadingPass;
 use crate::passes::gbuffer::GBufferPass;
@@ -38,6 +38,25 @@ impl Renderer {
             self.vpls = VplManager::new(World { scene: &self.scene, pose, bvh: &self.bvh }, settings);
         }
         self.settings.clone_from(settings);
+        Ok(())
+    }
+
+    /// Goes on with another scene, or with an edited one, as a renderer made for it would, but keeps the view and
+    /// the count of frames.
+    ///
+    /// # Errors
+    /// Where the device cannot do with it; the renderer then goes on with the old one.
+    pub fn replace_scene(
+        &mut self,
+        scene: PreparedScene,
+        settings: &Settings,
+        pose: &Pose,
+    ) -> Result<(), RenderError> {
+        let mut next = Self::with_scene(&self.device, scene, settings, pose)?;
+        next.set_view(&self.view)?;
+        next.reports = self.finish()?;
+        next.frame_count = self.frame_count;
+        *self = next;
         Ok(())
     }
 

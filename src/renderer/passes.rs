@@ -107,9 +107,8 @@ impl Passes {
             size: inputs.settings.size,
         };
         let shadows = self.direct_shadows.record(frame, &shadows)?;
-        let direct = self
-            .direct_shading
-            .record(frame, &DirectShadingInputs { frame: uniforms, gbuffer, shadows: &shadows, scene })?;
+        let lit = DirectShadingInputs { frame: uniforms, gbuffer, shadows: &shadows, scene, instances };
+        let direct = self.direct_shading.record(frame, &lit)?;
 
         self.indirect_shadows.start(frame);
         let visibility = self.indirect_shadows.visibility();

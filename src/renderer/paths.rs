@@ -32,7 +32,7 @@ pub(super) struct PathView {
 }
 
 impl PathView {
-    /// All lines, then all points, so that points lie on top.
+    /// All lines, then all points, so that points lie on top, and those that flash on top of all.
     pub fn lines(&self, vpls: &VplManager) -> Vec<Line> {
         let chosen = self.single.map(|slot| vpls.path_to(slot));
         let shown = |slot: &SlotView| chosen.as_ref().is_none_or(|path| path.contains(&slot.slot));
@@ -43,17 +43,20 @@ impl PathView {
         let mut lines: Vec<Line> = valid()
             .filter(|slot| slot.origin != slot.position)
             .map(|slot| {
-                let colour = self.colour(slot, brightest).extend(self.line_opacity());
+                let colour = self.colour(vpls, slot, brightest).extend(self.line_opacity());
                 line(slot.origin, slot.position, colour.to_array(), 1.5 * scale)
             })
             .collect();
-        lines.extend(slots.iter().flat_map(|slot| flash(slot, vpls.frame(), scale)));
+        let flashes = slots.iter().filter_map(|slot| flash(vpls, slot.slot, scale));
+        let (flashing_lines, flashing_points): (Vec<Line>, Vec<Line>) = flashes.unzip();
+        lines.extend(flashing_lines);
         lines.extend(valid().map(|slot| {
             let share = (luminance(slot.flux) / brightest).sqrt();
             let diameter = scale * (DIAMETERS[0] + (DIAMETERS[1] - DIAMETERS[0]) * share);
-            let colour = self.colour(slot, brightest).extend(1.0);
+            let colour = self.colour(vpls, slot, brightest).extend(1.0);
             Line::point(slot.position, colour.to_array(), diameter, HIDDEN)
         }));
+        lines.extend(flashing_points);
         lines
     }
 
@@ -61,31 +64,32 @@ impl PathView {
         if self.single.is_some() { 1.0 } else { LINE_OPACITY }
     }
 
-    fn colour(&self, slot: &SlotView, brightest: f32) -> Vec3 {
+    fn colour(&self, vpls: &VplManager, slot: &SlotView, brightest: f32) -> Vec3 {
         match self.style {
             PathStyle::Bounce => bounce_colour(slot.bounce),
             // Six stops from the faintest to the brightest.
             PathStyle::Flux => heat(1.0 + (luminance(slot.flux) / brightest).log2() / 6.0),
             // A thousand frames are old.
-            PathStyle::Age => heat(1.0 - (slot.age as f32 + 1.0).log2() / 10.0),
+            PathStyle::Age => {
+                let age = vpls.history(slot.slot).map_or(0, |history| history.age);
+                heat(1.0 - (age as f32 + 1.0).log2() / 10.0)
+            }
             PathStyle::Set => hue(slot.set as f32 * GOLDEN),
         }
     }
 }
 
-/// Where a VPL was that became invalid a short while ago, and how its light came there.
-fn flash(slot: &SlotView, frame: u32, scale: f32) -> Vec<Line> {
-    let Some(last) = slot.invalidation else { return Vec::new() };
-    let age = frame.saturating_sub(last.frame);
+/// How its light came to a VPL that became invalid a short while ago, and where it was.
+fn flash(vpls: &VplManager, slot: u32, scale: f32) -> Option<(Line, Line)> {
+    let last = vpls.history(slot)?.invalidation?;
+    let age = vpls.frame().saturating_sub(last.frame);
     if age >= FLASH_FRAMES {
-        return Vec::new();
+        return None;
     }
     let fade = 1.0 - age as f32 / FLASH_FRAMES as f32;
     let colour = |opacity: f32| Vec3::from(reason_colour(last.reason)).extend(opacity * fade).to_array();
-    vec![
-        line(last.origin, last.position, colour(0.6), 2.0 * scale),
-        Line::point(last.position, colour(1.0), (4.0 + 10.0 * fade) * scale, 2.0 * HIDDEN),
-    ]
+    let point = Line::point(last.position, colour(1.0), (4.0 + 10.0 * fade) * scale, 2.0 * HIDDEN);
+    Some((line(last.origin, last.position, colour(0.6), 2.0 * scale), point))
 }
 
 fn line(from: Vec3, to: Vec3, colour: [f32; 4], width: f32) -> Line {
@@ -95,7 +99,7 @@ fn line(from: Vec3, to: Vec3, colour: [f32; 4], width: f32) -> Line {
 /// The colour, as display values, in which VPLs flash that became invalid for this reason.
 pub fn reason_colour(reason: InvalidationReason) -> [f32; 3] {
     match reason {
-        InvalidationReason::LightTurnedAway => [1.0, 0.6, 0.0],
+        InvalidationReason::LightTurnedAway => [1.0, 1.0, 1.0],
         InvalidationReason::FacesAway => [0.2, 0.9, 1.0],
         InvalidationReason::Occluded => [1.0, 0.1, 0.1],
         InvalidationReason::ParentInvalid => [1.0, 0.3, 0.9],

@@ -2,7 +2,6 @@
 //!
 //! In: a [`DebugView`]. Out: which passes run after `combine`; with the default view none does.
 
-
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};

@@ -40,8 +40,8 @@ pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint};
 pub use recording::{RecordedCamera, RecordedFrame, RecordedInstance, RecordedLight};
 pub use scene_file::{
-    AnimationEntry, AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, LightType, RotationEntry, ScaleEntry,
-    SpinEntry,
+    AnimationEntry, AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, LightType, RotationEntry,
+    ScaleEntry, SpinEntry,
 };
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub(crate) use world_surface::Side;

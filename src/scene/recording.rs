@@ -43,9 +43,11 @@ pub struct RecordedCamera {
 }
 
 /// A light. Area lights are those of the scene, in order; they move with their instances.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedLight {
+    /// By which it is known again where lights come or go.
+    pub name: String,
     /// What kind of light.
     #[serde(rename = "type")]
     pub kind: LightType,
@@ -81,7 +83,8 @@ impl RecordedFrame {
             frame,
             scene: None,
             settings: None,
-            camera: (before.map(|pose| pose.camera) != Some(now.camera)).then(|| recorded_camera(&now.camera)),
+            camera: (before.map(|pose| pose.camera) != Some(now.camera))
+                .then(|| recorded_camera(&now.camera)),
             lights: (lights_before.as_ref() != Some(&lights)).then_some(lights),
             instances: moved
                 .map(|(index, transform)| RecordedInstance { index, transform: transform.to_cols_array() })
@@ -105,7 +108,8 @@ impl RecordedFrame {
         }
         if let Some(lights) = &self.lights {
             let mut areas = scene.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
-            let light = |recorded: &RecordedLight| light_of(recorded, || areas.next().map(|area| area.kind.clone()));
+            let light =
+                |recorded: &RecordedLight| light_of(recorded, || areas.next().map(|area| area.kind.clone()));
             pose.lights = lights.iter().map(light).collect::<Option<_>>().ok_or_else(|| {
                 format!("recording: frame {} has more area lights than the scene", self.frame)
             })?;
@@ -118,8 +122,13 @@ impl RecordedFrame {
             })?;
             *instance = Affine3A::from_cols_array(&moved.transform);
         }
-        let finite = pose.camera.eye.is_finite() && pose.instances.iter().all(|transform| transform.is_finite());
-        if finite { Ok(()) } else { Err(format!("recording: frame {} has a number that is not finite", self.frame)) }
+        let finite =
+            pose.camera.eye.is_finite() && pose.instances.iter().all(|transform| transform.is_finite());
+        if finite {
+            Ok(())
+        } else {
+            Err(format!("recording: frame {} has a number that is not finite", self.frame))
+        }
     }
 }
 
@@ -137,7 +146,8 @@ fn recorded_light(light: &Light) -> RecordedLight {
         LightKind::Directional { irradiance } => (LightType::Directional, irradiance, [0.0; 2]),
         LightKind::Area { .. } => (LightType::Area, Vec3::ZERO, [0.0; 2]),
     };
-    RecordedLight { kind, position: light.position, direction: light.direction, power, angles }
+    let name = light.name.clone();
+    RecordedLight { name, kind, position: light.position, direction: light.direction, power, angles }
 }
 
 fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<LightKind>) -> Option<Light> {
@@ -149,5 +159,5 @@ fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<Ligh
         LightType::Area => next_area()?,
     };
     let (position, direction) = (recorded.position, recorded.direction);
-    Some(Light { name: String::new(), kind, position, direction, animation: None })
+    Some(Light { name: recorded.name.clone(), kind, position, direction, animation: None })
 }

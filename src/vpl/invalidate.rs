@@ -66,7 +66,8 @@ impl VplManager {
         for (index, address) in self.deal.addresses.iter().enumerate() {
             let before = match address.light {
                 NONE => None,
-                light => old.slot_at(light, address.path, address.bounce),
+                light => self.watch.known_as[light as usize]
+                    .and_then(|light| old.slot_at(light, address.path, address.bounce)),
             };
             self.slots[index] = Slot::INVALID;
             let Some(before) = before.map(|slot| slot as usize) else {
@@ -74,7 +75,8 @@ impl VplManager {
             };
             lost -= usize::from(slots[before].state != SlotState::Invalid);
             self.slots[index] = slots[before];
-            self.slots[index].fresh &= old.addresses[before].sequence == address.sequence;
+            let (old, new) = (&old.addresses[before], address);
+            self.slots[index].fresh &= old.sequence == new.sequence && old.light == new.light;
             self.surfaces[index] = surfaces[before];
         }
         self.cursors = Default::default();

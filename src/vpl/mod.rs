@@ -24,7 +24,7 @@ mod watch;
 
 pub use inspect::{Gathering, VplContribution};
 pub use invalidation::{InvalidatedBy, Invalidation, InvalidationReason};
-pub use slots::{SlotState, SlotView};
+pub use slots::{SlotHistory, SlotState, SlotView};
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

@@ -82,11 +82,16 @@ pub struct SlotView {
     pub stale: bool,
     /// Its temporal set.
     pub set: u32,
-    /// Frames since it was shot; 0: in the last one.
-    pub age: u32,
     /// World position where its light comes from: its parent or its light; some way towards the light if
     /// that is directional. Of use if valid.
     pub origin: Vec3,
-    /// When and why its VPL last became invalid.
+}
+
+/// What a slot has been through; unlike all else of it, this does not follow from the world as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotHistory {
+    /// Frames since it was shot; 0: in the last one.
+    pub age: u32,
+    /// When and why its VPL last became invalid, since the slots were last dealt.
     pub invalidation: Option<Invalidation>,
 }

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::deal::NONE;
 use super::emitter::Source;
 use super::invalidate::locate;
-use super::slots::{SlotState, SlotView};
+use super::slots::{SlotHistory, SlotState, SlotView};
 use super::{CellFlux, GpuVpl, SetVpls, VplManager, World};
 use crate::scene::luminance;
 
@@ -73,11 +73,15 @@ impl VplManager {
                 flux: self.flux(index),
                 stale: address.light != NONE && !slot.fresh,
                 set: self.layout.cell(index as u32).0,
-                age: self.frame - slot.shot,
                 origin: self.origin(index),
-                invalidation: self.invalidations[index],
             }
         })
+    }
+
+    /// What a slot has been through; none if there is no such slot.
+    pub fn history(&self, slot: u32) -> Option<SlotHistory> {
+        let shot = self.slots.get(slot as usize)?.shot;
+        Some(SlotHistory { age: self.frame - shot, invalidation: self.invalidations[slot as usize] })
     }
 
     /// Where the light of a slot's VPL comes from.

@@ -34,6 +34,8 @@ pub(super) struct Watch {
     pub(super) bounds_changed: bool,
     /// Whether any flux or the number of lights changed.
     pub(super) flux_changed: bool,
+    /// Which of the last frame's lights each light was; none if it is new.
+    pub(super) known_as: Vec<Option<u32>>,
     rest_bounds: BoundingSphere,
     focus: Option<BoundingSphere>,
     lights: Vec<Light>,
@@ -55,6 +57,7 @@ impl Watch {
             geometry_moved: false,
             bounds_changed: false,
             flux_changed: false,
+            known_as: (0..lights.len() as u32).map(Some).collect(),
             transforms: world.pose.instances.clone(),
             emitters,
             bounds,
@@ -111,8 +114,8 @@ impl Watch {
         let now = &world.pose.lights;
         let disc = FocusedDisc::new(&self.bounds, self.focus.as_ref());
         self.flux_changed = self.lights.len() != now.len();
-        self.lights.truncate(now.len());
-        self.emitters.truncate(now.len());
+        self.known_as = known_as(&self.lights, now);
+        let mut known: Vec<_> = self.lights.drain(..).zip(self.emitters.drain(..)).map(Some).collect();
         self.light_changed.clear();
         for (index, light) in now.iter().enumerate() {
             let carried = match &light.kind {
@@ -120,29 +123,43 @@ impl Watch {
                 LightKind::Directional { .. } => self.bounds_changed,
                 _ => false,
             };
-            let known = self.lights.get(index);
-            if known.is_some_and(|known| shines_like(known, light)) && !carried {
-                self.light_changed.push(false);
-                continue;
-            }
-            let emitter = Emitter::new(world, light, &disc);
-            match self.emitters.get_mut(index) {
-                None => {
-                    self.light_changed.push(true);
-                    self.emitters.push(emitter);
-                    self.lights.push(light.clone());
+            let known = self.known_as[index].and_then(|last| known[last as usize].take());
+            let (emitter, changed) = match known {
+                Some((last, emitter)) if shines_like(&last, light) && !carried => (emitter, false),
+                known => {
+                    let emitter = Emitter::new(world, light, &disc);
+                    let changed = known.is_none_or(|(_, last)| {
+                        let on_moved = matches!(last.source, Source::Area(_)) && carried;
+                        self.flux_changed |= last.flux != emitter.flux;
+                        on_moved || last.source != emitter.source
+                    });
+                    (emitter, changed)
                 }
-                Some(last) => {
-                    let on_moved = matches!(last.source, Source::Area(_)) && carried;
-                    let changed = on_moved || last.source != emitter.source;
-                    self.light_changed.push(changed);
-                    self.flux_changed |= last.flux != emitter.flux;
-                    *last = emitter;
-                    self.lights[index].clone_from(light);
-                }
-            }
+            };
+            self.emitters.push(emitter);
+            self.light_changed.push(changed);
+        }
+        self.lights.clone_from(now);
+    }
+}
+
+/// Which of the `last` lights each one is now: the one in its place, or, where lights came or went, the same one,
+/// or else one of the same name.
+fn known_as(last: &[Light], now: &[Light]) -> Vec<Option<u32>> {
+    if last.len() == now.len() {
+        return (0..now.len() as u32).map(Some).collect();
+    }
+    let mut taken = vec![false; last.len()];
+    let mut found = vec![None; now.len()];
+    let same: [fn(&Light, &Light) -> bool; 2] = [|a, b| a == b, |a, b| a.name == b.name];
+    for same in same {
+        for (light, found) in now.iter().zip(&mut found).filter(|(_, found)| found.is_none()) {
+            let place = (0..last.len()).find(|&place| !taken[place] && same(&last[place], light));
+            *found = place.map(|place| place as u32);
+            place.into_iter().for_each(|place| taken[place] = true);
         }
     }
+    found
 }
 
 /// Bounds (min, max) of all visible instances at rest, from the corners of their meshes' boxes, as the

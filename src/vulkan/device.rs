@@ -315,11 +315,7 @@ fn why_unusable(
 }
 
 /// Why the device cannot show pictures on `surface`; none if it can.
-fn why_no_window(
-    instance: &ash::Instance,
-    device: vk::PhysicalDevice,
-    surface: &Surface,
-) -> Option<String> {
+fn why_no_window(instance: &ash::Instance, device: vk::PhysicalDevice, surface: &Surface) -> Option<String> {
     // SAFETY: `device` is of `instance`.
     let extensions = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
     if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {

@@ -9,7 +9,7 @@ use super::access::{Access, Barrier};
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
-use super::{Buffer, BufferSlice, ComputePipeline, GraphicsPipeline, Image, MaterialSets, VulkanError};
+use super::{BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, VulkanError};
 
 /// Something that can be bound.
 #[derive(Clone, Copy)]
@@ -40,55 +40,12 @@ struct Bound<'a> {
     write: bool,
 }
 
-/// Images that a graphics pass draws into.
-pub enum Targets<'a> {
-    /// Cleared to zero first; depth 0 is infinitely far away.
-    Cleared {
-        /// Colour images.
-        colors: &'a [&'a Image],
-        /// Depth image.
-        depth: &'a Image,
-    },
-    /// Drawn over, without a depth image; for pipelines that blend.
-    Over(&'a Image),
-}
-
-impl<'a> Targets<'a> {
-    fn colors(&self) -> &[&'a Image] {
-        match self {
-            Self::Cleared { colors, .. } => colors,
-            Self::Over(image) => std::slice::from_ref(image),
-        }
-    }
-
-    fn depth(&self) -> Option<&'a Image> {
-        match self {
-            Self::Cleared { depth, .. } => Some(depth),
-            Self::Over(_) => None,
-        }
-    }
-
-    fn extent(&self) -> [u32; 2] {
-        match self {
-            Self::Cleared { depth, .. } => depth.extent(),
-            Self::Over(image) => image.extent(),
-        }
-    }
-
-    fn load_op(&self) -> vk::AttachmentLoadOp {
-        match self {
-            Self::Cleared { .. } => vk::AttachmentLoadOp::CLEAR,
-            Self::Over(_) => vk::AttachmentLoadOp::LOAD,
-        }
-    }
-}
-
 /// A pass being recorded. Mistakes in bindings come out of the final call.
 pub struct Pass<'f> {
-    recorder: Recorder<'f>,
-    name: &'static str,
+    pub(super) recorder: Recorder<'f>,
+    pub(super) name: &'static str,
     pipeline: vk::Pipeline,
-    layout: &'f Layout,
+    pub(super) layout: &'f Layout,
     compute: bool,
     bound: BTreeMap<&'f str, Bound<'f>>,
     push: Vec<u8>,
@@ -326,89 +283,5 @@ fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,
         _ => false,
-    }
-}
-
-/// The draws of one graphics pass.
-pub struct DrawList<'p> {
-    pass: &'p Pass<'p>,
-}
-
-impl DrawList<'_> {
-    /// Draws into a part of the targets from now on.
-    pub fn viewport(&mut self, offset: [u32; 2], extent: [u32; 2]) {
-        let viewport = vk::Viewport {
-            x: offset[0] as f32,
-            y: offset[1] as f32,
-            width: extent[0] as f32,
-            height: extent[1] as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
-        let scissor = vk::Rect2D {
-            offset: vk::Offset2D {
-                x: i32::try_from(offset[0]).unwrap_or(0),
-                y: i32::try_from(offset[1]).unwrap_or(0),
-            },
-            extent: vk::Extent2D { width: extent[0], height: extent[1] },
-        };
-        // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
-            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
-        }
-    }
-
-    /// Takes vertices and 32-bit indices from here on.
-    pub fn geometry(&mut self, vertices: &Buffer, indices: &Buffer) {
-        // SAFETY: both buffers live until the frame is done and were filled before it.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            let commands = self.pass.recorder.commands();
-            raw.cmd_bind_vertex_buffers(commands, 0, &[vertices.raw], &[0]);
-            raw.cmd_bind_index_buffer(commands, indices.raw, 0, vk::IndexType::UINT32);
-        }
-    }
-
-    /// Uses the textures of a material from now on.
-    pub fn material(&mut self, sets: &MaterialSets, index: usize) {
-        // SAFETY: the set was made for set 1 of a pipeline with this layout.
-        unsafe {
-            self.pass.recorder.device().raw().cmd_bind_descriptor_sets(
-                self.pass.recorder.commands(),
-                vk::PipelineBindPoint::GRAPHICS,
-                self.pass.layout.raw,
-                1,
-                &[sets.sets[index]],
-                &[],
-            );
-        }
-    }
-
-    /// Draws `count` indices from `first` on with these push constants.
-    pub fn draw<T: Pod>(&mut self, constants: &T, first: u32, count: u32) {
-        let bytes = bytemuck::bytes_of(constants);
-        assert_eq!(
-            bytes.len(),
-            self.pass.layout.reflection.push_size as usize,
-            "push constants of pass {}",
-            self.pass.name
-        );
-        // SAFETY: the indices lie within the bound buffers, which the scene's upload made together.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            let commands = self.pass.recorder.commands();
-            raw.cmd_push_constants(commands, self.pass.layout.raw, self.pass.layout.stages, 0, bytes);
-            raw.cmd_draw_indexed(commands, count, 1, first, 0, 0);
-        }
-    }
-    /// Draws `instances` times `count` vertices that the shader makes up itself.
-    pub fn draw_made_up(&mut self, count: u32, instances: u32) {
-        // SAFETY: the pipeline takes no vertex buffer.
-        unsafe {
-            let raw = self.pass.recorder.device().raw();
-            raw.cmd_draw(self.pass.recorder.commands(), count, instances, 0, 0);
-        }
     }
 }

@@ -99,11 +99,7 @@ impl Presenter {
     }
 
     /// Shows `picture`, whose values are sRGB-encoded, stretched to the window, or black, and `ui` over it.
-    pub fn present(
-        &mut self,
-        picture: Option<&Image>,
-        ui: &UiDrawing,
-    ) -> Result<Presented, VulkanError> {
+    pub fn present(&mut self, picture: Option<&Image>, ui: &UiDrawing) -> Result<Presented, VulkanError> {
         if self.stale && !self.renew()? {
             // The interface's textures come once; without a format to draw in, they wait with the caller.
             return Ok(Presented::Skipped);
@@ -178,12 +174,9 @@ fn show(
     index: u32,
     stale: &mut bool,
 ) -> Result<Presented, VulkanError> {
-    let (drawn, swapchains, indices) =
-        ([swapchain.images[index as usize].drawn], [swapchain.raw], [index]);
-    let info = vk::PresentInfoKHR::default()
-        .wait_semaphores(&drawn)
-        .swapchains(&swapchains)
-        .image_indices(&indices);
+    let (drawn, swapchains, indices) = ([swapchain.images[index as usize].drawn], [swapchain.raw], [index]);
+    let info =
+        vk::PresentInfoKHR::default().wait_semaphores(&drawn).swapchains(&swapchains).image_indices(&indices);
     // SAFETY: the image was acquired and its drawing submitted.
     match unsafe { swapchain.functions.queue_present(*device.queue(), &info) } {
         Ok(suboptimal) => *stale |= suboptimal,
@@ -209,9 +202,8 @@ impl Slot {
         let error = |result| VulkanError::call("creation", "presentation")(result);
         let raw = device.raw();
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
-        let query_info = vk::QueryPoolCreateInfo::default()
-            .query_type(vk::QueryType::TIMESTAMP)
-            .query_count(STAMPS);
+        let query_info =
+            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(STAMPS);
         // SAFETY: the infos are complete; everything is destroyed in `drop`.
         unsafe {
             let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
@@ -220,9 +212,7 @@ impl Slot {
                 pool,
                 commands: raw.allocate_command_buffers(&info).map_err(error)?[0],
                 fence: raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(error)?,
-                acquired: raw
-                    .create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
-                    .map_err(error)?,
+                acquired: raw.create_semaphore(&vk::SemaphoreCreateInfo::default(), None).map_err(error)?,
                 queries: raw.create_query_pool(&query_info, None).map_err(error)?,
                 submitted: false,
                 device: Arc::clone(device),

@@ -42,11 +42,7 @@ impl UiRenderer {
             depth_attachment_format: None,
             stencil_attachment_format: None,
         });
-        let options = Options {
-            in_flight_frames,
-            srgb_framebuffer: is_srgb(format),
-            ..Options::default()
-        };
+        let options = Options { in_flight_frames, srgb_framebuffer: is_srgb(format), ..Options::default() };
         let allocator = device.shared_allocator();
         let renderer = Renderer::with_gpu_allocator(allocator, device.raw().clone(), mode, options)
             .map_err(|error| ui_error(&error))?;
@@ -54,7 +50,12 @@ impl UiRenderer {
         // SAFETY: `info` is complete; `drop` destroys the pool.
         let pool = unsafe { device.raw().create_command_pool(&info, None) }
             .map_err(VulkanError::call("creation", "commands of the user interface"))?;
-        Ok(Self { renderer: ManuallyDrop::new(renderer), pool, to_free: Vec::new(), device: Arc::clone(device) })
+        Ok(Self {
+            renderer: ManuallyDrop::new(renderer),
+            pool,
+            to_free: Vec::new(),
+            device: Arc::clone(device),
+        })
     }
 
     /// Uploads new textures and drops old ones. Waits for the device where there are any.
@@ -70,9 +71,7 @@ impl UiRenderer {
         }
         for (id, deltas) in &textures.set {
             for delta in deltas {
-                self.renderer
-                    .set_texture(*queue, self.pool, *id, delta)
-                    .map_err(|error| ui_error(&error))?;
+                self.renderer.set_texture(*queue, self.pool, *id, delta).map_err(|error| ui_error(&error))?;
             }
         }
         self.to_free.extend(&textures.free);

@@ -211,6 +211,12 @@ impl<'d> Demo<'d> {
         self.click(at);
     }
 
+    /// Drags the middle of a thing of the panel by so many points to the right.
+    pub fn drag_thing(&mut self, name: &str, way: i32) {
+        let [x, y] = self.place(name);
+        self.drag([x, y], [x + way, y]);
+    }
+
     /// The middle of a thing of the panel.
     fn place(&mut self, name: &str) -> [i32; 2] {
         let end = Instant::now() + PATIENCE;
@@ -247,8 +253,11 @@ impl<'d> Demo<'d> {
         let (width, height) = (shape.width, shape.height);
         let image = self.connection.get_image(ImageFormat::Z_PIXMAP, window, 0, 0, width, height, !0);
         let image = image.unwrap().reply().unwrap();
-        let little = self.connection.setup().image_byte_order == x11rb::protocol::xproto::ImageOrder::LSB_FIRST;
-        let rgb = |pixel: &[u8]| if little { [pixel[2], pixel[1], pixel[0]] } else { [pixel[1], pixel[2], pixel[3]] };
+        let little =
+            self.connection.setup().image_byte_order == x11rb::protocol::xproto::ImageOrder::LSB_FIRST;
+        let rgb = |pixel: &[u8]| {
+            if little { [pixel[2], pixel[1], pixel[0]] } else { [pixel[1], pixel[2], pixel[3]] }
+        };
         let pixels = image.data.chunks_exact(4).map(rgb).collect();
         Screen { width: width.into(), height: height.into(), pixels }
     }
@@ -291,7 +300,8 @@ pub fn is_action(event: &Value, name: &str) -> bool {
 
 fn listen(stderr: impl Read, events: &Mutex<Vec<Value>>, other: &Mutex<String>) {
     for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-        let json = ["note", "detail"].iter().find_map(|kind| line.strip_prefix(&format!("glowworm: {kind}: ")));
+        let json =
+            ["note", "detail"].iter().find_map(|kind| line.strip_prefix(&format!("glowworm: {kind}: ")));
         let event = json.and_then(|json| serde_json::from_str(json).ok());
         match event {
             Some(event) => events.lock().unwrap().push(event),
@@ -320,7 +330,8 @@ impl Screen {
     /// Mean of each channel, 0 to 255.
     pub fn mean(&self) -> [f64; 3] {
         let count = self.pixels.len() as f64;
-        [0, 1, 2].map(|channel| self.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
+        [0, 1, 2]
+            .map(|channel| self.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
     }
 
     /// How many different colours there are.

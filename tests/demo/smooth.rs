@@ -26,11 +26,12 @@ fn frames_are_even_while_one_scrubs_picks_edits_and_loads() {
 fn session(desk: &Desk) -> Value {
     let mut demo = Demo::start(desk, &["--size", "640x360", "--vpls=64"]);
     demo.frames(20);
-    demo.drag([450, 222], [560, 222]);
+    demo.drag_thing("scrub", 60);
     demo.key_for("space", "toggle-pause");
     for x in [30, 120, 220, 320] {
         demo.click([x, 250]);
     }
+    demo.click_thing("Scene");
     demo.click_thing("Lights and things");
     demo.click_thing("add spot");
     demo.drag([355, 180], [300, 180]);
@@ -39,6 +40,8 @@ fn session(desk: &Desk) -> Value {
     demo.wait_after(seen, "copy", |event| is_action(event, "duplicate"));
     demo.frames(6);
     let seen = demo.now();
+    demo.click_thing("Lights and things");
+    demo.click_thing("Scene");
     demo.click_thing("path");
     demo.xdotool(&["type", "cornell-box"]);
     demo.xdotool(&["key", "Return"]);
@@ -72,7 +75,10 @@ fn judge(log: &Value) -> Result<(), String> {
     let intervals = of("interval_ms");
     let (median, longest) = (intervals[intervals.len() / 2], intervals[intervals.len() - 1]);
     let [cpu, device] = ["ui_cpu_ms", "ui_device_ms"].map(|key| of(key)[frames.len() / 2]);
-    eprintln!("frames {}: median {median:.1} ms, longest {longest:.1} ms, panel {cpu:.2} + {device:.2} ms", frames.len());
+    eprintln!(
+        "frames {}: median {median:.1} ms, longest {longest:.1} ms, panel {cpu:.2} + {device:.2} ms",
+        frames.len()
+    );
     if longest > 3.0 * median {
         return Err(format!("longest frame {longest:.1} ms, median {median:.1} ms"));
     }

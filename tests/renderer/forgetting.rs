@@ -112,3 +112,41 @@ fn a_changed_intensity_is_forgotten() {
         }
     });
 }
+
+#[test]
+fn a_light_that_goes_is_forgotten() {
+    check(|pose, time| {
+        if time > 0.5 {
+            pose.lights.remove(0);
+        }
+    });
+}
+
+#[test]
+fn a_light_that_comes_counts_in_full() {
+    check(|pose, time| {
+        if time > 0.5 {
+            let mut copy = pose.lights[1].clone();
+            copy.name = "copy".to_owned();
+            copy.position.x -= 1.5;
+            pose.lights.push(copy);
+        }
+    });
+}
+
+#[test]
+fn a_light_of_another_kind_is_another_light() {
+    check(|pose, time| {
+        if time > 0.5 {
+            let irradiance = Vec3::splat(3.0);
+            pose.lights[1].kind = glowworm::scene::LightKind::Directional { irradiance };
+        }
+    });
+}
+
+#[test]
+fn a_static_object_moved_by_hand_is_forgotten() {
+    check(|pose, time| {
+        pose.instances[0] = Affine3A::from_translation(Vec3::new(0.1, 0.0, 0.0) * time) * pose.instances[0];
+    });
+}

@@ -5,10 +5,13 @@
 mod direct;
 mod forgetting;
 mod golden;
+mod live;
 mod motion;
+mod overlay;
 mod pictures;
 mod reference;
 mod sphere;
 #[path = "../support/mod.rs"]
 mod support;
 mod temporal;
+mod views;

@@ -3,6 +3,7 @@
 mod emission;
 mod energy;
 mod forgetting;
+mod looking;
 mod motion;
 mod replacement;
 mod sizes;

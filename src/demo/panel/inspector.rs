@@ -38,11 +38,16 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
                     wishes.push(Action::View(Box::new(view)));
                 }
                 let share = if all > 0.0 { 100.0 * brought(found) / all } else { 0.0 };
-                ui.label(format!("{share:.1} %")).on_hover_text(format!("{} W/m²", found.contribution.irradiance));
+                ui.label(format!("{share:.1} %"))
+                    .on_hover_text(format!("{} W/m²", found.contribution.irradiance));
                 ui.label(found.slot.bounce.to_string());
-                ui.label(found.slot.age.to_string()).on_hover_text("frames since it was shot");
+                let age = found.history.map_or(0, |history| history.age);
+                ui.label(age.to_string()).on_hover_text("frames since it was shot");
                 let path: Vec<String> = found.path.iter().map(ToString::to_string).collect();
-                let last = found.last_reason.map_or("never invalidated", |reason| reason.label());
+                let last = found
+                    .history
+                    .and_then(|history| history.invalidation)
+                    .map_or("never invalidated", |last| last.reason.label());
                 ui.label(path.join(" > ")).on_hover_text(format!("slots of its path; last: {last}"));
                 ui.label(if found.contribution.visible { "free" } else { "blocked" });
                 ui.end_row();

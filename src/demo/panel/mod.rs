@@ -17,8 +17,8 @@ use super::action::Action;
 use super::app::Recording;
 use super::clock::Clock;
 use super::gpu::Gpu;
-use super::history::History;
 use super::handles::{self, Mode};
+use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::stage::Stage;
@@ -77,13 +77,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         head(ui, state, shown);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             let mut places = std::mem::take(&mut state.places);
-            let mut header = |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
+            let mut header =
+                |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
             let mut inner = Places::new();
             let scene = section(ui, "Scene", true, |ui| {
                 scene::show(ui, state, shown, &mut inner, &mut wishes);
             });
             header(ui, "Scene", scene);
-            let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut wishes));
+            let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, &mut wishes));
             header(ui, "Time", time);
             let objects = section(ui, "Lights and things", false, |ui| {
                 objects::show(ui, shown, &mut inner, &mut wishes);

@@ -9,7 +9,9 @@ use crate::demo::action::Action;
 use crate::demo::edit::{Motion, label};
 use crate::demo::handles::Mode;
 use crate::demo::stage::{Selected, Stage};
-use crate::scene::{AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, RotationEntry, ScaleEntry};
+use crate::scene::{
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, RotationEntry, ScaleEntry,
+};
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 

@@ -87,11 +87,15 @@ pub(super) fn show(
         if ui.button("Open …").on_hover_text("Ctrl+O; files can also be dropped on the window").clicked() {
             wishes.push(Action::AskOpen);
         }
-        if ui.button("Save …").on_hover_text("The scene with all changes, camera and settings (Ctrl+S)").clicked() {
+        if ui
+            .button("Save …")
+            .on_hover_text("The scene with all changes, camera and settings (Ctrl+S)")
+            .clicked()
+        {
             wishes.push(Action::AskSave);
         }
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button("Screenshot").on_hover_text("F12; with shift: EXR").clicked() {
             wishes.push(Action::Screenshot { exr: false });
         }

@@ -97,7 +97,9 @@ pub(super) fn show(
         ui.add(DragValue::new(&mut coarseness).range(1..=8).speed(0.03));
     })
     .response
-    .on_hover_text("The size follows the window. 2: every pixel covers 2x2 of the window, at a quarter of the cost.");
+    .on_hover_text(
+        "The size follows the window. 2: every pixel covers 2x2 of the window, at a quarter of the cost.",
+    );
     if coarseness != shown.coarseness {
         wishes.push(Action::SetCoarseness(coarseness));
     }
@@ -137,18 +139,22 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "budget" => whole(ui, &mut settings.budget, 65_536),
         "clamp" => ui.add(DragValue::new(&mut settings.clamp).range(0.0..=1e9).speed(5.0)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
-        "sequence" => choice(ui, name, &mut settings.sequence, &[
-            (Sequence::Sobol, "sobol"),
-            (Sequence::Random, "random"),
-        ]),
+        "sequence" => choice(
+            ui,
+            name,
+            &mut settings.sequence,
+            &[(Sequence::Sobol, "sobol"), (Sequence::Random, "random")],
+        ),
         "temporal_sets" => {
             let most = settings.vpls.min(64);
             whole(ui, &mut settings.temporal_sets, most)
         }
-        "missing_sets" => choice(ui, name, &mut settings.missing_sets, &[
-            (MissingSets::Scale, "scale"),
-            (MissingSets::Dark, "dark"),
-        ]),
+        "missing_sets" => choice(
+            ui,
+            name,
+            &mut settings.missing_sets,
+            &[(MissingSets::Scale, "scale"), (MissingSets::Dark, "dark")],
+        ),
         "position_cutoff" => {
             let slider = Slider::new(&mut settings.position_cutoff, 1e-4..=1.0).logarithmic(true);
             ui.spacing_mut().slider_width = 50.0;
@@ -161,10 +167,12 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "interleave" => whole(ui, &mut settings.interleave, 8),
         "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
         "exposure" => exposure(ui, &mut settings.exposure),
-        _ => choice(ui, name, &mut settings.tracer, &[
-            (TracerKind::Auto, "auto"),
-            (TracerKind::Software, "software"),
-        ]),
+        _ => choice(
+            ui,
+            name,
+            &mut settings.tracer,
+            &[(TracerKind::Auto, "auto"), (TracerKind::Software, "software")],
+        ),
     }
 }
 

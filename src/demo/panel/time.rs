@@ -2,7 +2,7 @@
 
 use egui::{Slider, Ui};
 
-use super::Shown;
+use super::{Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::clock::Pace;
 
@@ -11,7 +11,7 @@ const LEAST_SPAN: f64 = 10.0;
 /// What the slider rounds to, seconds.
 const ROUNDING: f64 = 0.01;
 
-pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>, wishes: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, wishes: &mut Vec<Action>) {
     let clock = &mut *shown.clock;
     ui.horizontal(|ui| {
         let label = if clock.paused { "Play" } else { "Pause" };
@@ -30,6 +30,7 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>, wishes: &mut Vec<Action>)
     let span = LEAST_SPAN * (time / LEAST_SPAN + 1e-9).ceil().max(1.0);
     ui.spacing_mut().slider_width = 150.0;
     let slider = ui.add(Slider::new(&mut time, 0.0..=span).suffix(" s").fixed_decimals(2));
+    place(ui, places, "scrub", &slider);
     // The slider rounds what it shows; that is no wish.
     let moved = slider.changed() && (time - clock.time).abs() > ROUNDING;
     slider.on_hover_text("Drag to see any time of the animation.");

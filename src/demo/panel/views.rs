@@ -15,7 +15,11 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
     paths(ui, &mut view);
     single(ui, &view, wishes);
     let mut inspecting = shown.inspector.is_on();
-    if ui.checkbox(&mut inspecting, "inspector").on_hover_text("Click a surface to list the VPLs that light it (I).").changed() {
+    if ui
+        .checkbox(&mut inspecting, "inspector")
+        .on_hover_text("Click a surface to list the VPLs that light it (I).")
+        .changed()
+    {
         wishes.push(Action::ToggleInspector);
     }
     if view != *stage.renderer.view() {
@@ -26,7 +30,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
 fn buffers(ui: &mut Ui, view: &mut DebugView, sets: u32) {
     ui.horizontal(|ui| {
         ui.label("buffer");
-        let chosen = ComboBox::from_id_salt("buffer").selected_text(view.buffer.label()).width(150.0).height(300.0);
+        let chosen =
+            ComboBox::from_id_salt("buffer").selected_text(view.buffer.label()).width(150.0).height(300.0);
         chosen.show_ui(ui, |ui| {
             for buffer in BufferView::ALL {
                 let label = ui.selectable_value(&mut view.buffer, buffer, buffer.label());
@@ -52,7 +57,11 @@ fn doc(buffer: BufferView) -> String {
 fn paths(ui: &mut Ui, view: &mut DebugView) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
-        if ui.checkbox(&mut on, "paths by").on_hover_text("VPLs as points, their paths as lines (P)").changed() {
+        if ui
+            .checkbox(&mut on, "paths by")
+            .on_hover_text("VPLs as points, their paths as lines (P)")
+            .changed()
+        {
             view.vpl_paths = on.then(PathStyle::default);
         }
         let mut style = view.vpl_paths.unwrap_or_default();

@@ -1,0 +1,171 @@
+//! Settings and scenes that change while the renderer runs: no garbage on the way, and in the end what a fresh
+//! renderer shows.
+
+use std::sync::Arc;
+
+use glowworm::output::Picture;
+use glowworm::renderer::{PreparedScene, RenderError, Renderer};
+use glowworm::scene::{LightKind, Scene};
+use glowworm::settings::{Sequence, Settings, TracerKind};
+
+use super::support::{Lab, indirect, layer, luminance, mean, named_scene, scene};
+use super::views::STUDIO;
+
+fn start() -> Settings {
+    Settings { size: [72, 48], vpls: 128, temporal_sets: 4, interleave: 2, ..Settings::default() }
+}
+
+type Change = fn(&mut Settings);
+
+/// What a renderer made with these settings shows once all sets have been drawn.
+fn fresh(lab: &Lab, scene: &Arc<Scene>, settings: &Settings) -> Picture {
+    lab.rendered(scene, settings, 2 * settings.temporal_sets).read_picture(true).unwrap()
+}
+
+fn brightness(renderer: &Renderer) -> f32 {
+    mean(indirect(renderer).iter().map(luminance))
+}
+
+#[test]
+fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(STUDIO);
+    let pose = scene.pose(0.0);
+    let changes: [(&str, Change); 9] = [
+        ("more sets", |settings| settings.temporal_sets = 7),
+        ("one set", |settings| settings.temporal_sets = 1),
+        ("VPLs", |settings| settings.vpls = 700),
+        ("bounces", |settings| settings.bounces = 4),
+        ("interleave", |settings| settings.interleave = 3),
+        ("clamp, cut-off, exposure", |settings| {
+            (settings.clamp, settings.position_cutoff, settings.exposure) = (3.0, 0.05, Some(1.0));
+        }),
+        ("size", |settings| settings.size = [40, 56]),
+        ("seed, sequence, budget", |settings| {
+            (settings.seed, settings.sequence, settings.budget) = (5, Sequence::Random, 3);
+        }),
+        ("everything", |settings| {
+            let budget = 9;
+            *settings = Settings { vpls: 300, budget, size: [33, 65], interleave: 4, ..start() };
+        }),
+    ];
+    // One after the other: what an earlier change left must not show either.
+    let mut settings = start();
+    let mut renderer = lab.rendered(&scene, &settings, 5);
+    for (what, change) in changes {
+        change(&mut settings);
+        let before = brightness(&renderer);
+        renderer.set_settings(&settings, &pose).unwrap();
+        for frame in 0..settings.temporal_sets + 1 {
+            renderer.render(&pose).unwrap();
+            let now = brightness(&renderer);
+            assert!((0.6..1.5).contains(&(now / before)), "{what}, frame {frame}: {before} becomes {now}");
+        }
+        assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &settings), "{what}");
+    }
+}
+
+#[test]
+fn nothing_is_seen_of_other_sets_until_all_are_there() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(STUDIO);
+    let pose = scene.pose(0.0);
+    let mut renderer = lab.rendered(&scene, &start(), 4);
+    let before = indirect(&renderer);
+    // Changed again on the way, as by a slider.
+    for temporal_sets in [6, 9, 8] {
+        renderer.set_settings(&Settings { temporal_sets, ..start() }, &pose).unwrap();
+        for _ in 0..3 {
+            renderer.render(&pose).unwrap();
+            assert!(indirect(&renderer) == before);
+        }
+    }
+    for _ in 3..8 {
+        renderer.render(&pose).unwrap();
+    }
+    let settings = Settings { temporal_sets: 8, ..start() };
+    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &settings));
+}
+
+#[test]
+fn a_window_that_is_dragged_larger_stays_lit() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(STUDIO);
+    let pose = scene.pose(0.0);
+    let mut renderer = lab.rendered(&scene, &start(), 4);
+    for step in 1..=10 {
+        let settings = Settings { size: [72 + 3 * step, 48 + 2 * step], ..start() };
+        renderer.set_settings(&settings, &pose).unwrap();
+        renderer.render(&pose).unwrap();
+        let expected = brightness(&lab.rendered(&scene, &settings, 4));
+        let ratio = brightness(&renderer) / expected;
+        assert!((ratio - 1.0).abs() < 0.05, "step {step}: {ratio}");
+        let dark = indirect(&renderer).iter().filter(|pixel| luminance(pixel) == 0.0).count();
+        let pixels = settings.size[0] * settings.size[1];
+        assert!(dark as u32 * 50 < pixels, "step {step}: {dark} of {pixels} pixels are black");
+    }
+}
+
+#[test]
+fn settings_that_the_device_cannot_do_change_nothing() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(STUDIO);
+    let pose = scene.pose(0.0);
+    let mut renderer = lab.rendered(&scene, &start(), 4);
+    let hardware = Settings { tracer: TracerKind::Hardware, ..start() };
+    assert!(matches!(renderer.set_settings(&hardware, &pose), Err(RenderError::NoHardwareTracer)));
+    let huge = Settings { size: [16_384, 16_384], temporal_sets: 64, ..start() };
+    let error = renderer.set_settings(&huge, &pose).unwrap_err().to_string();
+    assert!(!error.contains('\n'), "{error}");
+    assert_eq!(renderer.settings(), &start());
+    renderer.render(&pose).unwrap();
+    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &start()));
+}
+
+#[test]
+fn another_scene_is_drawn_as_by_a_fresh_renderer() {
+    let Some(lab) = Lab::open() else { return };
+    let first = scene(STUDIO);
+    let second = named_scene("cornell-box", None);
+    let mut renderer = lab.rendered(&first, &start(), 4);
+    // Prepared elsewhere, while the first one is still drawn.
+    let prepared = std::thread::scope(|scope| {
+        let elsewhere = scope.spawn(|| PreparedScene::new(&second));
+        renderer.render(&first.pose(0.0)).unwrap();
+        elsewhere.join().unwrap()
+    });
+    renderer.replace_scene(prepared, &start(), &second.pose(0.0)).unwrap();
+    for _ in 0..8 {
+        renderer.render(&second.pose(0.0)).unwrap();
+    }
+    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &second, &start()));
+    let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
+    assert!(frames.into_iter().eq(0..13), "every frame is reported once");
+}
+
+#[test]
+fn an_area_light_that_changes_or_goes_is_seen_to() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let brightest = |change: fn(&mut Vec<glowworm::scene::Light>)| {
+        let mut pose = scene.pose(0.0);
+        change(&mut pose.lights);
+        let mut renderer = lab.renderer(&scene, &start(), &pose);
+        for _ in 0..4 {
+            renderer.render(&pose).unwrap();
+        }
+        let picture = renderer.read_picture(true).unwrap();
+        let direct = layer(&picture, "direct").iter().map(luminance).fold(0.0, f32::max);
+        (direct, brightness(&renderer))
+    };
+    let (lamp, room) = brightest(|_| {});
+    let (brighter_lamp, brighter_room) = brightest(|lights| {
+        for light in lights {
+            let LightKind::Area { triangles, .. } = &mut light.kind else { continue };
+            triangles.iter_mut().for_each(|emitter| emitter.radiance *= 3.0);
+        }
+    });
+    assert!(lamp > 0.0 && room > 0.0);
+    assert!((brighter_lamp / lamp - 3.0).abs() < 1e-3 && (brighter_room / room - 3.0).abs() < 1e-2);
+    assert_eq!(brightest(Vec::clear), (0.0, 0.0));
+}
