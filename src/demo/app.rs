@@ -329,7 +329,7 @@ impl Open {
     fn follow_size(&mut self) {
         let size = self.window.inner_size();
         self.gpu.presenter.resize([size.width, size.height]);
-        if !self.resized.is_some_and(|when| when.elapsed() > RESIZE_DELAY) {
+        if self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
             return;
         }
         self.resized = None;
@@ -432,10 +432,10 @@ impl ApplicationHandler for App {
             WindowEvent::CursorMoved { position, .. } => {
                 open.pointer_moved([position.x as f32, position.y as f32]);
             }
-            WindowEvent::MouseInput { state, button, .. } => {
-                if !pointer_taken || state == ElementState::Released {
-                    open.button(button, state);
-                }
+            WindowEvent::MouseInput { state, button, .. }
+                if !pointer_taken || state == ElementState::Released =>
+            {
+                open.button(button, state);
             }
             WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !consumed => {
                 open.flight.change_speed(match delta {

@@ -72,30 +72,6 @@ impl App {
             Action::TogglePaths => open.change_view(|view| {
                 view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
             })?,
-            Action::Select(selected) => {
-                if let Some(stage) = &mut open.stage {
-                    stage.selected = selected;
-                }
-            }
-            Action::ToggleHandles => {
-                open.mode = if open.mode == Mode::Move { Mode::Turn } else { Mode::Move }
-            }
-            Action::EditLight(index, entry) => open.edit(|stage| stage.set_light(index, *entry)),
-            Action::EditInstance(index, entry) => open.edit(|stage| stage.set_instance(index, *entry)),
-            Action::AddLight(kind) => open.edit(|stage| stage.add_light(new_light(stage, kind))),
-            Action::Duplicate => open.duplicate(),
-            Action::Delete => {
-                if let Some(Selected::Light(index)) = open.stage.as_ref().and_then(|stage| stage.selected) {
-                    open.edit(|stage| stage.remove_light(index));
-                }
-            }
-            Action::ToggleHeadlamp => open.toggle_headlamp(),
-            Action::AskOpen => open.panel.scene.ask_for(Purpose::Open, ""),
-            Action::AskSave => {
-                let name = open.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
-                open.panel.scene.ask_for(Purpose::Save, name);
-            }
-            Action::Save(path) => open.save(path),
             Action::ToggleInspector => open.inspector.toggle(),
             Action::Screenshot { exr } => {
                 if let Some(stage) = &open.stage {
@@ -111,6 +87,7 @@ impl App {
                 }
             }
             Action::Quit => open.closing = true,
+            edit => open.change(edit),
         }
         Ok(())
     }
@@ -137,6 +114,38 @@ impl App {
 }
 
 impl Open {
+    /// Carries out the wishes that concern the document.
+    fn change(&mut self, wish: Action) {
+        match wish {
+            Action::Select(selected) => {
+                if let Some(stage) = &mut self.stage {
+                    stage.selected = selected;
+                }
+            }
+            Action::ToggleHandles => {
+                self.mode = if self.mode == Mode::Move { Mode::Turn } else { Mode::Move }
+            }
+            Action::EditLight(index, entry) => self.edit(|stage| stage.set_light(index, *entry)),
+            Action::EditInstance(index, entry) => self.edit(|stage| stage.set_instance(index, *entry)),
+            Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
+            Action::Duplicate => self.duplicate(),
+            Action::Delete => {
+                if let Some(Selected::Light(index)) = self.stage.as_ref().and_then(|stage| stage.selected) {
+                    self.edit(|stage| stage.remove_light(index));
+                }
+            }
+            Action::ToggleHeadlamp => self.toggle_headlamp(),
+            Action::AskOpen => self.panel.scene.ask_for(Purpose::Open, ""),
+            Action::AskSave => {
+                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                self.panel.scene.ask_for(Purpose::Save, name);
+            }
+            Action::Save(path) => self.save(path),
+            // All others are seen to by [`App::perform`].
+            _ => {}
+        }
+    }
+
     /// Has a scene loaded and shown: with these settings, or with its own.
     fn order(&mut self, name: String, document: Option<SceneDocument>, settings: Option<Settings>) {
         let order = Order {

@@ -43,7 +43,7 @@ impl Instance {
         }
         let raw = create_instance(&entry, options, has_debug_utils)?;
         let messages = Arc::new(Messages::default());
-        let mut instance = Self { debug: None, raw, messages, has_debug_utils, entry: entry };
+        let mut instance = Self { debug: None, raw, messages, has_debug_utils, entry };
         if options.validate && has_debug_utils {
             instance.debug = Some(instance.create_messenger()?);
         }
