@@ -47,18 +47,39 @@ need_vulkan() {
     has_vulkan_driver || miss mesa-vulkan-drivers "Vulkan drivers, among them one for the CPU (no driver was found)"
 }
 
+# Libraries that the window loads when it opens. Without them the program still runs, without a window.
+need_window_libraries() {
+    has_library libX11.so.6 || miss libx11-6 "X11, for the window"
+    has_library libX11-xcb.so.1 || miss libx11-xcb1 "X11, for the window"
+    has_library libXcursor.so.1 || miss libxcursor1 "pointers, for the window"
+    has_library libXi.so.6 || miss libxi6 "mice and keyboards, for the window"
+    has_library libxkbcommon.so.0 || miss libxkbcommon0 "keyboard layouts, for the window"
+    has_library libxkbcommon-x11.so.0 || miss libxkbcommon-x11-0 "keyboard layouts, for the window"
+}
+
+# What opens windows without a screen and moves the mouse in them, for the tests of the window.
+need_window_tests() {
+    need_window_libraries
+    need_command Xvfb xvfb "X server without a screen, for the tests of the window"
+    need_command openbox openbox "window manager, for the tests of the window"
+    need_command xdotool xdotool "real input events, for the tests of the window"
+}
+
 need_validation_layers() {
     has_file_in VkLayer_khronos_validation.json "${VK_LAYER_PATH:-}" && return
     has_file_in vulkan/explicit_layer.d/VkLayer_khronos_validation.json "$(vulkan_folders)" && return
     miss vulkan-validationlayers "Vulkan validation layers, which watch over every test"
 }
 
-has_vulkan_loader() {
-    has_file_in libvulkan.so.1 "${LD_LIBRARY_PATH:-}" && return
+has_vulkan_loader() { has_library libvulkan.so.1; }
+
+# Whether programs find this library.
+has_library() { # FILE
+    has_file_in "$1" "${LD_LIBRARY_PATH:-}" && return
     # Into a variable: grep -q would close the pipe early, which pipefail takes for a failure.
     local known
     known="$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null)" || known=
-    [[ $known == *libvulkan.so.1* ]] || has_file_in libvulkan.so.1 /usr/lib:/usr/lib64:/usr/local/lib
+    [[ $known == *"$1"* ]] || has_file_in "$1" /usr/lib:/usr/lib64:/usr/local/lib
 }
 
 has_vulkan_driver() {

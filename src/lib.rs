@@ -15,10 +15,12 @@
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
 //! - [`export`]: scenes for another renderer.
+//! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
 pub mod bvh;
 pub mod cli;
+pub mod demo;
 pub mod export;
 mod memory;
 pub mod metrics;

@@ -8,10 +8,12 @@ mod passes;
 mod paths;
 mod pick;
 mod picture;
+mod replay;
 mod view;
 
 pub use paths::reason_colour;
 pub use pick::{Picked, camera_ray};
+pub use replay::Replay;
 pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
@@ -43,6 +45,9 @@ pub enum RenderError {
     /// The hardware tracer was asked for.
     #[error("--tracer hardware: there is no hardware tracer yet; use --tracer software")]
     NoHardwareTracer,
+    /// A recording cannot be replayed.
+    #[error("{0}")]
+    Recording(String),
 }
 
 /// Draws a scene, frame by frame.
@@ -254,6 +259,16 @@ impl Renderer {
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
             counts: self.vpls.counters(),
         }
+    }
+
+    /// The reports of finished frames that were not given yet, in order. Does not wait.
+    pub fn take_reports(&mut self) -> Vec<FrameReport> {
+        std::mem::take(&mut self.reports)
+    }
+
+    /// The BVH of the world as the last frame showed it.
+    pub fn bvh(&self) -> &TwoLevelBvh {
+        &self.bvh
     }
 
     /// Waits for all frames and gives the reports that were not given yet, in order.

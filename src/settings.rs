@@ -216,6 +216,24 @@ impl Settings {
         Ok(())
     }
 
+    /// The options of the command line, without their dashes, that make these settings out of the defaults,
+    /// each with its value.
+    pub fn differing_options(&self) -> Vec<(String, String)> {
+        let written = |value: toml::Value| match value {
+            toml::Value::String(text) => text,
+            toml::Value::Array(sides) => sides.iter().map(ToString::to_string).collect::<Vec<_>>().join("x"),
+            number => number.to_string(),
+        };
+        self.differing().into_iter().map(|(name, value)| (name.replace('_', "-"), written(value))).collect()
+    }
+
+    /// The settings that are not at their defaults, as the `[settings]` of a scene file.
+    pub fn differing(&self) -> toml::Table {
+        let table = |settings: &Self| toml::Table::try_from(settings).unwrap_or_default();
+        let defaults = table(&Self::default());
+        table(self).into_iter().filter(|(name, value)| defaults.get(name) != Some(value)).collect()
+    }
+
     fn check_ranges(&self) -> Result<(), SettingsError> {
         let [width, height] = self.size;
         let side = 1..=16_384;

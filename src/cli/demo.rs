@@ -1,10 +1,11 @@
-//! `glowworm [demo]`: without a window, renders its scene to a file instead.
+//! `glowworm [demo]`: the window; without a display, its scene rendered to a file.
 
 use std::path::Path;
 
 use super::options::RunOptions;
 use super::render::{RenderOptions, ViewOptions, render};
-use super::{CliError, say};
+use super::{CliError, device, say};
+use crate::demo::{self, DemoError, Launch};
 use crate::settings::Settings;
 
 /// Options of `demo`.
@@ -12,7 +13,7 @@ use crate::settings::Settings;
 #[command(args_override_self = true)]
 pub(super) struct DemoOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
-    #[arg(default_value = "cornell-box")]
+    #[arg(default_value = "playroom")]
     pub scene: String,
     #[command(flatten)]
     pub settings: Settings,
@@ -20,13 +21,45 @@ pub(super) struct DemoOptions {
     pub run: RunOptions,
 }
 
-/// Renders the scene to a file in the current folder and says so. `given` are the settings given on
-/// the command line.
+/// Shows the scene in a window. Without a display it says so and renders the scene to a file in the current
+/// folder. `given` are the settings given on the command line.
 pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError> {
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    options.settings.check_options(given).map_err(settings_error)?;
+    let launch = Launch {
+        scene: options.scene.clone(),
+        settings: options.settings.clone(),
+        given: given.iter().map(|&name| name.to_owned()).collect(),
+        assets: options.run.files.assets_folder(),
+        json: options.run.files.json.clone(),
+        device: options.run.device.device.clone(),
+        validate: options.run.device.validate,
+    };
+    match demo::run(launch) {
+        Ok(messages) => device::check_validation(&messages),
+        Err(DemoError::NoDisplay(reason)) => render_instead(options, given, &reason),
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<(), CliError> {
     let name = Path::new(&options.scene).file_stem().unwrap_or_default().to_string_lossy();
     let out = format!("glowworm-{name}.png");
-    say::warning(&format!("there is no window yet; rendering {} to {out} instead", options.scene));
+    say::warning(&format!("no display to open a window on ({reason}); rendering {} to {out}", options.scene));
     let DemoOptions { scene, settings, run } = options;
     let view = ViewOptions::default();
     render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, view, settings, run }, given)
+}
+
+impl From<DemoError> for CliError {
+    fn from(error: DemoError) -> Self {
+        match error {
+            DemoError::Vulkan(error) => Self::Vulkan(error),
+            DemoError::Render(error) => Self::Render(error),
+            DemoError::Scene(error) => Self::Scene(error),
+            DemoError::Settings { scene, error } => Self::Settings { scene, error },
+            DemoError::Output(error) => Self::Output(error),
+            other => Self::Window(other.to_string()),
+        }
+    }
 }

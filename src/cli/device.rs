@@ -8,7 +8,7 @@ use crate::vulkan::{Device, Instance, InstanceOptions};
 
 /// Loads Vulkan, with validation if asked for.
 pub(super) fn instance(options: &DeviceOptions) -> Result<Arc<Instance>, CliError> {
-    Ok(Instance::new(InstanceOptions { validate: options.validate })?)
+    Ok(Instance::new(InstanceOptions { validate: options.validate, display: None })?)
 }
 
 /// Opens the device that the options name, or the best one.

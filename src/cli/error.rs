@@ -50,6 +50,9 @@ pub enum CliError {
     /// The scene cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// The window could not be opened or was lost.
+    #[error("{0}")]
+    Window(String),
     /// The picture to go on with is another one.
     #[error("{path}: {reason}")]
     Resume {
@@ -113,6 +116,7 @@ impl CliError {
             | Self::Render(_)
             | Self::Reference(_)
             | Self::Export(_)
+            | Self::Window(_)
             | Self::Resume { .. }
             | Self::Interrupted { .. }
             | Self::Validation { .. }

@@ -9,9 +9,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::options::RunOptions;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
-use crate::renderer::{BufferView, DebugView, PathStyle, Renderer};
+use crate::renderer::{BufferView, DebugView, PathStyle, Renderer, Replay};
 use crate::report::{FrameReport, RenderReport};
-use crate::scene::{Pose, Scene, load_scene};
+use crate::scene::{Scene, load_scene};
 use crate::settings::Settings;
 use crate::vpl::SlotState;
 
@@ -21,7 +21,8 @@ use crate::vpl::SlotState;
 pub(super) struct RenderOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     pub scene: String,
-    /// Frames to render. Otherwise as many as there are temporal sets: then a still picture is complete.
+    /// Frames to render. Otherwise as many as were recorded, or as there are temporal sets: then a still picture
+    /// is complete.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub frames: Option<u64>,
     /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
@@ -109,17 +110,17 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     let scene = Arc::new(load(options)?);
     let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
     options.view.check(&settings, &target)?;
-    let frames = options.frames.unwrap_or_else(|| u64::from(settings.temporal_sets));
+    let recorded = scene.recording.last().map(|last| last.frame + 1);
+    let frames = options.frames.or(recorded).unwrap_or_else(|| u64::from(settings.temporal_sets));
     if let Some(json) = &json {
         check_apart(json, &target, frames, options)?;
     }
     device::note_slow(&device);
-    let pose_of = |frame: u64| scene.pose(frame as f64 * settings.time_step);
-    let mut renderer = Renderer::new(&device, &scene, &settings, &pose_of(0))?;
-    renderer.set_view(&options.view.debug_view())?;
-    let reports = render_frames(&mut renderer, frames, &target, pose_of)?;
-    options.view.note_missing(&renderer);
-    drop(renderer);
+    let mut replay = Replay::new(&device, &scene, &settings, options.run.files.assets_folder())?;
+    replay.renderer().set_view(&options.view.debug_view())?;
+    let reports = render_frames(&mut replay, frames, &target)?;
+    options.view.note_missing(replay.renderer());
+    drop(replay);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();
     let report = RenderReport::new(&scene.name, &info.name, &info.driver, &settings, reports);
@@ -159,21 +160,20 @@ fn load(options: &RenderOptions) -> Result<Scene, CliError> {
 /// Renders frames 0 to `frames` - 1 and writes the pictures that `target` wants. Shows progress on a
 /// terminal. Gives the report of each frame.
 fn render_frames(
-    renderer: &mut Renderer,
+    replay: &mut Replay,
     frames: u64,
     target: &PictureTarget,
-    pose_of: impl Fn(u64) -> Pose,
 ) -> Result<Vec<FrameReport>, CliError> {
     let progress = progress_bar(frames);
     for frame in 0..frames {
-        renderer.render(&pose_of(frame))?;
+        replay.next_frame()?;
         if target.wants(frame, frames) {
-            target.write(&renderer.read_picture(target.layers())?, frame)?;
+            target.write(&replay.renderer().read_picture(target.layers())?, frame)?;
         }
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok(renderer.finish()?)
+    Ok(replay.renderer().finish()?)
 }
 
 /// A bar for that many frames on a terminal, else nothing.

@@ -50,10 +50,25 @@ impl OutputFile {
         write(&mut writer)?;
         writer.flush().map_err(|source| self.error(source))?;
         drop(writer);
+        self.persist(temporary)
+    }
+
+    /// Starts a file that grows over a long time. What was there before stays until [`Growing::finish`].
+    pub fn grow(self) -> Result<Growing, OutputError> {
+        let temporary = self.temporary()?;
+        Ok(Growing { writer: BufWriter::new(temporary), file: self })
+    }
+
+    fn persist(&self, temporary: NamedTempFile) -> Result<(), OutputError> {
         // Some file systems report a full disk only when told to put everything on it.
         temporary.as_file().sync_all().map_err(|source| self.error(source))?;
         temporary.persist(self.final_path()).map_err(|error| self.error(error.error))?;
         Ok(())
+    }
+
+    /// Writes a text.
+    pub fn save_text(&self, text: &str) -> Result<(), OutputError> {
+        self.save(|writer| writer.write_all(text.as_bytes()).map_err(|source| self.error(source)))
     }
 
     /// Writes `value` as JSON.
@@ -91,6 +106,26 @@ impl OutputFile {
     /// Where the file really lies: a link is not replaced, but what it points to.
     fn final_path(&self) -> PathBuf {
         fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone())
+    }
+}
+
+/// A file that is written piece by piece beside its target.
+#[derive(Debug)]
+pub struct Growing {
+    writer: BufWriter<NamedTempFile>,
+    file: OutputFile,
+}
+
+impl Growing {
+    /// Adds to the file.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
+        self.writer.write_all(bytes).map_err(|source| self.file.error(source))
+    }
+
+    /// Moves the file over its target.
+    pub fn finish(self) -> Result<(), OutputError> {
+        let temporary = self.writer.into_inner().map_err(|error| self.file.error(error.into_error()))?;
+        self.file.persist(temporary)
     }
 }
 

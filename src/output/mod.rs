@@ -11,7 +11,7 @@ mod png;
 mod target;
 mod tone_map;
 
-pub use file::OutputFile;
+pub use file::{Growing, OutputFile};
 pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;

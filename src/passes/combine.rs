@@ -1,6 +1,5 @@
 //! `combine`: direct light plus albedo/pi times indirect irradiance, exposure, filmic tone map, sRGB.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -36,9 +35,9 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
-    combine: Rc<ComputePipeline>,
-    exposure: Rc<ComputePipeline>,
-    tone_map: Rc<ComputePipeline>,
+    combine: Arc<ComputePipeline>,
+    exposure: Arc<ComputePipeline>,
+    tone_map: Arc<ComputePipeline>,
     colour: Image,
     display: Image,
     histogram: Buffer,
@@ -48,7 +47,7 @@ pub struct CombinePass {
 impl CombinePass {
     /// Makes the pipelines and the images, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = |name, spirv| Ok(Rc::new(ComputePipeline::new(device, name, spirv)?));
+        let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
         Ok(Self {
             combine: pipeline("combine", shaders::COMBINE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
@@ -63,9 +62,9 @@ impl CombinePass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            combine: Rc::clone(&self.combine),
-            exposure: Rc::clone(&self.exposure),
-            tone_map: Rc::clone(&self.tone_map),
+            combine: Arc::clone(&self.combine),
+            exposure: Arc::clone(&self.exposure),
+            tone_map: Arc::clone(&self.tone_map),
             colour: colour(device, extent)?,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,

@@ -1,7 +1,6 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
 //! specular; what surfaces emit; the background.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::direct_shadows::Shadows;
@@ -26,7 +25,7 @@ pub struct DirectShadingInputs<'a> {
 
 /// The pass.
 pub struct DirectShadingPass {
-    pipeline: Rc<ComputePipeline>,
+    pipeline: Arc<ComputePipeline>,
     direct: Image,
 }
 
@@ -34,12 +33,12 @@ impl DirectShadingPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
-        Ok(Self { pipeline: Rc::new(pipeline), direct: direct(device, extent)? })
+        Ok(Self { pipeline: Arc::new(pipeline), direct: direct(device, extent)? })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Rc::clone(&self.pipeline), direct: direct(device, extent)? })
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), direct: direct(device, extent)? })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.

@@ -1,7 +1,7 @@
 //! `gbuffer`: position, normal, albedo, specular, instance and motion of the nearest surface, by raster.
 
 use std::mem::offset_of;
-use std::rc::Rc;
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -91,8 +91,8 @@ struct Push {
 
 /// The pass.
 pub struct GBufferPass {
-    pipeline: Rc<GraphicsPipeline>,
-    materials: Rc<MaterialSets>,
+    pipeline: Arc<GraphicsPipeline>,
+    materials: Arc<MaterialSets>,
     targets: GBuffer,
 }
 
@@ -121,8 +121,8 @@ impl GBufferPass {
             scene.material_textures.iter().map(|&texture| &scene.textures[texture]).collect();
         let materials = MaterialSets::new(device, &pipeline, &images, &scene.sampler)?;
         Ok(Self {
-            pipeline: Rc::new(pipeline),
-            materials: Rc::new(materials),
+            pipeline: Arc::new(pipeline),
+            materials: Arc::new(materials),
             targets: GBuffer::new(device, extent)?,
         })
     }
@@ -130,8 +130,8 @@ impl GBufferPass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            pipeline: Rc::clone(&self.pipeline),
-            materials: Rc::clone(&self.materials),
+            pipeline: Arc::clone(&self.pipeline),
+            materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
         })
     }

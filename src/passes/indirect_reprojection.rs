@@ -1,7 +1,6 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -47,7 +46,7 @@ struct Push {
 
 /// The pass.
 pub struct IndirectReprojectionPass {
-    pipeline: Rc<ComputePipeline>,
+    pipeline: Arc<ComputePipeline>,
     irradiance: Image,
 }
 
@@ -56,12 +55,12 @@ impl IndirectReprojectionPass {
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let spirv = shaders::INDIRECT_REPROJECTION_COMP;
         let pipeline = ComputePipeline::new(device, "indirect_reprojection", spirv)?;
-        Ok(Self { pipeline: Rc::new(pipeline), irradiance: irradiance(device, extent)? })
+        Ok(Self { pipeline: Arc::new(pipeline), irradiance: irradiance(device, extent)? })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Rc::clone(&self.pipeline), irradiance: irradiance(device, extent)? })
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), irradiance: irradiance(device, extent)? })
     }
 
     /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.

@@ -1,7 +1,6 @@
 //! `indirect_shading`: irradiance of the frame's set from its visible VPLs, then the discontinuity filter,
 //! which joins the classes of each pixel's neighbourhood and writes the set buffer.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
@@ -23,8 +22,8 @@ pub struct IndirectShadingInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadingPass {
-    gather: Rc<ComputePipeline>,
-    filter: Rc<ComputePipeline>,
+    gather: Arc<ComputePipeline>,
+    filter: Arc<ComputePipeline>,
     class_irradiance: Image,
 }
 
@@ -32,7 +31,7 @@ impl IndirectShadingPass {
     /// Makes the pipelines and the image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
         let pipeline =
-            |name, spirv| Ok(Rc::new(ComputePipeline::specialised(device, name, spirv, &[interleave])?));
+            |name, spirv| Ok(Arc::new(ComputePipeline::specialised(device, name, spirv, &[interleave])?));
         Ok(Self {
             gather: pipeline("indirect_shading", shaders::INDIRECT_SHADING_COMP)?,
             filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
@@ -43,8 +42,8 @@ impl IndirectShadingPass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            gather: Rc::clone(&self.gather),
-            filter: Rc::clone(&self.filter),
+            gather: Arc::clone(&self.gather),
+            filter: Arc::clone(&self.filter),
             class_irradiance: class_irradiance(device, extent)?,
         })
     }

@@ -1,6 +1,5 @@
 //! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling).
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -70,7 +69,7 @@ pub struct IndirectShadowsInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadowsPass {
-    pipeline: Rc<ComputePipeline>,
+    pipeline: Arc<ComputePipeline>,
     visibility: Buffer,
     counters: Buffer,
     words: u32,
@@ -92,7 +91,7 @@ impl IndirectShadowsPass {
             shaders::INDIRECT_SHADOWS_COMP,
             &[interleave],
         )?;
-        Self::with_pipeline(device, Rc::new(pipeline), extent, interleave, set_size)
+        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave, set_size)
     }
 
     /// The same pass for pictures of `extent` texels and sets of `set_size` slots.
@@ -102,12 +101,12 @@ impl IndirectShadowsPass {
         extent: [u32; 2],
         set_size: u32,
     ) -> Result<Self, VulkanError> {
-        Self::with_pipeline(device, Rc::clone(&self.pipeline), extent, self.interleave, set_size)
+        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave, set_size)
     }
 
     fn with_pipeline(
         device: &Arc<Device>,
-        pipeline: Rc<ComputePipeline>,
+        pipeline: Arc<ComputePipeline>,
         extent: [u32; 2],
         interleave: u32,
         set_size: u32,

@@ -1,6 +1,5 @@
 //! `vpl_light`: what one VPL alone sends to every pixel, for looking at VPLs one by one.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
@@ -25,7 +24,7 @@ pub struct VplLightInputs<'a> {
 
 /// The pass.
 pub struct VplLightPass {
-    pipeline: Rc<ComputePipeline>,
+    pipeline: Arc<ComputePipeline>,
     light: Image,
 }
 
@@ -33,12 +32,12 @@ impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::new(device, "vpl_light", shaders::VPL_LIGHT_COMP)?;
-        Ok(Self { pipeline: Rc::new(pipeline), light: light(device, extent)? })
+        Ok(Self { pipeline: Arc::new(pipeline), light: light(device, extent)? })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Rc::clone(&self.pipeline), light: light(device, extent)? })
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), light: light(device, extent)? })
     }
 
     /// Casts a ray a pixel. Gives the weighted irradiance; a: 1 where the VPL sees the pixel.

@@ -4,7 +4,7 @@
 
 use crate::bvh::Hit;
 use crate::memory::{self, Pages};
-use crate::scene::{Placement, Pose, Scene, TriangleSurface};
+use crate::scene::{Pose, Scene, SurfaceTransform, TriangleSurface};
 
 #[derive(Debug)]
 pub(super) struct Surfaces {
@@ -16,7 +16,7 @@ pub(super) struct Surfaces {
 #[derive(Debug)]
 struct PlacedMesh {
     first_triangle: usize,
-    placement: Placement,
+    placement: SurfaceTransform,
 }
 
 impl Surfaces {
@@ -30,7 +30,7 @@ impl Surfaces {
         }
         let instances = scene.instances.iter().zip(&pose.instances).map(|(instance, transform)| PlacedMesh {
             first_triangle: firsts[instance.mesh],
-            placement: Placement::new(transform),
+            placement: SurfaceTransform::new(transform),
         });
         Self { instances: instances.collect(), triangles: Pages::new(triangles) }
     }
@@ -41,7 +41,7 @@ impl Surfaces {
     }
 
     #[inline]
-    pub(super) fn of(&self, hit: &Hit) -> (&TriangleSurface, &Placement) {
+    pub(super) fn of(&self, hit: &Hit) -> (&TriangleSurface, &SurfaceTransform) {
         let placed = &self.instances[hit.instance as usize];
         (&self.triangles[placed.first_triangle + hit.triangle as usize], &placed.placement)
     }

@@ -2,7 +2,6 @@
 //!
 //! In: a [`DebugView`]. Out: which passes run after `combine`; with the default view none does.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -83,9 +82,9 @@ impl DebugView {
 /// The passes of a view, made when they are first needed.
 #[derive(Default)]
 pub(super) struct ViewPasses {
-    buffer: Option<Rc<BufferViewPass>>,
+    buffer: Option<Arc<BufferViewPass>>,
     vpl_light: Option<VplLightPass>,
-    overlay: Option<Rc<OverlayPass>>,
+    overlay: Option<Arc<OverlayPass>>,
 }
 
 /// The view with what the CPU knows of it in this frame.
@@ -141,13 +140,13 @@ impl ViewPasses {
         extent: [u32; 2],
     ) -> Result<(), VulkanError> {
         if view.replaces() && self.buffer.is_none() {
-            self.buffer = Some(Rc::new(BufferViewPass::new(device)?));
+            self.buffer = Some(Arc::new(BufferViewPass::new(device)?));
         }
         if view.single_vpl.is_some() && self.vpl_light.is_none() {
             self.vpl_light = Some(VplLightPass::new(device, extent)?);
         }
         if view.draws_lines() && self.overlay.is_none() {
-            self.overlay = Some(Rc::new(OverlayPass::new(device)?));
+            self.overlay = Some(Arc::new(OverlayPass::new(device)?));
         }
         Ok(())
     }

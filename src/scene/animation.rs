@@ -13,6 +13,9 @@ pub struct Animation {
     pub keyframes: Vec<Keyframe>,
     /// Constant rotation: axis (unit), radians a second, about `pivot` (world space).
     pub rotation: Option<Rotation>,
+    /// Whether the keyframes start over after the last one. What moves without a jump then has the same
+    /// first and last key.
+    pub repeat: bool,
 }
 
 /// One key of an animation.
@@ -78,6 +81,7 @@ impl Animation {
     /// The interpolated key at `time`; rest when there are no keys.
     pub fn key_at(&self, time: f64) -> Keyframe {
         let keys = &self.keyframes;
+        let time = self.key_time(time);
         let next = keys.partition_point(|key| key.time <= time);
         let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
             return Keyframe { time, translation: Vec3::ZERO, rotation: Quat::IDENTITY };
@@ -99,10 +103,27 @@ impl Animation {
         }
     }
 
+    /// The time between the first and the last key that `time` stands for.
+    fn key_time(&self, time: f64) -> f64 {
+        match (self.keyframes.first(), self.keyframes.last()) {
+            (Some(first), Some(last)) if self.repeat && last.time > first.time => {
+                first.time + (time - first.time).rem_euclid(last.time - first.time)
+            }
+            _ => time,
+        }
+    }
+
     /// Velocity through key `i`, the slope between its neighbours, in units a `span` of seconds.
     fn tangent(&self, i: usize, span: f64) -> Vec3 {
-        let before = &self.keyframes[i.saturating_sub(1)];
-        let after = &self.keyframes[(i + 1).min(self.keyframes.len() - 1)];
+        let keys = &self.keyframes;
+        let last = keys.len() - 1;
+        let [mut before, mut after] = [keys[i.saturating_sub(1)], keys[(i + 1).min(last)]];
+        // Where the keys start over, the last key but one comes before the first, and the second after the last.
+        if self.repeat && last > 0 && (i == 0 || i == last) {
+            let [turn, period] = [keys[last - 1].time - keys[last].time, keys[1].time - keys[0].time];
+            before = Keyframe { time: keys[i].time + turn, ..keys[last - 1] };
+            after = Keyframe { time: keys[i].time + period, ..keys[1] };
+        }
         // The share of two times stays a sensible number where a time itself does not.
         (after.translation - before.translation) * (span / (after.time - before.time)) as f32
     }
@@ -140,7 +161,7 @@ mod tests {
     fn passes_through_keys_and_holds_outside() {
         let keys =
             [key(1.0, Vec3::X, 0.0), key(2.0, Vec3::new(3.0, 1.0, 0.0), 90.0), key(4.0, Vec3::Z, 180.0)];
-        let animation = Animation { keyframes: keys.to_vec(), rotation: None };
+        let animation = Animation { keyframes: keys.to_vec(), ..Animation::default() };
         for expected in &keys {
             let got = animation.key_at(expected.time);
             assert!(got.translation.distance(expected.translation) < 1e-6);
@@ -153,11 +174,25 @@ mod tests {
     #[test]
     fn evenly_keyed_line_is_uniform_motion() {
         let keyframes = (0..5).map(|i| key(f64::from(i), Vec3::X * i as f32, 0.0)).collect();
-        let animation = Animation { keyframes, rotation: None };
+        let animation = Animation { keyframes, ..Animation::default() };
         for i in 0..=40 {
             let time = f64::from(i) * 0.1;
             assert!((animation.key_at(time).translation.x - time as f32).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn repeated_keys_start_over_without_a_jump() {
+        let ring = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z, Vec3::X];
+        let keyframes = (0..5).map(|i| key(2.0 + f64::from(i), ring[i as usize], 0.0)).collect();
+        let animation = Animation { keyframes, repeat: true, ..Animation::default() };
+        let at = |time: f64| animation.key_at(time).translation;
+        for time in [2.0, 2.3, 5.9, 6.0] {
+            assert!(at(time).distance(at(time + 4.0)) < 1e-6);
+            assert!(at(time).distance(at(time - 8.0)) < 1e-6);
+        }
+        let velocity = |time: f64| (at(time + 1e-3) - at(time)) / 1e-3;
+        assert!(velocity(6.0 - 1.1e-3).distance(velocity(6.0)) < 2e-2);
     }
 
     #[test]
@@ -168,7 +203,7 @@ mod tests {
             key(4.0, Vec3::Y, 0.0),
             key(5.0, Vec3::Z, 0.0),
         ];
-        let animation = Animation { keyframes, rotation: None };
+        let animation = Animation { keyframes, ..Animation::default() };
         let at = |time: f64| animation.key_at(time).translation;
         for knot in [1.0, 4.0] {
             let before = (at(knot) - at(knot - 1e-3)) / 1e-3;
@@ -181,7 +216,7 @@ mod tests {
     fn no_span_of_time_is_too_short_or_too_long() {
         for end in [1e-310, 1e-30, 1e9] {
             let keyframes = vec![key(0.0, Vec3::ZERO, 0.0), key(end, Vec3::X, 90.0), key(2e9, Vec3::Y, 0.0)];
-            let animation = Animation { keyframes, rotation: None };
+            let animation = Animation { keyframes, ..Animation::default() };
             for share in [0.0, 0.25, 1.0] {
                 let key = animation.key_at(share * end);
                 assert!(key.translation.is_finite() && key.rotation.is_finite(), "{key:?} of {end}");
@@ -193,7 +228,7 @@ mod tests {
     #[test]
     fn constant_rotation_goes_about_its_pivot() {
         let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
-        let animation = Animation { keyframes: Vec::new(), rotation: Some(rotation) };
+        let animation = Animation { rotation: Some(rotation), ..Animation::default() };
         let motion = animation.motion(1.0, Vec3::new(2.0, 5.0, 0.0));
         let expected = Vec3::new(1.0, 5.0, -1.0);
         assert!(motion.position.distance(expected) < 1e-5, "{motion:?}");
@@ -205,7 +240,7 @@ mod tests {
 
     #[test]
     fn rest_is_exactly_rest() {
-        let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], rotation: None };
+        let animation = Animation { keyframes: vec![key(0.0, Vec3::ZERO, 0.0)], ..Animation::default() };
         let rest = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.3), Vec3::new(0.1, 0.2, 0.3));
         let motion = animation.motion(3.0, rest.translation.into());
         assert_eq!(motion.transform(&rest), rest);
@@ -215,7 +250,7 @@ mod tests {
     fn halfway_slerp_is_half_the_angle() {
         let animation = Animation {
             keyframes: vec![key(0.0, Vec3::ZERO, 0.0), key(1.0, Vec3::ZERO, 90.0)],
-            rotation: None,
+            ..Animation::default()
         };
         let half = animation.key_at(0.5).rotation;
         assert!(half.angle_between(Quat::from_rotation_y(45f32.to_radians())) < 1e-3);

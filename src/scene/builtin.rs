@@ -9,11 +9,13 @@ use super::mesh::Mesh;
 use super::{Instance, Scene};
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 6] = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"];
+pub const NAMES: [&str; 7] =
+    ["playroom", "cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
     match name {
+        "playroom" => Some(include_str!("../../scenes/playroom.toml")),
         "sponza" => Some(include_str!("../../scenes/sponza.toml")),
         "sibenik" => Some(include_str!("../../scenes/sibenik.toml")),
         "conference" => Some(include_str!("../../scenes/conference.toml")),

@@ -1,6 +1,6 @@
 //! From a name or file to a [`Scene`].
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Affine3A;
 
@@ -14,6 +14,25 @@ use super::{Instance, Scene, bare_obj, builtin, obj, scene_build};
 /// # Errors
 /// One line that names the file, the line or key where there is one, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+    match find(name)? {
+        Source::File(path, text) => load_toml(&path, &text, assets),
+        Source::Model(path) => load_bare_obj(&path),
+        Source::CornellBox => Ok(builtin::cornell_box()),
+    }
+}
+
+/// What a scene is made of.
+pub(super) enum Source {
+    /// A scene file, with its text.
+    File(PathBuf, String),
+    /// A model that comes alone.
+    Model(PathBuf),
+    /// The one that is made by code.
+    CornellBox,
+}
+
+/// Finds a scene by name or file.
+pub(super) fn find(name: &str) -> Result<Source, SceneError> {
     let path = Path::new(name);
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
@@ -23,19 +42,27 @@ pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError
             let text = String::from_utf8(bytes).map_err(|_| {
                 SceneError::invalid(path, None, "is not UTF-8 text; save the scene file as UTF-8 TOML")
             })?;
-            load_toml(path, &text, assets)
+            Ok(Source::File(path.to_owned(), text))
         }
-        Some("obj") if path.is_file() => load_bare_obj(path),
-        _ if name == "cornell-box" => Ok(builtin::cornell_box()),
+        Some("obj") if path.is_file() => Ok(Source::Model(path.to_owned())),
+        _ if name == "cornell-box" => Ok(Source::CornellBox),
         _ => match builtin::scene_file(name) {
-            Some(text) => load_toml(Path::new(&format!("{name}.toml")), text, assets),
+            Some(text) => Ok(Source::File(format!("{name}.toml").into(), text.to_owned())),
             None if path.exists() => Err(SceneError::UnknownKind(path.to_owned())),
             None => Err(SceneError::NotFound(path.to_owned())),
         },
     }
 }
 
-fn load_toml(path: &Path, text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+/// Builds the scene of a scene file's text; paths in it are absolute.
+///
+/// # Errors
+/// Those of a scene file.
+pub fn scene_of_text(text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+    load_toml(Path::new("recorded scene"), text, assets)
+}
+
+pub(super) fn load_toml(path: &Path, text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
     let file = SceneFile::parse(path, text)?;
     scene_build::build(path, text, file, assets)
 }

@@ -8,6 +8,7 @@ mod bare_obj;
 mod builtin;
 mod camera;
 mod clip;
+mod document;
 mod error;
 mod light;
 mod load;
@@ -20,6 +21,7 @@ mod obj_materials;
 mod obj_text;
 mod polygon;
 mod primitives;
+mod recording;
 mod scene_build;
 mod scene_file;
 mod scene_lights;
@@ -30,15 +32,23 @@ mod world_surface;
 pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::NAMES as BUILTIN_SCENES;
 pub use camera::Camera;
+pub use document::{Placement, SceneDocument};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
-pub use load::load_scene;
+pub use load::{load_scene, scene_of_text};
 pub use material::{AlphaMask, Material, Texture};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
+pub use recording::{RecordedCamera, RecordedFrame, RecordedInstance, RecordedLight};
+pub use scene_file::{
+    AnimationEntry, AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, LightType, RotationEntry,
+    ScaleEntry, SpinEntry,
+};
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
-pub(crate) use world_surface::{Placement, Side};
+pub(crate) use world_surface::{Side, SurfaceTransform};
 pub use world_surface::{WorldSurface, ray_offset};
+
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -94,6 +104,8 @@ pub struct Scene {
     pub background: Vec3,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
+    /// What a person has done in it, frame by frame; empty: it goes as it is animated.
+    pub recording: Arc<Vec<RecordedFrame>>,
     /// What was odd but could be helped, one line each (a missing texture, a missing MTL).
     pub warnings: Vec<String>,
 }
@@ -141,7 +153,23 @@ impl Scene {
             camera_animation: None,
             background: Vec3::ZERO,
             settings: toml::Table::new(),
+            recording: Arc::default(),
             warnings: Vec::new(),
+        }
+    }
+
+    /// A copy without meshes and textures, which is all that [`Self::pose`] needs.
+    pub fn without_meshes(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            instances: self.instances.clone(),
+            lights: self.lights.clone(),
+            camera: self.camera,
+            camera_animation: self.camera_animation.clone(),
+            background: self.background,
+            settings: self.settings.clone(),
+            warnings: self.warnings.clone(),
+            ..Self::new("")
         }
     }
 

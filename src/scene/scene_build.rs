@@ -153,6 +153,10 @@ impl<'a> Builder<'a> {
         }
         self.warn_of_darkness();
         self.scene.settings = self.settings(file)?;
+        if !file.recording.is_sorted_by(|a, b| a.frame < b.frame) {
+            return Err(top.error("the frames of [[recording]] must rise"));
+        }
+        self.scene.recording = std::sync::Arc::new(file.recording.clone());
         Ok(())
     }
 
@@ -184,6 +188,12 @@ impl<'a> Builder<'a> {
             );
             self.scene.warnings.push(warning);
         }
+    }
+
+    /// A builder that checks single entries of a scene which is not in a file.
+    pub fn of_entries(path: &'a Path) -> Self {
+        let scene = Scene::new("");
+        Self { path, text: "", assets: None, scene, models: HashMap::new(), instances: HashMap::new() }
     }
 
     fn add_instance(&mut self, entry: &Entry, instance: &InstanceEntry) -> Result<(), SceneError> {
@@ -247,7 +257,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
+pub(super) fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
     let translation = entry.place("translation", instance.translation.unwrap_or_default())?;
     let rotation = rotation_of(entry, instance.rotation)?;
     let scale = match instance.scale {
@@ -336,5 +346,5 @@ pub(super) fn animation_of(
     if keyframes.is_empty() && rotation.is_none() {
         return Err(entry.error("needs keyframes or a rotation"));
     }
-    Ok(Some(Animation { keyframes, rotation }))
+    Ok(Some(Animation { keyframes, rotation, repeat: animation.repeat }))
 }

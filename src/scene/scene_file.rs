@@ -6,14 +6,15 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::error::SceneError;
+use super::recording::RecordedFrame;
 use crate::settings::Settings;
 
 /// A whole scene file.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneFile {
     /// Shown in reports; the file's stem if missing.
@@ -21,18 +22,22 @@ pub(super) struct SceneFile {
     /// Radiance seen where no surface is, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
     pub camera: Option<Spanned<CameraEntry>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<Spanned<ModelEntry>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<Spanned<InstanceEntry>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<Spanned<LightEntry>>,
+    /// What a person has done in it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recording: Vec<RecordedFrame>,
     /// Deserialised only to check keys and types.
+    #[serde(skip_serializing)]
     pub settings: Option<Settings>,
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelEntry {
     pub name: String,
@@ -53,14 +58,14 @@ pub(super) struct ModelEntry {
     /// Of a primitive; grey 0.5 if missing.
     pub material: Option<MaterialEntry>,
     /// Materials of an `.obj` whose triangles are left out.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_materials: Vec<String>,
     /// The model is cut to this box, in its own space.
     pub clip: Option<ClipEntry>,
 }
 
 /// A box.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ClipEntry {
     pub min: [f32; 3],
@@ -68,7 +73,7 @@ pub(super) struct ClipEntry {
 }
 
 /// Shapes made by code.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Primitive {
     /// In the plane y = 0, facing up.
@@ -78,7 +83,7 @@ pub(super) enum Primitive {
 }
 
 /// The material of a primitive.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialEntry {
     pub albedo: Option<[f32; 3]>,
@@ -89,46 +94,61 @@ pub(super) struct MaterialEntry {
 }
 
 /// A placed model: scaled, rotated, then translated.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct InstanceEntry {
+pub struct InstanceEntry {
+    /// The model's if missing.
     pub name: Option<String>,
+    /// Name of the model.
     pub model: String,
+    /// Scene units.
     pub translation: Option<[f32; 3]>,
+    /// None if missing.
     pub rotation: Option<RotationEntry>,
+    /// 1 if missing.
     pub scale: Option<ScaleEntry>,
+    /// Whether it may move; true with an animation.
     pub dynamic: Option<bool>,
+    /// Whether it is drawn and stops rays; true if missing.
     pub visible: Option<bool>,
+    /// How it moves.
     pub animation: Option<Spanned<AnimationEntry>>,
 }
 
 /// `[x, y, z]`, degrees about the fixed axes x, then y, then z; or axis and angle.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
     expecting = "a rotation must be [x, y, z] in degrees or { axis = [x, y, z], degrees = angle }"
 )]
-pub(super) enum RotationEntry {
+pub enum RotationEntry {
+    /// About the fixed axes.
     Euler([f32; 3]),
+    /// About any axis.
     AxisAngle(AxisAngle),
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// A turn about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct AxisAngle {
+pub struct AxisAngle {
+    /// Of any length but zero.
     pub axis: [f32; 3],
+    /// Counter-clockwise about the axis.
     pub degrees: f32,
 }
 
 /// One factor, or one for each axis.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a scale must be a number or [x, y, z]")]
-pub(super) enum ScaleEntry {
+pub enum ScaleEntry {
+    /// The same along all axes.
     Uniform(f32),
+    /// Along x, y and z.
     PerAxis([f32; 3]),
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraEntry {
     pub eye: [f32; 3],
@@ -142,20 +162,26 @@ pub(super) struct CameraEntry {
 }
 
 /// Kinds of lights.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum LightType {
+pub enum LightType {
+    /// The same in all directions.
     Point,
+    /// A cone.
     Spot,
+    /// From infinitely far away.
     Directional,
+    /// A surface.
     Area,
 }
 
 /// A light; which keys it may have depends on its type.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct LightEntry {
+pub struct LightEntry {
+    /// Made up if missing.
     pub name: Option<String>,
+    /// What kind of light.
     #[serde(rename = "type")]
     pub kind: LightType,
     /// Point and spot.
@@ -168,6 +194,7 @@ pub(super) struct LightEntry {
     pub irradiance: Option<[f32; 3]>,
     /// Spot: half angles of the cones, degrees.
     pub inner_deg: Option<f32>,
+    /// Spot: beyond this angle there is no light.
     pub outer_deg: Option<f32>,
     /// Area: corners of a flat convex quad, counter-clockwise seen from where its light goes.
     pub polygon: Option<[[f32; 3]; 4]>,
@@ -178,35 +205,67 @@ pub(super) struct LightEntry {
     /// Area with a polygon: whether it is drawn and stops rays; true if missing. An invisible one is a
     /// portal: the light of whatever lies behind an opening.
     pub visible: Option<bool>,
+    /// How it moves.
     pub animation: Option<Spanned<AnimationEntry>>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// How a thing moves, relative to its rest pose.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct AnimationEntry {
-    #[serde(default)]
+pub struct AnimationEntry {
+    /// Rising in time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keyframes: Vec<KeyframeEntry>,
+    /// Whether the keyframes start over after the last one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub repeat: bool,
+    /// A constant rotation besides.
     pub rotation: Option<SpinEntry>,
 }
 
 /// Where a thing is at a time, relative to its rest pose.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct KeyframeEntry {
+pub struct KeyframeEntry {
     /// Seconds.
     pub time: f64,
+    /// Added to the rest position.
     pub translation: Option<[f32; 3]>,
+    /// About the thing's own origin.
     pub rotation: Option<RotationEntry>,
 }
 
 /// Constant rotation.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SpinEntry {
+pub struct SpinEntry {
+    /// Of any length but zero.
     pub axis: [f32; 3],
+    /// Speed.
     pub degrees_per_second: f32,
     /// A point on the axis, world space; the thing's own origin if missing.
     pub pivot: Option<[f32; 3]>,
+}
+
+impl LightEntry {
+    /// An entry of this kind that says nothing else.
+    pub fn of(kind: LightType) -> Self {
+        Self {
+            name: None,
+            kind,
+            position: None,
+            direction: None,
+            intensity: None,
+            irradiance: None,
+            inner_deg: None,
+            outer_deg: None,
+            polygon: None,
+            instance: None,
+            radiance: None,
+            visible: None,
+            animation: None,
+        }
+    }
 }
 
 impl SceneFile {

@@ -3,6 +3,8 @@
 //! In: one entry. Out: a light in the scene under construction; an area light also becomes a mesh of two
 //! emissive triangles and an instance of it, or makes an instance's triangles emissive.
 
+use std::path::Path;
+
 use glam::{Affine3A, Vec3};
 use toml::Spanned;
 
@@ -28,6 +30,18 @@ pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> R
             None => add_quad(builder, &entry, light, &name),
         };
     }
+    let light = plain_light(builder, &entry, light, name)?;
+    builder.scene.lights.push(light);
+    Ok(())
+}
+
+/// A point, spot or directional light, whose keys were checked.
+fn plain_light(
+    builder: &Builder,
+    entry: &Entry,
+    light: &LightEntry,
+    name: String,
+) -> Result<Light, SceneError> {
     let position = |key| entry.place(key, entry.required(key, light.position)?);
     let intensity = |key| entry.power(key, entry.required(key, light.intensity)?);
     let direction = |key| entry.direction(key, entry.required(key, light.direction)?);
@@ -36,16 +50,45 @@ pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> R
             (LightKind::Point { intensity: intensity("intensity")? }, position("position")?, Vec3::NEG_Y)
         }
         LightType::Spot => {
-            (spot(&entry, light, intensity("intensity")?)?, position("position")?, direction("direction")?)
+            (spot(entry, light, intensity("intensity")?)?, position("position")?, direction("direction")?)
         }
         LightType::Directional | LightType::Area => {
             let irradiance = entry.power("irradiance", entry.required("irradiance", light.irradiance)?)?;
             (LightKind::Directional { irradiance }, Vec3::ZERO, direction("direction")?)
         }
     };
-    let animation = animation_of(builder, &entry, light.animation.as_ref())?;
-    builder.scene.lights.push(Light { name, kind, position, direction, animation });
-    Ok(())
+    let animation = animation_of(builder, entry, light.animation.as_ref())?;
+    Ok(Light { name, kind, position, direction, animation })
+}
+
+/// The light that an entry stands for by itself; none for an area light, which is a part of the scene.
+pub(super) fn light_alone(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
+    let builder = Builder::of_entries(path);
+    let name = light.name.clone().unwrap_or_else(|| "light".to_owned());
+    let entry = builder.entry(&(0..0), format!("light \"{name}\""));
+    check_keys(&entry, light)?;
+    match light.kind {
+        LightType::Area => check_area(&builder, &entry, light).map(|()| None),
+        _ => plain_light(&builder, &entry, light, name).map(Some),
+    }
+}
+
+/// Whether an area light can be made of an entry, apart from the instance that it may name.
+fn check_area(builder: &Builder, entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
+    entry.power("radiance", entry.required("radiance", light.radiance)?)?;
+    animation_of(builder, entry, light.animation.as_ref())?;
+    match light.polygon {
+        Some(polygon) => check_quad(entry, &corners_of(entry, polygon)?),
+        None => Ok(()),
+    }
+}
+
+fn corners_of(entry: &Entry, polygon: [[f32; 3]; 4]) -> Result<[Vec3; 4], SceneError> {
+    let mut corners = [Vec3::ZERO; 4];
+    for (corner, given) in corners.iter_mut().zip(polygon) {
+        *corner = entry.place("polygon", given)?;
+    }
+    Ok(corners)
 }
 
 /// Adds the area lights of the instances that no light of the file has claimed.
@@ -102,10 +145,7 @@ fn spot(entry: &Entry, light: &LightEntry, intensity: Vec3) -> Result<LightKind,
 fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str) -> Result<(), SceneError> {
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let polygon = entry.required("polygon", light.polygon)?;
-    let mut corners = [Vec3::ZERO; 4];
-    for (corner, given) in corners.iter_mut().zip(polygon) {
-        *corner = entry.place("polygon", given)?;
-    }
+    let corners = corners_of(entry, polygon)?;
     check_quad(entry, &corners)?;
     let middle = corners.iter().sum::<Vec3>() / 4.0;
     let animation = animation_of(builder, entry, light.animation.as_ref())?;

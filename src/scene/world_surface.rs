@@ -51,13 +51,13 @@ pub(crate) struct Found {
 
 /// A transform from object to world, ready to be applied to surfaces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
+pub(crate) struct SurfaceTransform {
     transform: Affine3A,
     /// For normals: the inverse transpose, up to its length.
     normals: Mat3A,
 }
 
-impl Placement {
+impl SurfaceTransform {
     pub(crate) fn new(transform: &Affine3A) -> Self {
         let m = &transform.matrix3;
         // The signed cofactor matrix, which flattened instances have too.
@@ -91,6 +91,6 @@ impl Scene {
     /// The surface at `point` of `instance`, where `pose` has it.
     pub(crate) fn surface_at(&self, pose: &Pose, instance: u32, point: SurfacePoint, side: Side) -> Found {
         let local = self.meshes[self.instances[instance as usize].mesh].interpolate(point);
-        Placement::new(&pose.instances[instance as usize]).place(&local, side)
+        SurfaceTransform::new(&pose.instances[instance as usize]).place(&local, side)
     }
 }

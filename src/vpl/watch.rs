@@ -12,6 +12,11 @@ use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
 use crate::scene::{BoundingSphere, Light, LightKind, Scene};
 
+/// Whether two lights light the world alike, whatever they are called.
+fn shines_like(a: &Light, b: &Light) -> bool {
+    (&a.kind, a.position, a.direction) == (&b.kind, b.position, b.direction)
+}
+
 /// Keeps the last world and compares.
 #[derive(Clone, Debug)]
 pub(super) struct Watch {
@@ -120,7 +125,7 @@ impl Watch {
             };
             let known = self.known_as[index].and_then(|last| known[last as usize].take());
             let (emitter, changed) = match known {
-                Some((last, emitter)) if last == *light && !carried => (emitter, false),
+                Some((last, emitter)) if shines_like(&last, light) && !carried => (emitter, false),
                 known => {
                     let emitter = Emitter::new(world, light, &disc);
                     let changed = known.is_none_or(|(_, last)| {

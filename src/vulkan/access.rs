@@ -1,6 +1,6 @@
 //! What a resource was last used for, and the barrier that its next use needs.
 
-use std::cell::Cell;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
@@ -91,7 +91,8 @@ struct State {
 /// The tracker of one resource. For buffers the layouts mean nothing and never differ.
 #[derive(Debug, Default)]
 pub(super) struct Tracker {
-    state: Cell<State>,
+    // Uncontended: a lock only so that what holds it can be made on one thread and used on another.
+    state: Mutex<State>,
 }
 
 impl Tracker {
@@ -108,11 +109,16 @@ impl Tracker {
     }
 
     pub(super) fn layout(&self) -> vk::ImageLayout {
-        self.state.get().layout
+        self.state().layout
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn plan(&self, next: Use) -> Option<Barrier> {
-        let last = self.state.get();
+        let mut state = self.state();
+        let last = *state;
         let moves = last.layout != next.layout;
         let fresh = last.write_stage.is_empty() && last.read_stages.is_empty();
         let hazard = if next.writes {
@@ -120,7 +126,7 @@ impl Tracker {
         } else {
             !last.write_stage.is_empty() && !last.read_stages.contains(next.stage)
         };
-        self.state.set(if next.writes || moves {
+        *state = if next.writes || moves {
             State {
                 write_stage: next.stage,
                 write_access: if next.writes { next.access } else { vk::AccessFlags2::empty() },
@@ -129,7 +135,7 @@ impl Tracker {
             }
         } else {
             State { read_stages: last.read_stages | next.stage, ..last }
-        });
+        };
         (moves || hazard).then_some(Barrier {
             src_stage: last.write_stage | last.read_stages,
             src_access: last.write_access,

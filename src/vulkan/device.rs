@@ -3,11 +3,11 @@
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use serde::Serialize;
 
-use super::{Instance, VulkanError};
+use super::{Instance, Surface, VulkanError};
 
 /// What a physical device is and whether glowworm can use it.
 #[derive(Clone, Debug, Serialize)]
@@ -32,10 +32,11 @@ pub struct DeviceInfo {
 pub struct Device {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
-    allocator: ManuallyDrop<Mutex<Allocator>>,
+    allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
-    queue: vk::Queue,
+    /// Vulkan wants one thread at a time at a queue.
+    queue: Mutex<vk::Queue>,
     queue_family: u32,
     info: DeviceInfo,
     instance: Arc<Instance>,
@@ -50,11 +51,27 @@ impl Device {
     /// Opens the device that `wanted` names (an index of [`Self::list`] or a part of a name), or the
     /// first usable one.
     pub fn open(instance: &Arc<Instance>, wanted: Option<&str>) -> Result<Arc<Self>, VulkanError> {
-        let devices = physical_devices(instance)?;
+        Self::open_for(instance, wanted, None)
+    }
+
+    /// [`Self::open`], where the device must be able to show pictures on `surface`.
+    pub fn open_for(
+        instance: &Arc<Instance>,
+        wanted: Option<&str>,
+        surface: Option<&Surface>,
+    ) -> Result<Arc<Self>, VulkanError> {
+        let mut devices = physical_devices(instance)?;
+        if let Some(surface) = surface {
+            for (physical, info) in &mut devices {
+                if info.unusable.is_none() {
+                    info.unusable = why_no_window(instance.raw(), *physical, surface);
+                }
+            }
+        }
         let (physical, info) = choose(devices, wanted)?;
         let queue_family = queue_family(instance.raw(), physical)
             .ok_or_else(|| VulkanError::NoDevice(format!("{} has no graphics queue", info.name)))?;
-        let raw = create_device(instance.raw(), physical, queue_family)?;
+        let raw = create_device(instance.raw(), physical, queue_family, surface.is_some())?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw().clone(),
             device: raw.clone(),
@@ -73,10 +90,10 @@ impl Device {
         Ok(Arc::new(Self {
             raw,
             debug,
-            allocator: ManuallyDrop::new(Mutex::new(allocator)),
+            allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
             limits: properties.limits,
             physical,
-            queue,
+            queue: Mutex::new(queue),
             queue_family,
             info,
             instance: Arc::clone(instance),
@@ -100,7 +117,8 @@ impl Device {
 
     /// Waits until the device has done all that was submitted.
     pub fn wait_idle(&self) -> Result<(), VulkanError> {
-        // SAFETY: the queue is used from one thread at a time (frames and uploads borrow the renderer).
+        let _queue = self.queue();
+        // SAFETY: the lock keeps other threads off the queue.
         unsafe { self.raw.device_wait_idle() }.map_err(VulkanError::call("waiting", "device"))
     }
 
@@ -127,8 +145,17 @@ impl Device {
         &self.raw
     }
 
-    pub(super) fn queue(&self) -> vk::Queue {
-        self.queue
+    pub(super) fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+
+    pub(super) fn physical(&self) -> vk::PhysicalDevice {
+        self.physical
+    }
+
+    /// The queue, for this thread alone until the guard goes.
+    pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn queue_family(&self) -> u32 {
@@ -141,6 +168,11 @@ impl Device {
 
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The allocator for those who keep it; they must let go of it before the device goes.
+    pub(super) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
+        Arc::clone(&self.allocator)
     }
 
     /// Gives `handle` a name that debuggers and validation messages show.
@@ -180,8 +212,12 @@ impl Device {
             self.raw.end_command_buffer(commands)?;
             let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
-            self.raw.queue_submit2(self.queue, &[submit], vk::Fence::null())?;
-            self.raw.queue_wait_idle(self.queue)
+            let fence = self.raw.create_fence(&vk::FenceCreateInfo::default(), None)?;
+            let submitted = self.raw.queue_submit2(*self.queue(), &[submit], fence);
+            // Not the queue: another thread may go on submitting frames while this one waits.
+            let result = submitted.and_then(|()| self.raw.wait_for_fences(&[fence], true, u64::MAX));
+            self.raw.destroy_fence(fence, None);
+            result
         }
     }
 }
@@ -278,6 +314,17 @@ fn why_unusable(
     None
 }
 
+/// Why the device cannot show pictures on `surface`; none if it can.
+fn why_no_window(instance: &ash::Instance, device: vk::PhysicalDevice, surface: &Surface) -> Option<String> {
+    // SAFETY: `device` is of `instance`.
+    let extensions = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
+    if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {
+        return Some("it cannot show pictures in windows".to_owned());
+    }
+    let presents = queue_family(instance, device).is_some_and(|family| surface.supports(device, family));
+    (!presents).then(|| "it cannot show pictures on this display".to_owned())
+}
+
 fn choose(
     devices: Vec<(vk::PhysicalDevice, DeviceInfo)>,
     wanted: Option<&str>,
@@ -330,12 +377,17 @@ fn create_device(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     queue_family: u32,
+    window: bool,
 ) -> Result<ash::Device, VulkanError> {
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
     let mut features13 =
         vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
-    let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features13);
+    let extensions = [khr::swapchain::NAME.as_ptr()];
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(if window { &extensions } else { &[] })
+        .push_next(&mut features13);
     // SAFETY: every pointer in `info` outlives the call; the features were checked.
     unsafe { instance.create_device(physical, &info, None) }.map_err(VulkanError::call("creation", "device"))
 }

@@ -36,6 +36,9 @@ pub enum VulkanError {
         /// What the driver answered.
         result: vk::Result,
     },
+    /// The user interface could not be drawn.
+    #[error("user interface: {0}")]
+    Interface(String),
     /// Memory could not be had.
     #[error(
         "not enough device memory for {object} ({mebibytes} MiB): {reason}; try a smaller --size, --temporal-sets or scene"
@@ -80,6 +83,11 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
+    /// Whether the device is gone, as after a crash of its driver: everything on it must be made anew.
+    pub fn is_device_lost(&self) -> bool {
+        matches!(self, Self::Call { result: vk::Result::ERROR_DEVICE_LOST, .. })
+    }
+
     /// Wraps a driver answer: `.map_err(VulkanError::call("creation", "image depth"))`.
     pub(super) fn call(
         operation: &'static str,

@@ -1,6 +1,5 @@
 //! Frames in flight: command recording, uploads, pass timers, results.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use ash::vk;
@@ -75,7 +74,7 @@ struct Slot {
     queries: vk::QueryPool,
     descriptors: Vec<vk::DescriptorPool>,
     descriptors_used: usize,
-    chunks: Vec<Rc<Buffer>>,
+    chunks: Vec<Arc<Buffer>>,
     chunk_used: u64,
     readback: Buffer,
     timers: Vec<(&'static str, u32)>,
@@ -154,7 +153,7 @@ impl Slot {
         // One chunk that holds all of the last frame's uploads replaces several smaller ones.
         if self.chunks.len() > 1 {
             let size = self.chunks.iter().map(|chunk| chunk.size).sum();
-            self.chunks = vec![Rc::new(self.new_chunk(size)?)];
+            self.chunks = vec![Arc::new(self.new_chunk(size)?)];
         }
         self.chunk_used = 0;
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -199,7 +198,7 @@ impl Drop for Slot {
 /// Data of this frame in memory that the device reads.
 #[derive(Clone)]
 pub struct Upload {
-    buffer: Rc<Buffer>,
+    buffer: Arc<Buffer>,
     offset: u64,
     size: u64,
 }
@@ -231,10 +230,10 @@ impl Frame<'_> {
         let room = self.slot.chunks.last().map_or(0, |chunk| chunk.size);
         if offset + size > room {
             let chunk = self.slot.new_chunk(size.max(MIN_CHUNK))?;
-            self.slot.chunks.push(Rc::new(chunk));
+            self.slot.chunks.push(Arc::new(chunk));
             offset = 0;
         }
-        let buffer = Rc::clone(&self.slot.chunks[self.slot.chunks.len() - 1]);
+        let buffer = Arc::clone(&self.slot.chunks[self.slot.chunks.len() - 1]);
         self.slot.chunk_used = offset + size;
         if let Some(target) = buffer.allocation.mapped_ptr() {
             // SAFETY: the chunk is mapped, holds `offset + size` bytes, and this range is handed out once
@@ -320,7 +319,7 @@ impl Frame<'_> {
         unsafe {
             let raw = self.device.raw();
             raw.end_command_buffer(self.slot.commands).map_err(error)?;
-            raw.queue_submit2(self.device.queue(), &[submit], self.slot.fence).map_err(error)?;
+            raw.queue_submit2(*self.device.queue(), &[submit], self.slot.fence).map_err(error)?;
         }
         self.slot.submitted = Some(self.slot.frame);
         Ok(())

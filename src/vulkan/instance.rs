@@ -4,6 +4,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
+use raw_window_handle::RawDisplayHandle;
 
 use super::VulkanError;
 
@@ -14,6 +15,8 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 pub struct InstanceOptions {
     /// Switch the Khronos validation layer on, with synchronisation validation.
     pub validate: bool,
+    /// The display on which windows will be shown; none: no windows.
+    pub display: Option<RawDisplayHandle>,
 }
 
 type Messages = Mutex<Vec<String>>;
@@ -25,13 +28,13 @@ pub struct Instance {
     messages: Arc<Messages>,
     has_debug_utils: bool,
     // Dropped last: the functions of `raw` live in the loaded library.
-    _entry: ash::Entry,
+    entry: ash::Entry,
 }
 
 impl Instance {
     /// Loads the loader and creates an instance for Vulkan 1.3.
     pub fn new(options: InstanceOptions) -> Result<Arc<Self>, VulkanError> {
-        // SAFETY: the loader is the system's Vulkan library; it stays loaded as long as `_entry` lives.
+        // SAFETY: the loader is the system's Vulkan library; it stays loaded as long as `entry` lives.
         let entry =
             unsafe { ash::Entry::load() }.map_err(|error| VulkanError::NoLoader(error.to_string()))?;
         let has_debug_utils = has_extension(&entry, None, ext::debug_utils::NAME);
@@ -40,7 +43,7 @@ impl Instance {
         }
         let raw = create_instance(&entry, options, has_debug_utils)?;
         let messages = Arc::new(Messages::default());
-        let mut instance = Self { debug: None, raw, messages, has_debug_utils, _entry: entry };
+        let mut instance = Self { debug: None, raw, messages, has_debug_utils, entry };
         if options.validate && has_debug_utils {
             instance.debug = Some(instance.create_messenger()?);
         }
@@ -56,6 +59,10 @@ impl Instance {
         &self.raw
     }
 
+    pub(super) fn entry(&self) -> &ash::Entry {
+        &self.entry
+    }
+
     pub(super) fn has_debug_utils(&self) -> bool {
         self.has_debug_utils
     }
@@ -63,7 +70,7 @@ impl Instance {
     fn create_messenger(
         &self,
     ) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), VulkanError> {
-        let functions = ext::debug_utils::Instance::new(&self._entry, &self.raw);
+        let functions = ext::debug_utils::Instance::new(&self.entry, &self.raw);
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
                 vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
@@ -106,6 +113,11 @@ fn create_instance(
     if has_debug_utils {
         extensions.push(ext::debug_utils::NAME.as_ptr());
     }
+    if let Some(display) = options.display {
+        let needed = ash_window::enumerate_required_extensions(display)
+            .map_err(VulkanError::call("query of the extensions", "windows"))?;
+        extensions.extend_from_slice(needed);
+    }
     let layers = if options.validate { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
     let has_features =
         options.validate && has_extension(entry, Some(VALIDATION_LAYER), ext::validation_features::NAME);
@@ -127,6 +139,9 @@ fn create_instance(
             VulkanError::NoDevice(
                 "no Vulkan driver is installed (Debian/Ubuntu: apt install mesa-vulkan-drivers)".to_owned(),
             )
+        }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if options.display.is_some() => {
+            VulkanError::NoDevice("no Vulkan driver can show pictures in windows of this display".to_owned())
         }
         result => VulkanError::call("creation", "instance")(result),
     })

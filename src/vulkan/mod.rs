@@ -1,4 +1,5 @@
-//! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking, timers.
+//! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking,
+//! timers, windows.
 //!
 //! Every object frees itself when dropped and keeps alive what it was made from. A [`Frame`] records
 //! passes: resources are bound by the names that the shaders give them, and a small tracker in each
@@ -16,8 +17,12 @@ mod instance;
 mod memory;
 mod pass;
 mod pipeline;
+mod present;
 mod reflect;
 mod sampler;
+mod surface;
+mod swapchain;
+mod ui;
 mod upload;
 
 /// The compiled shaders, one constant a file.
@@ -35,5 +40,9 @@ pub use instance::{Instance, InstanceOptions};
 pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
 pub use pass::{Pass, Resource};
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
+pub use present::{Presented, Presenter};
 pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
+pub use surface::Surface;
+pub use swapchain::PresentMode;
+pub use ui::UiDrawing;

@@ -35,6 +35,7 @@ impl World {
             far: 100.0,
         };
         let scene = Scene {
+            recording: Default::default(),
             name: "test".into(),
             meshes,
             materials: vec![material(None)],

@@ -22,12 +22,12 @@ impl Lab {
     /// Opens the first usable device with validation on. Without one, or without the layer, the test
     /// says so and is skipped; with `GLOWWORM_REQUIRE_ALL=1` it fails.
     pub fn open() -> Option<Self> {
-        Self::open_with(InstanceOptions { validate: true })
+        Self::open_with(InstanceOptions { validate: true, display: None })
     }
 
     /// The same without validation, which would take its time from what is measured.
     pub fn open_to_measure() -> Option<Self> {
-        Self::open_with(InstanceOptions { validate: false })
+        Self::open_with(InstanceOptions { validate: false, display: None })
     }
 
     fn open_with(options: InstanceOptions) -> Option<Self> {

@@ -1,0 +1,160 @@
+//! New lights and simple motions.
+
+use glam::Vec3;
+use toml::Spanned;
+
+use super::stage::Stage;
+use crate::scene::{
+    AnimationEntry, AxisAngle, KeyframeEntry, LightEntry, LightType, RotationEntry, SpinEntry,
+};
+
+/// Warm white.
+const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
+/// Corners of a path.
+const CORNERS: u32 = 8;
+
+/// A light of this kind where the camera looks, as bright as suits the scene's size.
+pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
+    let camera = &stage.pose.camera;
+    let middle = glam::Vec2::splat(0.5);
+    let distance = stage.pick(middle).map_or(0.5 * stage.radius, |picked| picked.distance);
+    let place = camera.eye + camera.forward() * (0.7 * distance);
+    // An irradiance of pi at a third of the scene's radius.
+    let away = 0.33 * stage.radius;
+    let intensity = WHITE * (std::f32::consts::PI * away * away);
+    let name = (1..)
+        .map(|number| format!("{} {number}", label(kind)))
+        .find(|name| stage.document.lights().all(|light| light.name.as_ref() != Some(name)));
+    let entry = LightEntry { name, ..LightEntry::of(kind) };
+    match kind {
+        LightType::Point => {
+            LightEntry { position: Some(place.to_array()), intensity: Some(intensity.to_array()), ..entry }
+        }
+        LightType::Spot => LightEntry {
+            position: Some(place.to_array()),
+            direction: Some(camera.forward().to_array()),
+            intensity: Some((intensity * 4.0).to_array()),
+            outer_deg: Some(30.0),
+            ..entry
+        },
+        LightType::Directional => LightEntry {
+            direction: Some(Vec3::new(0.3, -1.0, 0.2).normalize().to_array()),
+            irradiance: Some((WHITE * std::f32::consts::PI).to_array()),
+            ..entry
+        },
+        LightType::Area => {
+            let half = 0.06 * stage.radius;
+            let corner = |x: f32, z: f32| (place + Vec3::new(x * half, 0.0, z * half)).to_array();
+            let radiance = intensity / (4.0 * half * half);
+            LightEntry {
+                polygon: Some([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]),
+                radiance: Some(radiance.to_array()),
+                ..entry
+            }
+        }
+    }
+}
+
+/// Name of a kind of light.
+pub(super) fn label(kind: LightType) -> &'static str {
+    match kind {
+        LightType::Point => "point",
+        LightType::Spot => "spot",
+        LightType::Directional => "directional",
+        LightType::Area => "area",
+    }
+}
+
+/// A motion that a person can give to a thing on the spot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Motion {
+    /// It rests.
+    Still,
+    /// It turns about the vertical axis, degrees a second.
+    Spin(f32),
+    /// It swings to and fro about the axis along z: degrees to either side, seconds there and back.
+    Sway(f32, f32),
+    /// It goes round a level circle: radius in scene units, seconds a round.
+    Path(f32, f32),
+    /// It moves as its scene file says.
+    Keys,
+}
+
+impl Motion {
+    /// The motion of an animation.
+    pub fn of(animation: Option<&Spanned<AnimationEntry>>) -> Self {
+        let Some(animation) = animation.map(Spanned::get_ref) else { return Self::Still };
+        let candidates = [
+            animation.rotation.as_ref().map(|spin| Self::Spin(spin.degrees_per_second)),
+            animation.keyframes.last().and_then(|last| {
+                let quarter = animation.keyframes.get(1)?;
+                let degrees = match quarter.rotation? {
+                    RotationEntry::AxisAngle(turn) => turn.degrees,
+                    RotationEntry::Euler(_) => return None,
+                };
+                Some(Self::Sway(degrees, last.time as f32))
+            }),
+            animation.keyframes.last().and_then(|last| {
+                let across = animation.keyframes.get(CORNERS as usize / 2)?.translation?;
+                Some(Self::Path(0.5 * Vec3::from_array(across).length(), last.time as f32))
+            }),
+        ];
+        let is_it = |motion: &Self| motion.animation().as_ref() == Some(animation);
+        candidates.into_iter().flatten().find(is_it).unwrap_or(Self::Keys)
+    }
+
+    /// The animation of a motion; none at rest.
+    pub fn animation(self) -> Option<AnimationEntry> {
+        match self {
+            Self::Still | Self::Keys => None,
+            Self::Spin(degrees_per_second) => Some(AnimationEntry {
+                rotation: Some(SpinEntry { axis: [0.0, 1.0, 0.0], degrees_per_second, pivot: None }),
+                ..AnimationEntry::default()
+            }),
+            Self::Sway(degrees, period) => {
+                let key = |quarter: u32| {
+                    let share = [0.0, 1.0, 0.0, -1.0, 0.0][quarter as usize];
+                    let turn = AxisAngle { axis: [0.0, 0.0, 1.0], degrees: share * degrees };
+                    KeyframeEntry {
+                        time: f64::from(period) * f64::from(quarter) / 4.0,
+                        translation: None,
+                        rotation: Some(RotationEntry::AxisAngle(turn)),
+                    }
+                };
+                Some(AnimationEntry { keyframes: (0..5).map(key).collect(), repeat: true, rotation: None })
+            }
+            Self::Path(radius, period) => {
+                let key = |corner: u32| {
+                    // The first and the last are the same to the bit.
+                    let angle = (corner % CORNERS) as f32 / CORNERS as f32 * std::f32::consts::TAU;
+                    KeyframeEntry {
+                        time: f64::from(period) * f64::from(corner) / f64::from(CORNERS),
+                        translation: Some([radius * (1.0 - angle.cos()), 0.0, radius * angle.sin()]),
+                        rotation: None,
+                    }
+                };
+                let keyframes = (0..=CORNERS).map(key).collect();
+                Some(AnimationEntry { keyframes, repeat: true, rotation: None })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_are_known_again() {
+        for motion in [Motion::Still, Motion::Spin(45.0), Motion::Sway(20.0, 3.0), Motion::Path(0.5, 6.0)] {
+            let animation = motion.animation().map(|entry| Spanned::new(0..0, entry));
+            let known = Motion::of(animation.as_ref());
+            match (motion, known) {
+                (Motion::Path(a, b), Motion::Path(c, d)) => {
+                    assert!((a - c).abs() < 1e-5 && (b - d).abs() < 1e-5);
+                }
+                _ => assert_eq!(known, motion),
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The camera in a person's hands: flying, looking around, orbiting, bookmarks.
+
+use glam::{Quat, Vec3};
+use winit::keyboard::KeyCode;
+
+use crate::scene::Camera;
+
+/// Radians a pixel.
+const LOOK_SPEED: f32 = 0.004;
+/// How much faster with shift.
+const RUN: f32 = 4.0;
+/// Sight lines are kept this far from straight up and down, as a cosine.
+const STEEPEST: f32 = 0.998;
+
+/// Where a person has brought the camera.
+pub(super) struct Flight {
+    /// None: the scene's own camera, which may be animated.
+    moved: Option<Camera>,
+    bookmarks: [Option<Camera>; 9],
+    /// Scene units a second.
+    pub speed: f32,
+    held: Vec<KeyCode>,
+    pub running: bool,
+}
+
+impl Flight {
+    /// For a scene of this size, in scene units.
+    pub fn new(radius: f32) -> Self {
+        Self { moved: None, bookmarks: [None; 9], speed: 0.3 * radius, held: Vec::new(), running: false }
+    }
+
+    /// The camera to draw with, given the scene's own.
+    pub fn camera(&self, own: &Camera) -> Camera {
+        self.moved.unwrap_or(*own)
+    }
+
+    /// Whether a person has taken the camera.
+    pub fn has_moved(&self) -> bool {
+        self.moved.is_some()
+    }
+
+    /// Back to the scene's own camera.
+    pub fn home(&mut self) {
+        self.moved = None;
+    }
+
+    /// Goes to `camera`.
+    pub fn go_to(&mut self, camera: Camera) {
+        self.moved = Some(camera);
+    }
+
+    /// Keeps `camera` under a number.
+    pub fn store(&mut self, number: usize, camera: Camera) {
+        if let Some(bookmark) = self.bookmarks.get_mut(number) {
+            *bookmark = Some(camera);
+        }
+    }
+
+    /// The camera that was kept under a number.
+    pub fn bookmark(&self, number: usize) -> Option<Camera> {
+        self.bookmarks.get(number).copied().flatten()
+    }
+
+    /// A key went down or up.
+    pub fn key(&mut self, code: KeyCode, pressed: bool) {
+        self.held.retain(|held| *held != code);
+        if pressed && direction_of(code).is_some() {
+            self.held.push(code);
+        }
+    }
+
+    /// Lets go of all keys, as when the window loses the focus.
+    pub fn release(&mut self) {
+        self.held.clear();
+        self.running = false;
+    }
+
+    /// Flies on for some seconds.
+    pub fn advance(&mut self, own: &Camera, seconds: f32) {
+        let wish: Vec3 = self.held.iter().filter_map(|code| direction_of(*code)).sum();
+        let Some(wish) = wish.try_normalize() else { return };
+        let mut camera = self.camera(own);
+        let forward = camera.forward();
+        let up = upright(&camera);
+        let right = forward.cross(up).normalize_or(Vec3::X);
+        let run = if self.running { RUN } else { 1.0 };
+        let step = (right * wish.x + up * wish.y - forward * wish.z) * (self.speed * run * seconds);
+        camera.eye += step;
+        camera.target += step;
+        self.moved = Some(camera);
+    }
+
+    /// Turns the sight line by a pointer's way in pixels.
+    pub fn look(&mut self, own: &Camera, pixels: [f32; 2]) {
+        let mut camera = self.camera(own);
+        let distance = camera.target.distance(camera.eye);
+        let forward = turned(&camera, pixels.map(|way| -way * LOOK_SPEED));
+        camera.target = camera.eye + forward * distance;
+        self.moved = Some(camera);
+    }
+
+    /// Turns the camera about `pivot` by a pointer's way in pixels.
+    pub fn orbit(&mut self, own: &Camera, pivot: Vec3, pixels: [f32; 2]) {
+        let mut camera = self.camera(own);
+        let before = camera.forward();
+        let after = turned(&camera, pixels.map(|way| -way * LOOK_SPEED));
+        let up = upright(&camera);
+        let heading = |forward: Vec3| forward.reject_from(up).normalize_or(Vec3::NEG_Z);
+        let yaw = Quat::from_rotation_arc(heading(before), heading(after));
+        let pitch = Quat::from_rotation_arc(yaw * before, after);
+        let turn = pitch * yaw;
+        let distance = camera.target.distance(camera.eye);
+        camera.eye = pivot + turn * (camera.eye - pivot);
+        camera.target = camera.eye + after * distance;
+        self.moved = Some(camera);
+    }
+
+    /// Flies faster or slower; one notch of a wheel is 1.
+    pub fn change_speed(&mut self, notches: f32) {
+        self.speed = (self.speed * 1.2f32.powf(notches)).clamp(1e-6, 1e9);
+    }
+}
+
+/// Where a key flies to, in the camera's axes.
+fn direction_of(code: KeyCode) -> Option<Vec3> {
+    match code {
+        KeyCode::KeyW => Some(Vec3::NEG_Z),
+        KeyCode::KeyS => Some(Vec3::Z),
+        KeyCode::KeyA => Some(Vec3::NEG_X),
+        KeyCode::KeyD => Some(Vec3::X),
+        KeyCode::KeyQ => Some(Vec3::NEG_Y),
+        KeyCode::KeyE => Some(Vec3::Y),
+        _ => None,
+    }
+}
+
+/// The axis of the world that is up for this camera. Scene files often give the picture's own up.
+fn upright(camera: &Camera) -> Vec3 {
+    let right = camera.forward().cross(camera.up);
+    let level = right.normalize_or(Vec3::X).y.abs() < 1e-3;
+    if level { Vec3::Y * camera.up.y.signum() } else { camera.up.normalize_or(Vec3::Y) }
+}
+
+/// The sight line after a turn by angles (to the left, upwards).
+fn turned(camera: &Camera, [left, upwards]: [f32; 2]) -> Vec3 {
+    let up = upright(camera);
+    let forward = Quat::from_axis_angle(up, left) * camera.forward();
+    let right = forward.cross(up).normalize_or(Vec3::X);
+    let tilted = Quat::from_axis_angle(right, upwards) * forward;
+    if tilted.dot(up).abs() < STEEPEST { tilted.normalize() } else { forward.normalize() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orbiting_keeps_the_distance_and_the_pivots_place() {
+        let own = Camera::looking(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO);
+        let pivot = Vec3::new(0.5, 0.2, 0.0);
+        let mut flight = Flight::new(1.0);
+        let place = |camera: &Camera| camera.view_matrix().transform_point3(pivot);
+        let before = place(&own);
+        for _ in 0..40 {
+            flight.orbit(&own, pivot, [17.0, 5.0]);
+        }
+        let after = flight.camera(&own);
+        assert!(after.eye.distance(own.eye) > 0.5);
+        assert!(place(&after).distance(before) < 1e-3, "{before} {}", place(&after));
+    }
+
+    #[test]
+    fn looking_never_turns_over() {
+        let own = Camera::looking(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO);
+        let mut flight = Flight::new(1.0);
+        for _ in 0..500 {
+            flight.look(&own, [3.0, 40.0]);
+        }
+        let camera = flight.camera(&own);
+        assert!(camera.forward().y < -0.9 && camera.view_matrix().row(1).y > 0.0);
+    }
+
+    #[test]
+    fn keys_fly_until_let_go() {
+        let own = Camera::looking(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
+        let mut flight = Flight::new(1.0);
+        flight.speed = 2.0;
+        flight.key(KeyCode::KeyW, true);
+        flight.advance(&own, 0.5);
+        assert!((flight.camera(&own).eye.z - 3.0).abs() < 1e-5);
+        flight.release();
+        flight.advance(&own, 0.5);
+        assert!((flight.camera(&own).eye.z - 3.0).abs() < 1e-5);
+        flight.home();
+        assert_eq!(flight.camera(&own), own);
+    }
+}

@@ -1,0 +1,52 @@
+//! The device that draws, and its way to the window.
+
+use std::sync::Arc;
+
+use raw_window_handle::HasDisplayHandle;
+use winit::window::Window;
+
+use super::{DemoError, Launch};
+use crate::vulkan::{Device, DeviceInfo, Instance, InstanceOptions, PresentMode, Presenter, Surface};
+
+/// A device that shows pictures in the window.
+pub(super) struct Gpu {
+    // Dropped first.
+    pub presenter: Presenter,
+    pub device: Arc<Device>,
+    pub modes: Vec<PresentMode>,
+    pub devices: Vec<DeviceInfo>,
+    instance: Arc<Instance>,
+}
+
+impl Gpu {
+    /// Opens the device that the command line names, or the best one that can show pictures in the window.
+    pub fn open(window: &Arc<Window>, launch: &Launch) -> Result<Self, DemoError> {
+        let display = window.display_handle().map_err(|error| DemoError::Window(error.to_string()))?;
+        let options = InstanceOptions { validate: launch.validate, display: Some(display.as_raw()) };
+        Self::open_on(&Instance::new(options)?, window, launch.device.as_deref(), PresentMode::default())
+    }
+
+    /// Opens another device, or the same one again, after everything on the last one is gone.
+    pub fn open_on(
+        instance: &Arc<Instance>,
+        window: &Arc<Window>,
+        wanted: Option<&str>,
+        mode: PresentMode,
+    ) -> Result<Self, DemoError> {
+        let surface = Arc::new(Surface::new(instance, window)?);
+        let device = Device::open_for(instance, wanted, Some(&surface))?;
+        let size = window.inner_size();
+        Ok(Self {
+            presenter: Presenter::new(&device, &surface, [size.width, size.height], mode)?,
+            modes: PresentMode::offered(&device, &surface)?,
+            devices: Device::list(instance)?,
+            device,
+            instance: Arc::clone(instance),
+        })
+    }
+
+    /// The instance, which outlives the device.
+    pub fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+}

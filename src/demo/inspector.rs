@@ -1,0 +1,90 @@
+//! Which VPLs light a point of the scene.
+
+use glam::Vec2;
+
+use super::DemoError;
+use super::stage::Stage;
+use crate::renderer::{DebugView, Line, Picked};
+use crate::vpl::{SlotHistory, SlotView, VplContribution};
+
+/// VPLs that are listed.
+const LISTED: usize = 24;
+/// Colours of visibility rays: free, blocked.
+const RAY_COLOURS: [[f32; 4]; 2] = [[0.3, 1.0, 0.4, 0.9], [1.0, 0.2, 0.2, 0.7]];
+
+/// The inspector: off, waiting for a click, or looking at a point.
+#[derive(Default)]
+pub(super) struct Inspector {
+    on: bool,
+    point: Option<Picked>,
+    /// The VPLs that light it, the strongest first.
+    pub found: Vec<Found>,
+    /// Whether lines of the inspector are in the renderer's view.
+    drawn: bool,
+}
+
+/// A VPL that lights the point.
+pub(super) struct Found {
+    pub contribution: VplContribution,
+    pub slot: SlotView,
+    /// Slots from the first bounce to this VPL.
+    pub path: Vec<u32>,
+    pub history: Option<SlotHistory>,
+}
+
+impl Inspector {
+    pub fn is_on(&self) -> bool {
+        self.on
+    }
+
+    pub fn toggle(&mut self) {
+        self.on = !self.on;
+        self.point = None;
+        self.found.clear();
+    }
+
+    /// Whether a point was clicked.
+    pub fn has_point(&self) -> bool {
+        self.point.is_some()
+    }
+
+    /// Looks at the surface at a place of the picture.
+    pub fn look(&mut self, stage: &Stage, at: Vec2) {
+        self.point = stage.pick(at);
+    }
+
+    /// Looks again, as the scene may have moved, and has the visibility rays drawn.
+    pub fn refresh(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
+        self.found.clear();
+        let lines = match &self.point {
+            None => Vec::new(),
+            Some(point) => {
+                let renderer = &stage.renderer;
+                let slots: Vec<SlotView> = renderer.vpls().slots().collect();
+                let contributions = renderer.inspect(&stage.pose, &point.surface);
+                self.found.extend(contributions.into_iter().take(LISTED).map(|contribution| {
+                    let slot = slots[contribution.slot as usize];
+                    Found {
+                        contribution,
+                        slot,
+                        path: renderer.vpls().path_to(contribution.slot),
+                        history: renderer.vpls().history(contribution.slot),
+                    }
+                }));
+                let from = point.surface.position;
+                self.found.iter().map(|found| ray(from, &found.contribution)).collect()
+            }
+        };
+        if self.drawn || !lines.is_empty() {
+            self.drawn = !lines.is_empty();
+            let view = DebugView { lines, ..stage.renderer.view().clone() };
+            stage.renderer.set_view(&view)?;
+        }
+        Ok(())
+    }
+}
+
+fn ray(from: glam::Vec3, contribution: &VplContribution) -> Line {
+    let colour = RAY_COLOURS[usize::from(!contribution.visible)];
+    Line { from, to: contribution.position, colour, width: 1.5, hidden: 0.3 }
+}

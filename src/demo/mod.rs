@@ -1,0 +1,121 @@
+//! The window: a scene that a person walks through, changes, and looks into.
+//!
+//! In: a scene and settings, as for `render`. Out: a window, and a log of what happened in it. What is
+//! seen outside of the panel is what `render` draws.
+
+mod action;
+mod app;
+mod clock;
+mod command;
+mod edit;
+mod flight;
+mod gpu;
+mod handles;
+mod history;
+mod inspector;
+mod loader;
+mod log;
+mod mouse;
+mod panel;
+mod perform;
+mod pointer;
+mod recorder;
+mod screenshot;
+mod stage;
+
+use std::path::PathBuf;
+
+use winit::error::EventLoopError;
+use winit::event_loop::EventLoop;
+
+use crate::output::OutputError;
+use crate::renderer::RenderError;
+use crate::scene::SceneError;
+use crate::settings::{Settings, SettingsError};
+use crate::vulkan::VulkanError;
+
+/// What the window starts with.
+#[derive(Clone, Debug)]
+pub struct Launch {
+    /// The scene, by name or file.
+    pub scene: String,
+    /// The settings of the command line.
+    pub settings: Settings,
+    /// Which of them were given; others give way to the scene file's.
+    pub given: Vec<String>,
+    /// Where the downloadable models lie.
+    pub assets: Option<PathBuf>,
+    /// Where to write the log.
+    pub json: Option<PathBuf>,
+    /// Device by name or index.
+    pub device: Option<String>,
+    /// Whether to switch the validation layer on.
+    pub validate: bool,
+}
+
+/// Why there is no window, or no longer one.
+#[derive(Debug, thiserror::Error)]
+pub enum DemoError {
+    /// There is no display to open a window on.
+    #[error("no display to open a window on ({0})")]
+    NoDisplay(String),
+    /// The window could not be opened or was lost.
+    #[error("the window: {0}")]
+    Window(String),
+    /// Vulkan failed.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene's settings cannot be used.
+    #[error("{error}")]
+    Settings {
+        /// The scene.
+        scene: String,
+        /// What is wrong.
+        error: SettingsError,
+    },
+    /// The log cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The thread that loads scenes has failed.
+    #[error("loading: {0}")]
+    Loading(String),
+}
+
+impl DemoError {
+    /// Whether the device is gone and everything on it must be made anew.
+    fn is_device_lost(&self) -> bool {
+        match self {
+            Self::Vulkan(error) | Self::Render(RenderError::Vulkan(error)) => error.is_device_lost(),
+            _ => false,
+        }
+    }
+}
+
+/// Shows the window until it is closed. Gives what the validation layer has said.
+///
+/// # Errors
+/// [`DemoError::NoDisplay`] before anything was done; any other once the window was open.
+pub fn run(launch: Launch) -> Result<Vec<String>, DemoError> {
+    let events = EventLoop::new().map_err(|error| match error {
+        EventLoopError::NotSupported(_) | EventLoopError::Os(_) => DemoError::NoDisplay(reason(&error)),
+        other => DemoError::Window(other.to_string()),
+    })?;
+    let mut app = app::App::new(launch)?;
+    events.run_app(&mut app).map_err(|error| DemoError::Window(error.to_string()))?;
+    app.finish()
+}
+
+/// The message without the place in the library's source.
+fn reason(error: &EventLoopError) -> String {
+    if std::env::var_os("DISPLAY").is_none() && std::env::var_os("WAYLAND_DISPLAY").is_none() {
+        return "neither DISPLAY nor WAYLAND_DISPLAY is set".to_owned();
+    }
+    let text = error.to_string();
+    text.rsplit(": ").next().unwrap_or(&text).to_owned()
+}

@@ -1,0 +1,127 @@
+//! Keys and the mouse, outside of the panel.
+
+use egui::Pos2;
+use glam::Vec2;
+use winit::event::{ElementState, MouseButton};
+use winit::keyboard::KeyCode;
+
+use super::action::{Action, action_of};
+use super::app::Open;
+use super::handles::{Entry, HandleDrag, light_at};
+use super::pointer::Drag;
+
+impl Open {
+    /// Where the pointer is in the picture, from (0, 0) at the top left to (1, 1).
+    fn pointer_in_picture(&self) -> Vec2 {
+        let size = self.window.inner_size();
+        let extent = Vec2::new(size.width.max(1) as f32, size.height.max(1) as f32);
+        Vec2::from_array(self.pointer.position) / extent
+    }
+
+    pub(super) fn key(&mut self, code: KeyCode, state: ElementState, repeat: bool) {
+        let pressed = state == ElementState::Pressed;
+        let plain = !self.modifiers.control_key() && !self.modifiers.alt_key();
+        if !pressed || plain {
+            self.flight.key(code, pressed);
+        }
+        if pressed && !repeat {
+            self.wishes.extend(action_of(code, self.modifiers));
+        }
+    }
+
+    pub(super) fn button(&mut self, button: MouseButton, state: ElementState) {
+        if state == ElementState::Released {
+            if self.pointer.release(button) {
+                self.window.set_cursor_visible(true);
+            }
+            return;
+        }
+        match button {
+            MouseButton::Right => {
+                self.window.set_cursor_visible(false);
+                self.pointer.begin(button, Drag::Look);
+            }
+            MouseButton::Middle => {
+                let at = self.pointer_in_picture();
+                if let Some(picked) = self.stage.as_ref().and_then(|stage| stage.pick(at)) {
+                    self.pointer.begin(button, Drag::Orbit(picked.surface.position));
+                }
+            }
+            MouseButton::Left if self.inspector.is_on() => {
+                let at = self.pointer_in_picture();
+                if let Some(stage) = &self.stage {
+                    self.inspector.look(stage, at);
+                }
+            }
+            MouseButton::Left => self.choose(),
+            _ => {}
+        }
+    }
+
+    /// Takes the handle under the pointer, or chooses what is there.
+    fn choose(&mut self) {
+        let (at, size) = (self.pointer_in_points(), self.egui.egui_ctx().content_rect().size());
+        let in_picture = self.pointer_in_picture();
+        let Some(stage) = &self.stage else { return };
+        if self.panel.hidden {
+            return;
+        }
+        if let Some(drag) = HandleDrag::begin(stage, self.mode, size, at) {
+            self.pointer.begin(MouseButton::Left, Drag::Handle(Box::new(drag)));
+            return;
+        }
+        let selected = light_at(stage, size, at).or_else(|| stage.selected_at(in_picture));
+        self.wishes.push(Action::Select(selected));
+    }
+
+    /// What the drag of a handle makes of the chosen entry, once a frame.
+    pub(super) fn drag_handle(&mut self) {
+        let (Some(stage), Some(Drag::Handle(drag))) = (&self.stage, self.pointer.drag()) else { return };
+        let dragged = drag.dragged(&stage.ray(self.pointer_in_picture()));
+        let wish = dragged.and_then(|entry| match entry {
+            Entry::Instance(index, entry) => {
+                let changes = stage.document.instances().nth(index) != Some(&entry);
+                changes.then(|| Action::EditInstance(index, Box::new(entry)))
+            }
+            Entry::Light(index, entry) => {
+                let changes = stage.document.lights().nth(index) != Some(&entry);
+                changes.then(|| Action::EditLight(index, Box::new(entry)))
+            }
+        });
+        self.wishes.extend(wish);
+    }
+
+    fn pointer_in_points(&self) -> Pos2 {
+        let scale = self.egui.egui_ctx().pixels_per_point();
+        Pos2::new(self.pointer.position[0] / scale, self.pointer.position[1] / scale)
+    }
+
+    pub(super) fn pointer_moved(&mut self, position: [f32; 2]) {
+        let way = self.pointer.move_to(position);
+        let (Some(stage), Some(drag)) = (&self.stage, self.pointer.drag()) else { return };
+        let own = stage.rest.pose(self.clock.time).camera;
+        match *drag {
+            Drag::Handle(_) => {}
+            Drag::Look => {
+                self.flight.look(&own, way);
+                self.keep_pointer_inside();
+            }
+            Drag::Orbit(pivot) => self.flight.orbit(&own, pivot, way),
+        }
+    }
+
+    /// Brings the pointer back to the middle when it comes near an edge, so that one can look around
+    /// without end. Some systems do not let programs move the pointer; there the edge is the end.
+    fn keep_pointer_inside(&mut self) {
+        let size = self.window.inner_size();
+        let sides = [size.width as f32, size.height as f32];
+        let near = |at: f32, side: f32| at < 0.1 * side || at > 0.9 * side;
+        let at_edge = (0..2).any(|axis| near(self.pointer.position[axis], sides[axis]));
+        if at_edge {
+            let [x, y] = sides.map(|side| side * 0.5);
+            if self.window.set_cursor_position(winit::dpi::PhysicalPosition::new(x, y)).is_ok() {
+                self.pointer.move_to([x, y]);
+            }
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! The list of keys.
+
+use egui::{Align2, Grid, Ui, Window};
+
+use super::PanelState;
+use crate::demo::action::{BINDINGS, GESTURES};
+
+pub(super) fn show(ui: &mut Ui, state: &mut PanelState) {
+    let window = Window::new("Keys")
+        .open(&mut state.help)
+        .anchor(Align2::LEFT_TOP, [8.0, 8.0])
+        .collapsible(false)
+        .resizable(false)
+        .max_height(ui.available_height() - 60.0)
+        .vscroll(true);
+    window.show(ui.ctx(), |ui| {
+        Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+            let bound = BINDINGS.iter().map(|binding| (binding.keys, binding.what));
+            for (keys, what) in GESTURES.iter().copied().chain(bound) {
+                ui.strong(keys);
+                ui.label(what);
+                ui.end_row();
+            }
+        });
+    });
+}

@@ -1,0 +1,246 @@
+//! Lights and instances: choosing, changing, adding, deleting.
+
+use egui::{ComboBox, DragValue, ScrollArea, TextEdit, Ui};
+use glam::Vec3;
+use toml::Spanned;
+
+use super::{Places, Shown, place};
+use crate::demo::action::Action;
+use crate::demo::edit::{Motion, label};
+use crate::demo::handles::Mode;
+use crate::demo::stage::{Selected, Stage};
+use crate::scene::{
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, RotationEntry, ScaleEntry,
+};
+
+const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
+
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, wishes: &mut Vec<Action>) {
+    let Some(stage) = shown.stage else { return };
+    list(ui, stage, wishes);
+    ui.horizontal_wrapped(|ui| {
+        ui.label("add");
+        for kind in KINDS {
+            let button = ui.small_button(label(kind)).on_hover_text("A new light where the camera looks");
+            place(ui, places, &format!("add {}", label(kind)), &button);
+            if button.clicked() {
+                wishes.push(Action::AddLight(kind));
+            }
+        }
+    });
+    let Some(selected) = stage.selected else {
+        ui.small("Click a thing or a light in the picture to choose it.");
+        return;
+    };
+    ui.horizontal(|ui| {
+        for (mode, name) in [(Mode::Move, "move"), (Mode::Turn, "turn")] {
+            if ui.selectable_label(shown.mode == mode, name).on_hover_text("T changes it").clicked()
+                && shown.mode != mode
+            {
+                wishes.push(Action::ToggleHandles);
+            }
+        }
+        if let Selected::Light(_) = selected {
+            if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
+                wishes.push(Action::Duplicate);
+            }
+            if ui.button("delete").on_hover_text("Del").clicked() {
+                wishes.push(Action::Delete);
+            }
+        }
+    });
+    match selected {
+        Selected::Light(index) => {
+            if let Some(entry) = stage.document.lights().nth(index) {
+                light(ui, stage, index, entry, wishes);
+            }
+        }
+        Selected::Instance(index) => {
+            if let Some(entry) = stage.document.instances().nth(index) {
+                instance(ui, stage, index, entry, wishes);
+            }
+        }
+    }
+}
+
+fn list(ui: &mut Ui, stage: &Stage, wishes: &mut Vec<Action>) {
+    let mut entry = |ui: &mut Ui, this: Selected, name: String| {
+        if ui.selectable_label(stage.selected == Some(this), name).clicked() {
+            wishes.push(Action::Select(Some(this)));
+        }
+    };
+    ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
+        for (index, light) in stage.document.lights().enumerate() {
+            let name = light.name.clone().unwrap_or_else(|| format!("light {}", index + 1));
+            entry(ui, Selected::Light(index), format!("{name} ({})", label(light.kind)));
+        }
+        for (index, instance) in stage.document.instances().enumerate() {
+            let name = instance.name.as_ref().unwrap_or(&instance.model);
+            entry(ui, Selected::Instance(index), name.clone());
+        }
+    });
+}
+
+fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, wishes: &mut Vec<Action>) {
+    let mut light = entry.clone();
+    let speed = 2e-3 * stage.radius;
+    if let Some(name) = &mut light.name {
+        ui.add(TextEdit::singleline(name).desired_width(150.0));
+    }
+    vector(ui, "position", light.position.as_mut(), speed);
+    vector(ui, "direction", light.direction.as_mut(), 0.01);
+    for (what, unit, value) in [
+        ("intensity", "W/sr", light.intensity.as_mut()),
+        ("irradiance", "W/m²", light.irradiance.as_mut()),
+        ("radiance", "W/m²/sr", light.radiance.as_mut()),
+    ] {
+        // A black area light would not be a light any more.
+        let least = if light.kind == LightType::Area { 1e-3 } else { 0.0 };
+        power(ui, what, unit, value, least);
+    }
+    if light.kind == LightType::Spot {
+        cone(ui, &mut light);
+    }
+    let mut headlamp = stage.headlamp == Some(index);
+    let can_go = light.kind != LightType::Area;
+    let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "goes with the camera (H)"));
+    if check.changed() {
+        wishes.push(Action::ToggleHeadlamp);
+    }
+    if light.instance.is_none() {
+        motion(ui, &mut light.animation, stage.radius);
+    }
+    if light != *entry {
+        wishes.push(Action::EditLight(index, Box::new(light)));
+    }
+}
+
+fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, wishes: &mut Vec<Action>) {
+    let mut instance = entry.clone();
+    let mut place = instance.translation.unwrap_or_default();
+    vector(ui, "position", Some(&mut place), 2e-3 * stage.radius);
+    if Some(place) != instance.translation && place != [0.0; 3] {
+        instance.translation = Some(place);
+    }
+    match &mut instance.rotation {
+        Some(RotationEntry::AxisAngle(AxisAngle { axis, degrees })) => {
+            vector(ui, "axis", Some(axis), 0.01);
+            ui.horizontal(|ui| {
+                ui.label("turned by");
+                ui.add(DragValue::new(degrees).suffix("°"));
+            });
+        }
+        Some(RotationEntry::Euler(degrees)) => vector(ui, "turned by", Some(degrees), 1.0),
+        None => {
+            let mut degrees = [0.0; 3];
+            vector(ui, "turned by", Some(&mut degrees), 1.0);
+            if degrees != [0.0; 3] {
+                instance.rotation = Some(RotationEntry::Euler(degrees));
+            }
+        }
+    }
+    match &mut instance.scale {
+        Some(ScaleEntry::PerAxis(scale)) => vector(ui, "scale", Some(scale), 0.01),
+        scale => {
+            let mut factor = if let Some(ScaleEntry::Uniform(factor)) = scale { *factor } else { 1.0 };
+            ui.horizontal(|ui| {
+                ui.label("scale");
+                if ui.add(DragValue::new(&mut factor).range(1e-3..=1e3).speed(0.01)).changed() {
+                    *scale = Some(ScaleEntry::Uniform(factor));
+                }
+            });
+        }
+    }
+    motion(ui, &mut instance.animation, stage.radius);
+    if instance != *entry {
+        wishes.push(Action::EditInstance(index, Box::new(instance)));
+    }
+}
+
+fn vector(ui: &mut Ui, name: &str, value: Option<&mut [f32; 3]>, speed: f32) {
+    let Some(value) = value else { return };
+    ui.label(name);
+    ui.horizontal(|ui| {
+        for part in value {
+            ui.add(DragValue::new(part).speed(speed).max_decimals(3));
+        }
+    });
+}
+
+/// A colour with a strength: its largest channel.
+fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, least: f32) {
+    let Some(value) = value else { return };
+    let now = Vec3::from_array(*value);
+    let mut strength = now.max_element();
+    let mut colour = (now / strength.max(1e-9)).to_array();
+    ui.horizontal(|ui| {
+        let picked = ui.color_edit_button_rgb(&mut colour).changed();
+        let speed = 0.02 * strength.max(0.05);
+        let drag = DragValue::new(&mut strength).range(least..=1e9).speed(speed);
+        let dragged = ui.add(drag.suffix(format!(" {unit}"))).changed();
+        ui.label(name);
+        if picked || dragged {
+            let hue = Vec3::from_array(colour);
+            // A black light has no colour to make brighter.
+            let hue = if hue == Vec3::ZERO { Vec3::splat(1e-3) } else { hue };
+            *value = (hue / hue.max_element().max(if picked { 1.0 } else { 0.0 }) * strength).to_array();
+        }
+    });
+}
+
+fn cone(ui: &mut Ui, light: &mut LightEntry) {
+    let mut outer = light.outer_deg.unwrap_or(30.0);
+    let mut inner = light.inner_deg.unwrap_or(0.8 * outer);
+    ui.horizontal(|ui| {
+        ui.label("cone");
+        let inner_changed = ui.add(DragValue::new(&mut inner).range(0.0..=outer - 0.5).suffix("°")).changed();
+        let outer_changed = ui.add(DragValue::new(&mut outer).range(1.0..=175.0).suffix("°")).changed();
+        if inner_changed || outer_changed {
+            light.outer_deg = Some(outer);
+            light.inner_deg = Some(inner.min(outer - 0.5));
+        }
+    });
+}
+
+fn motion(ui: &mut Ui, animation: &mut Option<Spanned<AnimationEntry>>, radius: f32) {
+    let now = Motion::of(animation.as_ref());
+    let mut motion = now;
+    let label = match now {
+        Motion::Still => "still",
+        Motion::Spin(_) => "spin",
+        Motion::Sway(..) => "sway",
+        Motion::Path(..) => "path",
+        Motion::Keys => "as in the file",
+    };
+    ui.horizontal(|ui| {
+        ComboBox::from_label("motion").selected_text(label).width(110.0).show_ui(ui, |ui| {
+            for (choice, label) in [
+                (Motion::Still, "still"),
+                (Motion::Spin(45.0), "spin"),
+                (Motion::Sway(25.0, 4.0), "sway"),
+                (Motion::Path(0.15 * radius, 8.0), "path"),
+            ] {
+                if ui.selectable_label(false, label).clicked() {
+                    motion = choice;
+                }
+            }
+        });
+    });
+    ui.horizontal(|ui| match &mut motion {
+        Motion::Spin(speed) => {
+            ui.add(DragValue::new(speed).suffix("° a second"));
+        }
+        Motion::Sway(degrees, period) => {
+            ui.add(DragValue::new(degrees).range(-179.0..=179.0).suffix("°"));
+            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
+        }
+        Motion::Path(path_radius, period) => {
+            ui.add(DragValue::new(path_radius).range(1e-3..=1e6).speed(2e-3 * radius).prefix("radius "));
+            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
+        }
+        Motion::Still | Motion::Keys => {}
+    });
+    if motion != now && motion != Motion::Keys {
+        *animation = motion.animation().map(|entry| Spanned::new(0..0, entry));
+    }
+}

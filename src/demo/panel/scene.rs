@@ -1,0 +1,144 @@
+//! Opening and saving scenes, screenshots, the window itself.
+
+use std::path::Path;
+
+use egui::{ComboBox, TextEdit, Ui};
+use egui_file_dialog::{DialogState, FileDialog, Filter};
+
+use super::{PanelState, Places, Shown, place};
+use crate::demo::action::Action;
+use crate::demo::app::Recording;
+use crate::scene::BUILTIN_SCENES;
+
+/// What is being typed, and the dialog for files.
+#[derive(Default)]
+pub(in crate::demo) struct SceneState {
+    path: String,
+    dialog: Option<(FileDialog, Purpose)>,
+}
+
+/// What a file is asked for.
+#[derive(Clone, Copy)]
+pub(in crate::demo) enum Purpose {
+    Open,
+    Save,
+}
+
+impl SceneState {
+    /// Opens the dialog; a new file is called `name`.
+    pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
+        let scenes: Filter<Path> = Filter::new(|path: &Path| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            ["toml", "obj"].contains(&extension.as_str())
+        });
+        let mut dialog = FileDialog::new()
+            .add_file_filter("scenes", scenes)
+            .default_file_filter("scenes")
+            .default_file_name(&format!("{name}.toml"));
+        match purpose {
+            Purpose::Open => dialog.pick_file(),
+            Purpose::Save => dialog.save_file(),
+        }
+        self.dialog = Some((dialog, purpose));
+    }
+
+    /// Shows the dialog, if it is open.
+    pub(super) fn ask(&mut self, context: &egui::Context, wishes: &mut Vec<Action>) {
+        let Some((dialog, purpose)) = &mut self.dialog else { return };
+        dialog.update(context);
+        let picked = dialog.take_picked();
+        let done = picked.is_some() || !matches!(dialog.state(), DialogState::Open);
+        wishes.extend(picked.map(|path| match purpose {
+            Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
+            Purpose::Save => Action::Save(path),
+        }));
+        if done {
+            self.dialog = None;
+        }
+    }
+}
+
+pub(super) fn show(
+    ui: &mut Ui,
+    state: &mut PanelState,
+    shown: &Shown<'_>,
+    places: &mut Places,
+    wishes: &mut Vec<Action>,
+) {
+    let name = shown.stage.map_or("none", |stage| stage.name.as_str());
+    ComboBox::from_id_salt("scene").selected_text(short(name)).width(210.0).truncate().show_ui(ui, |ui| {
+        for scene in BUILTIN_SCENES {
+            if ui.selectable_label(scene == name, scene).clicked() {
+                wishes.push(Action::Open(scene.to_owned()));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        let field = TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml or model.obj");
+        let field = ui.add(field.desired_width(150.0));
+        place(ui, places, "path", &field);
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let typed = state.scene.path.trim();
+        if (ui.button("Open").clicked() || entered) && !typed.is_empty() {
+            wishes.push(Action::Open(typed.to_owned()));
+        }
+    });
+    ui.horizontal(|ui| {
+        if ui.button("Open …").on_hover_text("Ctrl+O; files can also be dropped on the window").clicked() {
+            wishes.push(Action::AskOpen);
+        }
+        if ui
+            .button("Save …")
+            .on_hover_text("The scene with all changes, camera and settings (Ctrl+S)")
+            .clicked()
+        {
+            wishes.push(Action::AskSave);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Screenshot").on_hover_text("F12; with shift: EXR").clicked() {
+            wishes.push(Action::Screenshot { exr: false });
+        }
+        if ui.button("Command").on_hover_text("Copies the command line that renders this (F4)").clicked() {
+            wishes.push(Action::CopyCommand);
+        }
+        let (label, recording) = match shown.recording {
+            Recording::On(recorder) => (format!("Stop ({})", recorder.count()), true),
+            Recording::Waiting => ("Stop".to_owned(), true),
+            Recording::Off => ("Record".to_owned(), false),
+        };
+        let button = ui.selectable_label(recording, label);
+        if button.on_hover_text("Records camera and edits; render replays the file (Ctrl+R)").clicked() {
+            wishes.push(Action::ToggleRecording);
+        }
+        if ui.button("Keys").on_hover_text("F1").clicked() {
+            wishes.push(Action::ToggleHelp);
+        }
+    });
+    window(ui, shown, wishes);
+}
+
+/// A file without its folder.
+fn short(name: &str) -> &str {
+    Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
+}
+
+fn window(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+    let mode = shown.gpu.presenter.mode();
+    ComboBox::from_label("present mode").selected_text(mode.label()).show_ui(ui, |ui| {
+        for offered in &shown.gpu.modes {
+            if ui.selectable_label(*offered == mode, offered.label()).clicked() {
+                wishes.push(Action::SetPresentMode(*offered));
+            }
+        }
+    });
+    let current = shown.gpu.device.info();
+    let combo = ComboBox::from_id_salt("device").selected_text(&current.name).width(210.0).truncate();
+    combo.show_ui(ui, |ui| {
+        for device in shown.gpu.devices.iter().filter(|device| device.unusable.is_none()) {
+            if ui.selectable_label(device.index == current.index, &device.name).clicked() {
+                wishes.push(Action::RestartDevice(Some(device.index)));
+            }
+        }
+    });
+}

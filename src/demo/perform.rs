@@ -1,0 +1,303 @@
+//! Carries out wishes, between frames.
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::DemoError;
+use super::action::Action;
+use super::app::Open;
+use super::app::{App, Recording};
+use super::edit::new_light;
+use super::gpu::Gpu;
+use super::handles::{Mode, moved_light};
+use super::loader::Order;
+use super::panel::Purpose;
+use super::screenshot::{self, Saving};
+use super::stage::{Change, Selected, Stage, carry};
+use crate::renderer::{BufferView, DebugView, PathStyle};
+use crate::scene::{LightEntry, SceneDocument, SceneError};
+use crate::settings::Settings;
+use crate::vpl::SlotState;
+
+impl App {
+    /// Does what a person asked for. What a person can get wrong is shown in the panel; an error ends the
+    /// program.
+    pub(super) fn perform(&mut self, wish: Action) -> Result<(), DemoError> {
+        self.log.event("action", &wish);
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let own = open.stage.as_ref().map(|stage| stage.rest.pose(open.clock.time).camera);
+        match wish {
+            Action::ToggleHelp => open.panel.help = !open.panel.help,
+            Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
+            Action::TogglePause => open.clock.paused = !open.clock.paused,
+            Action::Scrub(time) => open.clock.time = time.max(0.0),
+            Action::Home => open.flight.home(),
+            Action::StoreBookmark(number) => {
+                if let Some(own) = own {
+                    open.flight.store(number, open.flight.camera(&own));
+                    open.panel.message = format!("camera {} kept", number + 1);
+                }
+            }
+            Action::GoToBookmark(number) => {
+                if let Some(camera) = open.flight.bookmark(number) {
+                    open.flight.go_to(camera);
+                }
+            }
+            Action::ToggleFullscreen => {
+                let full = open.window.fullscreen().is_some();
+                let wanted = (!full).then_some(winit::window::Fullscreen::Borderless(None));
+                open.window.set_fullscreen(wanted);
+            }
+            Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
+            Action::RestartDevice(index) => return self.restart_device(index),
+            Action::Open(name) => {
+                open.panel.error = None;
+                open.order(name, None, None);
+            }
+            Action::Reload => {
+                if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone()) {
+                    open.order(name, None, None);
+                }
+            }
+            Action::SetCoarseness(pixels) => {
+                open.coarseness = pixels.clamp(1, 8);
+                open.resized = Some(std::time::Instant::now());
+            }
+            Action::Set(settings) => open.set(&settings)?,
+            Action::View(view) => open.view(&view)?,
+            Action::StepBuffer(by) => open.step_buffer(by)?,
+            Action::StepVpl(by) => open.step_vpl(by)?,
+            Action::AllVpls => open.change_view(|view| view.single_vpl = None)?,
+            Action::TogglePaths => open.change_view(|view| {
+                view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
+            })?,
+            Action::ToggleInspector => open.inspector.toggle(),
+            Action::Screenshot { exr } => {
+                if let Some(stage) = &open.stage {
+                    open.saving.push(screenshot::take(stage, exr)?);
+                }
+            }
+            Action::ToggleRecording => open.toggle_recording(),
+            Action::CopyCommand => {
+                if let Some(command) = open.command() {
+                    self.log.event("command", &command);
+                    open.panel.message = format!("copied: {command}");
+                    open.egui.set_clipboard_text(command);
+                }
+            }
+            Action::Quit => open.closing = true,
+            edit => open.change(edit),
+        }
+        Ok(())
+    }
+
+    /// Closes the device and opens another, or the same one again, with the same scene.
+    pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        open.loader.stop();
+        let stage = open.stage.take();
+        let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
+        let mode = open.gpu.presenter.mode();
+        open.gpu.presenter.close();
+        open.gpu = Gpu::open_on(open.gpu.instance(), &open.window, wanted.as_deref(), mode)?;
+        open.forget_textures();
+        let info = open.gpu.device.info();
+        self.log.event("device", json!({ "name": info.name, "index": info.index }));
+        if let Some(stage) = stage {
+            let settings = stage.settings.clone();
+            open.parked = Some(stage.renderer.view().clone());
+            open.order(stage.name, Some(stage.document), Some(settings));
+        }
+        Ok(())
+    }
+}
+
+impl Open {
+    /// Carries out the wishes that concern the document.
+    fn change(&mut self, wish: Action) {
+        match wish {
+            Action::Select(selected) => {
+                if let Some(stage) = &mut self.stage {
+                    stage.selected = selected;
+                }
+            }
+            Action::ToggleHandles => {
+                self.mode = if self.mode == Mode::Move { Mode::Turn } else { Mode::Move }
+            }
+            Action::EditLight(index, entry) => self.edit(|stage| stage.set_light(index, *entry)),
+            Action::EditInstance(index, entry) => self.edit(|stage| stage.set_instance(index, *entry)),
+            Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
+            Action::Duplicate => self.duplicate(),
+            Action::Delete => {
+                if let Some(Selected::Light(index)) = self.stage.as_ref().and_then(|stage| stage.selected) {
+                    self.edit(|stage| stage.remove_light(index));
+                }
+            }
+            Action::ToggleHeadlamp => self.toggle_headlamp(),
+            Action::AskOpen => self.panel.scene.ask_for(Purpose::Open, ""),
+            Action::AskSave => {
+                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                self.panel.scene.ask_for(Purpose::Save, name);
+            }
+            Action::Save(path) => self.save(path),
+            // All others are seen to by [`App::perform`].
+            _ => {}
+        }
+    }
+
+    /// Has a scene loaded and shown: with these settings, or with its own.
+    fn order(&mut self, name: String, document: Option<SceneDocument>, settings: Option<Settings>) {
+        let order = Order {
+            name,
+            document,
+            settings,
+            device: std::sync::Arc::clone(&self.gpu.device),
+            size: self.picture_size(),
+        };
+        self.loader.start(order);
+    }
+
+    /// Carries out an edit, and has the renderer made anew where the edit needs that.
+    fn edit(&mut self, edit: impl FnOnce(&mut Stage) -> Result<Change, SceneError>) {
+        let Some(stage) = &mut self.stage else { return };
+        match edit(stage) {
+            Ok(Change::Live) => {}
+            Ok(Change::Rebuild) => self.rebuild(),
+            Err(error) => self.panel.error = Some(error.to_string()),
+        }
+    }
+
+    /// Has a renderer made for the document as it is now.
+    pub(super) fn rebuild(&mut self) {
+        let Some(stage) = &self.stage else { return };
+        let (name, document) = (stage.name.clone(), stage.document.clone());
+        let settings = stage.settings.clone();
+        self.order(name, Some(document), Some(settings));
+    }
+
+    /// Starts a recording with a renderer that is made anew, since what is seen depends on all that came
+    /// before; or saves the one that is on.
+    fn toggle_recording(&mut self) {
+        match std::mem::take(&mut self.recording) {
+            Recording::Off => {
+                self.recording = Recording::Waiting;
+                self.rebuild();
+            }
+            Recording::Waiting => {}
+            Recording::On(recorder) => {
+                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                match screenshot::free_name(&format!("glowworm-{name}-recording"), "toml") {
+                    Ok(path) => self.saving.push(recorder.save(path)),
+                    Err(error) => self.panel.error = Some(error),
+                }
+            }
+        }
+    }
+
+    fn duplicate(&mut self) {
+        self.edit(|stage| {
+            let Some(Selected::Light(index)) = stage.selected else { return Ok(Change::Live) };
+            let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
+            let name = light.name.as_ref().map(|name| format!("{name} copy"));
+            let copy = LightEntry { name, ..light.clone() };
+            // A little aside, so that both are seen.
+            let way = glam::Vec3::splat(0.05 * stage.radius);
+            stage.add_light(moved_light(&copy, way))
+        });
+    }
+
+    /// The chosen light goes with the camera from now on; the one that does stays where it is.
+    fn toggle_headlamp(&mut self) {
+        self.edit(|stage| {
+            if let Some(lamp) = stage.headlamp.take() {
+                let Some(light) = stage.document.lights().nth(lamp) else { return Ok(Change::Live) };
+                let mut light = light.clone();
+                carry(&mut light, &stage.pose.camera);
+                return stage.set_light(lamp, light);
+            }
+            if let Some(Selected::Light(index)) = stage.selected {
+                stage.headlamp = Some(index);
+            }
+            Ok(Change::Live)
+        });
+    }
+
+    /// Writes the scene as it is now, with the camera as it is now.
+    fn save(&mut self, path: PathBuf) {
+        let Some(stage) = &mut self.stage else { return };
+        let camera = self.flight.has_moved().then_some(&stage.pose.camera);
+        let text = stage.document_to_save(camera).text();
+        stage.edited = false;
+        self.saving.push(Saving::text(path, text));
+    }
+
+    /// Changes the settings of the scene on show.
+    fn set(&mut self, settings: &Settings) -> Result<(), DemoError> {
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        if let Err(error) = settings.check() {
+            self.panel.error = Some(error.to_string());
+            return Ok(());
+        }
+        match stage.renderer.set_settings(settings, &stage.pose).map_err(DemoError::from) {
+            Ok(()) => stage.settings.clone_from(settings),
+            Err(error) if error.is_device_lost() => return Err(error),
+            Err(error) => self.panel.error = Some(error.to_string()),
+        }
+        Ok(())
+    }
+
+    fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
+        match &mut self.stage {
+            Some(stage) => Ok(stage.renderer.set_view(view)?),
+            None => Ok(()),
+        }
+    }
+
+    fn change_view(&mut self, change: impl FnOnce(&mut DebugView)) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let mut view = stage.renderer.view().clone();
+        change(&mut view);
+        self.view(&view)
+    }
+
+    fn step_buffer(&mut self, by: i32) -> Result<(), DemoError> {
+        self.change_view(|view| {
+            let all = BufferView::ALL;
+            let now = all.iter().position(|buffer| *buffer == view.buffer).unwrap_or(0);
+            let next = (now as i32 + by).rem_euclid(all.len() as i32);
+            view.buffer = all[next as usize];
+        })
+    }
+
+    /// Goes to the next valid VPL, or the one before; from all VPLs to the first.
+    fn step_vpl(&mut self, by: i32) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let slots = stage.renderer.vpls().slots();
+        let valid: Vec<u32> =
+            slots.filter(|slot| slot.state == SlotState::Valid).map(|slot| slot.slot).collect();
+        self.change_view(|view| {
+            let next = match view.single_vpl {
+                None => 0,
+                Some(now) if by > 0 => valid.iter().position(|slot| *slot > now).unwrap_or(0),
+                Some(now) => {
+                    let before = valid.iter().rposition(|slot| *slot < now);
+                    before.unwrap_or(valid.len().saturating_sub(1))
+                }
+            };
+            view.single_vpl = valid.get(next).copied();
+            // So that the path is seen as well.
+            view.vpl_paths.get_or_insert_default();
+        })
+    }
+
+    /// A new user interface that looks like the old one: it sends its textures again.
+    fn forget_textures(&mut self) {
+        let context = egui::Context::default();
+        let memory = self.egui.egui_ctx().memory(Clone::clone);
+        context.memory_mut(|fresh| *fresh = memory);
+        let scale = Some(self.window.scale_factor() as f32);
+        self.egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &self.window, scale, None, None);
+        self.textures = egui::TexturesDelta::default();
+    }
+}

@@ -1,0 +1,58 @@
+//! Pictures and scene files, written while the window goes on.
+
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+
+use super::DemoError;
+use super::stage::Stage;
+use crate::output::{OutputFile, PictureTarget};
+
+/// Most pictures of one name in a folder.
+const MOST: u32 = 9999;
+
+/// A file on its way to disk.
+pub(super) struct Saving {
+    thread: JoinHandle<Result<PathBuf, String>>,
+}
+
+impl Saving {
+    /// Writes a text file.
+    pub fn text(path: PathBuf, text: String) -> Self {
+        let write = move || {
+            let file = OutputFile::new(&path).map_err(|error| error.to_string())?;
+            file.save_text(&text).map_err(|error| error.to_string())?;
+            Ok(path)
+        };
+        Self { thread: std::thread::spawn(write) }
+    }
+
+    pub fn is_done(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// The file, or one line that says why it could not be written.
+    pub fn finish(self) -> Result<PathBuf, String> {
+        self.thread.join().unwrap_or_else(|_| Err("the picture could not be written".to_owned()))
+    }
+}
+
+/// Reads the picture of the last frame and writes it into the current folder, under a new name.
+pub(super) fn take(stage: &Stage, exr: bool) -> Result<Saving, DemoError> {
+    let picture = stage.renderer.read_picture(false)?;
+    let stem = format!("glowworm-{}", stage.rest.name.replace(['/', '\\'], "-"));
+    let thread = std::thread::spawn(move || {
+        let path = free_name(&stem, if exr { "exr" } else { "png" })?;
+        let target = PictureTarget::new(&path, false).map_err(|error| error.to_string())?;
+        target.write(&picture, 0).map_err(|error| error.to_string())?;
+        Ok(path)
+    });
+    Ok(Saving { thread })
+}
+
+/// A name in the current folder that nothing has.
+pub(super) fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
+    (1..=MOST)
+        .map(|number| PathBuf::from(format!("{stem}-{number:04}.{extension}")))
+        .find(|path| !Path::new(path).exists())
+        .ok_or_else(|| format!("{stem}-{MOST}.{extension} is there already; move the pictures away"))
+}

@@ -1,0 +1,286 @@
+//! A scene file in memory, to be changed and saved.
+//!
+//! In: a scene by name or file. Out: its entries, what each stands for by itself, and the text of a scene
+//! file that says the same. Scenes that are made otherwise become a scene file that makes them.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Affine3A, Mat3, Vec3};
+use toml::Spanned;
+
+use super::error::SceneError;
+use super::load::{self, Source};
+use super::scene_build::{Builder, animation_of, transform_of};
+use super::scene_file::{CameraEntry, InstanceEntry, LightEntry, LightType, SceneFile};
+use super::scene_lights::light_alone;
+use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene};
+
+/// The Cornell box as a scene file.
+const CORNELL_BOX: &str = "name = \"cornell-box\"
+[[models]]
+name = \"cornell-box\"
+builtin = \"cornell-box\"
+[[instances]]
+model = \"cornell-box\"
+";
+
+/// A scene that is being changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneDocument {
+    file: SceneFile,
+    /// As written below `[settings]`.
+    settings: toml::Table,
+    /// What error messages call it.
+    path: PathBuf,
+}
+
+/// Where an instance rests, and how it moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placement {
+    /// Object to world at rest.
+    pub transform: Affine3A,
+    /// How it moves, if it does.
+    pub animation: Option<Animation>,
+}
+
+impl SceneDocument {
+    /// Opens a scene and builds it. `assets` is where the downloadable models lie.
+    ///
+    /// # Errors
+    /// Those of [`super::load_scene`].
+    pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene), SceneError> {
+        let scene = load::load_scene(name, assets)?;
+        let (path, text) = match load::find(name)? {
+            Source::File(path, text) => (path, text),
+            Source::Model(path) => {
+                let text = of_model(&path, &scene.name);
+                (path.with_extension("toml"), text)
+            }
+            Source::CornellBox => ("cornell-box.toml".into(), CORNELL_BOX.to_owned()),
+        };
+        let mut document =
+            Self { file: SceneFile::parse(&path, &text)?, settings: scene.settings.clone(), path };
+        document.make_paths_absolute();
+        // What was recorded was recorded in the scene as it was.
+        document.file.recording.clear();
+        document.complete(&scene);
+        Ok((document, scene))
+    }
+
+    /// The scene that this describes.
+    ///
+    /// # Errors
+    /// Those of a scene file.
+    pub fn build(&self, assets: Option<&Path>) -> Result<Scene, SceneError> {
+        load::load_toml(&self.path, &self.text(), assets)
+    }
+
+    /// The text of a scene file that makes this scene, wherever it lies.
+    pub fn text(&self) -> String {
+        // Only settings can fail here, and they were read from such text.
+        let mut table = toml::Table::try_from(&self.file).unwrap_or_default();
+        if !self.settings.is_empty() {
+            table.insert("settings".to_owned(), toml::Value::Table(self.settings.clone()));
+        }
+        toml::to_string(&table).unwrap_or_default()
+    }
+
+    /// Its instances. Entry `i` is instance `i` of the scene.
+    pub fn instances(&self) -> impl ExactSizeIterator<Item = &InstanceEntry> {
+        self.file.instances.iter().map(Spanned::get_ref)
+    }
+
+    /// An instance, to be changed.
+    pub fn instance_mut(&mut self, index: usize) -> Option<&mut InstanceEntry> {
+        self.file.instances.get_mut(index).map(Spanned::get_mut)
+    }
+
+    /// Its lights.
+    pub fn lights(&self) -> impl ExactSizeIterator<Item = &LightEntry> {
+        self.file.lights.iter().map(Spanned::get_ref)
+    }
+
+    /// A light, to be changed.
+    pub fn light_mut(&mut self, index: usize) -> Option<&mut LightEntry> {
+        self.file.lights.get_mut(index).map(Spanned::get_mut)
+    }
+
+    /// Adds a light at the end.
+    pub fn add_light(&mut self, light: LightEntry) {
+        self.file.lights.push(Spanned::new(0..0, light));
+    }
+
+    /// Removes a light.
+    pub fn remove_light(&mut self, index: usize) {
+        if index < self.file.lights.len() {
+            self.file.lights.remove(index);
+        }
+    }
+
+    /// Index of the scene's light that entry `index` stands for; none for an area light that is black.
+    pub fn scene_light(&self, index: usize) -> Option<usize> {
+        let shines = |light: &LightEntry| light.kind != LightType::Area || light.radiance != Some([0.0; 3]);
+        let mut before = self.lights().take(index);
+        let light = self.lights().nth(index)?;
+        shines(light).then(|| before.by_ref().filter(|light| shines(light)).count())
+    }
+
+    /// Index of the scene's instance that an area light with a polygon is.
+    pub fn light_instance(&self, index: usize) -> Option<usize> {
+        let has_polygon = |light: &&LightEntry| light.polygon.is_some();
+        self.lights().nth(index).filter(|light| has_polygon(light))?;
+        Some(self.file.instances.len() + self.lights().take(index).filter(has_polygon).count())
+    }
+
+    /// The light that an entry stands for by itself; none for an area light.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry.
+    pub fn light(&self, entry: &LightEntry) -> Result<Option<Light>, SceneError> {
+        light_alone(&self.path, entry)
+    }
+
+    /// Where an instance's entry puts it.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry.
+    pub fn placement(&self, instance: &InstanceEntry) -> Result<Placement, SceneError> {
+        let builder = Builder::of_entries(&self.path);
+        let name = instance.name.as_ref().unwrap_or(&instance.model);
+        let entry = builder.entry(&(0..0), format!("instance \"{name}\""));
+        Ok(Placement {
+            transform: transform_of(&entry, instance)?,
+            animation: animation_of(&builder, &entry, instance.animation.as_ref())?,
+        })
+    }
+
+    /// Where an area light's instance stands whose mesh was made for the polygon `made`, and how it moves.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry.
+    pub fn polygon_placement(
+        &self,
+        light: &LightEntry,
+        made: [[f32; 3]; 4],
+    ) -> Result<Placement, SceneError> {
+        let builder = Builder::of_entries(&self.path);
+        let entry = builder.entry(&(0..0), "area light");
+        let now = light.polygon.unwrap_or(made);
+        let (turn, middle) = (frame_of(now) * frame_of(made).inverse(), middle_of(now));
+        let moved_only = (turn - Mat3::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-4);
+        let transform = if moved_only {
+            Affine3A::from_translation(middle)
+        } else {
+            Affine3A::from_mat3_translation(turn, middle)
+        };
+        Ok(Placement { transform, animation: animation_of(&builder, &entry, light.animation.as_ref())? })
+    }
+
+    /// Puts the camera there, at rest.
+    pub fn set_camera(&mut self, camera: &Camera) {
+        let vfov_deg = match &self.file.camera {
+            Some(known) if known.get_ref().vfov_deg.unwrap_or(45.0).to_radians() == camera.vertical_fov => {
+                known.get_ref().vfov_deg
+            }
+            _ => Some(degrees_of(camera.vertical_fov)),
+        };
+        let entry = CameraEntry {
+            eye: camera.eye.to_array(),
+            target: camera.target.to_array(),
+            up: Some(camera.up.to_array()),
+            vfov_deg,
+            near: Some(camera.near),
+            far: Some(camera.far),
+            animation: None,
+        };
+        self.file.camera = Some(Spanned::new(0..0, entry));
+    }
+
+    /// The text of a scene file that replays `recording` in this scene.
+    pub fn text_with(&self, recording: Vec<RecordedFrame>) -> String {
+        let file = SceneFile { recording, ..self.file.clone() };
+        Self { file, ..self.clone() }.text()
+    }
+
+    /// Sets the defaults of the settings.
+    pub fn set_settings(&mut self, settings: toml::Table) {
+        self.settings = settings;
+    }
+
+    /// Fills in what `scene` has without a scene file having said so: its name, a made-up camera, lights.
+    fn complete(&mut self, scene: &Scene) {
+        self.file.name = Some(scene.name.clone());
+        if self.file.camera.is_none() {
+            self.set_camera(&scene.camera);
+        }
+        if self.file.lights.is_empty() {
+            let plain = scene.lights.iter().filter_map(entry_of);
+            self.file.lights.extend(plain.map(|entry| Spanned::new(0..0, entry)));
+        }
+    }
+
+    fn make_paths_absolute(&mut self) {
+        let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
+        for model in &mut self.file.models {
+            if let Some(path) = &mut model.get_mut().path {
+                let joined = folder.join(&*path);
+                *path = std::fs::canonicalize(&joined).unwrap_or(joined);
+            }
+        }
+    }
+}
+
+/// A scene file for a model that comes alone.
+fn of_model(path: &Path, name: &str) -> String {
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let text = |text: &str| toml::Value::String(text.to_owned()).to_string();
+    format!(
+        "[[models]]\nname = {name}\npath = {file}\n[[instances]]\nmodel = {name}\n",
+        name = text(name),
+        file = text(&file)
+    )
+}
+
+/// The entry of a light that has no surface.
+fn entry_of(light: &Light) -> Option<LightEntry> {
+    let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
+    let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));
+    match &light.kind {
+        LightKind::Point { intensity } => {
+            Some(LightEntry { position, intensity: Some(intensity.to_array()), ..entry })
+        }
+        LightKind::Spot { intensity, inner_angle, outer_angle } => Some(LightEntry {
+            kind: LightType::Spot,
+            position,
+            direction,
+            intensity: Some(intensity.to_array()),
+            inner_deg: Some(degrees_of(*inner_angle)),
+            outer_deg: Some(degrees_of(*outer_angle)),
+            ..entry
+        }),
+        LightKind::Directional { irradiance } => Some(LightEntry {
+            kind: LightType::Directional,
+            direction,
+            irradiance: Some(irradiance.to_array()),
+            ..entry
+        }),
+        LightKind::Area { .. } => None,
+    }
+}
+
+/// Degrees that a scene file turns into just these radians, where there are such.
+fn degrees_of(radians: f32) -> f32 {
+    let near = radians.to_degrees();
+    let neighbours = [near, near.next_up(), near.next_down()];
+    neighbours.into_iter().find(|degrees| degrees.to_radians() == radians).unwrap_or(near)
+}
+
+fn middle_of(polygon: [[f32; 3]; 4]) -> Vec3 {
+    polygon.into_iter().map(Vec3::from_array).sum::<Vec3>() / 4.0
+}
+
+/// Two sides and the normal of a polygon.
+fn frame_of(polygon: [[f32; 3]; 4]) -> Mat3 {
+    let [a, b, _, d] = polygon.map(Vec3::from_array);
+    Mat3::from_cols(b - a, d - a, (b - a).cross(d - a).normalize_or(Vec3::Y))
+}

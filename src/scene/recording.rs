@@ -1,0 +1,163 @@
+//! What was done in a scene, frame by frame: where everything stood, and which settings were in use.
+//!
+//! A recording belongs to a scene file and is replayed to the same pictures. Each frame tells only what is
+//! not as it was in the frame before. Numbers are written such that they are read back to the same bits.
+
+use glam::{Affine3A, Vec3};
+use serde::{Deserialize, Serialize};
+
+use super::scene_file::LightType;
+use super::{Camera, Light, LightKind, Pose, Scene};
+use crate::settings::Settings;
+
+/// One frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedFrame {
+    /// Number of the frame, from 0.
+    pub frame: u64,
+    /// The text of the scene file that is shown from this frame on, by a renderer that is made anew.
+    pub scene: Option<String>,
+    /// The settings from this frame on.
+    pub settings: Option<Settings>,
+    /// The camera from this frame on.
+    pub camera: Option<RecordedCamera>,
+    /// All lights from this frame on.
+    pub lights: Option<Vec<RecordedLight>>,
+    /// Those instances that have moved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instances: Vec<RecordedInstance>,
+}
+
+/// A camera, see [`Camera`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "the same as in Camera")]
+pub struct RecordedCamera {
+    pub eye: Vec3,
+    pub target: Vec3,
+    pub up: Vec3,
+    pub vertical_fov: f32,
+    pub near: f32,
+    pub far: f32,
+}
+
+/// A light. Area lights are those of the scene, in order; they move with their instances.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedLight {
+    /// By which it is known again where lights come or go.
+    pub name: String,
+    /// What kind of light.
+    #[serde(rename = "type")]
+    pub kind: LightType,
+    /// World position.
+    pub position: Vec3,
+    /// The way the light travels.
+    pub direction: Vec3,
+    /// Intensity or irradiance.
+    pub power: Vec3,
+    /// Half angles of a spot's cones, radians.
+    pub angles: [f32; 2],
+}
+
+/// An instance that has moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedInstance {
+    /// Index into [`Scene::instances`].
+    pub index: usize,
+    /// Object to world, column by column.
+    pub transform: [f32; 12],
+}
+
+impl RecordedFrame {
+    /// What is not in `now` as it was in the frame before; everything where there was none.
+    pub fn between(frame: u64, before: Option<&Pose>, now: &Pose) -> Self {
+        let was = |index: usize| before.and_then(|pose| pose.instances.get(index));
+        let instances = now.instances.iter().enumerate();
+        let moved = instances.filter(|(index, transform)| was(*index) != Some(transform));
+        let lights: Vec<_> = now.lights.iter().map(recorded_light).collect();
+        let lights_before = before.map(|pose| pose.lights.iter().map(recorded_light).collect::<Vec<_>>());
+        Self {
+            frame,
+            scene: None,
+            settings: None,
+            camera: (before.map(|pose| pose.camera) != Some(now.camera))
+                .then(|| recorded_camera(&now.camera)),
+            lights: (lights_before.as_ref() != Some(&lights)).then_some(lights),
+            instances: moved
+                .map(|(index, transform)| RecordedInstance { index, transform: transform.to_cols_array() })
+                .collect(),
+        }
+    }
+
+    /// Whether nothing is different.
+    pub fn is_empty(&self) -> bool {
+        *self == Self { frame: self.frame, ..Self::default() }
+    }
+
+    /// Makes the pose of this frame of the one before.
+    ///
+    /// # Errors
+    /// One line, where the recording does not fit the scene.
+    pub fn apply(&self, pose: &mut Pose, scene: &Scene) -> Result<(), String> {
+        if let Some(camera) = self.camera {
+            let RecordedCamera { eye, target, up, vertical_fov, near, far } = camera;
+            pose.camera = Camera { eye, target, up, vertical_fov, near, far };
+        }
+        if let Some(lights) = &self.lights {
+            let mut areas = scene.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
+            let light =
+                |recorded: &RecordedLight| light_of(recorded, || areas.next().map(|area| area.kind.clone()));
+            pose.lights = lights.iter().map(light).collect::<Option<_>>().ok_or_else(|| {
+                format!("recording: frame {} has more area lights than the scene", self.frame)
+            })?;
+        }
+        for moved in &self.instances {
+            let count = pose.instances.len();
+            let instance = pose.instances.get_mut(moved.index).ok_or_else(|| {
+                let (frame, index) = (self.frame, moved.index);
+                format!("recording: frame {frame} moves instance {index}, but there are {count}")
+            })?;
+            *instance = Affine3A::from_cols_array(&moved.transform);
+        }
+        let finite =
+            pose.camera.eye.is_finite() && pose.instances.iter().all(|transform| transform.is_finite());
+        if finite {
+            Ok(())
+        } else {
+            Err(format!("recording: frame {} has a number that is not finite", self.frame))
+        }
+    }
+}
+
+fn recorded_camera(camera: &Camera) -> RecordedCamera {
+    let Camera { eye, target, up, vertical_fov, near, far } = *camera;
+    RecordedCamera { eye, target, up, vertical_fov, near, far }
+}
+
+fn recorded_light(light: &Light) -> RecordedLight {
+    let (kind, power, angles) = match light.kind {
+        LightKind::Point { intensity } => (LightType::Point, intensity, [0.0; 2]),
+        LightKind::Spot { intensity, inner_angle, outer_angle } => {
+            (LightType::Spot, intensity, [inner_angle, outer_angle])
+        }
+        LightKind::Directional { irradiance } => (LightType::Directional, irradiance, [0.0; 2]),
+        LightKind::Area { .. } => (LightType::Area, Vec3::ZERO, [0.0; 2]),
+    };
+    let name = light.name.clone();
+    RecordedLight { name, kind, position: light.position, direction: light.direction, power, angles }
+}
+
+fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<LightKind>) -> Option<Light> {
+    let [inner_angle, outer_angle] = recorded.angles;
+    let kind = match recorded.kind {
+        LightType::Point => LightKind::Point { intensity: recorded.power },
+        LightType::Spot => LightKind::Spot { intensity: recorded.power, inner_angle, outer_angle },
+        LightType::Directional => LightKind::Directional { irradiance: recorded.power },
+        LightType::Area => next_area()?,
+    };
+    let (position, direction) = (recorded.position, recorded.direction);
+    Some(Light { name: recorded.name.clone(), kind, position, direction, animation: None })
+}

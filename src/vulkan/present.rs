@@ -1,0 +1,409 @@
+//! Brings a picture and the user interface over it into a window.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::access::Access;
+use super::barrier::barrier_for_image;
+use super::swapchain::{Swapchain, SwapchainImage};
+use super::ui::UiRenderer;
+use super::{Device, Image, PresentMode, Surface, UiDrawing, VulkanError};
+
+/// Frames that may be on their way at once, as many as the renderer's.
+const IN_FLIGHT: usize = 2;
+/// How long to wait for an image of the window, ns: longer and it is hidden.
+const PATIENCE: u64 = 100_000_000;
+/// Timestamps: before the picture, before and after the interface.
+const STAMPS: u32 = 3;
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Presented {
+    /// It is on its way to the window.
+    Shown,
+    /// It is not: the window has no area, is hidden, or has just changed.
+    Skipped,
+}
+
+/// Shows frames in a window. Makes its swapchain anew whenever the window has changed.
+pub struct Presenter {
+    swapchain: Option<Swapchain>,
+    ui: Option<UiRenderer>,
+    /// Format that `ui` draws into.
+    ui_format: vk::Format,
+    slots: Vec<Slot>,
+    count: usize,
+    extent: [u32; 2],
+    mode: PresentMode,
+    /// Whether the swapchain does not fit the window any more.
+    stale: bool,
+    ui_ms: f64,
+    surface: Arc<Surface>,
+    device: Arc<Device>,
+}
+
+impl Presenter {
+    /// Shows frames on `surface`, whose window has `extent` pixels.
+    pub fn new(
+        device: &Arc<Device>,
+        surface: &Arc<Surface>,
+        extent: [u32; 2],
+        mode: PresentMode,
+    ) -> Result<Self, VulkanError> {
+        let slots = (0..IN_FLIGHT).map(|_| Slot::new(device)).collect::<Result<_, _>>()?;
+        Ok(Self {
+            swapchain: None,
+            ui: None,
+            ui_format: vk::Format::UNDEFINED,
+            slots,
+            count: 0,
+            extent,
+            mode,
+            stale: true,
+            ui_ms: 0.0,
+            surface: Arc::clone(surface),
+            device: Arc::clone(device),
+        })
+    }
+
+    /// The window has `extent` pixels now.
+    pub fn resize(&mut self, extent: [u32; 2]) {
+        self.stale |= self.extent != extent;
+        self.extent = extent;
+    }
+
+    /// Lets go of the window, for another device to draw into it.
+    pub fn close(&mut self) {
+        // A device that is lost does nothing any more either.
+        let _ = self.device.wait_idle();
+        self.ui = None;
+        self.swapchain = None;
+        self.stale = true;
+    }
+
+    /// Changes the present mode; [`PresentMode::offered`] tells which there are.
+    pub fn set_mode(&mut self, mode: PresentMode) {
+        self.stale |= self.mode != mode;
+        self.mode = mode;
+    }
+
+    /// The present mode in use.
+    pub fn mode(&self) -> PresentMode {
+        self.swapchain.as_ref().map_or(self.mode, |swapchain| swapchain.mode)
+    }
+
+    /// Device time that drawing the interface last took, milliseconds.
+    pub fn ui_ms(&self) -> f64 {
+        self.ui_ms
+    }
+
+    /// Shows `picture`, whose values are sRGB-encoded, stretched to the window, or black, and `ui` over it.
+    pub fn present(&mut self, picture: Option<&Image>, ui: &UiDrawing) -> Result<Presented, VulkanError> {
+        if self.stale && !self.renew()? {
+            // The interface's textures come once; without a format to draw in, they wait with the caller.
+            return Ok(Presented::Skipped);
+        }
+        let (Some(swapchain), Some(drawer)) = (&self.swapchain, &mut self.ui) else {
+            return Ok(Presented::Skipped);
+        };
+        drawer.update_textures(&ui.textures)?;
+        let slot = &mut self.slots[self.count % IN_FLIGHT];
+        if let Some(ms) = slot.finish()? {
+            self.ui_ms = ms;
+        }
+        let Some(index) = acquire(swapchain, slot.acquired, &mut self.stale)? else {
+            return Ok(Presented::Skipped);
+        };
+        let image = &swapchain.images[index as usize];
+        slot.begin()?;
+        slot.record(swapchain, image, picture, |commands| drawer.draw(commands, swapchain.extent, ui))?;
+        slot.submit(image.drawn)?;
+        self.count += 1;
+        show(&self.device, swapchain, index, &mut self.stale)
+    }
+
+    /// A swapchain that fits the window; false while there can be none.
+    fn renew(&mut self) -> Result<bool, VulkanError> {
+        self.device.wait_idle()?;
+        let old = self.swapchain.take();
+        self.swapchain = Swapchain::new(&self.device, &self.surface, self.extent, self.mode, old)?;
+        let Some(swapchain) = &self.swapchain else { return Ok(false) };
+        self.stale = false;
+        if self.ui.is_none() || self.ui_format != swapchain.format {
+            self.ui = Some(UiRenderer::new(&self.device, swapchain.format, IN_FLIGHT)?);
+            self.ui_format = swapchain.format;
+        }
+        Ok(true)
+    }
+}
+
+impl Drop for Presenter {
+    fn drop(&mut self) {
+        let _ = self.device.wait_idle();
+    }
+}
+
+/// The next image to draw into; none where the window has changed or is hidden.
+fn acquire(
+    swapchain: &Swapchain,
+    acquired: vk::Semaphore,
+    stale: &mut bool,
+) -> Result<Option<u32>, VulkanError> {
+    // SAFETY: the semaphore is unsignalled: the frame that waited for it is done.
+    let result = unsafe {
+        swapchain.functions.acquire_next_image(swapchain.raw, PATIENCE, acquired, vk::Fence::null())
+    };
+    match result {
+        Ok((index, suboptimal)) => {
+            *stale |= suboptimal;
+            Ok(Some(index))
+        }
+        Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
+        Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => {
+            *stale = true;
+            Ok(None)
+        }
+        Err(result) => Err(VulkanError::call("acquisition", "swapchain image")(result)),
+    }
+}
+
+fn show(
+    device: &Device,
+    swapchain: &Swapchain,
+    index: u32,
+    stale: &mut bool,
+) -> Result<Presented, VulkanError> {
+    let (drawn, swapchains, indices) = ([swapchain.images[index as usize].drawn], [swapchain.raw], [index]);
+    let info =
+        vk::PresentInfoKHR::default().wait_semaphores(&drawn).swapchains(&swapchains).image_indices(&indices);
+    // SAFETY: the image was acquired and its drawing submitted.
+    match unsafe { swapchain.functions.queue_present(*device.queue(), &info) } {
+        Ok(suboptimal) => *stale |= suboptimal,
+        Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => *stale = true,
+        Err(result) => return Err(VulkanError::call("presentation", "frame")(result)),
+    }
+    Ok(Presented::Shown)
+}
+
+/// What one frame on its way needs.
+struct Slot {
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    acquired: vk::Semaphore,
+    queries: vk::QueryPool,
+    submitted: bool,
+    device: Arc<Device>,
+}
+
+impl Slot {
+    fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
+        let error = |result| VulkanError::call("creation", "presentation")(result);
+        let raw = device.raw();
+        let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
+        let query_info =
+            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(STAMPS);
+        // SAFETY: the infos are complete; everything is destroyed in `drop`.
+        unsafe {
+            let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            Ok(Self {
+                pool,
+                commands: raw.allocate_command_buffers(&info).map_err(error)?[0],
+                fence: raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(error)?,
+                acquired: raw.create_semaphore(&vk::SemaphoreCreateInfo::default(), None).map_err(error)?,
+                queries: raw.create_query_pool(&query_info, None).map_err(error)?,
+                submitted: false,
+                device: Arc::clone(device),
+            })
+        }
+    }
+
+    /// Waits for the slot's frame, if one is on its way; how long its interface took, ms.
+    fn finish(&mut self) -> Result<Option<f64>, VulkanError> {
+        if !std::mem::take(&mut self.submitted) {
+            return Ok(None);
+        }
+        let mut stamps = [0u64; STAMPS as usize];
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        // SAFETY: the fence was submitted with the frame; the queries were written by it.
+        unsafe {
+            let raw = self.device.raw();
+            let error = |result| VulkanError::call("waiting", "presentation")(result);
+            raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(error)?;
+            raw.get_query_pool_results(self.queries, 0, &mut stamps, flags).map_err(error)?;
+        }
+        let ticks = stamps[2].saturating_sub(stamps[1]) as f64;
+        Ok(Some(ticks * f64::from(self.device.limits().timestamp_period) * 1e-6))
+    }
+
+    fn begin(&mut self) -> Result<(), VulkanError> {
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let error = |result| VulkanError::call("beginning", "presentation")(result);
+        // SAFETY: `finish` waited, so nothing of the slot is in use.
+        unsafe {
+            let raw = self.device.raw();
+            raw.reset_fences(&[self.fence]).map_err(error)?;
+            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(error)?;
+            raw.begin_command_buffer(self.commands, &info).map_err(error)?;
+            raw.cmd_reset_query_pool(self.commands, self.queries, 0, STAMPS);
+        }
+        Ok(())
+    }
+
+    fn record(
+        &self,
+        swapchain: &Swapchain,
+        image: &SwapchainImage,
+        picture: Option<&Image>,
+        draw_ui: impl FnOnce(vk::CommandBuffer) -> Result<(), VulkanError>,
+    ) -> Result<(), VulkanError> {
+        use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
+        let written = (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL);
+        let target = (
+            S::COLOR_ATTACHMENT_OUTPUT,
+            A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
+            L::COLOR_ATTACHMENT_OPTIMAL,
+        );
+        let shown = (S::NONE, A::NONE, L::PRESENT_SRC_KHR);
+        self.stamp(0);
+        // The semaphore of the acquisition holds up these stages, and the barrier follows them.
+        self.barrier(image.raw, (S::ALL_TRANSFER, A::NONE, L::UNDEFINED), written);
+        self.copy(picture, image.raw, swapchain.extent);
+        self.barrier(image.raw, written, target);
+        self.stamp(1);
+        let colors = [vk::RenderingAttachmentInfo::default()
+            .image_view(image.view)
+            .image_layout(L::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::LOAD)
+            .store_op(vk::AttachmentStoreOp::STORE)];
+        let info = vk::RenderingInfo::default()
+            .render_area(swapchain.extent.into())
+            .layer_count(1)
+            .color_attachments(&colors);
+        // SAFETY: the image is in attachment layout; rendering is ended below even after an error.
+        unsafe { self.device.raw().cmd_begin_rendering(self.commands, &info) };
+        let drawn = draw_ui(self.commands);
+        // SAFETY: closes what was begun above.
+        unsafe { self.device.raw().cmd_end_rendering(self.commands) };
+        self.stamp(2);
+        self.barrier(image.raw, target, shown);
+        drawn
+    }
+
+    /// Copies the picture into `target`, stretched where they differ; black without one.
+    fn copy(&self, picture: Option<&Image>, target: vk::Image, extent: vk::Extent2D) {
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            mip_level: 0,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let raw = self.device.raw();
+        let Some(picture) = picture else {
+            let range = vk::ImageSubresourceRange {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                base_mip_level: 0,
+                level_count: 1,
+                base_array_layer: 0,
+                layer_count: 1,
+            };
+            let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
+            let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+            // SAFETY: the image is in this layout and can be a transfer destination.
+            unsafe { raw.cmd_clear_color_image(self.commands, target, layout, &black, &[range]) };
+            return;
+        };
+        barrier_for_image(&self.device, self.commands, picture, Access::TransferRead);
+        let corners = |[width, height]: [u32; 2]| {
+            let corner = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
+            [vk::Offset3D::default(), vk::Offset3D { x: corner(width), y: corner(height), z: 1 }]
+        };
+        let window = [extent.width, extent.height];
+        let filter = if picture.extent() == window { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        let region = [vk::ImageBlit::default()
+            .src_subresource(layers)
+            .src_offsets(corners(picture.extent()))
+            .dst_subresource(layers)
+            .dst_offsets(corners(window))];
+        // SAFETY: both images are in these layouts; the picture lives until the frame is done.
+        unsafe {
+            raw.cmd_blit_image(
+                self.commands,
+                picture.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                target,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &region,
+                filter,
+            );
+        }
+    }
+
+    fn barrier(&self, image: vk::Image, from: Usage, to: Usage) {
+        let barrier = [vk::ImageMemoryBarrier2::default()
+            .src_stage_mask(from.0)
+            .src_access_mask(from.1)
+            .old_layout(from.2)
+            .dst_stage_mask(to.0)
+            .dst_access_mask(to.1)
+            .new_layout(to.2)
+            .image(image)
+            .subresource_range(vk::ImageSubresourceRange {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                base_mip_level: 0,
+                level_count: 1,
+                base_array_layer: 0,
+                layer_count: 1,
+            })];
+        let info = vk::DependencyInfo::default().image_memory_barriers(&barrier);
+        // SAFETY: the image is a live one of the swapchain; no rendering is open.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.commands, &info) };
+    }
+
+    fn stamp(&self, query: u32) {
+        let stage = vk::PipelineStageFlags2::ALL_COMMANDS;
+        // SAFETY: the query was reset when recording began.
+        unsafe { self.device.raw().cmd_write_timestamp2(self.commands, stage, self.queries, query) };
+    }
+
+    fn submit(&mut self, drawn: vk::Semaphore) -> Result<(), VulkanError> {
+        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
+        let waits = [vk::SemaphoreSubmitInfo::default()
+            .semaphore(self.acquired)
+            .stage_mask(vk::PipelineStageFlags2::ALL_TRANSFER)];
+        let signals = [vk::SemaphoreSubmitInfo::default()
+            .semaphore(drawn)
+            .stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)];
+        let submit = vk::SubmitInfo2::default()
+            .command_buffer_infos(&buffers)
+            .wait_semaphore_infos(&waits)
+            .signal_semaphore_infos(&signals);
+        let error = |result| VulkanError::call("submission", "presentation")(result);
+        // SAFETY: recording is complete; what it uses is kept until the fence is signalled.
+        unsafe {
+            let raw = self.device.raw();
+            raw.end_command_buffer(self.commands).map_err(error)?;
+            raw.queue_submit2(*self.device.queue(), &[submit], self.fence).map_err(error)?;
+        }
+        self.submitted = true;
+        Ok(())
+    }
+}
+
+/// Stage, access and layout of a use.
+type Usage = (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout);
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        // SAFETY: the presenter waited for the device.
+        unsafe {
+            let raw = self.device.raw();
+            raw.destroy_query_pool(self.queries, None);
+            raw.destroy_semaphore(self.acquired, None);
+            raw.destroy_fence(self.fence, None);
+            raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}

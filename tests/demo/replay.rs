@@ -1,0 +1,56 @@
+//! What was recorded in the window is rendered to the same pixels; what was saved loads to the same scene.
+
+use std::process::Command;
+
+use crate::ONE_AT_A_TIME;
+use crate::desk::{Demo, Desk, is_action};
+
+const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
+
+#[test]
+fn a_recording_renders_to_what_was_on_screen() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.frames(3);
+    let seen = demo.now();
+    demo.key_for("ctrl+r", "toggle-recording");
+    demo.wait_after(seen, "recording", |event| event["event"] == "scene");
+    demo.frames(4);
+
+    // Fly, look around, move the ball, change a setting, all while the board turns.
+    demo.xdotool(&["keydown", "a"]);
+    demo.frames(3);
+    demo.xdotool(&["keyup", "a"]);
+    demo.key_for("Tab", "toggle-panel");
+    demo.move_to([160, 100]);
+    demo.xdotool(&["mousedown", "3"]);
+    demo.move_to([150, 104]);
+    demo.frames(2);
+    demo.xdotool(&["mouseup", "3"]);
+    demo.key_for("Tab", "toggle-panel");
+    let seen = demo.now();
+    demo.click([30, 185]);
+    demo.wait_after(seen, "choice", |event| is_action(event, "select"));
+    demo.key_for("space", "toggle-pause");
+    demo.key_for("Tab", "toggle-panel");
+    demo.frames(16);
+    let screen = demo.screen();
+    screen.keep("9-recorded");
+    let seen = demo.now();
+    demo.xdotool(&["key", "ctrl+r"]);
+    let saved = demo.wait_after(seen, "recording", |event| event["event"] == "saved");
+    let file = saved["details"].as_str().unwrap().to_owned();
+
+    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
+        .args(["render", &file, "--out", "replayed.png"])
+        .current_dir(demo.folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let replayed = image::open(demo.path("replayed.png")).unwrap().to_rgb8();
+    assert_eq!(replayed.dimensions(), (screen.width, screen.height));
+    let same = replayed.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
+    assert_eq!(same, screen.pixels.len(), "pixels that are the same, of all");
+    demo.close();
+}
