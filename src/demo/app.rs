@@ -15,18 +15,18 @@ use super::clock::{Clock, Pace};
 use super::flight::Flight;
 use super::gpu::Gpu;
 use super::handles::Mode;
-use super::history::{History, Sample};
+use super::history::History;
 use super::inspector::Inspector;
-use super::loader::{Built, Loader};
+use super::loader::Loader;
 use super::log::Log;
-use super::panel::{self, PanelState, Places, Shown};
+use super::panel::{PanelState, Places};
 use super::pointer::Pointer;
 use super::recorder::Recorder;
 use super::screenshot::Saving;
-use super::stage::{Change, Stage};
+use super::stage::Stage;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
-use crate::vulkan::{Instance, Presented, UiDrawing};
+use crate::vulkan::Instance;
 
 /// Size of the window on a CPU driver, where nobody asks for another.
 pub(super) const CPU_SIZE: [u32; 2] = [640, 360];
@@ -35,7 +35,7 @@ const CPU_COARSENESS: u32 = 2;
 /// How often to look whether a hidden window can be seen again.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 /// How long a window must keep its size before the picture follows; until then it is stretched.
-const RESIZE_DELAY: Duration = Duration::from_millis(150);
+pub(super) const RESIZE_DELAY: Duration = Duration::from_millis(150);
 
 /// The program while its window is open.
 pub(super) struct App {
@@ -131,7 +131,7 @@ impl App {
             let [width, height] = CPU_SIZE;
             let _ = window.request_inner_size(winit::dpi::PhysicalSize::new(width, height));
         }
-        let context = egui::Context::default();
+        let context = patient_context();
         let scale = Some(window.scale_factor() as f32);
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
         self.open = Some(Open {
@@ -193,202 +193,13 @@ impl App {
             events.exit();
         }
     }
-
-    fn frame(&mut self) -> Result<(), DemoError> {
-        self.take_built()?;
-        self.take_saved();
-        let Some(open) = &mut self.open else { return Ok(()) };
-        open.follow_size();
-        let step = open.stage.as_ref().map_or(0.0, |stage| stage.settings.time_step);
-        open.clock.tick(step);
-        open.fly();
-        open.drag_handle();
-        let started = Instant::now();
-        let (primitives, pixels_per_point) = open.lay_out();
-        let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
-        for wish in std::mem::take(&mut open.wishes) {
-            self.perform(wish)?;
-        }
-        let Some(open) = &mut self.open else { return Ok(()) };
-        if open.places != open.panel.places {
-            open.places.clone_from(&open.panel.places);
-            self.log.event("layout", &open.places);
-        }
-        open.draw_stage()?;
-        let drawing =
-            UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
-        let picture = open.stage.as_ref().map(|stage| stage.renderer.display());
-        open.window.pre_present_notify();
-        let presented = open.gpu.presenter.present(picture, &drawing)?;
-        if presented == Presented::Skipped {
-            open.textures.append(drawing.textures);
-            return Ok(());
-        }
-        let sample = Sample {
-            interval_ms: open.clock.interval_ms(),
-            ui_cpu_ms,
-            ui_device_ms: open.gpu.presenter.ui_ms(),
-            report: open.stage.as_ref().map(|stage| stage.report).unwrap_or_default(),
-        };
-        open.history.push(sample);
-        self.log.shown(&sample);
-        Ok(())
-    }
-
-    /// Shows the scene that has been loaded, if one has.
-    fn take_built(&mut self) -> Result<(), DemoError> {
-        let Some(open) = &mut self.open else { return Ok(()) };
-        match open.loader.poll() {
-            None => {}
-            Some(Ok(built)) => {
-                self.log.event(
-                    "scene",
-                    json!({ "name": built.name, "settings": built.settings, "same": built.same }),
-                );
-                open.show(built)?;
-            }
-            // Without a scene there is nothing to go on with.
-            Some(Err(error)) if open.stage.is_none() => return Err(error),
-            Some(Err(error)) => {
-                self.log.event("scene-failed", error.to_string());
-                open.panel.error = Some(error.to_string());
-            }
-        }
-        Ok(())
-    }
 }
 
-impl App {
-    /// Says which files have reached the disk.
-    fn take_saved(&mut self) {
-        let Some(open) = &mut self.open else { return };
-        let (done, waiting) = std::mem::take(&mut open.saving).into_iter().partition(Saving::is_done);
-        open.saving = waiting;
-        for saving in done {
-            match saving.finish() {
-                Ok(path) => {
-                    self.log.event("saved", &path);
-                    open.panel.message = format!("saved {}", path.display());
-                }
-                Err(error) => {
-                    self.log.event("not-saved", &error);
-                    open.panel.error = Some(error);
-                }
-            }
-        }
-    }
-}
-
-impl Open {
-    /// Shows a scene that has been loaded, or the one on show with a renderer that was made anew.
-    fn show(&mut self, built: Built) -> Result<(), DemoError> {
-        match &mut self.stage {
-            Some(stage) if built.same && stage.name == built.name => {
-                let view = stage.renderer.view().clone();
-                let wanted = stage.settings.clone();
-                let change = stage.renew(built)?;
-                stage.renderer.set_view(&view)?;
-                match &mut self.recording {
-                    Recording::On(recorder) => recorder.renewed(stage),
-                    Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(stage))),
-                    Recording::Off => {}
-                }
-                if stage.settings != wanted {
-                    self.wishes.push(Action::Set(Box::new(wanted)));
-                }
-                // What was edited meanwhile may need another one.
-                if change == Change::Rebuild {
-                    self.rebuild();
-                }
-            }
-            _ => {
-                let mut stage = Stage::new(built);
-                if let Some(view) = self.parked.take() {
-                    stage.renderer.set_view(&view)?;
-                } else {
-                    stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-                    self.panel.message = stage.rest.warnings.join("; ");
-                    self.window.set_title(&format!("{} - glowworm", stage.name));
-                    self.flight = Flight::new(stage.radius);
-                    self.clock.time = 0.0;
-                }
-                self.stage = Some(stage);
-                // A recording is of one scene.
-                if !matches!(self.recording, Recording::Off) {
-                    self.wishes.push(Action::ToggleRecording);
-                }
-            }
-        }
-        self.history.clear();
-        // The window may have changed its size meanwhile.
-        self.resized = Some(Instant::now());
-        Ok(())
-    }
-
-    /// Tells the presenter the window's size, and the renderer once that has come to rest.
-    fn follow_size(&mut self) {
-        let size = self.window.inner_size();
-        self.gpu.presenter.resize([size.width, size.height]);
-        if self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
-            return;
-        }
-        self.resized = None;
-        let size = self.picture_size();
-        if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
-            let settings = crate::settings::Settings { size, ..stage.settings.clone() };
-            self.wishes.push(Action::Set(Box::new(settings)));
-        }
-    }
-
-    /// Pixels of the picture in a window of this size.
-    pub fn picture_size(&self) -> [u32; 2] {
-        let size = self.window.inner_size();
-        [size.width, size.height].map(|side| side.div_ceil(self.coarseness).max(1))
-    }
-
-    /// Moves the camera by the keys that are held.
-    fn fly(&mut self) {
-        let Some(stage) = &self.stage else { return };
-        let own = stage.rest.pose(self.clock.time).camera;
-        self.flight.running = self.modifiers.shift_key();
-        self.flight.advance(&own, self.clock.seconds() as f32);
-    }
-
-    fn lay_out(&mut self) -> (Vec<egui::ClippedPrimitive>, f32) {
-        let input = self.egui.take_egui_input(&self.window);
-        let context = self.egui.egui_ctx().clone();
-        let mut wishes = Vec::new();
-        let output = context.run_ui(input, |ui| {
-            let mut shown = Shown {
-                stage: self.stage.as_ref(),
-                clock: &mut self.clock,
-                history: &self.history,
-                loader: &self.loader,
-                gpu: &self.gpu,
-                coarseness: self.coarseness,
-                recording: &self.recording,
-                inspector: &self.inspector,
-                mode: self.mode,
-            };
-            wishes.extend(panel::show(ui, &mut self.panel, &mut shown));
-        });
-        self.wishes.extend(wishes);
-        self.egui.handle_platform_output(&self.window, output.platform_output);
-        self.textures.append(output.textures_delta);
-        let scale = output.pixels_per_point;
-        (context.tessellate(output.shapes, scale), scale)
-    }
-
-    fn draw_stage(&mut self) -> Result<(), DemoError> {
-        let Some(stage) = &mut self.stage else { return Ok(()) };
-        self.inspector.refresh(stage)?;
-        let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
-        stage.render(self.clock.time, camera)?;
-        if let Recording::On(recorder) = &mut self.recording {
-            recorder.frame(stage);
-        }
-        Ok(())
-    }
+/// A user interface that takes a slow press for a click: at a few frames a second every press is slow.
+pub(super) fn patient_context() -> egui::Context {
+    let context = egui::Context::default();
+    context.options_mut(|options| options.input_options.max_click_duration = 5.0);
+    context
 }
 
 impl ApplicationHandler for App {

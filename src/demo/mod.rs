@@ -9,6 +9,7 @@ mod clock;
 mod command;
 mod edit;
 mod flight;
+mod frame;
 mod gpu;
 mod handles;
 mod history;

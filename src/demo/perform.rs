@@ -6,8 +6,7 @@ use serde_json::json;
 
 use super::DemoError;
 use super::action::Action;
-use super::app::Open;
-use super::app::{App, Recording};
+use super::app::{App, Open, Recording, patient_context};
 use super::edit::new_light;
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_light};
@@ -293,7 +292,7 @@ impl Open {
 
     /// A new user interface that looks like the old one: it sends its textures again.
     fn forget_textures(&mut self) {
-        let context = egui::Context::default();
+        let context = patient_context();
         let memory = self.egui.egui_ctx().memory(Clone::clone);
         context.memory_mut(|fresh| *fresh = memory);
         let scale = Some(self.window.scale_factor() as f32);

@@ -185,9 +185,7 @@ impl<'d> Demo<'d> {
     pub fn click(&mut self, at: [i32; 2]) {
         self.move_to(at);
         self.frames(2);
-        self.xdotool(&["mousedown", "1"]);
-        self.frames(2);
-        self.xdotool(&["mouseup", "1"]);
+        self.xdotool(&["click", "1"]);
         self.frames(2);
     }
 
@@ -220,6 +218,9 @@ impl<'d> Demo<'d> {
     /// The middle of a thing of the panel.
     fn place(&mut self, name: &str) -> [i32; 2] {
         let end = Instant::now() + PATIENCE;
+        // Sections fold and unfold in a short while.
+        std::thread::sleep(Duration::from_millis(400));
+        self.frames(2);
         loop {
             let layout = self.events().into_iter().rfind(|event| event["event"] == "layout");
             let rect = layout.as_ref().and_then(|layout| layout["details"][name].as_array().cloned());

@@ -116,7 +116,7 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     let depth = &seen[12];
     assert!(depth.pixels.iter().filter(|[r, g, b]| r == g && g == b).count() > depth.pixels.len() * 9 / 10);
     let albedo = seen[15].pixels[(100 * seen[15].width + 20) as usize];
-    assert!(albedo[0] > 2 * albedo[1], "{albedo:?}");
+    assert!(albedo[0] > albedo[1] + 60, "{albedo:?}");
     demo.key_for("v", "step-buffer");
     demo.frames(2);
     assert!(demo.screen().picture() == combined, "the picture has not come back");
