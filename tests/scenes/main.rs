@@ -6,6 +6,7 @@
 
 mod broken_models;
 mod broken_scene_files;
+mod documents;
 mod models;
 mod scene_files;
 
