@@ -7,7 +7,7 @@
 //! Same scene, same lights, same materials, same bounces as the renderer, and none of its methods: paths
 //! start at the camera, and no light is stored anywhere.
 //!
-//! - `path`: one sample: next-event estimation and multiple importance sampling.
+//! - `path`: samples of some pixels: next-event estimation and multiple importance sampling.
 //! - `lights`: drawing a light from a point.
 //! - `sampler`: random numbers.
 //! - `surfaces`: what a hit looks at.
