@@ -34,12 +34,12 @@ picture, and "converted" Mitsuba's closest material.
 
 
 def truth(figures, _):
-    rows = [[r["scene"], str(r["interleave"]), f"{r['mean_ratio']:.4f}", percent(r["within_5_percent"]), percent(r["p95_relative_error"], 2),
+    rows = [[r["scene"], f"{r['mean_ratio']:.4f}", percent(r["within_5_percent"]), percent(r["p95_relative_error"], 2),
              f"{r['valid']:,}", f"{r['escaped']:,}"] for r in figures["rows"]]
-    head = ["scene", "interleave", "mean, renderer over path tracer", "blocks within 5 %", "95 % of blocks within", "valid VPLs", "escaped"]
+    head = ["scene", "mean, renderer over path tracer", "blocks within 5 %", "95 % of blocks within", "valid VPLs", "escaped"]
     return f"""## The light of VPLs against the path tracer
 
-The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces, clamp off,
+The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces, clamp off, interleave 2,
 {figures['size']}, on {figures['rows'][0]['device']}; blocks of 16 x 16 pixels.
 
 {table(head, rows)}

@@ -213,13 +213,13 @@ impl ApplicationHandler for App {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
-        // Keys that mean something here would also go from widget to widget there.
+        // A widget that was clicked keeps the focus, but takes keys only while text is typed into it; Escape closes
+        // what it has opened.
+        let typing = open.egui.egui_ctx().text_edit_focused();
         let ours = matches!(&event, WindowEvent::KeyboardInput { event, .. }
-            if event.physical_key == PhysicalKey::Code(KeyCode::Tab) && !open.egui.egui_ctx().egui_wants_keyboard_input());
+            if !typing && event.physical_key != PhysicalKey::Code(KeyCode::Escape));
         let consumed = !ours && open.egui.on_window_event(&open.window, &event).consumed;
-        let context = open.egui.egui_ctx();
-        let (keys_taken, pointer_taken) =
-            (context.egui_wants_keyboard_input(), context.egui_wants_pointer_input());
+        let pointer_taken = open.egui.egui_ctx().egui_wants_pointer_input();
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::RedrawRequested => self.draw(events),
@@ -235,7 +235,7 @@ impl ApplicationHandler for App {
             WindowEvent::KeyboardInput { event, .. } => {
                 let released = event.state == ElementState::Released;
                 if let PhysicalKey::Code(code) = event.physical_key
-                    && (!keys_taken || released)
+                    && (!typing || released)
                 {
                     open.key(code, event.state, event.repeat);
                 }
