@@ -19,14 +19,14 @@ def table(head, rows):
 
 
 def mitsuba(figures, _):
-    rows = [[r["scene"], r["highlights"], f"{r['mean_ratio']:.4f}", percent(r["blocks_within_3_percent"]),
+    rows = [[r["scene"], r["highlights"], f"{r['spp']:,}", f"{r['mean_ratio']:.4f}", percent(r["blocks_within_3_percent"]),
              percent(r["block_p95"], 2)] for r in figures["rows"] + figures["highlights"]]
-    head = ["scene", "highlights", "mean, glowworm over Mitsuba", "blocks within 3 %", "95 % of blocks within"]
+    head = ["scene", "highlights", "samples a pixel", "mean, glowworm over Mitsuba", "blocks within 3 %", "95 % of blocks within"]
     return f"""## The path tracer against Mitsuba
 
 `glowworm reference` and Mitsuba {figures['mitsuba']} ({figures['variant']}) on what `glowworm export` wrote, {figures['size']},
-{figures['spp']} samples a pixel, 2 bounces. Blocks are of 16 x 16 pixels, by mean luminance. Highlights (Ks) are judged
-apart, with 128 samples, as no material of Mitsuba reflects quite so: "none" has none on either side, "left out" only in glowworm's
+2 bounces. Blocks are of 16 x 16 pixels, by mean luminance. Highlights (Ks) are judged
+apart, as no material of Mitsuba reflects quite so: "none" has none on either side, "left out" only in glowworm's
 picture, and "converted" Mitsuba's closest material.
 
 {table(head, rows)}
