@@ -167,7 +167,6 @@ impl Slot {
                 raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()).map_err(error)?;
             }
             raw.begin_command_buffer(self.commands, &info).map_err(error)?;
-            raw.cmd_reset_query_pool(self.commands, self.queries, 0, MAX_TIMESTAMPS);
         }
         Ok(())
     }
@@ -367,6 +366,11 @@ impl Recorder<'_> {
         self.open_timer = (first + 1 < MAX_TIMESTAMPS).then_some(first + 1);
         if self.open_timer.is_some() {
             self.slot.timers.push((name, first));
+            // These two alone: validation layers keep what they know of each query beyond the pool's end.
+            // SAFETY: passes open their scopes outside of rendering; the slot's last frame has been read.
+            unsafe {
+                self.device.raw().cmd_reset_query_pool(self.slot.commands, self.slot.queries, first, 2);
+            }
             self.timestamp(first);
         }
     }
@@ -383,7 +387,7 @@ impl Recorder<'_> {
     }
 
     fn timestamp(&self, query: u32) {
-        // SAFETY: `query` is below the pool's size and was reset at the beginning of the frame.
+        // SAFETY: `query` is below the pool's size and was reset when its scope began.
         unsafe {
             self.device.raw().cmd_write_timestamp2(
                 self.slot.commands,
