@@ -7,6 +7,7 @@
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
+//! - [`statistics`]: what many measurements amount to.
 //! - [`report`]: what was measured of each frame.
 //! - [`output`]: pictures and reports on disk.
 //! - [`metrics`]: how far a picture is from its reference.
@@ -33,5 +34,6 @@ pub mod report;
 mod sampling;
 pub mod scene;
 pub mod settings;
+pub mod statistics;
 pub mod vpl;
 pub mod vulkan;

@@ -10,6 +10,7 @@ mod error;
 mod export;
 mod info;
 mod options;
+mod progress;
 mod reference;
 mod render;
 mod say;
