@@ -16,9 +16,11 @@
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
 //! - [`export`]: scenes for another renderer.
+//! - [`bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
+pub mod bench;
 pub mod bvh;
 pub mod cli;
 pub mod demo;

@@ -1,7 +1,9 @@
 //! What was measured, frame by frame, and the JSON report of `render`.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::settings::Settings;
 use crate::statistics::percentile;
@@ -42,17 +44,25 @@ pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
     None => "unknown",
 };
 
-/// Milliseconds of each pass, in the order of [`PASS_NAMES`]; written as a map from name to time.
+/// One thing for each pass, in the order of [`PASS_NAMES`]; written as a map from name to thing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassTimes(pub [f64; PASS_NAMES.len()]);
+pub struct PerPass<Thing>(pub [Thing; PASS_NAMES.len()]);
 
-impl Serialize for PassTimes {
+/// Milliseconds of each pass.
+pub type PassTimes = PerPass<f64>;
+
+impl<Thing: Serialize> Serialize for PerPass<Thing> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(PASS_NAMES.len()))?;
-        for (name, milliseconds) in PASS_NAMES.iter().zip(self.0) {
-            map.serialize_entry(name, &milliseconds)?;
-        }
-        map.end()
+        serializer.collect_map(PASS_NAMES.iter().zip(&self.0))
+    }
+}
+
+impl<'de, Thing: Deserialize<'de>> Deserialize<'de> for PerPass<Thing> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut map = BTreeMap::<String, Thing>::deserialize(deserializer)?;
+        let take = |name| map.remove(name).ok_or_else(|| D::Error::missing_field(name));
+        let things = PASS_NAMES.into_iter().map(take).collect::<Result<Vec<_>, _>>()?;
+        things.try_into().map(Self).map_err(|_| D::Error::custom("not one for each pass"))
     }
 }
 
