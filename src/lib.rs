@@ -15,6 +15,7 @@
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
+//! - [`dataset`]: pictures for denoisers.
 //! - [`export`]: scenes for another renderer.
 //! - [`bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
@@ -23,6 +24,7 @@
 pub mod bench;
 pub mod bvh;
 pub mod cli;
+pub mod dataset;
 pub mod demo;
 pub mod export;
 mod memory;

@@ -223,7 +223,11 @@ fn quality(report: &Report, grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
     };
     let panel = Panel {
         title: String::new(),
-        y: plot::Axis::linear("mean FLIP error against converged pictures"),
+        y: plot::Axis {
+            label: "mean FLIP error against converged pictures".to_owned(),
+            scale: Scale::FromZero,
+            ticks: Vec::new(),
+        },
         lines: grid.rows.iter().take(MOST_LINES).map(line).collect(),
     };
     let curves = Curves {

@@ -31,7 +31,6 @@ pub(super) struct Grid<'a> {
 
 /// The runs of one row.
 pub(super) struct GridRow<'a> {
-    pub scene: &'a str,
     /// The scene, and whatever else differs among the rows.
     pub label: String,
     /// One for each column.
@@ -73,7 +72,7 @@ pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
         let at = grid.columns.iter().position(|known| *known == column).unwrap_or(0);
         if !grid.rows.iter().any(|row| row.label == label) {
             let runs = vec![None; grid.columns.len()];
-            grid.rows.push(GridRow { scene: &run.scene, label: label.clone(), runs });
+            grid.rows.push(GridRow { label: label.clone(), runs });
         }
         if let Some(row) = grid.rows.iter_mut().find(|row| row.label == label) {
             row.runs[at] = Some(run);

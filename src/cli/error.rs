@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::bench::BenchError;
+use crate::dataset::DatasetError;
 use crate::export::ExportError;
 use crate::metrics::MetricsError;
 use crate::output::OutputError;
@@ -51,6 +52,9 @@ pub enum CliError {
     /// The scene cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A data set cannot be rendered.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
     /// A benchmark failed.
     #[error("{0}")]
     Bench(BenchError),
@@ -145,6 +149,7 @@ impl CliError {
             | Self::Reference(_)
             | Self::Export(_)
             | Self::Bench(_)
+            | Self::Dataset(_)
             | Self::Window(_)
             | Self::Resume { .. }
             | Self::Interrupted { .. }

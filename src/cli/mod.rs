@@ -5,6 +5,7 @@
 mod bench;
 mod compare;
 mod compare_text;
+mod dataset;
 mod demo;
 mod device;
 mod error;
@@ -52,6 +53,8 @@ enum Command {
     Bench(bench::BenchOptions),
     /// Path trace a scene on the CPU: the ground truth.
     Reference(reference::ReferenceOptions),
+    /// Path trace noisy and clean pictures of an animation, with features, for denoisers.
+    Dataset(dataset::DatasetOptions),
     /// Export a scene at one frame for another renderer.
     Export(export::ExportOptions),
     /// Compare a picture or a sequence with its reference.
@@ -80,6 +83,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Render(options)) => render::render(&options, &given),
         Some(Command::Bench(options)) => bench::bench(&options, &given),
         Some(Command::Reference(options)) => reference::reference(&options),
+        Some(Command::Dataset(options)) => dataset::dataset(&options),
         Some(Command::Export(options)) => export::export(&options),
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),

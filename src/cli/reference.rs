@@ -80,6 +80,16 @@ pub(super) enum Bounces {
     Unlimited,
 }
 
+impl Bounces {
+    /// The most there may be, if there is such a number.
+    pub fn limit(self) -> Option<u32> {
+        match self {
+            Self::Limited(limit) => Some(limit),
+            Self::Unlimited => None,
+        }
+    }
+}
+
 /// `--exposure`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exposure(Option<f32>);
@@ -186,11 +196,7 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn new(options: &'a ReferenceOptions, scene: &Scene, settings: &Settings, target: PictureTarget) -> Self {
-        let bounces = match options.bounces {
-            Some(Bounces::Limited(limit)) => Some(limit),
-            Some(Bounces::Unlimited) => None,
-            None => Some(settings.bounces),
-        };
+        let bounces = options.bounces.map_or(Some(settings.bounces), Bounces::limit);
         let identity = Identity {
             scene: scene.name.clone(),
             frame: options.frame,

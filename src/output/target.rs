@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{NumberedPath, OutputError, OutputFile, Picture, exr};
+use super::{NumberedPath, OutputError, OutputFile, Picture};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -56,7 +56,7 @@ impl PictureTarget {
         let file = OutputFile::new(&path)?;
         match self.format {
             Format::Png => file.save_picture(picture)?,
-            Format::Exr => exr::write(picture, &file)?,
+            Format::Exr => file.save_exr(picture)?,
         }
         Ok(path)
     }
