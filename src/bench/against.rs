@@ -2,9 +2,9 @@
 //!
 //! In: two reports. Out: those times of runs that both have whose difference cannot be chance. Frame i shows the same
 //! moment in both, so frames are compared in pairs: over blocks of neighbouring frames, which are not independent of
-//! each other, the medians are taken and subtracted. Two things make the mean of these differences uncertain: how far
-//! they differ from block to block, and how far whole runs differ, which the rounds of both reports tell. A change counts if the
-//! interval of 99 % that comes of both, and a margin besides, leaves 0 out.
+//! each other, the medians are taken and subtracted. How uncertain the mean of these differences is, is told by how far
+//! they differ from block to block, and by how far whole runs differ, which the rounds of both reports show; the larger
+//! of the two counts. A time has changed if the interval of 99 % about that mean, less a margin, leaves 0 out.
 
 use super::plan::Axis;
 use super::report::{Report, Run};
@@ -135,7 +135,8 @@ fn growth(rounds: [&[Vec<f64>]; 2], noise: [&QuantityNoise; 2]) -> Option<[f64; 
     // How far whole runs differ.
     let of_runs = [(old, rounds[0], noise[0]), (new, rounds[1], noise[1])]
         .map(|(blocks, rounds, noise)| noise.half_width(Z_99, rounds.len()) * mean(&blocks));
-    let half = of_runs.iter().fold(of_blocks, |half: f64, more| half.hypot(*more));
+    // What differs between blocks is a part of what differs between runs, so the two are not added.
+    let half = of_runs[0].hypot(of_runs[1]).max(of_blocks);
     let growth = mean(&differences);
     Some([growth - half, growth + half])
 }

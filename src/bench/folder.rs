@@ -23,18 +23,23 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Checks that a report can be written to `path`, and makes the folder.
+    /// Checks that a report can be written to `path`. Leaves no trace on disk.
     ///
     /// # Errors
     /// Where it cannot be, or would be written over something that is no report.
     pub fn new(path: &Path) -> Result<Self, BenchError> {
         let folder = Self { path: path.to_owned() };
-        make_folder(path)?;
         let report = path.join(REPORT_FILE);
         if report.exists() {
             read_report(&report)?;
         }
-        OutputFile::new(report)?;
+        if path.is_dir() {
+            OutputFile::new(report)?;
+        } else if path.exists() {
+            return Err(BenchError::Report { path: folder.path, reason: "is not a folder".to_owned() });
+        } else {
+            OutputFile::new(path)?;
+        }
         Ok(folder)
     }
 
@@ -63,13 +68,13 @@ impl Folder {
 
     /// Keeps an unfinished report.
     pub(super) fn keep(&self, report: &Report) -> Result<(), BenchError> {
-        make_folder(&self.unfinished())?;
+        self.make_unfinished()?;
         Ok(OutputFile::new(self.unfinished().join(REPORT_FILE))?.save_json(report)?)
     }
 
     /// Keeps a picture of an unfinished report.
     pub(super) fn keep_picture(&self, entry: &PictureEntry, picture: &Picture) -> Result<(), BenchError> {
-        make_folder(&self.unfinished())?;
+        self.make_unfinished()?;
         Ok(OutputFile::new(self.unfinished().join(&entry.file))?.save_picture(picture)?)
     }
 
@@ -102,6 +107,11 @@ impl Folder {
             fs::remove_dir_all(&path).map_err(|source| OutputError::Write { path, source })?;
         }
         Ok(())
+    }
+
+    fn make_unfinished(&self) -> Result<(), OutputError> {
+        make_folder(&self.path)?;
+        make_folder(&self.unfinished())
     }
 
     fn save(&self, name: &str, text: &str) -> Result<(), BenchError> {

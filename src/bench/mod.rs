@@ -184,13 +184,17 @@ impl Bench {
     /// Takes over what an earlier run of the same plan has left in the folder; false if there is nothing.
     ///
     /// # Errors
-    /// Where it is of another plan, machine or version.
+    /// Where it is of another plan, or unfinished and of another machine or version.
     pub fn resume(&mut self) -> Result<bool, BenchError> {
         let Some((path, earlier)) = self.folder.earlier()? else { return Ok(false) };
         let cannot = |reason: String| Err(BenchError::Report { path: path.clone(), reason });
         let anew = "leave --resume out to begin anew";
         if let Some(option) = earlier.plan.difference(&self.report.plan) {
             return cannot(format!("was begun with another {option}; give the same one, or {anew}"));
+        }
+        if earlier.complete {
+            self.report = earlier;
+            return Ok(true);
         }
         if let Some(what) = earlier.machine.difference(&self.report.machine) {
             return cannot(format!("was measured on another {what}; {anew}"));

@@ -57,7 +57,7 @@ pub(super) struct BenchOptions {
     /// Folder of the report; an earlier report in it is replaced once the new one is complete.
     #[arg(long, value_name = "DIR", default_value = "glowworm-bench", help_heading = "Files")]
     pub out: PathBuf,
-    /// Go on with what an interrupted run with the same options has left in the folder.
+    /// Go on with what an interrupted run has left in the folder; options that are not given are as they were.
     #[arg(long, help_heading = "Files")]
     pub resume: bool,
     #[command(flatten)]
@@ -131,7 +131,9 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     check(options, given)?;
     let folder = Folder::new(&options.out)?;
     let device = device::open(&options.run.device)?;
-    let plan = plan(options, given, old.as_ref(), &device)?;
+    let earlier = if options.resume { folder.earlier()?.map(|(_, report)| report) } else { None };
+    let mut plan = plan(options, given, earlier.as_ref().or(old.as_ref()), &device)?;
+    plan.quality |= earlier.is_some_and(|earlier| earlier.plan.quality);
     let mut bench = Bench::new(&device, plan, folder, options.run.files.assets_folder())?;
     if options.resume && !bench.resume()? {
         say::note(&format!("{}: nothing to go on with; beginning anew", options.out.display()));
@@ -180,7 +182,7 @@ fn check(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
     sweep.interleave.iter().try_for_each(|&interleave| check(Settings { interleave, ..settings.clone() }))
 }
 
-/// What the options ask for; what they leave open is as in the `old` report.
+/// What the options ask for; what they leave open is as in the `old` report, but for `--quality`.
 fn plan(
     options: &BenchOptions,
     given: &[&str],
