@@ -9,6 +9,7 @@
 
 mod against;
 mod charts;
+mod control;
 mod csv;
 mod folder;
 mod html;
@@ -24,6 +25,7 @@ mod summary;
 mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
+pub use control::Control;
 pub use folder::{Folder, REPORT_FILE, read_report};
 pub use machine::Machine;
 pub use pictures::{PictureEntry, PictureKind};
@@ -36,15 +38,15 @@ pub use tables::{Table, milliseconds, tables};
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
 use crate::renderer::{RenderError, Renderer};
-use crate::scene::{Scene, SceneError, load_scene};
+use crate::scene::{SceneError, load_scene};
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::Device;
+use control::work_of_frame;
 use quality::Converged;
 use run::{Stage, warm_up};
 
@@ -99,45 +101,6 @@ pub enum BenchError {
         /// Runs in all.
         planned: usize,
     },
-}
-
-/// What goes on outside while frames are drawn.
-pub struct Control<'a> {
-    /// Set once somebody wants it to end.
-    pub stop: &'a AtomicBool,
-    /// Gets what is being done now and how much work has been done since the last call.
-    pub progress: &'a mut dyn FnMut(&str, u64),
-    /// What is being done now.
-    task: String,
-    /// Runs that are kept, and runs in all.
-    runs: [usize; 2],
-}
-
-impl<'a> Control<'a> {
-    /// Somebody who watches.
-    pub fn new(stop: &'a AtomicBool, progress: &'a mut dyn FnMut(&str, u64)) -> Self {
-        Self { stop, progress, task: String::new(), runs: [0; 2] }
-    }
-
-    fn begin(&mut self, task: String) {
-        self.task = task;
-        (self.progress)(&self.task, 0);
-    }
-
-    /// Counts a frame drawn with `settings`; an error once it is to end.
-    fn frame_done(&mut self, settings: &Settings) -> Result<(), BenchError> {
-        (self.progress)(&self.task, work_of_frame(settings));
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(BenchError::Interrupted { done: self.runs[0], planned: self.runs[1] });
-        }
-        Ok(())
-    }
-}
-
-/// About how much work a frame is, to tell the time left: pixels times (shadow rays of a pixel, and all else).
-fn work_of_frame(settings: &Settings) -> u64 {
-    let rays = settings.vpls.div_ceil(settings.temporal_sets * settings.interleave.pow(2));
-    u64::from(settings.size[0]) * u64::from(settings.size[1]) * u64::from(rays + 4)
 }
 
 /// A benchmark on its way.
@@ -413,7 +376,7 @@ impl Bench {
 /// Whatever else is wrong with it.
 pub fn lacks_models(scene: &str, assets: Option<&std::path::Path>) -> Result<bool, SceneError> {
     match load_scene(scene, assets) {
-        Ok(Scene { .. }) => Ok(false),
+        Ok(_) => Ok(false),
         Err(SceneError::MissingModel { .. }) => Ok(true),
         Err(error) => Err(error),
     }

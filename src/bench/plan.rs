@@ -126,10 +126,10 @@ impl Plan {
             .try_into()
             .map_err(|error: toml::de::Error| SettingsError::Table(error.message().to_owned()))?;
         let mut names: Vec<&str> = self.settings.keys().map(String::as_str).collect();
-        let base = Settings::resolve(scene_settings, &given, &names)?;
+        names.extend(self.sweep.names());
+        let base = Settings::resolve(scene_settings, &self.sweep.first(&given), &names)?;
         let or = |list: &[u32], base: u32| if list.is_empty() { vec![base] } else { list.to_vec() };
         let sizes = if self.sweep.size.is_empty() { vec![base.size] } else { self.sweep.size.clone() };
-        names.extend(self.sweep.names());
         let mut combinations = Vec::new();
         for size in sizes {
             for vpls in or(&self.sweep.vpls, base.vpls) {
@@ -166,6 +166,19 @@ impl Plan {
 }
 
 impl Sweep {
+    /// `settings` with the first of all values.
+    fn first(&self, settings: &Settings) -> Settings {
+        let first = |list: &[u32], else_: u32| list.first().copied().unwrap_or(else_);
+        Settings {
+            temporal_sets: first(&self.temporal_sets, settings.temporal_sets),
+            size: self.size.first().copied().unwrap_or(settings.size),
+            vpls: first(&self.vpls, settings.vpls),
+            bounces: first(&self.bounces, settings.bounces),
+            interleave: first(&self.interleave, settings.interleave),
+            ..settings.clone()
+        }
+    }
+
     fn names(&self) -> Vec<&'static str> {
         let given = [
             (Axis::TemporalSets, self.temporal_sets.is_empty()),

@@ -144,7 +144,12 @@ impl Report {
         };
         let known = |run: &Run| self.scenes.iter().any(|scene| scene.name == run.scene);
         let done = |run: &Run| !self.complete || run.rounds.len() == self.plan.rounds as usize;
-        self.runs.iter().all(|run| whole(run) && known(run) && done(run) && run.settings.check().is_ok())
+        frames > 0
+            && self.plan.rounds > 0
+            && self
+                .runs
+                .iter()
+                .all(|run| whole(run) && known(run) && done(run) && run.settings.check().is_ok())
     }
 }
 

@@ -90,7 +90,7 @@ impl clap::Args for SweptSettings {
         let list = |command: clap::Command, name: &str| {
             command.mut_arg(name, |argument| {
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.value_delimiter(',').help(format!("{help} A list such as A,B measures each"))
+                argument.value_delimiter(',').help(format!("{help}. A list such as A,B measures each"))
             })
         };
         SWEPT
@@ -99,7 +99,7 @@ impl clap::Args for SweptSettings {
             .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
             .mut_arg("time_step", |argument| {
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.help(format!("{help} On a CPU driver 1/20 unless it is given"))
+                argument.help(format!("{help}. On a CPU driver 1/20 unless it is given"))
             })
             .mut_arg("size", |argument| {
                 argument.default_value("1024x1024").help(

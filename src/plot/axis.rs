@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn ticks_are_round_and_within_the_range() {
         assert_eq!(linear_ticks(&(0.0..10.0)), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert_eq!(linear_ticks(&(-0.3..0.31)).len(), 4);
+        assert_eq!(linear_ticks(&(-0.3..0.31)).len(), 3);
         assert_eq!(logarithmic_ticks(&(0.9..2.0)), [10.0, 20.0, 50.0]);
         assert_eq!(logarithmic_ticks(&(0.5..4.5)), [10.0, 100.0, 1000.0, 10_000.0]);
     }
