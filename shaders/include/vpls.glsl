@@ -9,6 +9,12 @@ struct GpuVpl {
     uint _pad;
 };
 
+// Whether a VPL and a point p with normal n face each other; if not, `contribution` is zero.
+bool faces(GpuVpl vpl, vec3 p, vec3 n) {
+    vec3 d = vpl.position - p;
+    return dot(n, d) > 0.0 && dot(vpl.normal, d) < 0.0;
+}
+
 // Irradiance at p with normal n, were nothing between.
 vec3 contribution(GpuVpl vpl, vec3 p, vec3 n) {
     vec3 d = vpl.position - p;
