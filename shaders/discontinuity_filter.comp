@@ -17,7 +17,10 @@ layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
 layout(set = 0, binding = 3, std430) readonly buffer FluxBlock { float data[]; } class_flux;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
 
-layout(push_constant) uniform Push { float total_flux; } push; // of all classes
+layout(push_constant) uniform Push {
+    float total_flux; // of all classes
+    uint layer;       // of the set buffers, for this set
+} push;
 
 const float MIN_NORMAL_COSINE = 0.9;
 // Share of the flux that the window has to bring; else pixels farther away are asked as well.
@@ -119,7 +122,7 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = ivec2(frame.size);
     if (any(greaterThanEqual(pixel, size))) return;
-    ivec3 target = ivec3(pixel, int(frame.set));
+    ivec3 target = ivec3(pixel, int(push.layer));
     float depth = unpack_depth(texelFetch(class_irradiance, pixel, 0).a);
     if (depth <= 0.0) {
         imageStore(set_buffers, target, vec4(0.0));

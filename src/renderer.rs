@@ -178,7 +178,6 @@ impl Renderer {
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
         let uniforms = FrameUniforms {
-            set: lights.drawn.set,
             irradiance_scale: lights.drawn.irradiance_scale,
             ..uniforms
         };

@@ -34,8 +34,8 @@ pub struct FrameUniforms {
     pub irradiance_scale: f32,
     /// Packed depths are view depths times this, so that half floats can hold them.
     pub depth_scale: f32,
-    /// Temporal set of this frame.
-    pub set: u32,
+    /// Unused.
+    pub pad: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.

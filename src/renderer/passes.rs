@@ -118,7 +118,7 @@ impl Passes {
             self.indirect_shadows.record(frame, &rays, &chunk)?;
             self.indirect_shading.gather(frame, &shading, &chunk)?;
         }
-        self.indirect_shading.filter(frame, &shading, self.sets.buffers())?;
+        self.indirect_shading.filter(frame, &shading, &self.sets)?;
         let drawn = inputs.drawn;
         self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
         if self.sets.is_complete() && self.settled.is_some() {
@@ -134,6 +134,7 @@ impl Passes {
             instances,
             pose,
             drawn,
+            position_cutoff: inputs.settings.position_cutoff,
             scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
             set_flux: inputs.set_flux,
         };
