@@ -20,8 +20,6 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Mat4;
-
 use crate::bvh::TwoLevelBvh;
 use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
@@ -58,7 +56,8 @@ pub struct Renderer {
     bvh: TwoLevelBvh,
     vpls: VplManager,
     lengths: Lengths,
-    previous_view_projection: Option<Mat4>,
+    /// Of the last frame.
+    uniforms: Option<FrameUniforms>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
     frame_count: u64,
@@ -155,7 +154,7 @@ impl Renderer {
             bvh,
             vpls,
             lengths,
-            previous_view_projection: None,
+            uniforms: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
             frame_count: 0,
@@ -181,7 +180,7 @@ impl Renderer {
             irradiance_scale: lights.drawn.irradiance_scale,
             ..uniforms
         };
-        self.previous_view_projection = Some(uniforms.view_projection);
+        self.uniforms = Some(uniforms);
         let inputs = PassInputs {
             settings: &self.settings,
             scene: &self.buffers,
@@ -220,7 +219,7 @@ impl Renderer {
         let has_shadow_map = |light: &&Light| !matches!(light.kind, LightKind::Area { .. });
         FrameUniforms {
             view_projection,
-            previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
+            previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
             eye: camera.eye.extend(self.lengths.radius),
             background: self.scene.background.extend(self.geometry_bound()),
             ray,
