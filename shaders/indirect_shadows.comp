@@ -46,15 +46,16 @@ void main() {
         for (uint word = 0u; word < push.word_count; word++) {
             uint begin = first + word * 32u;
             uint end = min(begin + 32u, class_end);
-            // What faces away needs no ray: `contribution` is zero there.
-            uint facing = 0u;
+            // What faces away needs no ray, and what brings little gets one seldom.
+            uint chosen = 0u;
             for (uint i = begin; i < end; i++) {
-                if (faces(vpls.data[i], position.xyz, shading)) facing |= 1u << (i - begin);
+                float share = ray_share(contribution(vpls.data[i], position.xyz, shading));
+                if (share > ray_chance(pixel, vpls.data[i].slot)) chosen |= 1u << (i - begin);
             }
-            rays += uint(bitCount(facing));
+            rays += uint(bitCount(chosen));
             uint bits = 0u;
-            for (; facing != 0u; facing &= facing - 1u) {
-                uint bit = uint(findLSB(facing));
+            for (; chosen != 0u; chosen &= chosen - 1u) {
+                uint bit = uint(findLSB(chosen));
                 GpuVpl vpl = vpls.data[begin + bit];
                 vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
                 if (!trace_occluded(start, to_vpl, 0.0, 1.0)) bits |= 1u << bit;

@@ -101,6 +101,8 @@ struct IndirectLights {
     vpls: SetVpls,
     flux: CellFlux,
     drawn: DrawnSet,
+    /// One over the irradiance below which a VPL gets only some of its rays.
+    roulette: f32,
     cpu_ms: [f64; 3],
     counts: VplCounters,
 }
@@ -178,6 +180,7 @@ impl Renderer {
         let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
         let uniforms = FrameUniforms {
             irradiance_scale: lights.drawn.irradiance_scale,
+            roulette: lights.roulette,
             ..uniforms
         };
         self.uniforms = Some(uniforms);
@@ -249,11 +252,14 @@ impl Renderer {
             self.vpls.replace(world);
             (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
         });
-        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
+        let typical = typical_irradiance(flux.sets.iter().sum(), self.lengths.transport);
+        let irradiance_scale = power_of_two_near(typical).recip();
+        let roulette = self.settings.vpls as f32 / (self.settings.roulette * typical);
         IndirectLights {
             vpls,
             flux,
             drawn: DrawnSet { set, irradiance_scale },
+            roulette: roulette.min(f32::MAX),
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
             counts: self.vpls.counters(),
         }
@@ -296,10 +302,10 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64() * 1e3)
 }
 
-/// A power of two that brings the irradiance of VPLs of this flux, spread over surfaces about `length`
-/// apart, near 1: half floats then neither overflow nor lose digits, whatever the scene's units.
-fn irradiance_scale(flux: f32, length: f32) -> f32 {
-    power_of_two_near(flux / (6.0 * length * length)).recip()
+/// The irradiance of VPLs of this flux, spread over surfaces about `length` apart. Scaled by the power of two that
+/// brings it near 1, half floats neither overflow nor lose digits, whatever the scene's units.
+fn typical_irradiance(flux: f32, length: f32) -> f32 {
+    flux / (6.0 * length * length)
 }
 
 /// Powers of two scale without rounding. 1 for what is no positive number.

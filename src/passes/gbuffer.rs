@@ -163,12 +163,7 @@ impl GBufferPass {
 
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
         let targets = &self.targets;
-        let colors = [
-            &targets.position,
-            &targets.normal,
-            &targets.albedo,
-            &targets.instance,
-        ];
+        let colors = [&targets.position, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame", inputs.frame)
