@@ -2,13 +2,13 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{Vec2, vec2, vec3};
+use glam::{Vec2, vec2};
 
 use super::columns::Column;
 use super::noise::ramp;
 use super::part::Part;
-use super::paths::arc;
-use super::shapes::{lathe, lathe_shaped, loft_open};
+use super::paths::{arc, circle, way};
+use super::shapes::{Ends, lathe_shaped, loft_open, sweep};
 
 /// How far a row of `leaves` stands out at an angle: `t` from 0 at their foot to 1 at their tips, in shares of the
 /// radius.
@@ -91,20 +91,9 @@ pub(super) fn medallion(radius: f32, [segments, rings]: [u32; 2], material: u32)
     let mut all_rings = vec![ring(0.0, Some(-0.05)), ring(1.0, Some(-0.05))];
     all_rings.extend((1..=rings).rev().map(|i| ring(i as f32 / rings as f32, None)));
     all_rings.push(ring(0.0, None));
-    let profile = [[0.96, -0.05], [1.2, -0.05], [1.2, 0.08], [1.12, 0.16], [1.05, 0.1], [0.96, 0.12]];
-    let mut outline = profile.map(|p| vec2(p[0] * radius, p[1] * radius)).to_vec();
-    outline.push(outline[0]);
-    let frame = ring_of(&outline, 64, material);
+    // x goes inwards from the rim.
+    let profile = [[0.0, -0.05], [0.24, -0.05], [0.24, 0.12], [0.15, 0.1], [0.08, 0.16], [0.0, 0.08]];
+    let rim = way(&circle(Vec2::ZERO, 1.2 * radius, 64), true);
+    let frame = sweep(&profile.map(|p| vec2(p[0], p[1]) * radius), &rim, Ends::Joined, material);
     loft_open(&all_rings, material).and(frame)
-}
-
-/// A closed profile of (radius, height) turned about the z axis.
-fn ring_of(profile: &[Vec2], segments: u32, material: u32) -> Part {
-    let lay = glam::Affine3A::from_cols(
-        vec3(1.0, 0.0, 0.0).into(),
-        vec3(0.0, 0.0, 1.0).into(),
-        vec3(0.0, -1.0, 0.0).into(),
-        vec3(0.0, 0.0, 0.0).into(),
-    );
-    lathe(profile, segments, material).placed(&lay)
 }

@@ -6,6 +6,9 @@ mod atrium;
 mod checks;
 mod atrium_upper;
 mod carving;
+mod cathedral;
+mod cathedral_ends;
+mod cathedral_windows;
 mod cloth;
 mod columns;
 mod cornell;
@@ -33,11 +36,11 @@ use palette::Palette;
 use part::Part;
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 9] =
-    ["playroom", "cornell-box", "atrium", "atrium-drapery", "sponza", "sibenik", "conference", "classroom", "living-room"];
+pub const NAMES: [&str; 10] =
+    ["playroom", "cornell-box", "atrium", "atrium-drapery", "cathedral", "sponza", "sibenik", "conference", "classroom", "living-room"];
 
 /// Names of the models that scene files may ask for as `builtin`.
-pub(super) const MODELS: [&str; 3] = ["cornell-box", "atrium", "atrium-drapery"];
+pub(super) const MODELS: [&str; 4] = ["cornell-box", "atrium", "atrium-drapery", "cathedral"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -45,6 +48,7 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
         "playroom" => Some(include_str!("../../../scenes/playroom.toml")),
         "atrium" => Some(include_str!("../../../scenes/atrium.toml")),
         "atrium-drapery" => Some(include_str!("../../../scenes/atrium-drapery.toml")),
+        "cathedral" => Some(include_str!("../../../scenes/cathedral.toml")),
         "sponza" => Some(include_str!("../../../scenes/sponza.toml")),
         "sibenik" => Some(include_str!("../../../scenes/sibenik.toml")),
         "conference" => Some(include_str!("../../../scenes/conference.toml")),
@@ -92,6 +96,7 @@ fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
             Some(atrium::building(&paints, [&lower, &upper]))
         }
         "atrium-drapery" => Some(drapery::model(palette)),
+        "cathedral" => Some(cathedral::model(palette)),
         _ => None,
     }
 }

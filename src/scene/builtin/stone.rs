@@ -143,3 +143,28 @@ fn roof_tiles(place: Vec2) -> Vec4 {
     let tone = 0.7 + 0.5 * chance(cell.x as u32, cell.y as u32, 91);
     opaque(vec3(0.44, 0.2, 0.11) * (round * lap * tone * (0.8 + 0.4 * fractal(place, 12, 4, 93))))
 }
+
+/// Pieces of coloured glass between bars of lead.
+pub(super) const STAINED_GLASS: Recipe =
+    Recipe { name: "stained glass", size: [256, 256], extent: [1.2, 1.2], paint: stained_glass };
+
+fn stained_glass(place: Vec2) -> Vec4 {
+    const CELLS: u32 = 12;
+    let cell = (place * CELLS as f32).floor();
+    let (mut nearest, mut second, mut owner) = (f32::MAX, f32::MAX, 0.0);
+    for step in 0..9 {
+        let there = cell + vec2((step % 3) as f32 - 1.0, (step / 3) as f32 - 1.0);
+        let wrapped = there.rem_euclid(Vec2::splat(CELLS as f32)).as_uvec2();
+        let pick = |seed: u32| chance(wrapped.x, wrapped.y, seed);
+        let distance = (there + 0.15 + 0.7 * vec2(pick(141), pick(142)) - place * CELLS as f32).length();
+        if distance < nearest {
+            (second, nearest, owner) = (nearest, distance, pick(143));
+        } else {
+            second = second.min(distance);
+        }
+    }
+    let colours = [[0.62, 0.05, 0.05], [0.05, 0.12, 0.6], [0.75, 0.5, 0.08], [0.06, 0.4, 0.12], [0.6, 0.62, 0.6]];
+    let colour = Vec3::from_array(colours[(owner * 5.0) as usize % 5]);
+    let lead = Vec3::splat(0.03);
+    opaque(lead.lerp(colour * (0.7 + 0.6 * fractal(place, 16, 2, 145)), ramp(0.03, 0.09, second - nearest)))
+}

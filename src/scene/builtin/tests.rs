@@ -4,7 +4,7 @@ use super::*;
 const SHEETS: [&str; 5] = ["red cloth", "green cloth", "blue cloth", "leaf", "ivy"];
 
 /// Models that are made of solids and sheets.
-const MADE: [&str; 2] = ["atrium", "atrium-drapery"];
+const MADE: [&str; 3] = ["atrium", "atrium-drapery", "cathedral"];
 
 fn pieces(name: &str) -> (Part, Vec<Material>) {
     let mut palette = Palette::default();
