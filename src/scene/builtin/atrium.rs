@@ -140,7 +140,7 @@ fn lower_side(paints: &Paints, column: &Part, bays: u32) -> Part {
     let mut all = Part::default();
     let half = 0.5 * BAY * bays as f32;
     all.push_at(column, column_places(bays).map(|x| vec3(x, STEP, 0.0)));
-    let opening = Opening { middle: 0.0, half: 1.27, sill: SPRING, spring: SPRING, rise: 1.27, steps: 20 };
+    let opening = Opening { middle: 0.0, half: 1.27, sill: SPRING, spring: SPRING, rise: 1.27, steps: 16 };
     let panel = Panel {
         min: vec2(-0.5 * BAY, SPRING),
         max: vec2(0.5 * BAY, UPPER - 0.1),
@@ -148,13 +148,10 @@ fn lower_side(paints: &Paints, column: &Part, bays: u32) -> Part {
     };
     let bay = pierced(&panel, &opening, paints.wall);
     let archivolt: Vec<Vec2> =
-        [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.03], [0.2, 0.075], [0.15, 0.05], [0.03, 0.05], [-0.02, 0.02]]
+        [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]
             .map(|p| vec2(p[0], p[1]))
             .to_vec();
-    let back = archivolt.iter().rev().map(|p| vec2(p.x, -p.y)).collect::<Vec<_>>();
-    let arches = opening
-        .moulding(&archivolt, HALF_WALL, paints.trim)
-        .and(opening.moulding(&back, -HALF_WALL, paints.trim));
+    let arches = opening.moulding(&archivolt, HALF_WALL, paints.trim);
     let keystone = block(vec3(0.22, 0.5, 2.0 * HALF_WALL + 0.22), paints.trim)
         .at(vec3(0.0, SPRING + opening.rise - 0.06, 0.0));
     let all_of_bay = bay.and(arches).and(keystone);
@@ -193,13 +190,13 @@ fn door(paints: &Paints) -> Part {
             vec3(0.36 * side + 0.355, 2.17, 0.1),
             paints.door,
         ));
-        for [low, high] in [[0.15, 0.75], [0.9, 1.4], [1.55, 2.05]] {
+        for [low, high] in [[0.15, 0.85], [1.05, 2.03]] {
             let half = vec3(0.26, 0.0, 0.0);
             let middle = vec3(0.36 * side, 0.0, 0.0);
             let [low, high] = [middle - half + Vec3::Y * low, middle + half + vec3(0.0, high, 0.125)];
             all.push(super::shapes::bevelled(low, high, 0.02, paints.door));
         }
-        let knob = super::shapes::cushion(Vec3::splat(0.035), 1.0, [10, 6], paints.bronze);
+        let knob = super::shapes::cushion(Vec3::splat(0.035), 1.0, [6, 4], paints.bronze);
         all.push(knob.at(vec3(0.07 * side, 1.05, 0.13)));
     }
     all
@@ -231,12 +228,12 @@ fn vaults(paints: &Paints) -> Part {
         spring: SPRING - 0.1,
         rise: 1.45,
         point: 1.0,
-        steps: 12,
+        steps: 8,
     };
     let corner = Vault { half: Vec2::splat(0.5 * DEPTH), ..vault };
     let top = UPPER - 0.44;
     let block = vault.block(top, paints.plaster);
-    let rib = vault.cross_rib(&strip(vec2(-0.2, -0.14), vec2(0.2, 0.1)), 16, paints.trim);
+    let rib = vault.cross_rib(&strip(vec2(-0.2, -0.14), vec2(0.2, 0.1)), 12, paints.trim);
     let mut all = Part::default();
     for (place, bays) in sides() {
         let mut side = Part::default();
@@ -285,9 +282,9 @@ fn well(paints: &Paints) -> Part {
     let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
     let surface = [[0.86, 0.31], [0.86, 0.62]];
     let step = block(vec3(2.9, 0.12, 2.9), paints.trim);
-    let mut all = super::shapes::lathe(&points(&basin), 8 * 5, paints.trim)
-        .and(super::shapes::lathe(&points(&bowl), 32, paints.trim))
-        .and(super::shapes::lathe(&points(&surface), 40, paints.water))
+    let mut all = super::shapes::lathe(&points(&basin), 32, paints.trim)
+        .and(super::shapes::lathe(&points(&bowl), 24, paints.trim))
+        .and(super::shapes::lathe(&points(&surface), 32, paints.water))
         .at(Vec3::Y * 0.1)
         .and(step.at(Vec3::NEG_Y * 0.02));
     let knob = super::shapes::cushion(vec3(0.1, 0.14, 0.1), 1.0, [16, 10], paints.bronze);

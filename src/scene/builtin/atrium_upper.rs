@@ -10,7 +10,7 @@ use super::atrium::{
 use super::columns::{Column, along, baluster, pedestal};
 use super::part::Part;
 use super::paths::strip;
-use super::shapes::{bevelled, cuboid};
+use super::shapes::cuboid;
 use super::walls::{Opening, Panel, cornice, pierced, straight};
 
 /// Top of the columns.
@@ -38,22 +38,22 @@ pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
     all.push_at(&pedestal(0.24, PARAPET, paints.trim), feet);
     // Between two pedestals: balusters between a foot and a rail.
     let width = half_bay - 0.46;
-    let rail = bevelled(vec3(-0.5 * width, 0.8, -0.13), vec3(0.5 * width, 0.93, 0.13), 0.02, paints.trim);
+    let rail = cuboid(vec3(-0.5 * width, 0.8, -0.13), vec3(0.5 * width, 0.93, 0.13), paints.trim);
     let foot = cuboid(vec3(-0.5 * width, -0.02, -0.12), vec3(0.5 * width, 0.1, 0.12), paints.trim);
     let mut parapet = rail.and(foot);
     let reach = 0.5 * width - 0.11;
     parapet.push_at(
-        &baluster(0.72, 0.085, 10, paints.trim),
-        along(vec3(-reach, 0.09, 0.0), vec3(reach, 0.09, 0.0), 5),
+        &baluster(0.72, 0.085, 6, paints.trim),
+        along(vec3(-reach, 0.09, 0.0), vec3(reach, 0.09, 0.0), 4),
     );
-    let opening = Opening { middle: 0.0, half: 0.6, sill: SPRING, spring: SPRING, rise: 0.6, steps: 14 };
+    let opening = Opening { middle: 0.0, half: 0.6, sill: SPRING, spring: SPRING, rise: 0.6, steps: 10 };
     let wall = 0.7 * HALF_WALL;
     let panel = Panel {
         min: vec2(-0.5 * half_bay, SPRING),
         max: vec2(0.5 * half_bay, TOP - 0.02),
         depth: [-wall, wall],
     };
-    let profile: Vec<Vec2> = [[-0.015, -0.04], [0.15, -0.04], [0.15, 0.03], [0.11, 0.05], [-0.015, 0.03]]
+    let profile: Vec<Vec2> = [[-0.015, -0.04], [0.15, -0.04], [0.15, 0.05], [-0.015, 0.03]]
         .map(|p| vec2(p[0], p[1]))
         .to_vec();
     let half_of_bay = pierced(&panel, &opening, paints.wall)
@@ -68,7 +68,7 @@ pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
 /// Windows with closed shutters, and beams under the ceiling.
 fn back_wall(paints: &Paints, bays: u32) -> Part {
     let mut all = Part::default();
-    let opening = Opening { middle: 0.0, half: 0.55, sill: 1.2, spring: 2.3, rise: 0.55, steps: 12 };
+    let opening = Opening { middle: 0.0, half: 0.55, sill: 1.2, spring: 2.3, rise: 0.55, steps: 8 };
     let profile: Vec<Vec2> = [[0.0, -0.05], [0.2, -0.05], [0.2, 0.05], [0.14, 0.09], [0.0, 0.09]]
         .map(|p| vec2(p[0], p[1]))
         .to_vec();
@@ -77,9 +77,9 @@ fn back_wall(paints: &Paints, bays: u32) -> Part {
         .and(opening.filling(0.05, [-0.05, 0.02], paints.door))
         .and(straight(-0.85, 0.85, &strip(vec2(-0.05, 1.08), vec2(0.18, 1.2)), paints.trim));
     // Slats of the shutters.
-    let slat = bevelled(vec3(-0.24, -0.02, 0.0), vec3(0.24, 0.02, 0.045), 0.008, paints.door);
+    let slat = cuboid(vec3(-0.24, -0.05, 0.0), vec3(0.24, 0.05, 0.045), paints.door);
     for side in [-0.27, 0.27] {
-        window.push_at(&slat, along(vec3(side, 1.28, 0.0), vec3(side, 2.24, 0.0), 13));
+        window.push_at(&slat, along(vec3(side, 1.3, 0.0), vec3(side, 2.22, 0.0), 7));
     }
     all.push_at(&window, bay_middles(bays).map(|x| vec3(x, UPPER, -DEPTH)));
     let beam = cuboid(vec3(-0.09, -0.26, -DEPTH - 0.05), vec3(0.09, 0.02, -0.1), paints.timber);

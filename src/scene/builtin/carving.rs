@@ -52,9 +52,8 @@ pub(super) fn carved_column(column: &Column, flutes: u32, [segments, rings]: [u3
         let volute = 0.2 * ramp(0.72, 0.86, t) * ramp(1.0, 0.93, t) * ramp(0.4, 0.95, (2.0 * angle).sin().abs());
         1.0 + lower.max(upper).max(volute)
     };
-    let shaft = Column { segments: 4 * flutes, ..*column };
-    shaft
-        .shaft(fluted)
+    column
+        .shaft(4 * flutes, fluted)
         .and(lathe_shaped(&bell, segments, column.materials[1], carved))
         .and(column.abacus())
 }
@@ -92,7 +91,7 @@ pub(super) fn medallion(radius: f32, [segments, rings]: [u32; 2], material: u32)
     all_rings.extend((1..=rings).rev().map(|i| ring(i as f32 / rings as f32, None)));
     all_rings.push(ring(0.0, None));
     // x goes inwards from the rim.
-    let profile = [[0.0, -0.05], [0.24, -0.05], [0.24, 0.12], [0.15, 0.1], [0.08, 0.16], [0.0, 0.08]];
+    let profile = [[0.0, -0.08], [0.24, -0.08], [0.24, 0.12], [0.15, 0.1], [0.08, 0.16], [0.0, 0.08]];
     let rim = way(&circle(Vec2::ZERO, 1.2 * radius, 64), true);
     let frame = sweep(&profile.map(|p| vec2(p[0], p[1]) * radius), &rim, Ends::Joined, material);
     loft_open(&all_rings, material).and(frame)

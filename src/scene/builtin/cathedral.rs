@@ -8,7 +8,7 @@ use super::cathedral_ends as ends;
 use super::cathedral_windows::{self as windows, lancet};
 use super::palette::Palette;
 use super::part::Part;
-use super::paths::{arc, strip};
+use super::paths::strip;
 use super::shapes::{cuboid, lathe, lathe_shaped};
 use super::stone::{ASHLAR, LIMESTONE, MARBLE_FLOOR, PLASTER, STAINED_GLASS, TERRACOTTA, WHITE_MARBLE};
 use super::textile::CARPET;
@@ -114,7 +114,8 @@ fn floor(paints: &Paints) -> Part {
     for uv in carpet.pieces.iter_mut().flat_map(|piece| &mut piece.uvs) {
         uv.x *= 2.6 / (2.0 * half);
     }
-    cuboid(vec3(-end, -0.4, -split), vec3(end, 0.0, split), paints.floor)
+    let east = HALF_LENGTH + NAVE + 1.4;
+    cuboid(vec3(-end, -0.4, -split), vec3(east, 0.0, split), paints.floor)
         .and(aisle(split, AISLE + 0.5))
         .and(aisle(-AISLE - 0.5, -split))
         .and(carpet.turned(-90.0, vec3(0.0, 0.0, -half)))
@@ -138,7 +139,7 @@ fn pier(paints: &Paints) -> Part {
     profile.extend(points(&[[1.07, 4.05], [1.0, 4.1], [1.04, 4.25], [1.18, 4.38], [1.2, 4.44]]));
     let octagon = |list: &[[f32; 2]]| lathe(&points(list), 8, paints.trim).turned(22.5, Vec3::ZERO);
     octagon(&[[0.98, -0.02], [0.98, 0.26], [0.92, 0.34], [0.9, 0.38]])
-        .and(lathe_shaped(&profile, 48, paints.trim, |angle, _| cluster(angle)))
+        .and(lathe_shaped(&profile, 32, paints.trim, |angle, _| cluster(angle)))
         .and(octagon(&[[0.84, 4.42], [0.9, 4.48], [0.9, PIER + 0.04], [0.84, PIER + 0.1]]))
 }
 
@@ -158,14 +159,14 @@ fn arcade(paints: &Paints) -> Part {
 }
 
 fn arcade_bay(paints: &Paints) -> Part {
-    let opening = Opening { middle: 0.0, half: 1.9, sill: PIER, spring: PIER, rise: 2.7, steps: 24 };
+    let opening = Opening { middle: 0.0, half: 1.9, sill: PIER, spring: PIER, rise: 2.7, steps: 16 };
     let panel = Panel {
         min: vec2(-0.5 * BAY, PIER),
         max: vec2(0.5 * BAY, COURSES[0]),
         depth: [-HALF_WALL, HALF_WALL],
     };
-    let profile = points(&[[-0.16, -0.32], [0.3, -0.32], [0.3, 0.02], [0.24, 0.07], [0.17, 0.02], [0.06, 0.0], [0.0, -0.1], [-0.1, -0.12]]);
-    let back: Vec<Vec2> = profile.iter().rev().map(|p| vec2(p.x, -p.y)).collect();
+    let profile = points(&[[-0.16, -0.32], [0.3, -0.32], [0.3, 0.06], [0.17, 0.04], [0.0, -0.1], [-0.12, -0.14]]);
+    let back = points(&[[-0.16, -0.06], [0.3, -0.06], [0.3, 0.34], [-0.16, 0.34]]);
     pierced(&panel, &opening, paints.wall)
         .and(opening.moulding(&profile, HALF_WALL, paints.trim))
         .and(opening.moulding(&back, -HALF_WALL, paints.trim))
@@ -178,7 +179,7 @@ fn blind_arches(paints: &Paints) -> Part {
     let mut all = cuboid(vec3(-half, low, -HALF_WALL), vec3(half, high, 0.15), paints.wall);
     let width = BAY / 4.0;
     let opening =
-        Opening { middle: 0.0, half: 0.4, sill: low + 0.25, spring: low + 0.85, rise: 0.5, steps: 8 };
+        Opening { middle: 0.0, half: 0.4, sill: low + 0.25, spring: low + 0.85, rise: 0.5, steps: 6 };
     let panel =
         Panel { min: vec2(-0.5 * width, low), max: vec2(0.5 * width, high), depth: [0.15, HALF_WALL] };
     let arch = pierced(&panel, &opening, paints.trim);
@@ -190,10 +191,10 @@ fn blind_arches(paints: &Paints) -> Part {
 fn wall_shaft(paints: &Paints) -> Part {
     let head = SPRING;
     let mut profile = points(&[[0.19, PIER + 0.02], [0.19, PIER + 0.12]]);
-    profile.extend(arc(vec2(0.17, PIER + 0.16), 0.04, [-90.0, 90.0], 3));
+    profile.push(vec2(0.21, PIER + 0.16));
     profile.extend(points(&[[0.13, PIER + 0.22], [0.13, head - 0.5], [0.17, head - 0.46], [0.14, head - 0.4]]));
-    profile.extend(points(&[[0.16, head - 0.25], [0.25, head - 0.1], [0.27, head - 0.08], [0.27, head + 0.03]]));
-    lathe(&profile, 16, paints.trim)
+    profile.extend(points(&[[0.16, head - 0.25], [0.27, head - 0.09], [0.27, head + 0.03]]));
+    lathe(&profile, 10, paints.trim)
 }
 
 const RIB: [[f32; 2]; 6] =
@@ -204,16 +205,16 @@ fn rib() -> Vec<Vec2> {
 }
 
 fn nave_vault(paints: &Paints) -> Part {
-    let vault = Vault { half: vec2(0.5 * BAY, NAVE), spring: SPRING, rise: RISE, point: 1.25, steps: 16 };
+    let vault = Vault { half: vec2(0.5 * BAY, NAVE), spring: SPRING, rise: RISE, point: 1.25, steps: 12 };
     let broad = strip(vec2(-0.22, -0.2), vec2(0.22, 0.1));
     let boss = lathe(&points(&[[0.12, -0.34], [0.24, -0.28], [0.3, -0.16], [0.3, 0.1]]), 20, paints.gold);
     let bay = vault
-        .block(TOP, paints.vault)
-        .and(vault.groin_ribs(&rib(), 20, paints.trim))
+        .block(TOP + 0.05, paints.vault)
+        .and(vault.groin_ribs(&rib(), 16, paints.trim))
         .and(boss.at(Vec3::Y * (SPRING + RISE)));
     let mut all = Part::default();
     all.push_at(&bay, bay_middles().map(|x| Vec3::X * x));
-    all.push_at(&vault.cross_rib(&broad, 24, paints.trim), bay_edges().map(|x| Vec3::X * x));
+    all.push_at(&vault.cross_rib(&broad, 20, paints.trim), bay_edges().map(|x| Vec3::X * x));
     all
 }
 
@@ -221,7 +222,7 @@ fn nave_vault(paints: &Paints) -> Part {
 fn aisle(paints: &Paints) -> Part {
     let depth = AISLE - NAVE;
     let vault =
-        Vault { half: vec2(0.5 * BAY, 0.5 * depth), spring: PIER - 0.1, rise: 2.75, point: 1.2, steps: 12 };
+        Vault { half: vec2(0.5 * BAY, 0.5 * depth), spring: PIER - 0.1, rise: 2.75, point: 1.2, steps: 8 };
     let bay = vault.block(AISLE_TOP - 0.1, paints.vault).and(vault.groin_ribs(&rib(), 12, paints.trim));
     let middle = vec3(0.0, 0.0, -0.5 * (NAVE + AISLE));
     let mut all = Part::default();
@@ -237,7 +238,7 @@ fn aisle(paints: &Paints) -> Part {
     let window = lancet(paints, &panel, &opening);
     let respond = lathe(
         &points(&[[0.42, -0.02], [0.42, 0.3], [0.34, 0.36], [0.3, 0.42], [0.24, 0.5], [0.24, 4.0], [0.28, 4.04], [0.25, 4.1], [0.36, 4.36], [0.4, 4.4], [0.4, 4.64]]),
-        16,
+        10,
         paints.trim,
     );
     all.push_at(&window, bay_middles().map(|x| vec3(x, 0.0, -AISLE)));

@@ -24,10 +24,10 @@ pub(super) fn west(paints: &Paints) -> Part {
     let lower = Panel { min: vec2(-NAVE, -0.1), max: vec2(NAVE, 6.6), depth };
     let upper = Panel { min: vec2(-NAVE, 6.6), max: vec2(NAVE, TOP), depth };
     let door = Opening { middle: 0.0, half: 1.35, sill: -0.1, spring: 2.6, rise: 1.9, steps: 24 };
-    let order = points(&[[0.0, -0.1], [0.2, -0.1], [0.2, 0.1], [0.12, 0.16], [0.04, 0.1], [0.0, 0.1]]);
+    let order = points(&[[-0.02, -0.1], [0.2, -0.1], [0.2, 0.1], [0.12, 0.16], [0.04, 0.1], [-0.02, 0.1]]);
     let mut wall = pierced(&lower, &door, paints.wall)
         .and(door.moulding(&order, 0.0, paints.trim))
-        .and(door.moulding(&order.iter().map(|p| vec2(p.x - 0.17, p.y - 0.22)).collect::<Vec<_>>(), 0.0, paints.trim))
+        .and(door.moulding(&order.iter().map(|p| vec2(p.x - 0.17, p.y - 0.23)).collect::<Vec<_>>(), 0.0, paints.trim))
         .and(rose(paints, &upper, vec2(0.0, 10.1), 2.1));
     wall.push(door.filling(0.05, [-0.62, -0.5], paints.door));
     for side in [-1.0f32, 1.0] {
@@ -82,7 +82,7 @@ fn apse(paints: &Paints) -> Part {
     let mut all = Part::default();
     let side = apse_corner(0).distance(apse_corner(1));
     let panel = Panel {
-        min: vec2(-0.5 * side, -0.1),
+        min: vec2(-0.5 * side, -0.2),
         max: vec2(0.5 * side, SPRING + 0.1),
         depth: [-0.5, 0.0],
     };
@@ -112,7 +112,7 @@ fn meridian(share: f32) -> Vec2 {
 fn half_dome(paints: &Paints) -> Part {
     const STEPS: u32 = 12;
     let inner = (0..=STEPS).map(|i| if i == STEPS { vec2(0.0, SPRING + RISE) } else { meridian(i as f32 / STEPS as f32) });
-    let mut profile = vec![vec2(NAVE + 0.5, SPRING), vec2(NAVE + 0.5, TOP), vec2(0.0, TOP)];
+    let mut profile = vec![vec2(NAVE + 0.5, SPRING), vec2(NAVE + 0.5, TOP + 0.1), vec2(0.0, TOP + 0.1)];
     let mut inside: Vec<Vec2> = inner.collect();
     inside.reverse();
     profile.extend(&inside);
@@ -125,7 +125,7 @@ fn half_dome(paints: &Paints) -> Part {
     let mut all = sweep(&profile, &slices, Ends::Capped, paints.vault);
     let rib = points(&[[0.12, -0.08], [0.12, 0.06], [0.05, 0.2], [-0.05, 0.2], [-0.12, 0.06], [-0.12, -0.08]]);
     for frame in &slices[1..SIDES as usize] {
-        let sideways = frame.right.cross(Vec3::Y);
+        let sideways = Vec3::Y.cross(frame.right);
         let foot = |i: u32| {
             let share = (i as f32 / STEPS as f32).min(0.985);
             let place = meridian(share);
@@ -150,6 +150,7 @@ fn choir(paints: &Paints) -> Part {
     let half = 3.72;
     for (i, from) in [15.9f32, 16.3, 16.7].into_iter().enumerate() {
         let top = 0.15 * (i + 1) as f32;
+        let half = half - 0.02 * i as f32;
         all.push(bevelled(vec3(from, top - 0.3, -half), vec3(end, top, half), 0.015, paints.marble));
     }
     let altar = vec3(HALF_LENGTH + 2.6, CHOIR, 0.0);

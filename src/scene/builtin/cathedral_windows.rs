@@ -36,7 +36,7 @@ fn tracery(line: &[Vec2], closed: bool, material: u32) -> Part {
 
 /// A bay of the wall above the string course at `from`: two lights and a circle under one pointed arch.
 pub(super) fn clerestory(paints: &Paints, from: f32) -> Part {
-    let opening = Opening { middle: 0.0, half: 1.05, sill: from + 0.5, spring: 12.0, rise: 1.4, steps: 20 };
+    let opening = Opening { middle: 0.0, half: 1.05, sill: from + 0.5, spring: 12.0, rise: 1.4, steps: 14 };
     let panel = Panel {
         min: vec2(-0.5 * BAY, from),
         max: vec2(0.5 * BAY, TOP),
@@ -44,18 +44,18 @@ pub(super) fn clerestory(paints: &Paints, from: f32) -> Part {
     };
     let mut window = lancet(paints, &panel, &opening);
     let plane = Vec3::Z * 0.1;
-    for side in [-1.0, 1.0] {
+    for side in [-1.0f32, 1.0] {
         let light = Opening {
             middle: side * 0.52,
             half: 0.48,
             sill: opening.sill,
             spring: 11.6,
             rise: 0.75,
-            steps: 12,
+            steps: 8,
         };
-        window.push(tracery(&light.outline(0.0), false, paints.trim).at(plane));
+        window.push(tracery(&light.outline(0.0), false, paints.trim).at(plane + Vec3::Z * (0.01 * side)));
     }
-    window.push(tracery(&circle(vec2(0.0, 12.62), 0.36, 20), true, paints.trim).at(plane));
+    window.push(tracery(&circle(vec2(0.0, 12.62), 0.36, 14), true, paints.trim).at(plane + Vec3::Z * 0.02));
     window
 }
 
@@ -72,10 +72,12 @@ pub(super) fn rose(paints: &Paints, panel: &Panel, middle: Vec2, radius: f32) ->
     for i in 0..12 {
         let turn = Vec2::from_angle(std::f32::consts::TAU * i as f32 / 12.0);
         let spoke = [turn * 0.3 * radius, turn * 0.78 * radius];
-        all.push(tracery(&spoke, false, paints.trim).at(plane));
+        all.push(tracery(&spoke, false, paints.trim).at(plane - Vec3::Z * 0.015));
         let between = Vec2::from_angle(std::f32::consts::TAU * (i as f32 + 0.5) / 12.0);
         let petal = circle(between * 0.79 * radius, 0.19 * radius, 14);
-        all.push(tracery(&petal, true, paints.trim).at(plane));
+        // Neighbours touch; their faces do not lie on each other.
+        let lifted = 0.012 * (1 + i % 2) as f32;
+        all.push(tracery(&petal, true, paints.trim).at(plane + Vec3::Z * lifted));
     }
     all
 }

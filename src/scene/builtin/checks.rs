@@ -2,7 +2,7 @@
 //!
 //! In: the pieces of a model. Out: what is wrong with them, one line each.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -124,7 +124,7 @@ struct Face {
 }
 
 /// Places where two faces of the same direction lie on each other, so that nobody can say which is seen; not those
-/// inside of another solid.
+/// inside of another solid. One place for each two pieces.
 pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
     let mut faces = Vec::new();
     let mut planes: HashMap<[i64; 4], Vec<usize>> = HashMap::new();
@@ -138,7 +138,7 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
     }
     let solids: Vec<Solid> =
         pieces.iter().filter(|piece| solid(piece).is_ok()).map(Solid::of).collect();
-    let mut found = Vec::new();
+    let (mut found, mut named) = (Vec::new(), HashSet::new());
     for (first, face) in faces.iter().enumerate() {
         let here = cell(face.normal, face.normal.dot(face.corners[0]));
         for step in 0..81 {
@@ -146,8 +146,12 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
             let there = std::array::from_fn(|i| here[i] + offset[i]);
             for &second in planes.get(&there).into_iter().flatten().filter(|second| **second > first) {
                 let Some((area, middle)) = overlap(face, &faces[second]) else { continue };
+                if named.contains(&(face.piece, faces[second].piece)) {
+                    continue;
+                }
                 let before = middle + face.normal * 2.0 * TOUCHING;
                 if !solids.iter().any(|solid| solid.contains(before)) {
+                    named.insert((face.piece, faces[second].piece));
                     found.push(format!(
                         "pieces {} and {} share {area:.5} m^2 near {middle:.3}, normal {:.2}",
                         face.piece, faces[second].piece, face.normal

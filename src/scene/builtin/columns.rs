@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 
 use super::part::Part;
 use super::paths::arc;
-use super::shapes::{bevelled, lathe, lathe_shaped};
+use super::shapes::{cuboid, lathe, lathe_shaped};
 
 /// A column with base and capital.
 #[derive(Clone, Copy, Debug)]
@@ -22,15 +22,19 @@ pub(super) struct Column {
 }
 
 /// A square plate of side 2 x `half` between two heights.
-pub(super) fn plate(half: f32, [from, to]: [f32; 2], material: u32) -> Part {
-    let bevel = 0.12 * (to - from).min(half);
-    bevelled(vec3(-half, from, -half), vec3(half, to, half), bevel, material)
+fn plate(half: f32, [from, to]: [f32; 2], material: u32) -> Part {
+    cuboid(vec3(-half, from, -half), vec3(half, to, half), material)
 }
 
 impl Column {
     /// Height of the plate under the base, and of the plate on the capital.
     fn plates(&self) -> [f32; 2] {
         [0.45 * self.radius, 0.4 * self.radius]
+    }
+
+    /// Segments of a round moulding, fewer where there are few around.
+    fn steps(&self) -> u32 {
+        (self.segments / 8).clamp(2, 5)
     }
 
     fn capital_height(&self) -> f32 {
@@ -48,37 +52,35 @@ impl Column {
         let [_, on_top] = self.plates();
         let (foot, head) = (self.capital_foot(), self.height - on_top);
         let mut bell = vec![vec2(0.8 * r, foot - 0.02)];
-        bell.extend(arc(vec2(0.9 * r, foot + 0.09 * r), 0.09 * r, [-90.0, 90.0], 4));
-        bell.push(vec2(0.86 * r, foot + 0.25 * r));
-        bell.push(vec2(0.92 * r, foot + 0.9 * r));
-        bell.push(vec2(1.08 * r, foot + 1.35 * r));
-        bell.push(vec2(1.32 * r, foot + 1.68 * r));
-        bell.extend(arc(vec2(1.34 * r, head - 0.11 * r), 0.1 * r, [-60.0, 60.0], 3));
+        bell.extend(arc(vec2(0.9 * r, foot + 0.09 * r), 0.09 * r, [-90.0, 90.0], self.steps()));
+        bell.extend([[0.9, 0.8], [1.08, 1.35], [1.36, 1.68]].map(|p| vec2(p[0] * r, foot + p[1] * r)));
+        bell.push(vec2(1.38 * r, head - 0.06 * r));
         bell.push(vec2(1.2 * r, head + 0.01));
-        self.shaft(|_, _| 1.0).and(lathe(&bell, self.segments, self.materials[1])).and(self.abacus())
+        self.shaft(self.segments, |_, _| 1.0).and(lathe(&bell, self.segments, self.materials[1])).and(self.abacus())
     }
 
-    /// Plate, base and shaft up to the capital; `shape` multiplies the radius of the shaft.
-    pub fn shaft(&self, shape: impl Fn(f32, f32) -> f32) -> Part {
+    /// Plate, base and shaft up to the capital; `shape` multiplies the radius of the shaft, which has
+    /// `segments` of its own.
+    pub fn shaft(&self, segments: u32, shape: impl Fn(f32, f32) -> f32) -> Part {
         let r = self.radius;
         let [under, _] = self.plates();
         let [stone, trim] = self.materials;
         let mut base = vec![vec2(1.3 * r, under - 0.02)];
-        base.extend(arc(vec2(1.22 * r, under + 0.17 * r), 0.17 * r, [-80.0, 90.0], 5));
-        base.extend(arc(vec2(1.3 * r, under + 0.48 * r), 0.14 * r, [250.0, 110.0], 3));
-        base.extend(arc(vec2(1.1 * r, under + 0.72 * r), 0.11 * r, [-70.0, 90.0], 4));
+        base.extend(arc(vec2(1.22 * r, under + 0.17 * r), 0.17 * r, [-80.0, 90.0], self.steps()));
+        base.push(vec2(1.12 * r, under + 0.48 * r));
+        base.extend(arc(vec2(1.1 * r, under + 0.72 * r), 0.11 * r, [-70.0, 90.0], self.steps()));
         base.push(vec2(1.0 * r, under + 0.86 * r));
         let (from, to) = (under + 0.8 * r, self.capital_foot() + 0.1 * r);
         // The shaft swells a little and tapers to the top.
-        let profile: Vec<Vec2> = (0..=6)
+        let profile: Vec<Vec2> = (0..=3)
             .map(|i| {
-                let t = i as f32 / 6.0;
+                let t = i as f32 / 3.0;
                 vec2(r * (1.0 - 0.16 * t * t), from + (to - from) * t)
             })
             .collect();
         plate(1.42 * r, [-0.02, under], trim)
             .and(lathe(&base, self.segments, trim))
-            .and(lathe_shaped(&profile, self.segments, stone, shape))
+            .and(lathe_shaped(&profile, segments, stone, shape))
     }
 
     /// The plate on the capital.
@@ -100,16 +102,10 @@ pub(super) fn pedestal(half: f32, height: f32, material: u32) -> Part {
 pub(super) fn baluster(height: f32, radius: f32, segments: u32, material: u32) -> Part {
     let profile = [
         [0.85, -0.02],
-        [0.85, 0.06],
-        [0.5, 0.1],
-        [0.62, 0.16],
-        [0.98, 0.27],
-        [0.96, 0.38],
-        [0.55, 0.56],
-        [0.4, 0.76],
-        [0.62, 0.86],
-        [0.85, 0.92],
-        [0.85, 1.02],
+        [0.7, 0.09],
+        [1.0, 0.3],
+        [0.42, 0.7],
+        [0.75, 1.02],
     ];
     lathe(&profile.map(|[r, y]| vec2(r * radius, y * height)), segments, material)
 }

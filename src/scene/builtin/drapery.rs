@@ -48,8 +48,8 @@ impl Finery {
 pub(super) fn model(palette: &mut Palette) -> Part {
     let paints = Paints::new(palette);
     let finery = Finery::new(palette);
-    let lower = carved_column(&atrium::lower_column(&paints, 32), 18, [64, 18]);
-    let upper = carved_column(&atrium_upper::column(&paints, 16), 8, [32, 12]);
+    let lower = carved_column(&atrium::lower_column(&paints, 28), 18, [56, 16]);
+    let upper = carved_column(&atrium_upper::column(&paints, 12), 8, [24, 9]);
     let mut all = atrium::building(&paints, [&lower, &upper]);
     for (i, (place, bays)) in sides().into_iter().enumerate() {
         let mut side = curtains(&paints, &finery, bays, i as u32);
@@ -82,7 +82,7 @@ fn curtains(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
             let curtain = Curtain { width: 0.5 * BAY - 0.1, drop: level - STEP - 0.05, seed, material };
             let place = Affine3A::from_translation(middle - vec3(mirror * (reach - 0.05), 0.0, 0.0))
                 * Affine3A::from_scale(vec3(mirror, 1.0, 1.0));
-            all.push(curtain.part([36, 30]).placed(&place));
+            all.push(curtain.part([28, 24]).placed(&place));
             let band = tie(vec2(0.21, 0.15), finery.cord);
             all.push(band.at(middle + vec3(-mirror * (reach - 0.2), -0.58 * curtain.drop, 0.0)));
             all.push(knob.at(middle + vec3(-mirror * (reach - 0.02), 0.02, 0.0)));
@@ -126,7 +126,7 @@ fn greenery(finery: &Finery, bays: u32, side: u32) -> Part {
 fn pots(paints: &Paints, finery: &Finery) -> Part {
     let mut all = Part::default();
     let stand = pedestal(0.3, 0.7, paints.trim);
-    let vessel = vase(0.8, [36, 16], paints.trim);
+    let vessel = vase(0.8, [32, 14], paints.trim);
     let place_of = |x: f32, z: f32| vec3(x * BAY, 0.0, z * (HALF.y - 1.25));
     let places = [[-1.5, -1.0], [1.5, -1.0], [-1.5, 1.0], [1.5, 1.0]].map(|[x, z]| place_of(x, z));
     for (i, place) in places.into_iter().enumerate() {

@@ -23,6 +23,7 @@ mod stone;
 #[cfg(test)]
 mod tests;
 mod textile;
+mod torus;
 mod vault;
 mod walls;
 mod wood;
@@ -40,7 +41,7 @@ pub const NAMES: [&str; 10] =
     ["playroom", "cornell-box", "atrium", "atrium-drapery", "cathedral", "sponza", "sibenik", "conference", "classroom", "living-room"];
 
 /// Names of the models that scene files may ask for as `builtin`.
-pub(super) const MODELS: [&str; 4] = ["cornell-box", "atrium", "atrium-drapery", "cathedral"];
+pub(super) const MODELS: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "two-coloured torus"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -91,12 +92,13 @@ fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
     match name {
         "atrium" => {
             let paints = atrium::Paints::new(palette);
-            let lower = atrium::lower_column(&paints, 24).part();
-            let upper = atrium_upper::column(&paints, 16).part();
+            let lower = atrium::lower_column(&paints, 14).part();
+            let upper = atrium_upper::column(&paints, 8).part();
             Some(atrium::building(&paints, [&lower, &upper]))
         }
         "atrium-drapery" => Some(drapery::model(palette)),
         "cathedral" => Some(cathedral::model(palette)),
+        "two-coloured torus" => Some(torus::model(palette)),
         _ => None,
     }
 }
