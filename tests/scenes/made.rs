@@ -13,6 +13,7 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         ("atrium", 60_000..=70_000),
         ("atrium-drapery", 250_000..=300_000),
         ("cathedral", 70_000..=80_000),
+        ("meeting-room", 280_000..=320_000),
     ] {
         let start = Instant::now();
         let scene = load_scene(name, None).unwrap();

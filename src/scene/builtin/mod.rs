@@ -2,21 +2,26 @@
 //! `scenes/`, which place, light and move such models or those that people download.
 
 mod atrium;
-#[cfg(test)]
-mod checks;
 mod atrium_upper;
 mod carving;
 mod cathedral;
 mod cathedral_ends;
 mod cathedral_windows;
+mod chairs;
+#[cfg(test)]
+mod checks;
 mod cloth;
 mod columns;
 mod cornell;
 mod drapery;
+mod fittings;
+mod furniture;
+mod meeting_room;
 mod noise;
 mod palette;
 mod part;
 mod paths;
+mod pictures;
 mod plants;
 mod shapes;
 mod stone;
@@ -37,11 +42,11 @@ use palette::Palette;
 use part::Part;
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 10] =
-    ["playroom", "cornell-box", "atrium", "atrium-drapery", "cathedral", "sponza", "sibenik", "conference", "classroom", "living-room"];
+pub const NAMES: [&str; 11] =
+    ["playroom", "cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "sponza", "sibenik", "conference", "classroom", "living-room"];
 
 /// Names of the models that scene files may ask for as `builtin`.
-pub(super) const MODELS: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "two-coloured torus"];
+pub(super) const MODELS: [&str; 6] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -50,6 +55,7 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
         "atrium" => Some(include_str!("../../../scenes/atrium.toml")),
         "atrium-drapery" => Some(include_str!("../../../scenes/atrium-drapery.toml")),
         "cathedral" => Some(include_str!("../../../scenes/cathedral.toml")),
+        "meeting-room" => Some(include_str!("../../../scenes/meeting-room.toml")),
         "sponza" => Some(include_str!("../../../scenes/sponza.toml")),
         "sibenik" => Some(include_str!("../../../scenes/sibenik.toml")),
         "conference" => Some(include_str!("../../../scenes/conference.toml")),
@@ -98,6 +104,7 @@ fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
         }
         "atrium-drapery" => Some(drapery::model(palette)),
         "cathedral" => Some(cathedral::model(palette)),
+        "meeting-room" => Some(meeting_room::model(palette)),
         "two-coloured torus" => Some(torus::model(palette)),
         _ => None,
     }

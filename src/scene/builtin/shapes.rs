@@ -244,6 +244,28 @@ pub(super) fn sheet(
     Part::of(mesh)
 }
 
+/// A sheet of that shape and `thickness`, closed all round.
+pub(super) fn sheet_solid(
+    [columns, rows]: [u32; 2],
+    thickness: f32,
+    material: u32,
+    point: impl Fn(Vec2) -> Vec3,
+) -> Part {
+    let at = |column: u32, row: u32| point(vec2(column as f32 / columns as f32, row as f32 / rows as f32));
+    // Across the sheet, in the plane of one row: there and, on the other side, back.
+    let ring = |row: u32| {
+        let (above, below) = (row.saturating_sub(1), (row + 1).min(rows));
+        let place = |column: u32, side: f32| {
+            let (left, right) = (column.saturating_sub(1), (column + 1).min(columns));
+            let normal = (at(right, row) - at(left, row)).cross(at(column, above) - at(column, below));
+            at(column, row) + normal.normalize_or(Vec3::Y) * (side * 0.5 * thickness)
+        };
+        let back = (0..=columns).rev().map(|column| place(column, -1.0));
+        (0..=columns).map(|column| place(column, 1.0)).chain(back).collect::<Vec<_>>()
+    };
+    loft(&(0..=rows).map(ring).collect::<Vec<_>>(), Ends::Capped, material)
+}
+
 /// A superellipsoid about the origin: a ball at exponent 1, nearly a box of size 2 x `half` near 0.
 pub(super) fn cushion(half: Vec3, exponent: f32, [segments, rings]: [u32; 2], material: u32) -> Part {
     let power = |value: f32| value.abs().powf(exponent).copysign(value);

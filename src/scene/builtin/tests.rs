@@ -4,7 +4,7 @@ use super::*;
 const SHEETS: [&str; 5] = ["red cloth", "green cloth", "blue cloth", "leaf", "ivy"];
 
 /// Models that are made of solids and sheets.
-const MADE: [&str; 3] = ["atrium", "atrium-drapery", "cathedral"];
+const MADE: [&str; 5] = ["atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
 fn pieces(name: &str) -> (Part, Vec<Material>) {
     let mut palette = Palette::default();
