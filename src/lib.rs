@@ -7,6 +7,7 @@
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
+//! - [`statistics`]: what many measurements amount to.
 //! - [`report`]: what was measured of each frame.
 //! - [`output`]: pictures and reports on disk.
 //! - [`metrics`]: how far a picture is from its reference.
@@ -14,12 +15,16 @@
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
 //! - [`reference`]: the ground truth, by path tracing on the CPU.
+//! - [`dataset`]: pictures for denoisers.
 //! - [`export`]: scenes for another renderer.
+//! - [`bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
+pub mod bench;
 pub mod bvh;
 pub mod cli;
+pub mod dataset;
 pub mod demo;
 pub mod export;
 mod memory;
@@ -33,5 +38,6 @@ pub mod report;
 mod sampling;
 pub mod scene;
 pub mod settings;
+pub mod statistics;
 pub mod vpl;
 pub mod vulkan;

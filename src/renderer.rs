@@ -26,9 +26,10 @@ use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, percentile};
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes};
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
 use crate::settings::{Settings, TracerKind};
+use crate::statistics::percentile;
 use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use passes::{PassInputs, Passes};
@@ -80,6 +81,7 @@ struct Lengths {
 }
 
 /// A scene with what can be worked out without a device, on any thread.
+#[derive(Clone)]
 pub struct PreparedScene {
     scene: Arc<Scene>,
     bvh: TwoLevelBvh,

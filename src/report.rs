@@ -1,9 +1,12 @@
 //! What was measured, frame by frame, and the JSON report of `render`.
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::settings::Settings;
+use crate::statistics::percentile;
 use crate::vpl::{InvalidatedBy, InvalidationReason, VplCounters};
 
 /// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
@@ -21,23 +24,45 @@ pub const PASS_NAMES: [&str; 10] = [
     "combine",
 ];
 
+/// The colour of each pass in plots, sRGB: reds on the CPU, yellow to green for direct light, blues for indirect.
+pub const PASS_COLOURS: [[u8; 3]; PASS_NAMES.len()] = [
+    [140, 86, 75],
+    [214, 95, 95],
+    [242, 142, 43],
+    [237, 201, 72],
+    [182, 153, 45],
+    [89, 161, 79],
+    [31, 111, 180],
+    [98, 182, 222],
+    [148, 103, 189],
+    [227, 119, 194],
+];
+
 /// The commit that the program was built from, or `unknown` outside a git checkout.
 pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
     Some(commit) => commit,
     None => "unknown",
 };
 
-/// Milliseconds of each pass, in the order of [`PASS_NAMES`]; written as a map from name to time.
+/// One thing for each pass, in the order of [`PASS_NAMES`]; written as a map from name to thing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassTimes(pub [f64; PASS_NAMES.len()]);
+pub struct PerPass<Thing>(pub [Thing; PASS_NAMES.len()]);
 
-impl Serialize for PassTimes {
+/// Milliseconds of each pass.
+pub type PassTimes = PerPass<f64>;
+
+impl<Thing: Serialize> Serialize for PerPass<Thing> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(PASS_NAMES.len()))?;
-        for (name, milliseconds) in PASS_NAMES.iter().zip(self.0) {
-            map.serialize_entry(name, &milliseconds)?;
-        }
-        map.end()
+        serializer.collect_map(PASS_NAMES.iter().zip(&self.0))
+    }
+}
+
+impl<'de, Thing: Deserialize<'de>> Deserialize<'de> for PerPass<Thing> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut map = BTreeMap::<String, Thing>::deserialize(deserializer)?;
+        let take = |name| map.remove(name).ok_or_else(|| D::Error::missing_field(name));
+        let things = PASS_NAMES.into_iter().map(take).collect::<Result<Vec<_>, _>>()?;
+        things.try_into().map(Self).map_err(|_| D::Error::custom("not one for each pass"))
     }
 }
 
@@ -127,18 +152,6 @@ impl RenderReport {
     }
 }
 
-/// The smallest of `values` that at least the share `quantile` (0 to 1) of them does not exceed
-/// (nearest rank, so it is always one of the values); none if there are none.
-pub fn percentile<Value: Copy + PartialOrd>(
-    values: impl IntoIterator<Item = Value>,
-    quantile: f64,
-) -> Option<Value> {
-    let mut values: Vec<_> = values.into_iter().collect();
-    values.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    let rank = (quantile * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied()
-}
-
 fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
     let figure =
         |get: fn(&FrameFigures) -> f64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
@@ -176,19 +189,6 @@ fn invalidated_by_at(frames: &[FrameReport], quantile: f64) -> Option<Invalidate
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percentiles_are_nearest_ranks() {
-        let tenths = (1..=10).rev().map(f64::from);
-        assert_eq!(percentile(tenths.clone(), 0.0), Some(1.0));
-        assert_eq!(percentile(tenths.clone(), 0.5), Some(5.0));
-        assert_eq!(percentile(tenths.clone(), 0.95), Some(10.0));
-        assert_eq!(percentile(tenths, 1.0), Some(10.0));
-        assert_eq!(percentile(1..=100, 0.95), Some(95));
-        assert_eq!(percentile([3, 1, 2], 0.5), Some(2));
-        assert_eq!(percentile([7], 0.95), Some(7));
-        assert_eq!(percentile([0u8; 0], 0.5), None);
-    }
 
     fn frame(number: u64) -> FrameReport {
         let mut passes = PassTimes::default();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::render::progress_bar;
+use super::progress::frames_bar;
 use super::{CliError, compare_text, say};
 use crate::metrics::{
     CompareOptions, Comparison, Encoding, Exposures, Image, MetricsError, PixelError, Sequence,
@@ -13,7 +13,7 @@ use crate::metrics::{
 };
 use crate::output::{NumberedPath, OutputFile};
 use crate::plot::{Heatmap, PlotFile, round_limit, short};
-use crate::report::percentile;
+use crate::statistics::percentile;
 
 /// What is compared in which units, after the options.
 const HELP: &str = "\
@@ -190,7 +190,7 @@ impl<'a> Job<'a> {
             block_side: self.arguments.blocks as usize,
         };
         let mut sequence = Sequence::new(options, still.is_some());
-        let progress = progress_bar(self.frames.end() - self.frames.start() + 1);
+        let progress = frames_bar(self.frames.end() - self.frames.start() + 1);
         let mut last = None;
         for frame in self.frames.clone() {
             let image = self.read_image(frame)?;

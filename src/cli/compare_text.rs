@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::compare::CompareReport;
 use crate::metrics::{Encoding, FrameMetrics, Metrics};
-use crate::plot::{Curves, Line, Panel, short};
+use crate::plot::{Axis, Curves, Line, Panel, short};
 
 /// A figure of one frame; none where the frame has none.
 type Figure = fn(&FrameMetrics) -> Option<f64>;
@@ -79,10 +79,9 @@ pub(super) fn curves(report: &CompareReport) -> Curves {
     let line = |name: &str, figure: Figure| {
         let frames = report.metrics.frames.iter();
         let points: Vec<_> = frames.filter_map(|f| Some((f.frame as f64, figure(f)?))).collect();
-        Line { name: name.to_owned(), points }
+        Line { name: name.to_owned(), points, ..Line::default() }
     };
-    let panel =
-        |title: &str, figure: Figure| Panel { title: title.to_owned(), lines: vec![line("", figure)] };
+    let panel = |title: &str, figure: Figure| Panel::linear(title, vec![line("", figure)]);
     let flip = if report.flip_exposures.is_some() { "HDR-FLIP" } else { "FLIP" };
     let mut temporal = panel("temporal error", |f| f.temporal_error);
     if report.metrics.reference_temporal_error.is_some() {
@@ -91,7 +90,7 @@ pub(super) fn curves(report: &CompareReport) -> Curves {
     }
     Curves {
         title: format!("{} against {}", report.image, report.reference),
-        x_label: "frame".to_owned(),
+        x: Axis::linear("frame"),
         panels: vec![
             panel("RMSE", |f| Some(f.metrics.rmse)),
             panel("relative MSE", |f| Some(f.metrics.relmse)),
@@ -102,5 +101,6 @@ pub(super) fn curves(report: &CompareReport) -> Curves {
             panel("relative error of luminance, 95th percentile", |f| Some(f.metrics.p95_relative_error)),
             temporal,
         ],
+        ..Curves::default()
     }
 }

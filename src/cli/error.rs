@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::bench::BenchError;
+use crate::dataset::DatasetError;
 use crate::export::ExportError;
 use crate::metrics::MetricsError;
 use crate::output::OutputError;
@@ -50,6 +52,20 @@ pub enum CliError {
     /// The scene cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A data set cannot be rendered.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// A benchmark failed.
+    #[error("{0}")]
+    Bench(BenchError),
+    /// Something has become slower.
+    #[error("--against {path}: {slower} {} slower beyond noise", if *.slower == 1 { "time is" } else { "times are" })]
+    Regression {
+        /// The earlier report.
+        path: String,
+        /// How many times.
+        slower: usize,
+    },
     /// The window could not be opened or was lost.
     #[error("{0}")]
     Window(String),
@@ -90,6 +106,21 @@ pub enum CliError {
     StandardOutput(std::io::Error),
 }
 
+impl From<BenchError> for CliError {
+    /// What other commands fail with too reads the same.
+    fn from(error: BenchError) -> Self {
+        match error {
+            BenchError::Scene(error) => error.into(),
+            BenchError::Settings { scene, error } => Self::Settings { scene, error },
+            BenchError::Render(error) => error.into(),
+            BenchError::Output(error) => error.into(),
+            BenchError::Plot(error) => error.into(),
+            BenchError::Metrics(error) => error.into(),
+            other => Self::Bench(other),
+        }
+    }
+}
+
 impl CliError {
     /// A command line that clap refuses, in one line.
     pub(super) fn usage(error: &clap::Error) -> Self {
@@ -103,9 +134,10 @@ impl CliError {
         Self::Usage(format!("{}; see glowworm --help", message.trim_start_matches("error: ")))
     }
 
-    /// 2 for wrong usage, 1 for everything else.
+    /// 2 for wrong usage, 3 for something that has become slower, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         let is_usage = match self {
+            Self::Regression { .. } => return 3,
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
@@ -116,6 +148,8 @@ impl CliError {
             | Self::Render(_)
             | Self::Reference(_)
             | Self::Export(_)
+            | Self::Bench(_)
+            | Self::Dataset(_)
             | Self::Window(_)
             | Self::Resume { .. }
             | Self::Interrupted { .. }

@@ -106,11 +106,7 @@ impl ExportOptions {
             frame: self.frame,
             time: self.frame as f64 * settings.time_step,
             size: settings.size,
-            bounces: match self.bounces {
-                Some(Bounces::Limited(limit)) => Some(limit),
-                Some(Bounces::Unlimited) => None,
-                None => Some(settings.bounces),
-            },
+            bounces: self.bounces.map_or(Some(settings.bounces), Bounces::limit),
             spp: self.spp,
             specular: self.specular,
         };

@@ -1,15 +1,18 @@
 //! The command line: from arguments to a subcommand, and from its outcome to an exit code.
 //!
-//! Exit codes: 0 done; 1 failed; 2 wrong usage. A failure is one line on standard error.
+//! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
 
+mod bench;
 mod compare;
 mod compare_text;
+mod dataset;
 mod demo;
 mod device;
 mod error;
 mod export;
 mod info;
 mod options;
+mod progress;
 mod reference;
 mod render;
 mod say;
@@ -46,8 +49,12 @@ enum Command {
     Demo(demo::DemoOptions),
     /// Render a scene to a picture or a sequence of pictures.
     Render(render::RenderOptions),
+    /// Measure frame times across settings, report them, compare them with an earlier report.
+    Bench(bench::BenchOptions),
     /// Path trace a scene on the CPU: the ground truth.
     Reference(reference::ReferenceOptions),
+    /// Path trace noisy and clean pictures of an animation, with features, for denoisers.
+    Dataset(dataset::DatasetOptions),
     /// Export a scene at one frame for another renderer.
     Export(export::ExportOptions),
     /// Compare a picture or a sequence with its reference.
@@ -74,7 +81,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     match arguments.command {
         Some(Command::Demo(options)) => demo::demo(options, &given),
         Some(Command::Render(options)) => render::render(&options, &given),
+        Some(Command::Bench(options)) => bench::bench(&options, &given),
         Some(Command::Reference(options)) => reference::reference(&options),
+        Some(Command::Dataset(options)) => dataset::dataset(&options),
         Some(Command::Export(options)) => export::export(&options),
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),

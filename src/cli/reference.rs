@@ -1,16 +1,13 @@
 //! `glowworm reference`: the ground truth of a scene, by path tracing on the CPU.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::options::FileOptions;
-use super::{CliError, say};
+use super::progress::interruption;
+use super::{CliError, progress, say};
 use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
 use crate::report::COMMIT;
@@ -81,6 +78,16 @@ pub(super) struct ReferenceOptions {
 pub(super) enum Bounces {
     Limited(u32),
     Unlimited,
+}
+
+impl Bounces {
+    /// The most there may be, if there is such a number.
+    pub fn limit(self) -> Option<u32> {
+        match self {
+            Self::Limited(limit) => Some(limit),
+            Self::Unlimited => None,
+        }
+    }
 }
 
 /// `--exposure`.
@@ -183,18 +190,13 @@ struct Run<'a> {
     identity: Identity,
     settings: ReferenceSettings,
     exposure: Option<f32>,
-    stop: Arc<AtomicBool>,
     /// Samples of each pixel before this run.
     resumed: u64,
 }
 
 impl<'a> Run<'a> {
     fn new(options: &'a ReferenceOptions, scene: &Scene, settings: &Settings, target: PictureTarget) -> Self {
-        let bounces = match options.bounces {
-            Some(Bounces::Limited(limit)) => Some(limit),
-            Some(Bounces::Unlimited) => None,
-            None => Some(settings.bounces),
-        };
+        let bounces = options.bounces.map_or(Some(settings.bounces), Bounces::limit);
         let identity = Identity {
             scene: scene.name.clone(),
             frame: options.frame,
@@ -213,7 +215,7 @@ impl<'a> Run<'a> {
             filter: options.pixel_filter,
             layers: options.layers,
         };
-        Self { options, target, identity, settings, exposure, stop: Arc::default(), resumed: 0 }
+        Self { options, target, identity, settings, exposure, resumed: 0 }
     }
 
     /// An empty film, or with --resume what the file holds.
@@ -243,22 +245,17 @@ impl<'a> Run<'a> {
 
     /// Samples until there are enough of them or somebody interrupts, saving now and then and at the end.
     fn finish(&self, reference: &Reference<'_>, film: &mut Film) -> Result<ReferenceReport, CliError> {
-        let stop = Arc::clone(&self.stop);
-        // A second interruption does not wait.
-        let on_interrupt = move || {
-            if stop.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        };
-        // A second handler in one process, as in tests, is refused, and the first one stays.
-        let _ = ctrlc::set_handler(on_interrupt);
-        let progress = progress_bar(self.options.spp, film.samples());
+        let stop = interruption();
+        let progress =
+            progress::bar(self.options.spp, "{bar:40} sample {pos} of {len}, {eta} left, error {msg}")
+                .with_position(film.samples());
+        progress.reset_eta();
         let mut sampling = Duration::ZERO;
         let (mut saved, mut saving_took) = (None::<Instant>, Duration::ZERO);
         let mut looked = None::<Instant>;
         while film.samples() < self.options.spp {
             let begun = Instant::now();
-            if !reference.add_sample(film, &self.stop) {
+            if !reference.add_sample(film, &stop) {
                 break;
             }
             sampling += begun.elapsed();
@@ -345,17 +342,4 @@ fn relative_error(film: &Film) -> Option<f64> {
 
 fn percent(error: Option<f64>) -> String {
     error.map_or_else(|| "unknown".to_owned(), |error| format!("{:.2} %", error * 100.0))
-}
-
-fn progress_bar(spp: u64, done: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} sample {pos} of {len}, {eta} left, error {msg}");
-    let bar = ProgressBar::new(spp).with_position(done);
-    bar.reset_eta();
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

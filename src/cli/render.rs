@@ -1,12 +1,10 @@
 //! `glowworm render`: a scene to a picture or a sequence of pictures, and a report of the frames.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use super::options::RunOptions;
+use super::progress::frames_bar;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
 use crate::renderer::{BufferView, DebugView, PathStyle, Renderer, Replay};
@@ -164,7 +162,7 @@ fn render_frames(
     frames: u64,
     target: &PictureTarget,
 ) -> Result<Vec<FrameReport>, CliError> {
-    let progress = progress_bar(frames);
+    let progress = frames_bar(frames);
     for frame in 0..frames {
         replay.next_frame()?;
         if target.wants(frame, frames) {
@@ -174,17 +172,4 @@ fn render_frames(
     }
     progress.finish_and_clear();
     Ok(replay.renderer().finish()?)
-}
-
-/// A bar for that many frames on a terminal, else nothing.
-pub(super) fn progress_bar(frames: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} frame {pos} of {len}, {eta} left");
-    let bar = ProgressBar::new(frames);
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::report::{FrameReport, percentile};
+use crate::report::FrameReport;
+use crate::statistics::percentile;
 
 /// Frames that are kept.
 const KEPT: usize = 240;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Blocks, Image};
-use crate::report::percentile;
+use crate::statistics::{mean, percentile};
 
 /// Keeps the relative squared error of black pixels finite (Rousselle et al. 2011).
 const RELMSE_EPSILON: f64 = 0.01;
@@ -120,10 +120,6 @@ impl Luminances {
 /// The mean absolute change of luminance between two pictures (Schied et al. 2017).
 pub(super) fn mean_change(before: &[f64], after: &[f64]) -> f64 {
     before.iter().zip(after).map(|(before, after)| (after - before).abs()).sum::<f64>() / after.len() as f64
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 pub(super) fn p95(values: &[f64]) -> f64 {

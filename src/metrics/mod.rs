@@ -26,7 +26,8 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
-use differences::{Luminances, MeanErrors, mean, p95};
+use crate::statistics::mean;
+use differences::{Luminances, MeanErrors, p95};
 use flip::Flip;
 
 /// What can be chosen in a comparison.

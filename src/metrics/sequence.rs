@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::differences::{mean, mean_change};
+use super::differences::mean_change;
 use super::{Blocks, CompareOptions, Comparison, Image, Metrics, MetricsError, compare};
+use crate::statistics::mean;
 
 /// One frame of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

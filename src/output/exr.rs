@@ -7,14 +7,16 @@ use exr::prelude::*;
 
 use super::{Layer, OutputError, OutputFile, Picture};
 
-/// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
-pub(super) fn write(picture: &Picture, file: &OutputFile) -> std::result::Result<(), OutputError> {
-    file.save(|writer| {
-        encode(picture, writer).map_err(|error| match error {
-            Error::Io(source) => file.error(source),
-            other => OutputError::Encode { path: file.path().to_path_buf(), reason: other.to_string() },
+impl OutputFile {
+    /// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
+    pub fn save_exr(&self, picture: &Picture) -> std::result::Result<(), OutputError> {
+        self.save(|writer| {
+            encode(picture, writer).map_err(|error| match error {
+                Error::Io(source) => self.error(source),
+                other => OutputError::Encode { path: self.path().to_path_buf(), reason: other.to_string() },
+            })
         })
-    })
+    }
 }
 
 fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
@@ -52,7 +54,7 @@ fn layer(
     )
 }
 
-/// Reads back what [`write`] wrote; what is to be shown is not in the file.
+/// Reads back what [`OutputFile::save_exr`] wrote; what is to be shown is not in the file.
 pub(super) fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
     let image = read()
         .no_deep_data()

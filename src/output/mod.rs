@@ -15,7 +15,7 @@ pub use file::{Growing, OutputFile};
 pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
-pub use tone_map::tone_map;
+pub use tone_map::{automatic_exposure, tone_map};
 
 use std::io;
 use std::path::PathBuf;

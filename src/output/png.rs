@@ -20,18 +20,19 @@ impl OutputFile {
             })
         })
     }
-}
 
-/// Writes `picture.display` without its unused fourth channel.
-pub(super) fn write(picture: &Picture, file: &OutputFile) -> Result<(), OutputError> {
-    let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-    let size = [picture.width, picture.height].map(u32::try_from);
-    match size {
-        [Ok(width), Ok(height)] => file.save_png([width, height], &pixels),
-        _ => Err(OutputError::Encode {
-            path: file.path().to_path_buf(),
-            reason: format!("{}x{} pixels are too many", picture.width, picture.height),
-        }),
+    /// Writes what is shown of a picture as a PNG.
+    pub fn save_picture(&self, picture: &Picture) -> Result<(), OutputError> {
+        // Without the unused fourth channel.
+        let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        let size = [picture.width, picture.height].map(u32::try_from);
+        match size {
+            [Ok(width), Ok(height)] => self.save_png([width, height], &pixels),
+            _ => Err(OutputError::Encode {
+                path: self.path().to_path_buf(),
+                reason: format!("{}x{} pixels are too many", picture.width, picture.height),
+            }),
+        }
     }
 }
 
@@ -45,7 +46,7 @@ mod tests {
         let picture = Picture { width: 3, height: 2, display, ..Picture::default() };
         let folder = tempfile::tempdir().unwrap();
         let file = OutputFile::new(folder.path().join("a.png")).unwrap();
-        write(&picture, &file).unwrap();
+        file.save_picture(&picture).unwrap();
         let decoded = image::open(file.path()).unwrap();
         assert_eq!(decoded.color(), image::ColorType::Rgb8);
         let decoded = decoded.into_rgb8();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{NumberedPath, OutputError, OutputFile, Picture, exr, png};
+use super::{NumberedPath, OutputError, OutputFile, Picture};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -55,8 +55,8 @@ impl PictureTarget {
         let path = self.name.path_of(frame);
         let file = OutputFile::new(&path)?;
         match self.format {
-            Format::Png => png::write(picture, &file)?,
-            Format::Exr => exr::write(picture, &file)?,
+            Format::Png => file.save_picture(picture)?,
+            Format::Exr => file.save_exr(picture)?,
         }
         Ok(path)
     }

@@ -32,7 +32,7 @@ pub fn tone_map(picture: &mut Picture, stops: Option<f32>, covered: impl Iterato
 }
 
 /// The factor that makes the log-average luminance, without the darkest and brightest tenth, middle grey.
-fn automatic_exposure(picture: &Picture, covered: impl Iterator<Item = bool>) -> f32 {
+pub fn automatic_exposure(picture: &Picture, covered: impl Iterator<Item = bool>) -> f32 {
     // Eight bins a stop over 2^-16 .. 2^16; what is black or background does not count.
     let mut bins = [0.0f32; 256];
     for ((index, colour), covered) in picture.colour.iter().enumerate().zip(covered) {

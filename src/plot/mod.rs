@@ -3,13 +3,17 @@
 //! Text in a PNG is drawn with a font that is part of the program, so it looks the same on a machine without
 //! any; an SVG leaves the choice to whoever shows it.
 
+mod axis;
+mod bars;
 mod curves;
 mod heatmap;
+mod page;
 
-pub use curves::{Curves, Line, Panel};
+pub use axis::{Axis, Scale};
+pub use bars::{Bar, BarPanel, Bars};
+pub use curves::{Curves, Line, Look, Panel};
 pub use heatmap::{Heatmap, round_limit};
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Once;
 
@@ -21,6 +25,35 @@ use crate::output::{OutputError, OutputFile};
 
 /// The family that text is drawn in.
 const FONT: &str = "sans-serif";
+
+type Drawn<Canvas> = Result<(), DrawingAreaErrorKind<<Canvas as DrawingBackend>::ErrorType>>;
+
+/// Something that can be drawn, whatever the format.
+pub trait Plot {
+    /// Width and height in pixels.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws it onto a canvas of that size.
+    ///
+    /// # Errors
+    /// Those of the canvas.
+    fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas>;
+}
+
+/// The text of a plot as an SVG.
+///
+/// # Errors
+/// Why it cannot be drawn.
+pub fn svg_text(plot: &impl Plot) -> Result<String, String> {
+    let mut text = String::new();
+    draw(plot, &SVGBackend::with_string(&mut text, plot.size()).into_drawing_area())?;
+    Ok(text)
+}
+
+fn draw<Canvas: DrawingBackend>(plot: &impl Plot, canvas: &DrawingArea<Canvas, Shift>) -> Result<(), String> {
+    prepare_font();
+    plot.draw(canvas).and_then(|()| canvas.present()).map_err(|error| error.to_string())
+}
 
 /// Why there is no plot; each names the file.
 #[derive(Debug, thiserror::Error)]
@@ -86,41 +119,24 @@ impl PlotFile {
         &self.file
     }
 
-    /// Draws and writes `curves`.
+    /// Draws and writes `plot`.
     ///
     /// # Errors
     /// If it cannot be drawn or written.
-    pub fn save(&self, curves: &Curves) -> Result<(), PlotError> {
-        let size = curves.size();
+    pub fn save(&self, plot: &impl Plot) -> Result<(), PlotError> {
+        let error = |reason| PlotError::Draw { path: self.file.path().to_path_buf(), reason };
         match self.format {
             Format::Png => {
+                let size = plot.size();
                 let mut pixels = vec![u8::MAX; 3 * size.0 as usize * size.1 as usize];
                 let canvas = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-                self.draw(curves, canvas)?;
+                draw(plot, &canvas).map_err(error)?;
+                drop(canvas);
                 self.file.save_png([size.0, size.1], &pixels)?;
             }
-            Format::Svg => {
-                let mut text = String::new();
-                self.draw(curves, SVGBackend::with_string(&mut text, size).into_drawing_area())?;
-                let write_error =
-                    |source| OutputError::Write { path: self.file.path().to_path_buf(), source };
-                self.file.save(|writer| writer.write_all(text.as_bytes()).map_err(write_error))?;
-            }
+            Format::Svg => self.file.save_text(&svg_text(plot).map_err(error)?)?,
         }
         Ok(())
-    }
-
-    fn draw<Canvas: DrawingBackend>(
-        &self,
-        curves: &Curves,
-        canvas: DrawingArea<Canvas, Shift>,
-    ) -> Result<(), PlotError> {
-        prepare_font();
-        let drawn = curves.draw(&canvas).and_then(|()| canvas.present());
-        drawn.map_err(|error| PlotError::Draw {
-            path: self.file.path().to_path_buf(),
-            reason: error.to_string(),
-        })
     }
 }
 
@@ -174,17 +190,14 @@ mod tests {
 
     fn curves() -> Curves {
         let points = |slope: f64| (0..20).map(|i| (f64::from(i), slope * f64::from(i))).collect();
-        let panel = |name: &str| Panel {
-            title: name.to_owned(),
-            lines: vec![
-                Line { name: "image".to_owned(), points: points(0.01) },
-                Line { name: "reference".to_owned(), points: vec![(0.0, f64::INFINITY), (3.0, 0.1)] },
-            ],
-        };
+        let line = |name: &str, points| Line { name: name.to_owned(), points, ..Line::default() };
+        let reference = || line("reference", vec![(0.0, f64::INFINITY), (3.0, 0.1)]);
+        let panel = |name: &str| Panel::linear(name, vec![line("image", points(0.01)), reference()]);
         Curves {
             title: "Title".to_owned(),
-            x_label: "frame".to_owned(),
+            x: Axis::linear("frame"),
             panels: vec![panel("RMSE"), panel("FLIP"), panel("SSIM")],
+            ..Curves::default()
         }
     }
 

@@ -107,6 +107,11 @@ impl<'a> Reference<'a> {
         }
     }
 
+    /// Goes on with samples of another seed.
+    pub fn reseed(&mut self, seed: u32) {
+        self.seed = seed;
+    }
+
     /// An empty film for its pictures.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use serde::Serialize;
 
+use super::meter::MemoryMeter;
 use super::{Instance, Surface, VulkanError};
 
 /// What a physical device is and whether glowworm can use it.
@@ -33,6 +34,7 @@ pub struct Device {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
+    memory: MemoryMeter,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
     /// Vulkan wants one thread at a time at a queue.
@@ -91,6 +93,7 @@ impl Device {
             raw,
             debug,
             allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
+            memory: MemoryMeter::default(),
             limits: properties.limits,
             physical,
             queue: Mutex::new(queue),
@@ -108,6 +111,17 @@ impl Device {
     /// The device's limits.
     pub fn limits(&self) -> &vk::PhysicalDeviceLimits {
         &self.limits
+    }
+
+    /// The most bytes that buffers and images have taken at once since [`Self::restart_memory_peak`], or ever;
+    /// without what windows use.
+    pub fn memory_peak(&self) -> u64 {
+        self.memory.peak()
+    }
+
+    /// Begins a new [`Self::memory_peak`].
+    pub fn restart_memory_peak(&self) {
+        self.memory.restart();
     }
 
     /// What the validation layer has said so far.
@@ -168,6 +182,10 @@ impl Device {
 
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn memory(&self) -> &MemoryMeter {
+        &self.memory
     }
 
     /// The allocator for those who keep it; they must let go of it before the device goes.

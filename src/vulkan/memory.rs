@@ -94,8 +94,7 @@ impl Drop for Buffer {
         // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
         unsafe {
             self.device.raw().destroy_buffer(self.raw, None);
-            let allocation = ManuallyDrop::take(&mut self.allocation);
-            let _ = self.device.allocator().free(allocation);
+            free(&self.device, ManuallyDrop::take(&mut self.allocation));
         }
     }
 }
@@ -244,8 +243,7 @@ impl Drop for Image {
         unsafe {
             self.device.raw().destroy_image_view(self.view, None);
             self.device.raw().destroy_image(self.raw, None);
-            let allocation = ManuallyDrop::take(&mut self.allocation);
-            let _ = self.device.allocator().free(allocation);
+            free(&self.device, ManuallyDrop::take(&mut self.allocation));
         }
     }
 }
@@ -300,9 +298,16 @@ fn allocate(
         linear,
         allocation_scheme: AllocationScheme::GpuAllocatorManaged,
     };
-    device.allocator().allocate(&description).map_err(|error| VulkanError::Memory {
+    let allocation = device.allocator().allocate(&description).map_err(|error| VulkanError::Memory {
         object: name.to_owned(),
         mebibytes: requirements.size >> 20,
         reason: error.to_string(),
-    })
+    })?;
+    device.memory().add(allocation.size());
+    Ok(allocation)
+}
+
+fn free(device: &Device, allocation: Allocation) {
+    device.memory().remove(allocation.size());
+    let _ = device.allocator().free(allocation);
 }

@@ -15,6 +15,7 @@ mod error;
 mod frame;
 mod instance;
 mod memory;
+mod meter;
 mod pass;
 mod pipeline;
 mod present;

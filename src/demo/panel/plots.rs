@@ -5,7 +5,7 @@ use egui_plot::{FilledArea, Line, Plot, PlotPoints};
 
 use super::Shown;
 use crate::demo::history::Sample;
-use crate::report::PASS_NAMES;
+use crate::report::{PASS_COLOURS, PASS_NAMES};
 
 /// Height of a plot, points.
 const HEIGHT: f32 = 90.0;
@@ -103,6 +103,6 @@ fn figures(ui: &mut Ui, shown: &Shown<'_>, name: &str, colour: Color32, figure: 
 }
 
 fn pass_colour(index: usize) -> Color32 {
-    let hue = index as f32 / PASS_NAMES.len() as f32;
-    egui::ecolor::Hsva::new(hue, 0.65, 0.85, 1.0).into()
+    let [r, g, b] = PASS_COLOURS[index];
+    Color32::from_rgb(r, g, b)
 }

@@ -1,0 +1,241 @@
+//! The report as plots (Tonna 2019, figures 24 to 26, and further ones).
+
+use super::plan::Axis;
+use super::report::{Report, Run};
+use super::samples::{TOTAL, stages};
+use super::summary::{Noise, Summary};
+use super::tables::{Grid, GridRow, axes, grid, is_shown, single_set_time};
+use crate::plot::{self, Bar, BarPanel, Bars, Curves, Line, Look, Panel, PlotError, PlotFile, Scale};
+use crate::report::PASS_COLOURS;
+use crate::statistics::percentile;
+
+/// The colour of what lies between the passes.
+const OTHER_COLOUR: [u8; 3] = [186, 186, 186];
+/// Curves beyond this many cannot be told apart.
+const MOST_LINES: usize = 7;
+const WIDE: (u32, u32) = (860, 420);
+const NARROW: (u32, u32) = (430, 340);
+
+/// A plot with its name.
+pub(super) struct Chart {
+    /// Of its files.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    drawing: Drawing,
+}
+
+enum Drawing {
+    Curves(Curves),
+    Bars(Bars),
+}
+
+impl Chart {
+    /// Draws and writes it.
+    pub fn save(&self, file: &PlotFile) -> Result<(), PlotError> {
+        match &self.drawing {
+            Drawing::Curves(curves) => file.save(curves),
+            Drawing::Bars(bars) => file.save(bars),
+        }
+    }
+
+    /// Its text as an SVG.
+    pub fn svg(&self) -> Result<String, String> {
+        match &self.drawing {
+            Drawing::Curves(curves) => plot::svg_text(curves),
+            Drawing::Bars(bars) => plot::svg_text(bars),
+        }
+    }
+
+    fn curves(name: &str, curves: Curves) -> Self {
+        Self { name: name.to_owned(), title: curves.title.clone(), drawing: Drawing::Curves(curves) }
+    }
+
+    fn bars(name: &str, bars: Bars) -> Self {
+        Self { name: name.to_owned(), title: bars.title.clone(), drawing: Drawing::Bars(bars) }
+    }
+}
+
+/// All plots, in order.
+pub(super) fn charts(report: &Report) -> Vec<Chart> {
+    let noise = Noise::of(&report.runs);
+    let grids: Vec<Grid<'_>> = axes(report).into_iter().map(|axis| grid(report, axis)).collect();
+    let mut charts: Vec<Chart> =
+        grids.iter().filter(|grid| grid.columns.len() > 1).map(|grid| frame_times(grid, &noise)).collect();
+    charts.extend(speed_up(&grids[0], &noise));
+    charts.push(stages_by_axis(&grids[0], &noise));
+    charts.push(stages_by_scene(report, &noise));
+    charts.push(along_animation(report, &grids[0]));
+    charts.extend(quality(report, &grids[0], &noise));
+    charts
+}
+
+fn axis(of: Axis, grid: &Grid<'_>) -> plot::Axis {
+    let runs = grid.rows.iter().flat_map(|row| row.runs.iter().flatten());
+    let mut ticks: Vec<(f64, String)> = Vec::new();
+    for run in runs {
+        let tick = (of.value(&run.settings), of.text(&run.settings));
+        if !ticks.iter().any(|known| known.0 == tick.0) {
+            ticks.push(tick);
+        }
+    }
+    let scale = if of == Axis::Bounces { Scale::Linear } else { Scale::Logarithmic };
+    plot::Axis { label: of.label().to_owned(), scale, ticks }
+}
+
+fn logarithmic(label: &str) -> plot::Axis {
+    plot::Axis { label: label.to_owned(), scale: Scale::Logarithmic, ticks: Vec::new() }
+}
+
+/// One line a row, over the values of the axis.
+fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> Line {
+    let point = |run: &&Run| Some((axis.value(&run.settings), value(run)?));
+    let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Line { name: row.label.clone(), points, look: Look::Marked }
+}
+
+fn frame_times(grid: &Grid<'_>, noise: &Noise) -> Chart {
+    let time = |run: &Run| Some(Summary::of(run, noise)?.median(TOTAL));
+    let lines = grid.rows.iter().take(MOST_LINES).map(|row| line(row, grid.axis, &time)).collect();
+    let title = format!("Frame time by {}", grid.axis.label());
+    let panel = Panel { title: String::new(), y: logarithmic("median frame time, ms"), lines };
+    let curves =
+        Curves { title, x: axis(grid.axis, grid), panels: vec![panel], columns: 1, panel_size: WIDE };
+    Chart::curves(&format!("frame-time-by-{}", grid.axis.key().replace('_', "-")), curves)
+}
+
+fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
+    let lines: Vec<Line> = grid
+        .rows
+        .iter()
+        .take(MOST_LINES)
+        .filter_map(|row| {
+            let one = single_set_time(row, noise)?;
+            Some(line(row, grid.axis, &|run| Some(one / Summary::of(run, noise)?.median(TOTAL))))
+        })
+        .collect();
+    if grid.axis != Axis::TemporalSets || grid.columns.len() < 2 || lines.is_empty() {
+        return None;
+    }
+    let x = axis(grid.axis, grid);
+    let ideal = x.ticks.iter().map(|(sets, _)| (*sets, *sets)).collect();
+    let ideal = Line { name: "ideal: T times as fast".to_owned(), points: ideal, look: Look::Broken };
+    let panel = Panel {
+        title: String::new(),
+        y: logarithmic("times as fast as T = 1"),
+        lines: lines.into_iter().chain([ideal]).collect(),
+    };
+    let title = "Speed-up over a single temporal set".to_owned();
+    Some(Chart::curves("speed-up", Curves { title, x, panels: vec![panel], columns: 1, panel_size: WIDE }))
+}
+
+/// The stages with their colours.
+fn parts() -> Vec<(String, [u8; 3])> {
+    stages().map(str::to_owned).zip(PASS_COLOURS.into_iter().chain([OTHER_COLOUR])).collect()
+}
+
+fn bar(run: &Run, label: String, noise: &Noise) -> Option<Bar> {
+    let summary = Summary::of(run, noise)?;
+    let total = summary.mean(TOTAL);
+    let total = if total < 10.0 { format!("{total:.2}") } else { format!("{total:.1}") };
+    Some(Bar { label, total, parts: stages().map(|stage| summary.mean(stage)).collect() })
+}
+
+fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
+    let panel = |row: &GridRow<'_>| {
+        let bars = row.runs.iter().flatten();
+        BarPanel {
+            title: row.label.clone(),
+            x_label: grid.axis.label().to_owned(),
+            y_label: "mean, ms".to_owned(),
+            bars: bars.filter_map(|run| bar(run, grid.axis.text(&run.settings), noise)).collect(),
+        }
+    };
+    let panels: Vec<BarPanel> = grid.rows.iter().map(panel).collect();
+    let one = panels.len() == 1;
+    let bars = Bars {
+        title: format!("Stages of a frame by {}", grid.axis.label()),
+        parts: parts(),
+        columns: if one { 1 } else { 2 },
+        panel_size: if one { WIDE } else { NARROW },
+        panels,
+    };
+    Chart::bars("stages-by-setting", bars)
+}
+
+fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
+    let first =
+        |scene: &str| report.runs.iter().find(|run| run.scene == scene && is_shown(report, &run.settings));
+    let bars = report.scenes.iter().filter_map(|scene| bar(first(&scene.name)?, scene.name.clone(), noise));
+    let panel = BarPanel {
+        title: String::new(),
+        x_label: String::new(),
+        y_label: "mean, ms".to_owned(),
+        bars: bars.collect(),
+    };
+    let title = format!("Stages of a frame by scene, T = {}", report.shown_sets());
+    Chart::bars(
+        "stages-by-scene",
+        Bars { title, parts: parts(), panels: vec![panel], columns: 1, panel_size: WIDE },
+    )
+}
+
+/// Of each frame the median over the rounds.
+fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
+    let line = |run: &&Run| {
+        let time = |frame: u32| {
+            let rounds = run.rounds().filter_map(|samples| samples.total_ms.get(frame as usize).copied());
+            Some((f64::from(frame), percentile(rounds, 0.5)?))
+        };
+        let points = (0..report.plan.frames).filter_map(time).collect();
+        Line { name: grid.axis.phrase(&run.settings), points, look: Look::Plain }
+    };
+    let panel = |row: &GridRow<'_>| Panel {
+        title: row.label.clone(),
+        y: logarithmic("ms"),
+        lines: row.runs.iter().flatten().map(line).collect(),
+    };
+    let panels: Vec<Panel> = grid.rows.iter().map(panel).collect();
+    let one = panels.len() == 1;
+    let curves = Curves {
+        title: "Frame time along the animation".to_owned(),
+        x: plot::Axis::linear("frame"),
+        columns: if one { 1 } else { 2 },
+        panel_size: if one { WIDE } else { NARROW },
+        panels,
+    };
+    Chart::curves("along-the-animation", curves)
+}
+
+fn quality(report: &Report, grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
+    report.runs.iter().find_map(|run| run.quality.as_ref())?;
+    let line = |row: &GridRow<'_>| {
+        let mut points = Vec::new();
+        let mut texts = Vec::new();
+        for run in row.runs.iter().flatten() {
+            if let (Some(quality), Some(summary)) = (&run.quality, Summary::of(run, noise)) {
+                points.push((summary.median(TOTAL), quality.mean(|frame| frame.flip)));
+                texts.push(grid.axis.text(&run.settings));
+            }
+        }
+        Line { name: row.label.clone(), points, look: Look::Labelled(texts) }
+    };
+    let panel = Panel {
+        title: String::new(),
+        y: plot::Axis {
+            label: "mean FLIP error against converged pictures".to_owned(),
+            scale: Scale::FromZero,
+            ticks: Vec::new(),
+        },
+        lines: grid.rows.iter().take(MOST_LINES).map(line).collect(),
+    };
+    let curves = Curves {
+        title: format!("Quality against speed; beside the marks: {}", grid.axis.label()),
+        x: logarithmic("median frame time, ms"),
+        panels: vec![panel],
+        columns: 1,
+        panel_size: WIDE,
+    };
+    Some(Chart::curves("quality-against-speed", curves))
+}

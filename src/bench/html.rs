@@ -1,0 +1,225 @@
+//! The report as one page that needs nothing else: plots as SVG, pictures as data.
+
+use std::fs;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::BenchError;
+use super::charts::Chart;
+use super::pictures::{PictureEntry, PictureKind};
+use super::report::Report;
+use super::tables::{Table, common_settings};
+use crate::output::OutputError;
+use crate::plot::PlotError;
+
+const STYLE: &str = include_str!("report.css");
+
+/// The run in one sentence.
+pub(super) fn headline(report: &Report) -> String {
+    let plan = &report.plan;
+    format!(
+        "{} on {}: {} scenes, {} frames {}, {}.",
+        "Real-time global illumination with temporal VPL sets",
+        report.machine.device,
+        report.scenes.len(),
+        plan.frames,
+        if plan.rounds == 1 { "once".to_owned() } else { format!("in each of {} rounds", plan.rounds) },
+        common_settings(report),
+    )
+}
+
+/// The whole page. `pictures` is the folder that holds them.
+pub(super) fn page(
+    report: &Report,
+    tables: &[Table],
+    charts: &[Chart],
+    pictures: &Path,
+) -> Result<String, BenchError> {
+    let (detail, main): (Vec<&Table>, Vec<&Table>) = tables.iter().partition(|table| table.detail);
+    let plots = charts.iter().map(figure).collect::<Result<Vec<_>, _>>()?;
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "glowworm bench: " (report.machine.device) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { "glowworm bench" }
+                    p { (headline(report)) }
+                    dl {
+                        @for (what, value) in report.machine.lines() {
+                            dt { (what) } dd { (value) }
+                        }
+                    }
+                }
+                main {
+                    section { h2 { "Scenes" } (scenes(report, pictures)?) }
+                    section {
+                        h2 { "Results" }
+                        @for table in &main { (table_markup(table)) }
+                    }
+                    section { h2 { "Plots" } @for plot in &plots { (plot) } }
+                    section { h2 { "A moving camera" } (artefacts(report, pictures)?) }
+                    section {
+                        h2 { "Details" }
+                        @for table in &detail {
+                            details { summary { (table.title) } (table_markup(table)) }
+                        }
+                        details { summary { "Settings and method" } (method(report)) }
+                    }
+                }
+            }
+        }
+    };
+    Ok(markup.into_string())
+}
+
+fn table_markup(table: &Table) -> Markup {
+    html! {
+        div.table {
+            h3 { (table.title) }
+            table {
+                thead { tr { @for head in &table.columns { th { (head) } } } }
+                tbody {
+                    @for row in &table.rows {
+                        tr {
+                            @for (column, cell) in row.iter().enumerate() {
+                                @if column == 0 { th scope="row" { (cell) } } @else { td { (cell) } }
+                            }
+                        }
+                    }
+                }
+            }
+            p.note { (table.note) }
+        }
+    }
+}
+
+fn figure(chart: &Chart) -> Result<Markup, BenchError> {
+    let svg = chart.svg().map_err(|reason| PlotError::Draw { path: "report.html".into(), reason })?;
+    Ok(html! { figure.plot role="img" aria-label=(chart.title) { (PreEscaped(svg)) } })
+}
+
+fn scenes(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
+    let mut cards = Vec::new();
+    for scene in &report.scenes {
+        let mut shown = Vec::new();
+        for kind in [PictureKind::Beginning, PictureKind::End] {
+            shown.extend(picture(report, &scene.name, kind, pictures)?);
+        }
+        cards.push(html! {
+            div.card {
+                h3 { (scene.name) }
+                div.row { @for picture in shown { (picture) } }
+                p.note {
+                    (thousands(scene.triangles)) " triangles, "
+                    (scene.instances) @if scene.instances == 1 { " instance, " } @else { " instances, " }
+                    (scene.moving_instances) " of them may move, "
+                    (scene.lights) @if scene.lights == 1 { " light" } @else { " lights" }
+                }
+            }
+        });
+    }
+    Ok(html! { div.cards { @for card in cards { (card) } } })
+}
+
+fn artefacts(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
+    let mut rows = Vec::new();
+    for scene in &report.scenes {
+        let mut shown = Vec::new();
+        for kind in PictureKind::ARTEFACTS {
+            shown.extend(picture(report, &scene.name, kind, pictures)?);
+        }
+        rows.push(html! { div.card { h3 { (scene.name) } div.row { @for picture in shown { (picture) } } } });
+    }
+    let sets = report.pictures.iter().find(|entry| PictureKind::ARTEFACTS.contains(&entry.kind));
+    let sets = sets.map_or(0, |entry| entry.temporal_sets);
+    Ok(html! {
+        p {
+            "The same view with T = " (sets) " while the camera stands still, turns down at 30 degrees a second, and "
+            "moves to the right by a picture's width in two seconds. What has just come into view has been seen by "
+            "few sets, so it is noisier."
+        }
+        div.wide { @for row in rows { (row) } }
+    })
+}
+
+fn picture(
+    report: &Report,
+    scene: &str,
+    kind: PictureKind,
+    folder: &Path,
+) -> Result<Option<Markup>, BenchError> {
+    let wanted = |entry: &&PictureEntry| entry.scene == scene && entry.kind == kind;
+    let Some(entry) = report.pictures.iter().find(wanted) else { return Ok(None) };
+    let path = folder.join(&entry.file);
+    let bytes = fs::read(&path).map_err(|source| OutputError::Read { path, source })?;
+    let data = format!("data:image/png;base64,{}", STANDARD.encode(bytes));
+    let text = format!("{scene}, {}", kind.caption());
+    Ok(Some(html! {
+        figure { img src=(data) alt=(text); figcaption { (kind.caption()) } }
+    }))
+}
+
+fn method(report: &Report) -> Markup {
+    let plan = &report.plan;
+    html! {
+        ul {
+            li {
+                "A frame's time runs from its beginning until the device is done with it; the next one begins then, so "
+                "stages add up to it. In the window the CPU prepares a frame while the device draws the one before, so "
+                "frames follow each other faster than that. Nothing is shown, so no display limits it."
+            }
+            li {
+                "Passes on the device are timed by its timestamps, those on the CPU by its clock. Frame " code { "0" }
+                " of the animation is the first measured one in every run; the frames before, as many as there are "
+                "sets, run up to it."
+            }
+            li {
+                (plan.frames) " frames, " (plan.rounds) @if plan.rounds == 1 { " round" } @else { " rounds" }
+                " of each setting, the rounds of a setting as far apart as the scene allows."
+            }
+            li {
+                "Intervals come from how far the rounds of one setting differ, pooled over all settings"
+                @if plan.rounds == 1 {
+                    ". There was one round only, so 5 % were assumed"
+                }
+                "."
+            }
+        }
+        @for scene in &report.scenes {
+            @if let Some(run) = report.runs_of(&scene.name).next() {
+                p { b { (scene.name) } ": " code { (settings_text(&run.settings)) } }
+            }
+        }
+    }
+}
+
+fn settings_text(settings: &crate::settings::Settings) -> String {
+    serde_json::to_string(settings).unwrap_or_default()
+}
+
+/// 1234567 -> 1,234,567.
+fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
+    groups.join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!([0, 12, 123, 1234, 1_234_567].map(thousands), ["0", "12", "123", "1,234", "1,234,567"]);
+    }
+}

@@ -1,0 +1,50 @@
+//! The report as Markdown, beside the folder of its plots.
+
+use std::fmt::Write as _;
+
+use super::charts::Chart;
+use super::html::headline;
+use super::report::Report;
+use super::tables::Table;
+
+/// The whole text.
+pub(super) fn page(report: &Report, tables: &[Table], charts: &[Chart]) -> String {
+    let mut text = format!("# glowworm bench\n\n{}\n\n", headline(report));
+    // Writing to a String cannot fail.
+    for (what, value) in report.machine.lines() {
+        let _ = writeln!(text, "- {what}: {}", escaped(&value));
+    }
+    for table in tables {
+        let _ = write!(text, "\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(table));
+    }
+    let _ = writeln!(text, "\n## Plots");
+    for chart in charts {
+        let _ = writeln!(text, "\n![{}](plots/{}.svg)", escaped(&chart.title), chart.name);
+    }
+    text
+}
+
+fn body(table: &Table) -> String {
+    let line = |cells: &[String]| {
+        let cells: Vec<_> = cells.iter().map(|cell| escaped(cell)).collect();
+        format!("| {} |\n", cells.join(" | "))
+    };
+    let rule: Vec<&str> =
+        (0..table.columns.len()).map(|column| if column == 0 { "---" } else { "---:" }).collect();
+    let mut text = line(&table.columns);
+    let _ = writeln!(text, "| {} |", rule.join(" | "));
+    text.extend(table.rows.iter().map(|row| line(row)));
+    text
+}
+
+/// A text that is not taken for Markdown.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        if matches!(c, '|' | '*' | '`' | '[' | ']' | '<' | '>' | '\\') {
+            escaped.push('\\');
+        }
+        escaped.push(c);
+    }
+    escaped
+}

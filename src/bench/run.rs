@@ -1,0 +1,79 @@
+//! One run: warm-up, then measured frames.
+//!
+//! A frame begins when the device is done with the one before, so nothing overlaps: its time is what passes from
+//! there until the device is done, and the stages add up to it. What a caller reads between frames is outside.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::machine::{cpu_peak, restart_cpu_peak};
+use super::report::Round;
+use super::samples::Samples;
+use super::{BenchError, Control};
+use crate::renderer::{PreparedScene, Renderer};
+use crate::scene::{Pose, Scene};
+use crate::settings::Settings;
+use crate::vulkan::Device;
+
+/// Warm-up frames that there are at least: the device compiles and clocks up.
+const LEAST_WARM_UP: u32 = 4;
+
+/// Frames before the measured ones: until every set buffer has been drawn.
+pub fn warm_up(settings: &Settings) -> u32 {
+    settings.temporal_sets.max(LEAST_WARM_UP)
+}
+
+/// Gets the number of a frame that was measured, and the renderer that drew it.
+pub(super) type Look<'a> = dyn FnMut(u32, &mut Renderer, &mut Control<'_>) -> Result<(), BenchError> + 'a;
+
+/// A scene that is ready to be measured.
+pub(super) struct Stage {
+    pub device: Arc<Device>,
+    pub scene: Arc<Scene>,
+    pub prepared: PreparedScene,
+}
+
+impl Stage {
+    pub fn new(device: &Arc<Device>, scene: Scene) -> Self {
+        let scene = Arc::new(scene);
+        Self { device: Arc::clone(device), prepared: PreparedScene::new(&scene), scene }
+    }
+
+    /// Where everything stands in a frame; those of the warm-up have negative numbers.
+    pub fn pose(&self, frame: i64, settings: &Settings) -> Pose {
+        self.scene.pose(frame as f64 * settings.time_step)
+    }
+
+    /// A renderer that has drawn nothing yet.
+    pub fn renderer(&self, settings: &Settings, pose: &Pose) -> Result<Renderer, BenchError> {
+        Ok(Renderer::with_scene(&self.device, self.prepared.clone(), settings, pose)?)
+    }
+
+    /// Measures `frames` frames. After each of them `look` may do with the renderer what it likes.
+    pub fn measure(
+        &self,
+        settings: &Settings,
+        frames: u32,
+        control: &mut Control<'_>,
+        look: &mut Look<'_>,
+    ) -> Result<Round, BenchError> {
+        restart_cpu_peak();
+        self.device.restart_memory_peak();
+        let first = -i64::from(warm_up(settings));
+        let mut renderer = self.renderer(settings, &self.pose(first, settings))?;
+        let mut samples = Samples::default();
+        for number in first..i64::from(frames) {
+            let pose = self.pose(number, settings);
+            let begun = Instant::now();
+            renderer.render(&pose)?;
+            let reports = renderer.finish()?;
+            let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
+            if let (Ok(number), [report]) = (u32::try_from(number), reports.as_slice()) {
+                samples.push(wall_ms, &report.figures);
+                look(number, &mut renderer, control)?;
+            }
+            control.frame_done(settings)?;
+        }
+        Ok(Round { samples, cpu_peak: cpu_peak(), device_peak: self.device.memory_peak() })
+    }
+}

@@ -1,0 +1,316 @@
+//! The report as tables: every number that people read is written here, once, for Markdown and HTML alike.
+
+use super::plan::Axis;
+use super::report::{Report, Run};
+use super::samples::{FPS, TOTAL, stages};
+use super::summary::{Noise, Summary};
+use crate::settings::Settings;
+
+/// A table of texts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// What stands above.
+    pub title: String,
+    /// What the figures mean.
+    pub note: String,
+    /// Heads of the columns; the first names the rows.
+    pub columns: Vec<String>,
+    /// A cell for each column.
+    pub rows: Vec<Vec<String>>,
+    /// Whether it is one of many that only few people want to see.
+    pub detail: bool,
+}
+
+/// Runs laid out for one axis: rows of what else differs, columns of its values.
+pub(super) struct Grid<'a> {
+    pub axis: Axis,
+    /// The values of the axis.
+    pub columns: Vec<String>,
+    pub rows: Vec<GridRow<'a>>,
+}
+
+/// The runs of one row.
+pub(super) struct GridRow<'a> {
+    /// The scene, and whatever else differs among the rows.
+    pub label: String,
+    /// One for each column.
+    pub runs: Vec<Option<&'a Run>>,
+}
+
+/// All tables, in order.
+pub fn tables(report: &Report) -> Vec<Table> {
+    let noise = Noise::of(&report.runs);
+    let grids: Vec<Grid<'_>> = axes(report).into_iter().map(|axis| grid(report, axis)).collect();
+    let mut tables: Vec<Table> = grids.iter().flat_map(|grid| times(grid, &noise)).collect();
+    tables.extend(speed_up(&grids[0], &noise));
+    tables.extend(quality(report, &noise));
+    tables.extend(grids[0].rows.iter().map(|row| stage_times(&grids[0], row, &noise)));
+    tables.push(spread(report, &noise));
+    tables.push(counters(report, &noise));
+    tables
+}
+
+/// The settings that get tables and plots of their own: those with several values, temporal sets in any case.
+pub(super) fn axes(report: &Report) -> Vec<Axis> {
+    let varied = report.varied();
+    if varied.is_empty() { vec![Axis::TemporalSets] } else { varied }
+}
+
+/// Lays out all runs for one axis.
+pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
+    let others: Vec<Axis> = report.varied().into_iter().filter(|other| *other != axis).collect();
+    let mut grid = Grid { axis, columns: Vec::new(), rows: Vec::<GridRow<'_>>::new() };
+    for run in &report.runs {
+        let column = axis.text(&run.settings);
+        if !grid.columns.contains(&column) {
+            grid.columns.push(column);
+        }
+    }
+    for run in report.runs.iter() {
+        let label = label(run, &others);
+        let column = axis.text(&run.settings);
+        let at = grid.columns.iter().position(|known| *known == column).unwrap_or(0);
+        if !grid.rows.iter().any(|row| row.label == label) {
+            let runs = vec![None; grid.columns.len()];
+            grid.rows.push(GridRow { label: label.clone(), runs });
+        }
+        if let Some(row) = grid.rows.iter_mut().find(|row| row.label == label) {
+            row.runs[at] = Some(run);
+        }
+    }
+    grid
+}
+
+/// A run by its scene and the settings that differ.
+fn label(run: &Run, varied: &[Axis]) -> String {
+    let phrases = varied.iter().map(|axis| axis.phrase(&run.settings));
+    std::iter::once(run.scene.clone()).chain(phrases).collect::<Vec<_>>().join(", ")
+}
+
+/// What all runs have in common.
+pub(super) fn common_settings(report: &Report) -> String {
+    let varied = report.varied();
+    let Some(first) = report.runs.first() else { return String::new() };
+    let axes = Axis::ALL.into_iter().filter(|axis| !varied.contains(axis));
+    axes.map(|axis| match axis {
+        Axis::Interleave => format!("{0}x{0} interleaving", axis.text(&first.settings)),
+        Axis::Size => format!("{} pixels", axis.text(&first.settings)),
+        _ => axis.phrase(&first.settings),
+    })
+    .collect::<Vec<_>>()
+    .join(", ")
+}
+
+/// Frame times in the layout of Tonna 2019, figure 24, and frames a second.
+fn times(grid: &Grid<'_>, noise: &Noise) -> Vec<Table> {
+    let table = |title: String, note: &str, cell: &dyn Fn(&Summary) -> String| {
+        grid_table(grid, title, note, &|run| Summary::of(run, noise).map(|summary| cell(&summary)))
+    };
+    let by = grid.axis.label();
+    let frame = |summary: &Summary| milliseconds(summary.median(TOTAL));
+    let certain = |summary: &Summary| {
+        let figure = summary.figure(TOTAL).and_then(|figure| Some((figure.spread.median, figure.interval?)));
+        figure.map(|(median, [_, high])| percent(high / median - 1.0)).unwrap_or_default()
+    };
+    vec![
+        table(
+            format!("Frame time in ms, by {by}"),
+            "Median over all measured frames, from the beginning of a frame until the device is done with it.",
+            &frame,
+        ),
+        table(
+            format!("Frames a second, by {by}"),
+            "Median; frames do not overlap here, as they do in the window.",
+            &|summary| format!("{:.1}", summary.median(FPS)),
+        ),
+        Table {
+            detail: true,
+            ..table(
+                format!("Certainty of the frame time, ± %, by {by}"),
+                "The median of another run on this machine is to be expected within, with 95 % confidence.",
+                &certain,
+            )
+        },
+    ]
+}
+
+fn grid_table(grid: &Grid<'_>, title: String, note: &str, cell: &dyn Fn(&Run) -> Option<String>) -> Table {
+    let columns = std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect();
+    let row = |row: &GridRow<'_>| {
+        let cells = row.runs.iter().map(|run| run.and_then(cell).unwrap_or_default());
+        std::iter::once(row.label.clone()).chain(cells).collect()
+    };
+    Table { title, note: note.to_owned(), columns, rows: grid.rows.iter().map(row).collect(), detail: false }
+}
+
+/// What stands above the names of the rows, beside the values of the axis.
+fn corner(grid: &Grid<'_>) -> String {
+    match grid.axis {
+        Axis::TemporalSets => "T".to_owned(),
+        axis => axis.label().to_owned(),
+    }
+}
+
+/// How many times as fast as with a single set.
+fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
+    let ones = |row: &GridRow<'_>| single_set_time(row, noise);
+    if grid.axis != Axis::TemporalSets
+        || grid.columns.len() < 2
+        || !grid.rows.iter().any(|row| ones(row).is_some())
+    {
+        return None;
+    }
+    let columns = std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect();
+    let row = |row: &GridRow<'_>| {
+        let cell = |run: &Option<&Run>| {
+            let time = Summary::of((*run)?, noise)?.median(TOTAL);
+            Some(format!("{:.2}", ones(row)? / time))
+        };
+        let cells = row.runs.iter().map(|run| cell(run).unwrap_or_default());
+        std::iter::once(row.label.clone()).chain(cells).collect()
+    };
+    Some(Table {
+        title: "Speed-up over a single temporal set".to_owned(),
+        note: "Median frame time at T = 1 over that at T.".to_owned(),
+        columns,
+        rows: grid.rows.iter().map(row).collect(),
+        detail: false,
+    })
+}
+
+/// Median frame time of the run with a single temporal set.
+pub(super) fn single_set_time(row: &GridRow<'_>, noise: &Noise) -> Option<f64> {
+    let one = row.runs.iter().flatten().find(|run| run.settings.temporal_sets == 1)?;
+    Some(Summary::of(one, noise)?.median(TOTAL))
+}
+
+/// Mean time of each stage.
+fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
+    let summaries: Vec<Option<Summary>> =
+        row.runs.iter().map(|run| run.and_then(|run| Summary::of(run, noise))).collect();
+    let line = |name: &str| {
+        let cell = |summary: &Option<Summary>| {
+            summary.as_ref().map(|summary| milliseconds(summary.mean(name))).unwrap_or_default()
+        };
+        std::iter::once(name.to_owned()).chain(summaries.iter().map(cell)).collect::<Vec<_>>()
+    };
+    Table {
+        title: format!("Stages of {} in ms, by {}", row.label, grid.axis.label()),
+        note: "Means, which add up to that of the whole frame. `other` is what lies between the passes: recording, \
+               uploads, submission, waiting."
+            .to_owned(),
+        columns: std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect(),
+        rows: stages().chain([TOTAL]).map(line).collect(),
+        detail: true,
+    }
+}
+
+/// How frame times are spread.
+fn spread(report: &Report, noise: &Noise) -> Table {
+    let row = |run: &Run, varied: &[Axis]| {
+        let figure = *Summary::of(run, noise)?.figure(TOTAL)?;
+        let [low, high] = figure.interval?;
+        let spread = figure.spread;
+        let times = [spread.median, low, high, spread.mean, spread.p5, spread.p95, spread.worst];
+        Some(std::iter::once(label(run, varied)).chain(times.map(milliseconds)).collect())
+    };
+    let varied = row_axes(report);
+    Table {
+        title: "Spread of the frame time in ms".to_owned(),
+        note: "low and high: where the median of another run on this machine is to be expected, with 95 % \
+               confidence. p5 and p95: 5 % of the frames are at or below the one, 95 % at or below the other."
+            .to_owned(),
+        columns: ["run", "median", "low", "high", "mean", "p5", "p95", "worst"].map(str::to_owned).into(),
+        rows: report.runs.iter().filter_map(|run| row(run, &varied)).collect(),
+        detail: true,
+    }
+}
+
+/// VPLs, rays, memory.
+fn counters(report: &Report, noise: &Noise) -> Table {
+    let mebibytes = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
+    let row = |run: &Run, varied: &[Axis]| {
+        let summary = Summary::of(run, noise)?;
+        let mut cells = vec![label(run, varied)];
+        for name in ["vpls_valid", "vpls_escaped", "vpls_stale", "vpls_invalidated", "vpls_shot"] {
+            cells.push(format!("{:.1}", summary.mean(name)));
+        }
+        cells.push(format!("{:.0}", summary.mean("shadow_rays")));
+        cells.push(run.cpu_peak().map(mebibytes).unwrap_or_default());
+        cells.push(mebibytes(run.device_peak()));
+        Some(cells)
+    };
+    let heads =
+        ["run", "valid", "escaped", "stale", "invalidated", "shot", "shadow rays", "CPU MiB", "device MiB"];
+    let varied = row_axes(report);
+    Table {
+        title: "VPLs, shadow rays and memory".to_owned(),
+        note: "Means over the frames; memory at its peak: of the whole program, and of its buffers and images on the \
+               device. On a CPU driver the latter is part of the former."
+            .to_owned(),
+        columns: heads.map(str::to_owned).into(),
+        rows: report.runs.iter().filter_map(|run| row(run, &varied)).collect(),
+        detail: true,
+    }
+}
+
+/// The settings that a row of its own names.
+fn row_axes(report: &Report) -> Vec<Axis> {
+    let mut axes = report.varied();
+    if !axes.contains(&Axis::TemporalSets) {
+        axes.insert(0, Axis::TemporalSets);
+    }
+    axes
+}
+
+/// What larger T cost in quality.
+fn quality(report: &Report, noise: &Noise) -> Option<Table> {
+    let varied = row_axes(report);
+    let row = |run: &Run| {
+        let (quality, summary) = (run.quality.as_ref()?, Summary::of(run, noise)?);
+        Some(vec![
+            label(run, &varied),
+            milliseconds(summary.median(TOTAL)),
+            error(quality.mean(|frame| frame.flip)),
+            error(quality.mean(|frame| frame.ssim)),
+            quality.relative_error().map(percent).unwrap_or_default(),
+            quality.settling_frames.to_string(),
+            error(quality.temporal_error),
+        ])
+    };
+    let rows: Vec<_> = report.runs.iter().filter_map(row).collect();
+    let first = report.runs.iter().find_map(|run| run.quality.as_ref())?;
+    let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
+    let heads = ["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"];
+    Some(Table {
+        title: "Quality while things move, and when they stop".to_owned(),
+        note: format!(
+            "Means over frames {} of the animation, against a converged picture of the same moment: the same renderer \
+             with 16 times the VPLs, all of them fresh, in one set. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; \
+             relative error of luminance. Settling: frames until the picture stands still after everything has \
+             stopped; temporal error: what changes from frame to frame after that, W/m²/sr.",
+            frames.join(", ")
+        ),
+        columns: heads.map(str::to_owned).into(),
+        rows,
+        detail: false,
+    })
+}
+
+/// Milliseconds as they are written everywhere.
+pub fn milliseconds(value: f64) -> String {
+    format!("{value:.3}")
+}
+
+fn error(value: f64) -> String {
+    format!("{value:.4}")
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1}", share * 100.0)
+}
+
+/// The settings of the run that stands for all others of a scene.
+pub(super) fn is_shown(report: &Report, settings: &Settings) -> bool {
+    settings.temporal_sets == report.shown_sets()
+}

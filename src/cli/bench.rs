@@ -1,0 +1,299 @@
+//! `glowworm bench`: how fast scenes are, what speed costs, and what has changed.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::options::RunOptions;
+use super::progress::interruption;
+use super::{CliError, device, progress, say};
+use crate::bench::{
+    BENCH_SCENES, BENCH_SCENES_OF_ASSETS, Bench, BenchError, Comparison, Control, Folder, Plan, Report,
+    Sweep, Table, compare_reports, lacks_models, read_report, tables,
+};
+use crate::output::OutputFile;
+use crate::settings::Settings;
+use crate::vulkan::Device;
+
+/// Measured frames where nothing else is said.
+const FRAMES: u32 = 60;
+/// Rounds where nothing else is said.
+const ROUNDS: u32 = 2;
+/// Size on a CPU driver where nothing else is said.
+const SIZE_ON_CPU: [u32; 2] = [256, 256];
+
+/// What is measured, and what comes of it.
+const HELP: &str = "\
+A frame's time runs from its beginning until the device is done with it; nothing overlaps and nothing is shown. Each \
+run warms up until all set buffers are filled; then the same moments of the animation are measured with every setting. \
+--out gets report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds what an \
+interrupted run has measured. --against exits with 3 if something is slower beyond noise; to compare a report that is \
+there already, name its folder with --out and add --resume.";
+
+/// Options of `bench`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true, after_help = HELP)]
+pub(super) struct BenchOptions {
+    /// Scenes to measure: built-in ones, scene files (.toml) or models (.obj). Otherwise those of --against, or the
+    /// built-in set-ups of the dissertation.
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Measure the set-ups of the dissertation with the real models below --assets; those that are not there are left
+    /// out.
+    #[arg(long, conflicts_with = "scenes")]
+    pub models: bool,
+    /// Frames to measure in each run. More: figures that are more certain. Otherwise that of --against, or 60.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// How often to measure each setting. From two on, the intervals come from how far the rounds differ. Otherwise that
+    /// of --against, or 2.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rounds: Option<u32>,
+    /// Compare pictures with converged ones of the same moments too.
+    #[arg(long)]
+    pub quality: bool,
+    /// Say what has become faster or slower than in this bench.json, and exit with 3 if anything is slower.
+    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    pub against: Option<PathBuf>,
+    /// Folder of the report; an earlier report in it is replaced once the new one is complete.
+    #[arg(long, value_name = "DIR", default_value = "glowworm-bench", help_heading = "Files")]
+    pub out: PathBuf,
+    /// Go on with what an interrupted run has left in the folder; options that are not given are as they were.
+    #[arg(long, help_heading = "Files")]
+    pub resume: bool,
+    #[command(flatten)]
+    pub settings: SweptSettings,
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
+/// The settings, several values of some.
+#[derive(Clone, Debug)]
+pub(super) struct SweptSettings {
+    settings: Settings,
+    sweep: Sweep,
+}
+
+/// The settings of which there may be several values.
+const SWEPT: [&str; 5] = ["temporal_sets", "size", "vpls", "bounces", "interleave"];
+
+impl clap::Args for SweptSettings {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        let command = Settings::augment_args(command);
+        let list = |command: clap::Command, name: &str| {
+            command.mut_arg(name, |argument| {
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+                argument.value_delimiter(',').help(format!("{help} A list such as A,B measures each"))
+            })
+        };
+        SWEPT
+            .into_iter()
+            .fold(command, list)
+            .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
+            .mut_arg("size", |argument| {
+                argument.default_value("1024x1024").help(
+                    "Width and height of the picture in pixels; 256x256 on a CPU driver unless it is given. A list \
+                     such as A,B measures each",
+                )
+            })
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for SweptSettings {
+    fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
+        let numbers = |name: &str| -> Vec<u32> {
+            matches.get_many(name).map(|values| values.copied().collect()).unwrap_or_default()
+        };
+        let sweep = Sweep {
+            temporal_sets: numbers("temporal_sets"),
+            size: matches.get_many("size").map(|sizes| sizes.copied().collect()).unwrap_or_default(),
+            vpls: numbers("vpls"),
+            bounces: numbers("bounces"),
+            interleave: numbers("interleave"),
+        };
+        Ok(Self { settings: Settings::from_arg_matches(matches)?, sweep })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Measures, reports and compares. `given` are the settings given on the command line.
+pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
+    let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
+    // Before anything is written: it may lie where the new report goes.
+    let old = options.against.as_deref().map(read_report).transpose()?;
+    check(options, given)?;
+    let folder = Folder::new(&options.out)?;
+    let device = device::open(&options.run.device)?;
+    let earlier = if options.resume { folder.earlier()?.map(|(_, report)| report) } else { None };
+    let mut plan = plan(options, given, earlier.as_ref().or(old.as_ref()), &device)?;
+    plan.quality |= earlier.is_some_and(|earlier| earlier.plan.quality);
+    let mut bench = Bench::new(&device, plan, folder, options.run.files.assets_folder())?;
+    if options.resume && !bench.resume()? {
+        say::note(&format!("{}: nothing to go on with; beginning anew", options.out.display()));
+    }
+    device::note_slow(&device);
+    measure(&mut bench)?;
+    device::check_validation(&device.validation_messages())?;
+    bench.write()?;
+    let report = bench.report();
+    if let Some(json) = json {
+        json.save_json(report)?;
+    }
+    let table = tables(report).into_iter().next().map(|table| text(&table)).unwrap_or_default();
+    say::print(&format!("{table}{}\n", options.out.join("report.html").display()))?;
+    match (&old, &options.against) {
+        (Some(old), Some(path)) => say_changes(&compare_reports(old, report), path),
+        _ => Ok(()),
+    }
+}
+
+fn measure(bench: &mut Bench) -> Result<(), CliError> {
+    let stop = interruption();
+    let bar = progress::bar(bench.work_left(), "{bar:40} {msg}, {eta} left");
+    let mut advance = |task: &str, work: u64| {
+        bar.set_message(task.to_owned());
+        bar.inc(work);
+    };
+    let done = bench.run(&mut Control::new(&stop, &mut advance));
+    bar.finish_and_clear();
+    Ok(done?)
+}
+
+/// Checks every value of every setting by itself.
+fn check(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
+    let error = |error| CliError::Settings { scene: "bench".to_owned(), error };
+    let SweptSettings { settings, sweep } = &options.settings;
+    let check = |settings: Settings| settings.check_options(given).map_err(error);
+    check(settings.clone())?;
+    sweep
+        .temporal_sets
+        .iter()
+        .try_for_each(|&temporal_sets| check(Settings { temporal_sets, ..settings.clone() }))?;
+    sweep.size.iter().try_for_each(|&size| check(Settings { size, ..settings.clone() }))?;
+    sweep.vpls.iter().try_for_each(|&vpls| check(Settings { vpls, ..settings.clone() }))?;
+    sweep.bounces.iter().try_for_each(|&bounces| check(Settings { bounces, ..settings.clone() }))?;
+    sweep.interleave.iter().try_for_each(|&interleave| check(Settings { interleave, ..settings.clone() }))
+}
+
+/// What the options ask for; what they leave open is as in the `old` report, but for `--quality`.
+fn plan(
+    options: &BenchOptions,
+    given: &[&str],
+    old: Option<&Report>,
+    device: &Arc<Device>,
+) -> Result<Plan, CliError> {
+    let old = old.map(|report| &report.plan);
+    let scenes = match old {
+        _ if options.models => models(options)?,
+        _ if !options.scenes.is_empty() => options.scenes.clone(),
+        Some(old) => old.scenes.clone(),
+        None => BENCH_SCENES.map(str::to_owned).into(),
+    };
+    let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
+    let own = toml::Table::try_from(&options.settings.settings).unwrap_or_default();
+    settings.extend(
+        own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
+    );
+    let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), device);
+    let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(FRAMES);
+    let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
+    Ok(Plan { scenes, frames, rounds, quality: options.quality, sweep, settings })
+}
+
+/// Those scenes of models that are there.
+fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
+    let assets = options.run.files.assets_folder();
+    let mut scenes = Vec::new();
+    for scene in BENCH_SCENES_OF_ASSETS {
+        if lacks_models(scene, assets.as_deref())? {
+            say::warning(&format!(
+                "{scene} is left out: its models are not below --assets or GLOWWORM_ASSETS"
+            ));
+        } else {
+            scenes.push(scene.to_owned());
+        }
+    }
+    Ok(scenes)
+}
+
+/// The lists that were given; without them those of the `old` plan; without that what the scenes say, but one size
+/// and the usual sets for all.
+fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, device: &Arc<Device>) -> Sweep {
+    let list = |name: &str, own: &[u32], old: Option<&Vec<u32>>, default: &[u32]| {
+        if given.contains(&name) { own.to_vec() } else { old.map_or(default, Vec::as_slice).to_vec() }
+    };
+    let size = match old {
+        _ if given.contains(&"size") => own.size.clone(),
+        Some(old) => old.size.clone(),
+        None if device.info().kind == "cpu" => vec![SIZE_ON_CPU],
+        None => own.size.clone(),
+    };
+    Sweep {
+        temporal_sets: list(
+            "temporal_sets",
+            &own.temporal_sets,
+            old.map(|old| &old.temporal_sets),
+            &own.temporal_sets,
+        ),
+        size,
+        vpls: list("vpls", &own.vpls, old.map(|old| &old.vpls), &[]),
+        bounces: list("bounces", &own.bounces, old.map(|old| &old.bounces), &[]),
+        interleave: list("interleave", &own.interleave, old.map(|old| &old.interleave), &[]),
+    }
+}
+
+/// A table as a person reads it in a terminal.
+fn text(table: &Table) -> String {
+    let lines = || std::iter::once(&table.columns).chain(&table.rows);
+    let width =
+        |column: usize| lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
+    let mut text = format!("{}\n", table.title);
+    for line in lines() {
+        for (column, cell) in line.iter().enumerate() {
+            let width = width(column).unwrap_or(0);
+            text += &if column == 0 { format!("{cell:<width$}") } else { format!("  {cell:>width$}") };
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Says what has changed; an error if anything is slower.
+fn say_changes(comparison: &Comparison, path: &std::path::Path) -> Result<(), CliError> {
+    let path = path.display();
+    if let Some(what) = comparison.other_machine {
+        say::warning(&format!(
+            "--against {path}: was measured with another {what}, so differences are not glowworm's"
+        ));
+    }
+    if comparison.compared == 0 {
+        return Err(BenchError::Report {
+            path: path.to_string().into(),
+            reason: "has no run with a scene and the settings of this one; nothing was compared".to_owned(),
+        }
+        .into());
+    }
+    if comparison.unmatched > 0 {
+        let (runs, those) = if comparison.unmatched == 1 { ("run", "that is") } else { ("runs", "that are") };
+        say::warning(&format!(
+            "--against {path}: {} {runs} {those} in one report only",
+            comparison.unmatched
+        ));
+    }
+    let slower = comparison.changes.iter().filter(|change| change.is_slower()).count();
+    let faster = comparison.changes.len() - slower;
+    let lines: String = comparison.changes.iter().map(|change| format!("{change}\n")).collect();
+    let compared = comparison.compared;
+    let runs = if compared == 1 { "run" } else { "runs" };
+    say::print(&format!(
+        "{lines}against {path}: {slower} slower, {faster} faster beyond noise, in {compared} {runs}\n"
+    ))?;
+    if slower > 0 { Err(CliError::Regression { path: path.to_string(), slower }) } else { Ok(()) }
+}

@@ -1,0 +1,123 @@
+//! `glowworm dataset`: pictures for denoisers.
+
+use std::path::PathBuf;
+
+use super::options::FileOptions;
+use super::progress::interruption;
+use super::reference::{Bounces, parse_bounces};
+use super::{CliError, progress, say};
+use crate::dataset::{Dataset, DatasetPlan};
+use crate::output::OutputFile;
+use crate::scene::load_scene;
+use crate::settings::{Settings, text};
+
+/// What is written, and how it is to be read.
+const HELP: &str = "\
+The layout is that of the data set of BMFR (Koskela et al. 2019). For each frame f, counted from 0, as EXR with the 32-bit \
+channels R, G, B:
+  color{f}.exr           one path a pixel: radiance over the albedo of the visible surface
+  reference{f}.exr       --spp other paths a pixel: radiance, with albedo
+  albedo{f}.exr          color times this is the path-traced image; 1 where no surface is and where it would be below 0.001
+  shading_normal{f}.exr  unit normals in world space; 0 where no surface is
+  world_position{f}.exr  points in world space; 0 where no surface is
+camera_matrices.h holds, for C, camera_matrices[FRAMES][4][4]: the row vector (position, 1) times the matrix is (x, y, z, \
+w), and the pixel, from the top left, is ((x, y) / w + 1) / 2 * size - pixel_offsets[f]; pixel_offsets[FRAMES][2], which \
+are 0.5: all paths start in the middle of their pixels; and position_limit_squared and normal_limit_squared, how far apart two \
+points or normals of one surface may be when a denoiser looks back: a value to begin with.
+glowworm-dataset.json says what has been rendered, for --resume.";
+
+/// Options of `dataset`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_override_self = true, after_help = HELP)]
+pub(super) struct DatasetOptions {
+    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    pub scene: String,
+    /// Frames of its animation.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), default_value = "60")]
+    pub frames: u32,
+    /// Paths a pixel of the reference. More: less noise, which falls with about the square root, or faster.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "4096")]
+    pub spp: u64,
+    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
+    /// scene's, or 2.
+    #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
+    pub bounces: Option<Bounces>,
+    /// Width and height of the pictures. Otherwise the scene's, or 1280x720.
+    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true)]
+    pub size: Option<[u32; 2]>,
+    /// Seed of the samples. Otherwise the scene's, or 0.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
+    pub seed: Option<u32>,
+    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
+    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true)]
+    pub time_step: Option<f64>,
+    /// Folder to write to: a new or an empty one.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub out: PathBuf,
+    /// Go on in the folder of an interrupted run with the same options.
+    #[arg(long, help_heading = "Files")]
+    pub resume: bool,
+    #[command(flatten)]
+    pub files: FileOptions,
+}
+
+/// Renders the data set.
+pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
+    let (given_settings, given) = options.settings();
+    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
+    given_settings.check_options(&given).map_err(settings_error)?;
+    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
+    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let plan = DatasetPlan {
+        scene: scene.name.clone(),
+        frames: options.frames,
+        spp: options.spp,
+        size: settings.size,
+        bounces: options.bounces.map_or(Some(settings.bounces), Bounces::limit),
+        seed: settings.seed,
+        time_step: settings.time_step,
+    };
+    let mut dataset = Dataset::new(&options.out, plan.clone(), options.resume)?;
+    let stop = interruption();
+    let samples = u64::from(options.frames - dataset.done().min(options.frames)) * (options.spp + 1);
+    let bar = progress::bar(samples, "{bar:40} frame {msg}, {eta} left");
+    loop {
+        bar.set_message(format!("{} of {}", (dataset.done() + 1).min(options.frames), options.frames));
+        if !dataset.next_frame(&scene, &stop, &mut || bar.inc(1))? {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    if let Some(json) = json {
+        json.save_json(&plan)?;
+    }
+    let (frames, spp) = (options.frames, options.spp);
+    say::print(&format!(
+        "{}: {frames} frames of {}, reference of {spp} paths a pixel\n",
+        options.out.display(),
+        scene.name
+    ))
+}
+
+impl DatasetOptions {
+    /// The options that are settings, and the names of those that were given.
+    fn settings(&self) -> (Settings, Vec<&'static str>) {
+        let mut settings = Settings::default();
+        let mut given = Vec::new();
+        if let Some(size) = self.size {
+            settings.size = size;
+            given.push("size");
+        }
+        if let Some(seed) = self.seed {
+            settings.seed = seed;
+            given.push("seed");
+        }
+        if let Some(seconds) = self.time_step {
+            settings.time_step = seconds;
+            given.push("time_step");
+        }
+        (settings, given)
+    }
+}

@@ -1,0 +1,38 @@
+//! Progress on a terminal, and what an interruption does.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar of that length, written as `template` says (indicatif's words), on a terminal; else nothing.
+pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(length);
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// A bar over frames.
+pub(super) fn frames_bar(frames: u64) -> ProgressBar {
+    bar(frames, "{bar:40} frame {pos} of {len}, {eta} left")
+}
+
+/// What is set once somebody interrupts the program. A second interruption ends it at once.
+pub(super) fn interruption() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&stop);
+    let on_interrupt = move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    // A second handler in one process, as in tests, is refused, and the first one stays.
+    let _ = ctrlc::set_handler(on_interrupt);
+    stop
+}

@@ -1,0 +1,126 @@
+//! Bars of parts that lie on each other, such as the stages of a frame: one panel for each group of bars.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::{Axis, Scale};
+use super::page::{KeyEntry, Page, Sample};
+use super::{Drawn, FONT, Plot};
+
+/// Width of a bar, of 1 from one to the next.
+const BAR_WIDTH: f64 = 0.68;
+
+/// A page of panels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bars {
+    /// What stands above.
+    pub title: String,
+    /// What the parts are, from below, with their colours.
+    pub parts: Vec<(String, [u8; 3])>,
+    /// The panels, by rows.
+    pub panels: Vec<BarPanel>,
+    /// Panels in a row.
+    pub columns: usize,
+    /// Width and height of a panel, pixels.
+    pub panel_size: (u32, u32),
+}
+
+/// Some bars over one axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BarPanel {
+    /// What stands above it.
+    pub title: String,
+    /// What stands below the bars.
+    pub x_label: String,
+    /// The quantity, with its unit.
+    pub y_label: String,
+    /// The bars, from the left.
+    pub bars: Vec<Bar>,
+}
+
+/// One bar.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bar {
+    /// What stands below it.
+    pub label: String,
+    /// What stands above it.
+    pub total: String,
+    /// How long each part is; none below 0.
+    pub parts: Vec<f64>,
+}
+
+impl Plot for Bars {
+    fn size(&self) -> (u32, u32) {
+        self.page().size()
+    }
+
+    fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
+        let areas = self.page().draw(canvas)?;
+        for (panel, area) in self.panels.iter().zip(areas) {
+            self.draw_panel(panel, &area)?;
+        }
+        Ok(())
+    }
+}
+
+impl Bars {
+    fn page(&self) -> Page<'_> {
+        let entry = |(name, colour): &(String, [u8; 3])| KeyEntry {
+            name: name.clone(),
+            colour: rgb(*colour),
+            sample: Sample::Area,
+        };
+        Page {
+            title: &self.title,
+            key: self.parts.iter().map(entry).collect(),
+            panels: self.panels.len(),
+            columns: self.columns,
+            panel_size: self.panel_size,
+        }
+    }
+
+    fn draw_panel<Canvas: DrawingBackend>(
+        &self,
+        panel: &BarPanel,
+        area: &DrawingArea<Canvas, Shift>,
+    ) -> Drawn<Canvas> {
+        let x = Axis::side_by_side(panel.bars.iter().map(|bar| bar.label.as_str()));
+        let y = Axis { scale: Scale::FromZero, ..Axis::default() };
+        let y = y.layout(panel.bars.iter().map(|bar| bar.parts.iter().sum()).chain([0.0]), 0.05);
+        let mut chart = ChartBuilder::on(area)
+            .caption(&panel.title, (FONT, 16))
+            .margin(10)
+            .x_label_area_size(40)
+            .y_label_area_size(70)
+            .build_cartesian_2d(x, y)?;
+        chart
+            .configure_mesh()
+            .disable_x_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(BLACK.mix(0.12))
+            .x_desc(&panel.x_label)
+            .y_desc(&panel.y_label)
+            .label_style((FONT, 12))
+            .axis_desc_style((FONT, 13))
+            .draw()?;
+        let total = (FONT, 12).into_font().into_text_style(area).pos(Pos::new(HPos::Center, VPos::Bottom));
+        for (index, bar) in panel.bars.iter().enumerate() {
+            let (left, right) = (index as f64 - BAR_WIDTH / 2.0, index as f64 + BAR_WIDTH / 2.0);
+            let mut below = 0.0;
+            for (part, (_, colour)) in bar.parts.iter().zip(&self.parts) {
+                let above = below + part.max(0.0);
+                let corners = [(left, below), (right, above)];
+                chart.draw_series([Rectangle::new(corners, rgb(*colour).filled())])?;
+                below = above;
+            }
+            let text = Text::new(bar.total.clone(), (0, -3), total.clone());
+            chart.draw_series([EmptyElement::at((index as f64, below)) + text])?;
+        }
+        Ok(())
+    }
+}
+
+fn rgb([r, g, b]: [u8; 3]) -> RGBColor {
+    RGBColor(r, g, b)
+}

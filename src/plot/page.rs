@@ -1,0 +1,150 @@
+//! A page of panels: the title, below it one key for all panels, below that the panels in rows.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::{Drawn, FONT};
+
+const TITLE_SIZE: u32 = 20;
+const TITLE_HEIGHT: u32 = 40;
+const KEY_SIZE: u32 = 13;
+const KEY_LINE: u32 = 22;
+/// Pixels of the sample beside a name, and between entries.
+const SAMPLE: i32 = 22;
+const GAP: i32 = 18;
+const MARGIN: i32 = 16;
+
+/// The frame that panels stand in.
+pub(super) struct Page<'a> {
+    pub title: &'a str,
+    pub key: Vec<KeyEntry>,
+    pub panels: usize,
+    pub columns: usize,
+    pub panel_size: (u32, u32),
+}
+
+/// A line of the key.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct KeyEntry {
+    pub name: String,
+    pub colour: RGBColor,
+    pub sample: Sample,
+}
+
+/// What stands beside a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sample {
+    Line,
+    DashedLine,
+    Area,
+}
+
+impl Page<'_> {
+    fn columns(&self) -> usize {
+        self.panels.clamp(1, self.columns.max(1))
+    }
+
+    fn rows(&self) -> usize {
+        self.panels.max(1).div_ceil(self.columns())
+    }
+
+    fn width(&self) -> u32 {
+        self.columns() as u32 * self.panel_size.0
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width(), self.head() + self.rows() as u32 * self.panel_size.1)
+    }
+
+    /// Height of what stands above the panels.
+    fn head(&self) -> u32 {
+        let lines = self.places().last().map_or(0, |(_, line)| line + 1);
+        TITLE_HEIGHT + lines as u32 * KEY_LINE
+    }
+
+    /// Where each entry of the key begins: x in pixels, and the line.
+    fn places(&self) -> Vec<(i32, usize)> {
+        let (mut x, mut line) = (MARGIN, 0);
+        let mut places = Vec::new();
+        for entry in &self.key {
+            let width = SAMPLE + text_width(&entry.name) + GAP;
+            if x + width > self.width() as i32 && x > MARGIN {
+                (x, line) = (MARGIN, line + 1);
+            }
+            places.push((x, line));
+            x += width;
+        }
+        places
+    }
+
+    /// Draws title and key; gives the areas of the panels.
+    pub fn draw<Canvas: DrawingBackend>(
+        &self,
+        canvas: &DrawingArea<Canvas, Shift>,
+    ) -> Result<Vec<DrawingArea<Canvas, Shift>>, DrawingAreaErrorKind<Canvas::ErrorType>> {
+        canvas.fill(&WHITE)?;
+        let title = (FONT, TITLE_SIZE).into_text_style(canvas).pos(Pos::new(HPos::Center, VPos::Top));
+        canvas.draw(&Text::new(self.title, (self.width() as i32 / 2, 10), title))?;
+        for (entry, (x, line)) in self.key.iter().zip(self.places()) {
+            let y = (TITLE_HEIGHT + line as u32 * KEY_LINE + KEY_LINE / 2) as i32;
+            entry.draw(canvas, x, y)?;
+        }
+        let (_, panels) = canvas.split_vertically(self.head());
+        Ok(panels.split_evenly((self.rows(), self.columns())))
+    }
+}
+
+impl KeyEntry {
+    fn draw<Canvas: DrawingBackend>(
+        &self,
+        canvas: &DrawingArea<Canvas, Shift>,
+        x: i32,
+        y: i32,
+    ) -> Drawn<Canvas> {
+        let line =
+            |from: i32, to: i32| PathElement::new([(x + from, y), (x + to, y)], self.colour.stroke_width(3));
+        match self.sample {
+            Sample::Line => canvas.draw(&line(0, SAMPLE - 6))?,
+            Sample::DashedLine => {
+                canvas.draw(&line(0, 6))?;
+                canvas.draw(&line(10, 16))?;
+            }
+            Sample::Area => {
+                canvas.draw(&Rectangle::new([(x + 2, y - 6), (x + 14, y + 6)], self.colour.filled()))?;
+            }
+        }
+        let style = (FONT, KEY_SIZE).into_text_style(canvas).pos(Pos::new(HPos::Left, VPos::Center));
+        canvas.draw(&Text::new(self.name.as_str(), (x + SAMPLE, y), style))
+    }
+}
+
+fn text_width(text: &str) -> i32 {
+    super::prepare_font();
+    let measured = (FONT, KEY_SIZE).into_font().layout_box(text);
+    measured.map_or(0, |((left, _), (right, _))| right - left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_key_takes_as_many_lines_as_it_needs() {
+        let entry = |name: &str| KeyEntry { name: name.to_owned(), colour: BLACK, sample: Sample::Area };
+        let page = |names: usize| Page {
+            title: "",
+            key: vec![entry("indirect_reprojection"); names],
+            panels: 3,
+            columns: 2,
+            panel_size: (300, 100),
+        };
+        assert_eq!(page(0).size(), (600, TITLE_HEIGHT + 200));
+        assert_eq!(page(2).size(), (600, TITLE_HEIGHT + KEY_LINE + 200));
+        let many = page(11);
+        assert!(many.size().1 > page(2).size().1);
+        let right = |(x, _): (i32, usize)| x + SAMPLE + text_width("indirect_reprojection");
+        assert!(many.places().into_iter().all(|place| right(place) <= 600));
+    }
+}
