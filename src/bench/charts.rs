@@ -137,9 +137,9 @@ fn parts() -> Vec<(String, [u8; 3])> {
 
 fn bar(run: &Run, label: String, noise: &Noise) -> Option<Bar> {
     let summary = Summary::of(run, noise)?;
-    let total = summary.mean(TOTAL);
+    let total = summary.midmean(TOTAL);
     let total = if total < 10.0 { format!("{total:.2}") } else { format!("{total:.1}") };
-    Some(Bar { label, total, parts: stages().map(|stage| summary.mean(stage)).collect() })
+    Some(Bar { label, total, parts: stages().map(|stage| summary.midmean(stage)).collect() })
 }
 
 fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
@@ -148,7 +148,7 @@ fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
         BarPanel {
             title: row.label.clone(),
             x_label: grid.axis.label().to_owned(),
-            y_label: "mean, ms".to_owned(),
+            y_label: "ms".to_owned(),
             bars: bars.filter_map(|run| bar(run, grid.axis.text(&run.settings), noise)).collect(),
         }
     };
@@ -171,7 +171,7 @@ fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
     let panel = BarPanel {
         title: String::new(),
         x_label: String::new(),
-        y_label: "mean, ms".to_owned(),
+        y_label: "ms".to_owned(),
         bars: bars.collect(),
     };
     let title = format!("Stages of a frame by scene, T = {}", report.shown_sets());

@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 
 use super::report::Run;
 use super::samples::{FPS, Samples, Unit};
-use crate::statistics::{Spread, percentile, student_t, variance};
+use crate::statistics::{Spread, mean, percentile, student_t, variance};
 
 /// Standard errors on either side of a mean that hold 95 % of a normal distribution.
 const Z_95: f64 = 1.959_964;
@@ -106,6 +106,9 @@ pub struct Figure {
     pub unit: Unit,
     /// Over the frames of all rounds.
     pub spread: Spread,
+    /// Mean over the middle half of the frames, ordered by their time as a whole: what slow frames of a busy machine
+    /// do not touch, and what the stages of a frame add up to.
+    pub midmean: f64,
     /// Of times: where the median of another run is to be expected, with 95 % confidence.
     pub interval: Option<[f64; 2]>,
 }
@@ -119,13 +122,15 @@ impl Summary {
                 all.extend(more);
             }
         }
+        let middle = middle_half(&quantities.first()?.2);
         let figure = |(name, unit, values): (&'static str, Unit, Vec<f64>)| {
             let spread = Spread::of(&values, unit == Unit::PerSecond)?;
             let interval = noise.quantity(name).filter(|_| spread.median > 0.0).map(|noise| {
                 let factor = noise.half_width(Z_95, run.rounds.len()).exp();
                 [spread.median / factor, spread.median * factor]
             });
-            Some(Figure { name, unit, spread, interval })
+            let midmean = mean(&middle.iter().map(|&frame| values[frame]).collect::<Vec<_>>());
+            Some(Figure { name, unit, spread, midmean, interval })
         };
         Some(Self { figures: quantities.into_iter().filter_map(figure).collect() })
     }
@@ -144,6 +149,19 @@ impl Summary {
     pub fn mean(&self, name: &str) -> f64 {
         self.figure(name).map_or(0.0, |figure| figure.spread.mean)
     }
+
+    /// See [`Figure::midmean`]; 0 where there is none.
+    pub fn midmean(&self, name: &str) -> f64 {
+        self.figure(name).map_or(0.0, |figure| figure.midmean)
+    }
+}
+
+/// The numbers of the frames that are neither among the fastest nor among the slowest quarter.
+fn middle_half(totals: &[f64]) -> Vec<usize> {
+    let mut frames: Vec<usize> = (0..totals.len()).collect();
+    frames.sort_by(|a, b| totals[*a].total_cmp(&totals[*b]));
+    let quarter = totals.len() / 4;
+    frames[quarter..totals.len() - quarter].to_vec()
 }
 
 impl Figure {
@@ -151,7 +169,8 @@ impl Figure {
     pub fn statistics(&self) -> Vec<(&'static str, f64)> {
         let Spread { median, mean, p5, p95, worst } = self.spread;
         let mut statistics =
-            vec![("median", median), ("mean", mean), ("p5", p5), ("p95", p95), ("worst", worst)];
+            vec![("median", median), ("mean", mean), ("midmean", self.midmean), ("p5", p5), ("p95", p95)];
+        statistics.push(("worst", worst));
         if let Some([low, high]) = self.interval {
             statistics.extend([("low", low), ("high", high)]);
         }
@@ -174,5 +193,24 @@ impl Serialize for Summary {
             }
         }
         serializer.collect_map(self.figures.iter().map(|figure| (figure.name, Entry(figure))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_frames_do_not_touch_the_middle_half() {
+        assert_eq!(middle_half(&[3.0, 1.0, 900.0, 2.0]), [3, 0]);
+        assert_eq!(middle_half(&[5.0, 4.0, 6.0]), [1, 0, 2]);
+        assert_eq!(middle_half(&[1.0]), [0]);
+    }
+
+    #[test]
+    fn unknown_noise_is_assumed() {
+        let unknown = pooled(&[], "total");
+        assert_eq!((unknown.variance.sqrt(), unknown.freedom), (ASSUMED_NOISE, None));
+        assert!((unknown.half_width(2.0, 4) - ASSUMED_NOISE).abs() < 1e-12);
     }
 }

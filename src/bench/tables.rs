@@ -184,20 +184,20 @@ pub(super) fn single_set_time(row: &GridRow<'_>, noise: &Noise) -> Option<f64> {
     Some(Summary::of(one, noise)?.median(TOTAL))
 }
 
-/// Mean time of each stage.
+/// What each stage takes.
 fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
     let summaries: Vec<Option<Summary>> =
         row.runs.iter().map(|run| run.and_then(|run| Summary::of(run, noise))).collect();
     let line = |name: &str| {
         let cell = |summary: &Option<Summary>| {
-            summary.as_ref().map(|summary| milliseconds(summary.mean(name))).unwrap_or_default()
+            summary.as_ref().map(|summary| milliseconds(summary.midmean(name))).unwrap_or_default()
         };
         std::iter::once(name.to_owned()).chain(summaries.iter().map(cell)).collect::<Vec<_>>()
     };
     Table {
         title: format!("Stages of {} in ms, by {}", row.label, grid.axis.label()),
-        note: "Means, which add up to that of the whole frame. `other` is what lies between the passes: recording, \
-               uploads, submission, waiting."
+        note: "Means over the middle half of the frames, so they add up to the whole and slow frames do not count. \
+               `other` is what lies between the passes: recording, uploads, submission, waiting."
             .to_owned(),
         columns: std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect(),
         rows: stages().chain([TOTAL]).map(line).collect(),

@@ -15,16 +15,23 @@ use crate::settings::Settings;
 use crate::vulkan::Device;
 
 /// Measured frames where nothing else is said.
-const FRAMES: u32 = 60;
+const FRAMES: u32 = 240;
 /// Rounds where nothing else is said.
 const ROUNDS: u32 = 2;
-/// Size on a CPU driver where nothing else is said.
-const SIZE_ON_CPU: [u32; 2] = [256, 256];
+/// What a CPU driver, which takes some 50 ms for such a frame, is measured with where nothing else is said.
+const ON_CPU: OnCpu = OnCpu { frames: 24, size: [256, 256], time_step: 1.0 / 20.0 };
+
+struct OnCpu {
+    frames: u32,
+    size: [u32; 2],
+    time_step: f64,
+}
 
 /// What is measured, and what comes of it.
 const HELP: &str = "\
 A frame's time runs from its beginning until the device is done with it; nothing overlaps and nothing is shown. Each \
 run warms up until all set buffers are filled; then the same moments of the animation are measured with every setting. \
+On a CPU driver less is measured unless options say otherwise: 24 frames, 256x256 pixels, 1/20 s apart. \
 --out gets report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds what an \
 interrupted run has measured. --against exits with 3 if something is slower beyond noise; to compare a report that is \
 there already, name its folder with --out and add --resume.";
@@ -41,7 +48,8 @@ pub(super) struct BenchOptions {
     /// out.
     #[arg(long, conflicts_with = "scenes")]
     pub models: bool,
-    /// Frames to measure in each run. More: figures that are more certain. Otherwise that of --against, or 60.
+    /// Frames to measure in each run. More: figures that are more certain. Otherwise that of --against, or 240,
+    /// or 24 on a CPU driver.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// How often to measure each setting. From two on, the intervals come from how far the rounds differ. Otherwise that
@@ -89,6 +97,10 @@ impl clap::Args for SweptSettings {
             .into_iter()
             .fold(command, list)
             .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
+            .mut_arg("time_step", |argument| {
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+                argument.help(format!("{help} On a CPU driver 1/20 unless it is given"))
+            })
             .mut_arg("size", |argument| {
                 argument.default_value("1024x1024").help(
                     "Width and height of the picture in pixels; 256x256 on a CPU driver unless it is given. A list \
@@ -201,8 +213,13 @@ fn plan(
     settings.extend(
         own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
     );
-    let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), device);
-    let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(FRAMES);
+    let on_cpu = device.info().kind == "cpu";
+    if on_cpu && old.is_none() && !given.contains(&"time_step") {
+        settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
+    }
+    let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
+    let frames = if on_cpu { ON_CPU.frames } else { FRAMES };
+    let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(frames);
     let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
     Ok(Plan { scenes, frames, rounds, quality: options.quality, sweep, settings })
 }
@@ -225,14 +242,14 @@ fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
 
 /// The lists that were given; without them those of the `old` plan; without that what the scenes say, but one size
 /// and the usual sets for all.
-fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, device: &Arc<Device>) -> Sweep {
+fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Sweep {
     let list = |name: &str, own: &[u32], old: Option<&Vec<u32>>, default: &[u32]| {
         if given.contains(&name) { own.to_vec() } else { old.map_or(default, Vec::as_slice).to_vec() }
     };
     let size = match old {
         _ if given.contains(&"size") => own.size.clone(),
         Some(old) => old.size.clone(),
-        None if device.info().kind == "cpu" => vec![SIZE_ON_CPU],
+        None if on_cpu => vec![ON_CPU.size],
         None => own.size.clone(),
     };
     Sweep {

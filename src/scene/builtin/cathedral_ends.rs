@@ -150,7 +150,7 @@ fn choir(paints: &Paints) -> Part {
     let half = 3.72;
     for (i, from) in [15.9f32, 16.3, 16.7].into_iter().enumerate() {
         let top = 0.15 * (i + 1) as f32;
-        let half = half - 0.02 * i as f32;
+        let (half, end) = (half - 0.02 * i as f32, end - 0.02 * i as f32);
         all.push(bevelled(vec3(from, top - 0.3, -half), vec3(end, top, half), 0.015, paints.marble));
     }
     let altar = vec3(HALF_LENGTH + 2.6, CHOIR, 0.0);

@@ -13,7 +13,7 @@ use super::shapes::{bevelled, cushion, lathe, loft_open, rod, sheet_solid};
 /// A padded swivel chair on five castors.
 pub(super) fn swivel_chair(paints: &Paints) -> Part {
     let mut all = base(paints);
-    let seat = cushion(vec3(0.26, 0.055, 0.25), 0.45, [48, 20], paints.leather);
+    let seat = cushion(vec3(0.26, 0.055, 0.25), 0.45, [56, 26], paints.leather);
     all.push(seat.at(vec3(0.0, 0.49, 0.0)));
     let shell = cushion(vec3(0.24, 0.03, 0.23), 0.3, [32, 8], paints.plastic);
     all.push(shell.at(vec3(0.0, 0.43, 0.0)));
@@ -37,8 +37,8 @@ pub(super) fn swivel_chair(paints: &Paints) -> Part {
 
 /// The back: a cushion, bent about the one who sits, with ribs across.
 fn back(paints: &Paints) -> Part {
-    const SEGMENTS: u32 = 40;
-    const RINGS: u32 = 44;
+    const SEGMENTS: u32 = 48;
+    const RINGS: u32 = 52;
     let ring = |j: u32| {
         let share = j as f32 / RINGS as f32;
         let latitude = PI * (share - 0.5);

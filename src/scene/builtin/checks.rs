@@ -132,18 +132,16 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
         for i in 0..mesh.triangles.len() {
             let corners = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
-            planes.entry(cell(normal, normal.dot(corners[0]))).or_default().push(faces.len());
-            faces.push(Face { corners, normal, piece });
+            let face = Face { corners, normal, piece };
+            planes.entry(plane(&face).map(|value| value.round() as i64)).or_default().push(faces.len());
+            faces.push(face);
         }
     }
     let solids: Vec<Solid> =
         pieces.iter().filter(|piece| solid(piece).is_ok()).map(Solid::of).collect();
     let (mut found, mut named) = (Vec::new(), HashSet::new());
     for (first, face) in faces.iter().enumerate() {
-        let here = cell(face.normal, face.normal.dot(face.corners[0]));
-        for step in 0..81 {
-            let offset = [step % 3 - 1, step / 3 % 3 - 1, step / 9 % 3 - 1, step / 27 - 1];
-            let there = std::array::from_fn(|i| here[i] + offset[i]);
+        for there in nearby(face) {
             for &second in planes.get(&there).into_iter().flatten().filter(|second| **second > first) {
                 let Some((area, middle)) = overlap(face, &faces[second]) else { continue };
                 if named.contains(&(face.piece, faces[second].piece)) {
@@ -163,8 +161,22 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
     found
 }
 
-fn cell(normal: DVec3, distance: f64) -> [i64; 4] {
-    [normal.x * 256.0, normal.y * 256.0, normal.z * 256.0, distance / 4e-3].map(|value| value.round() as i64)
+/// Normal and distance from the origin of a face's plane, in cells of a table.
+fn plane(face: &Face) -> [f64; 4] {
+    let Face { normal, corners, .. } = face;
+    [normal.x * 256.0, normal.y * 256.0, normal.z * 256.0, normal.dot(corners[0]) / 4e-3]
+}
+
+/// The cells where faces in the plane of this one may be found, whose own plane is a little inexact.
+fn nearby(face: &Face) -> Vec<[i64; 4]> {
+    let mut cells = vec![[0; 4]];
+    for (axis, value) in plane(face).into_iter().enumerate() {
+        let inexact = if axis == 3 { 0.8 } else { 0.25 };
+        let (from, to) = ((value - inexact).round() as i64, (value + inexact).round() as i64);
+        let at = |cell: i64| cells.iter().map(move |before| std::array::from_fn(|i| if i == axis { cell } else { before[i] }));
+        cells = (from..=to).flat_map(at).collect();
+    }
+    cells
 }
 
 /// Area that two faces share and a point there, if they lie in one plane and look the same way.

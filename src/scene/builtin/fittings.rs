@@ -92,7 +92,7 @@ pub(super) fn door(paints: &Paints) -> Part {
     let jamb = bevelled(vec3(-0.04, 0.0, -0.02), vec3(0.04, 2.2, 0.035), 0.006, paints.steel);
     let mut all = jamb.at(Vec3::NEG_X * 0.5).and(jamb.at(Vec3::X * 0.5));
     all.push(bevelled(vec3(-0.46, 2.12, -0.02), vec3(0.46, 2.2, 0.034), 0.006, paints.steel));
-    all.push(cuboid(vec3(-0.465, 0.006, -0.02), vec3(0.465, 2.125, 0.02), paints.door));
+    all.push(cuboid(vec3(-0.465, 0.006, -0.02), vec3(0.465, 2.125, 0.028), paints.door));
     let plate = bevelled(vec3(-0.02, -0.11, 0.0), vec3(0.02, 0.11, 0.026), 0.003, paints.steel);
     all.push(plate.at(vec3(0.38, 1.05, 0.0)));
     let handle = [vec3(0.38, 1.08, 0.02), vec3(0.38, 1.08, 0.06), vec3(0.372, 1.08, 0.07), vec3(0.25, 1.08, 0.07)];

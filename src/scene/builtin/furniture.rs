@@ -46,12 +46,12 @@ pub(super) fn place_setting(paints: &Paints, seat: u32) -> Part {
     let pick = |i: u32| chance(seat, i, 501);
     let mut all = Part::default();
     let paper = cuboid(vec3(-0.105, 0.0, -0.148), vec3(0.105, 0.004, 0.148), paints.paper);
-    all.push(paper.turned(30.0 * (pick(0) - 0.5), vec3(-0.14, 0.0, 0.2)));
+    all.push(paper.turned(30.0 * (pick(0) - 0.5), vec3(-0.24, 0.0, 0.2)));
     let pen = [vec3(-0.02, 0.011, 0.12), vec3(-0.04, 0.011, 0.25)];
     all.push(rod(&pen, 0.005, 10, paints.plastic));
-    all.push(glass(paints).at(vec3(0.26 + 0.03 * pick(1), 0.0, 0.32)));
+    all.push(glass(paints).at(vec3(0.31 + 0.03 * pick(1), 0.0, 0.32)));
     if seat % 3 != 1 {
-        all.push(laptop(paints).turned(20.0 * (pick(2) - 0.5), vec3(0.03, 0.0, 0.2)));
+        all.push(laptop(paints).turned(20.0 * (pick(2) - 0.5), vec3(0.07, 0.0, 0.2)));
     } else {
         all.push(cup(paints).at(vec3(0.12, 0.0, 0.26)));
     }
@@ -118,7 +118,7 @@ pub(super) fn bookcase(paints: &Paints) -> Part {
     let mut all = cuboid(vec3(-half, 0.0, 0.0), vec3(half, height, 0.02), paints.veneer);
     for side in [-1.0f32, 1.0] {
         let x = side * (half - 0.015);
-        all.push(cuboid(vec3(x - 0.016, 0.0, 0.01), vec3(x + 0.016, height, depth), paints.veneer));
+        all.push(cuboid(vec3(x - 0.016, 0.0, 0.01), vec3(x + 0.016, height + 0.004, depth), paints.veneer));
     }
     let shelf = cuboid(vec3(-half + 0.01, -0.025, 0.01), vec3(half - 0.01, 0.0, depth - 0.005), paints.veneer);
     all.push_at(&shelf, (0..7).map(|i| Vec3::Y * (0.085 + 0.335 * i as f32)));

@@ -102,8 +102,8 @@ pub(super) fn model(palette: &mut Palette) -> Part {
 fn shell(paints: &Paints) -> Part {
     let (x, z, top) = (HALF.x, HALF.y, CEILING + 0.35);
     let out = HALF + WALL;
-    let mut all = cuboid(vec3(-out.x, -0.3, -out.y), vec3(out.x, 0.0, out.y), paints.carpet);
-    all.push(cuboid(vec3(-out.x, top, -out.y), vec3(out.x, top + 0.2, out.y), paints.panel));
+    let mut all = cuboid(vec3(-out.x - 0.05, -0.3, -out.y - 0.05), vec3(out.x + 0.05, 0.0, out.y + 0.05), paints.carpet);
+    all.push(cuboid(vec3(-out.x - 0.05, top, -out.y - 0.05), vec3(out.x + 0.05, top + 0.2, out.y + 0.05), paints.panel));
     let wall = |min: [f32; 3], max: [f32; 3]| cuboid(Vec3::from_array(min), Vec3::from_array(max), paints.wall);
     all.push(wall([-out.x, -0.1, z], [out.x, top + 0.1, out.y]));
     all.push(wall([-out.x, -0.1, -out.y], [-x, top + 0.1, z]));

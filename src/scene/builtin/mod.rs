@@ -42,8 +42,29 @@ use palette::Palette;
 use part::Part;
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 11] =
-    ["playroom", "cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "sponza", "sibenik", "conference", "classroom", "living-room"];
+pub const NAMES: [&str; 14] = [
+    "playroom",
+    "cornell-box",
+    "atrium",
+    "atrium-drapery",
+    "cathedral",
+    "meeting-room",
+    "sponza",
+    "crytek-sponza",
+    "sibenik",
+    "sibenik-spot",
+    "conference",
+    "conference-torus",
+    "classroom",
+    "living-room",
+];
+
+/// The scenes that a benchmark runs: those of Tonna 2019, figure 24, or what is made by code in their stead.
+pub const BENCH_SCENES: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room"];
+
+/// The same five with the models of the original, which are not shipped.
+pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
+    ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
 
 /// Names of the models that scene files may ask for as `builtin`.
 pub(super) const MODELS: [&str; 6] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
@@ -57,8 +78,11 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
         "cathedral" => Some(include_str!("../../../scenes/cathedral.toml")),
         "meeting-room" => Some(include_str!("../../../scenes/meeting-room.toml")),
         "sponza" => Some(include_str!("../../../scenes/sponza.toml")),
+        "crytek-sponza" => Some(include_str!("../../../scenes/crytek-sponza.toml")),
         "sibenik" => Some(include_str!("../../../scenes/sibenik.toml")),
+        "sibenik-spot" => Some(include_str!("../../../scenes/sibenik-spot.toml")),
         "conference" => Some(include_str!("../../../scenes/conference.toml")),
+        "conference-torus" => Some(include_str!("../../../scenes/conference-torus.toml")),
         "classroom" => Some(include_str!("../../../scenes/classroom.toml")),
         "living-room" => Some(include_str!("../../../scenes/living-room.toml")),
         _ => None,

@@ -263,7 +263,7 @@ pub(super) fn sheet_solid(
         let back = (0..=columns).rev().map(|column| place(column, -1.0));
         (0..=columns).map(|column| place(column, 1.0)).chain(back).collect::<Vec<_>>()
     };
-    loft(&(0..=rows).map(ring).collect::<Vec<_>>(), Ends::Capped, material)
+    loft(&(0..=rows).rev().map(ring).collect::<Vec<_>>(), Ends::Capped, material)
 }
 
 /// A superellipsoid about the origin: a ball at exponent 1, nearly a box of size 2 x `half` near 0.
