@@ -52,7 +52,10 @@ fn a_hundred_of_a_thousand_instances_move() {
     for i in 0..1000 {
         let (x, y, z) = (i % 10 * 3, i / 10 % 10 * 3, i / 100 * 3);
         let moves = i % 10 == 0;
-        let _ = write!(text, "[[instances]]\nmodel = \"ball\"\ntranslation = [{x}, {y}, {z}]\ndynamic = {moves}\n");
+        let _ = write!(
+            text,
+            "[[instances]]\nmodel = \"ball\"\ntranslation = [{x}, {y}, {z}]\ndynamic = {moves}\n"
+        );
     }
     let scene = load_toml(&text);
     let triangles: usize =
@@ -74,7 +77,9 @@ fn a_hundred_of_a_thousand_instances_move() {
 
 fn swayed(scene: &Scene, rest: &Pose, frame: u32) -> Pose {
     let mut pose = rest.clone();
-    for (transform, _) in pose.instances.iter_mut().zip(&scene.instances).filter(|(_, instance)| instance.dynamic) {
+    for (transform, _) in
+        pose.instances.iter_mut().zip(&scene.instances).filter(|(_, instance)| instance.dynamic)
+    {
         transform.translation.y += (frame as f32 * 0.1).sin();
     }
     pose

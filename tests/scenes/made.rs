@@ -23,7 +23,10 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         let built = start.elapsed();
         check_consistency(&scene);
         let count = scene.triangle_count();
-        println!("{name}: {count} triangles, {} textures, loaded after {loaded:.2?}, BVH after {built:.2?}", scene.textures.len());
+        println!(
+            "{name}: {count} triangles, {} textures, loaded after {loaded:.2?}, BVH after {built:.2?}",
+            scene.textures.len()
+        );
         wrong.extend((!triangles.contains(&count)).then(|| format!("{name}: {count} triangles")));
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
         assert!(bvh.bounds().0.distance(scene.bounds(&pose).0) < 1e-3, "{name}");

@@ -142,7 +142,8 @@ fn pots(paints: &Paints, finery: &Finery) -> Part {
         let place = vec3(x * (HALF.x - 1.35), 0.0, z * (HALF.y - 1.35));
         all.push(tub.at(place));
         all.push(soil(0.4, finery.soil).at(place + Vec3::Y * 0.52));
-        let tuft = Tuft { leaves: 150, length: 1.7, width: 0.16, seed: 420 + i as u32, material: finery.leaf };
+        let tuft =
+            Tuft { leaves: 150, length: 1.7, width: 0.16, seed: 420 + i as u32, material: finery.leaf };
         all.push(tuft.part().at(place + Vec3::Y * 0.55));
     }
     all
