@@ -43,6 +43,11 @@ The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces
 {figures['size']}, on {figures['rows'][0]['device']}; blocks of 16 x 16 pixels.
 
 {table(head, rows)}
+
+Sponza's blocks fall short of 95 %: two thirds of the paths of its lamp leave through the roof, and without a clamp single
+VPLs that lie near a visible corner outweigh the hundreds of others that light a block. By block the medians agree; what is
+left falls slowly with the number of VPLs, as such heavy tails do (interleave 1, means over several seeds): 72 to 87 % of the
+blocks with 65,536 VPLs, 88 % with twice, 91 % with three times as many.
 """
 
 

@@ -15,9 +15,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
-layout(set = 0, binding = 4) uniform texture2D gbuffer_specular;
+layout(set = 0, binding = 4, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 6) uniform texture2D gbuffer_motion;
 layout(set = 0, binding = 7) uniform texture2D direct;
 layout(set = 0, binding = 8) uniform texture2D irradiance;
 layout(set = 0, binding = 9) uniform utexture2D class_irradiance;
@@ -131,6 +130,14 @@ vec3 set_reprojected(ivec2 pixel, vec3 p, vec3 n, uvec2 id) {
     return look_up(parameters, p, n, found) ? lit(found * float(push.set_count)) : MISSING;
 }
 
+// How far the surface has moved in the picture since the last frame, in pixels.
+vec2 motion(ivec2 pixel, vec3 p, uint instance) {
+    InstanceData data = instances.data[instance];
+    vec3 p_then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, p));
+    vec3 clip = (frame.previous_view_projection * vec4(p_then, 1.0)).xyw;
+    return vec2(pixel) + 0.5 - (clip.xy / clip.z * 0.5 + 0.5) * vec2(frame.size);
+}
+
 // Views of things that are there where no surface is, too.
 bool whole_picture(ivec2 pixel, out vec3 colour) {
     colour = NOTHING;
@@ -154,12 +161,12 @@ vec3 light_view(ivec2 pixel) {
 
 vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
     vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
-    vec4 specular = texelFetch(gbuffer_specular, pixel, 0);
+    vec4 specular = materials.data[id.y & MATERIAL].specular;
     vec3 geometric = octahedral_decode(normals.zw);
     vec4 light = texelFetch(irradiance, pixel, 0);
     switch (push.view) {
         case SET_REPROJECTED: return set_reprojected(pixel, position.xyz, geometric, id);
-        case SET_COUNT: return share_colour(light.a / float(push.set_count));
+        case SET_COUNT: return share_colour(abs(light.a) / float(push.set_count));
         case VPL_VISIBILITY: return vec3(push.one_vpl == 1u ? light.a : 0.0);
         case POSITION: return (position.xyz - push.low.xyz) / push.extent.xyz;
         case DEPTH: return vec3((push.extent.w - position.w) / (push.extent.w - push.low.w));
@@ -171,7 +178,7 @@ vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
         case INSTANCE: return number_colour(id.x - 1u);
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:
-            vec2 pixels = texelFetch(gbuffer_motion, pixel, 0).xy * vec2(frame.size);
+            vec2 pixels = motion(pixel, position.xyz, id.x - 1u);
             // The root shows slow movement, too.
             return vec3(0.5 + 0.5 * sign(pixels) * sqrt(abs(pixels) / FULL_MOTION), 0.5);
         default: return light_view(pixel);

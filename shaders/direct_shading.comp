@@ -13,7 +13,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
-layout(set = 0, binding = 4) uniform texture2D gbuffer_specular;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 6) uniform texture2D shadow_atlas;
 layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data[]; } lights;
@@ -107,7 +106,7 @@ void main() {
     vec3 n = octahedral_decode(packed_normals.xy);
     vec3 geometric = octahedral_decode(packed_normals.zw);
     vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
-    vec4 specular = texelFetch(gbuffer_specular, pixel, 0);
+    vec4 specular = materials.data[id.y & MATERIAL].specular;
     vec3 to_eye = normalize(frame.eye.xyz - p);
 
     vec3 radiance = vec3(0.0);

@@ -17,7 +17,10 @@ layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
 layout(set = 0, binding = 3, std430) readonly buffer FluxBlock { float data[]; } class_flux;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
 
-layout(push_constant) uniform Push { float total_flux; } push; // of all classes
+layout(push_constant) uniform Push {
+    float total_flux; // of all classes
+    uint layer;       // of the set buffers, for this set
+} push;
 
 const float MIN_NORMAL_COSINE = 0.9;
 // Share of the flux that the window has to bring; else pixels farther away are asked as well.
@@ -45,14 +48,13 @@ Surface surface_at(ivec2 pixel, float depth, vec3 shading, vec3 geometric) {
     return Surface(shading, slope, offset, 0.25 * frame.position_cutoff * depth);
 }
 
-bool same_surface(Surface centre, uint surface, ivec2 at) {
-    float depth = unpack_depth(surface);
-    float distance = depth * dot(centre.slope, vec3(at, 1.0)) - centre.offset;
-    vec3 normal = unpack_normal(surface);
-    float cosine = dot(normal, centre.shading); // times the normal's length
-    return depth > 0.0 && abs(distance) <= centre.tolerance && cosine > 0.0
-        && cosine * cosine >= MIN_NORMAL_COSINE * MIN_NORMAL_COSINE * dot(normal, normal);
+// other: normal and depth.
+bool same_surface(Surface centre, vec4 other, ivec2 at) {
+    float distance = other.w * dot(centre.slope, vec3(at, 1.0)) - centre.offset;
+    return other.w > 0.0 && abs(distance) <= centre.tolerance && dot(other.xyz, centre.shading) >= MIN_NORMAL_COSINE;
 }
+
+vec4 unpack_surface(uint surface) { return vec4(normalize(unpack_normal(surface)), unpack_depth(surface)); }
 
 // Luminous flux of a pixel's class.
 float flux_at(ivec2 at) { return class_flux.data[class_of(uvec2(at))]; }
@@ -69,20 +71,41 @@ float weight_at(uint place) {
     return EVEN && (y == 0u || y == INTERLEAVE) ? 0.5 * across : across;
 }
 
-// Adds up the pixels of the window that lie on the centre's surface; together they hold every class once.
-Sum window_sum(ivec2 corner, Surface centre) {
-    Sum sum = Sum(vec3(0.0), push.total_flux);
+// Pixels of the windows of a workgroup, loaded once for all of them.
+const uint GROUP = 8u;
+const uint TILE = GROUP + WIDTH - 1u;
+shared vec4 tile_surface[TILE * TILE]; // xyz: normal; w: depth
+shared vec4 tile_irradiance[TILE * TILE];
+
+// First pixel of a window: moved inside at the borders, it still holds every class once.
+ivec2 corner_of(ivec2 pixel) {
+    const int width = int(WIDTH);
+    return clamp(pixel - width / 2, ivec2(0), max(ivec2(frame.size) - width, ivec2(0)));
+}
+
+void load_tile(ivec2 origin) {
     ivec2 last = ivec2(frame.size) - 1;
+    for (uint i = gl_LocalInvocationIndex; i < TILE * TILE; i += GROUP * GROUP) {
+        ivec2 at = origin + ivec2(i % TILE, i / TILE);
+        // Pictures smaller than the window lack its last pixels.
+        uvec4 texel = all(lessThanEqual(at, last)) ? texelFetch(class_irradiance, at, 0) : uvec4(0u);
+        tile_surface[i] = unpack_surface(texel.a);
+        tile_irradiance[i] = vec4(uintBitsToFloat(texel.rgb), 0.0);
+    }
+}
+
+// Adds up the pixels of the window that lie on the centre's surface; together they hold every class once.
+Sum window_sum(ivec2 corner, ivec2 origin, Surface centre) {
+    Sum sum = Sum(vec3(0.0), push.total_flux);
+    uint first = uint(corner.y - origin.y) * TILE + uint(corner.x - origin.x);
     // One bit for each pixel of the window that is not on the surface.
     uint missing[3] = uint[3](0u, 0u, 0u);
     for (uint y = 0u; y < WIDTH; y++) {
         for (uint x = 0u; x < WIDTH; x++) {
-            ivec2 at = corner + ivec2(x, y);
-            uvec4 other = texelFetch(class_irradiance, min(at, last), 0);
-            // Pictures smaller than the window lack its last pixels.
-            bool same = all(lessThanEqual(at, last)) && same_surface(centre, other.a, at);
+            uint at = first + y * TILE + x;
+            bool same = same_surface(centre, tile_surface[at], corner + ivec2(x, y));
             uint place = y * WIDTH + x;
-            sum.irradiance += same ? weight_at(place) * uintBitsToFloat(other.rgb) : vec3(0.0);
+            sum.irradiance += same ? weight_at(place) * tile_irradiance[at].rgb : vec3(0.0);
             missing[place / 32u] |= same ? 0u : 1u << (place % 32u);
         }
     }
@@ -108,7 +131,7 @@ void add_farther(inout Sum sum, ivec2 pixel, Surface centre) {
             ivec2 at = corner + ivec2(x, y) * int(STEP);
             if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(frame.size)))) continue;
             uvec4 other = texelFetch(class_irradiance, at, 0);
-            if (!same_surface(centre, other.a, at)) continue;
+            if (!same_surface(centre, unpack_surface(other.a), at)) continue;
             sum.irradiance += uintBitsToFloat(other.rgb);
             sum.present += flux_at(at);
         }
@@ -117,20 +140,20 @@ void add_farther(inout Sum sum, ivec2 pixel, Surface centre) {
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    ivec2 size = ivec2(frame.size);
-    if (any(greaterThanEqual(pixel, size))) return;
-    ivec3 target = ivec3(pixel, int(frame.set));
-    float depth = unpack_depth(texelFetch(class_irradiance, pixel, 0).a);
+    ivec2 origin = corner_of(ivec2(gl_WorkGroupID.xy * GROUP));
+    load_tile(origin);
+    barrier();
+    if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;
+    ivec3 target = ivec3(pixel, int(push.layer));
+    uvec2 place = uvec2(pixel - origin);
+    float depth = tile_surface[place.y * TILE + place.x].w;
     if (depth <= 0.0) {
         imageStore(set_buffers, target, vec4(0.0));
         return;
     }
     vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
     Surface centre = surface_at(pixel, depth, octahedral_decode(normals.xy), octahedral_decode(normals.zw));
-    const int width = int(WIDTH);
-    // Moved inside at the borders, the window still holds every class once.
-    ivec2 corner = clamp(pixel - width / 2, ivec2(0), max(size - width, ivec2(0)));
-    Sum sum = window_sum(corner, centre);
+    Sum sum = window_sum(corner_of(pixel), origin, centre);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     for (uint i = sum.present < MIN_PRESENT * push.total_flux ? 1u : 0u; i > 0u; i--) add_farther(sum, pixel, centre);
     vec3 irradiance = sum.present > 0.0 ? sum.irradiance * (push.total_flux / sum.present) : vec3(0.0);

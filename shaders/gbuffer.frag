@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// G-buffer, texels: position, normals, albedo, specular, instance, motion of the nearest surface.
+// G-buffer, texels: position, normals, albedo and instance of the nearest surface; all else follows from these.
 #include "frame.glsl"
 #include "scene.glsl"
 #include "gbuffer.glsl"
@@ -10,7 +10,6 @@
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;
 layout(location = 2) in vec2 surface_uv;
-layout(location = 3) in vec3 previous_clip; // x, y, w
 
 layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 2, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
@@ -21,9 +20,7 @@ layout(push_constant) uniform Push { uint instance; uint material; } push;
 layout(location = 0) out vec4 out_position;
 layout(location = 1) out vec4 out_normal;
 layout(location = 2) out vec4 out_albedo;
-layout(location = 3) out vec4 out_specular;
-layout(location = 4) out uvec2 out_instance;
-layout(location = 5) out vec2 out_motion;
+layout(location = 3) out uvec2 out_instance;
 
 void main() {
     // Taken before any discard: derivatives and mip level need the whole quad.
@@ -41,14 +38,10 @@ void main() {
     if (dot(shading, geometric) < 0.0) shading = -shading;
 
     bool front = gl_FrontFacing != (instances.data[push.instance].mirrored == 1u);
-    vec2 now = gl_FragCoord.xy / vec2(frame.size);
-    vec2 before = previous_clip.xy / previous_clip.z * 0.5 + 0.5;
     out_position = vec4(position_ws, 1.0 / gl_FragCoord.w);
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(material.albedo.rgb * texel, 1.0);
-    out_specular = material.specular;
     bool dynamic = instances.data[push.instance].dynamic == 1u;
     out_instance = uvec2(
         push.instance + 1u, push.material | (front ? FRONT_FACING : 0u) | (dynamic ? MAY_MOVE : 0u));
-    out_motion = now - before;
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// G-buffer, vertices: object space to world and clip space, now and one frame ago.
+// G-buffer, vertices: object space to world and clip space.
 #include "frame.glsl"
 #include "scene.glsl"
 
@@ -15,14 +15,11 @@ layout(push_constant) uniform Push { uint instance; uint material; } push;
 layout(location = 0) out vec3 position_ws;
 layout(location = 1) out vec3 normal_ws;
 layout(location = 2) out vec2 surface_uv;
-layout(location = 3) out vec3 previous_clip; // x, y, w
 
 void main() {
     InstanceData instance = instances.data[push.instance];
     position_ws = transform_point(instance.object_to_world, position);
     normal_ws = transform_normal(instance.world_to_object, normal);
     surface_uv = uv;
-    vec3 previous_ws = transform_point(instance.previous_object_to_world, position);
-    previous_clip = (frame.previous_view_projection * vec4(previous_ws, 1.0)).xyw;
     gl_Position = frame.view_projection * vec4(position_ws, 1.0);
 }

@@ -4,7 +4,9 @@
 // Brings every set buffer into the current view and adds them up (algorithm 4 of Tonna 2019). A pixel
 // follows its surface back to where it was when the set was drawn: by its instance's transform of that
 // time, then by that time's camera. Sets that have not seen the surface are made up for by the others,
-// in proportion to flux.
+// in proportion to flux. Where nothing has moved since the last frame, its sum goes on: less what the set that
+// was drawn again was before, plus what it is now.
+// Out: irradiance; a: how many sets saw the surface, negative where that may move.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -20,7 +22,7 @@ layout(set = 0, binding = 4) uniform texture2DArray set_buffers;
 layout(set = 0, binding = 5, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
-layout(set = 0, binding = 8, rgba32f) uniform writeonly image2D irradiance;
+layout(set = 0, binding = 8, rgba32f) uniform image2D irradiance;
 
 layout(push_constant) uniform Push {
     uint instance_count;
@@ -30,9 +32,20 @@ layout(push_constant) uniform Push {
     uint same_view_count; // those of them, at the beginning, that the current camera drew
     uint set_count;       // sets in all
     uvec2 set_size;       // of the set buffers, texels
+    uint running;         // 1: the last frame's sums hold where nothing may move
+    uint refresh;         // one of set_count rows of groups is summed up anew: rounding does not pile up
+    uint layer_before;    // of the set that was drawn again, before
+    uint layer_now;       // and now
+    float scale_before;   // what its irradiance is multiplied by, before
+    float scale_now;      // and now
 } push;
 
 #include "reprojection.glsl"
+
+// Whether a texel that a set has drawn from the same view shows what is now at this depth.
+bool sees(vec4 stored, float depth) {
+    return abs(stored.w / frame.depth_scale - depth) <= 0.25 * frame.position_cutoff * depth;
+}
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -50,13 +63,29 @@ void main() {
     float present = 0.0;
     uint count = 0u;
 
-    // What stands still under a camera that stands still is where it was, unless something else hid it.
+    // The sums of the last frame, where every set was in them and nothing may move.
     uint may_move = (id.y & MAY_MOVE) != 0u ? 1u : 0u;
-    uint same_view_count = may_move == 1u ? 0u : push.same_view_count;
+    uint running = may_move == 0u && gl_WorkGroupID.y % push.set_count != push.refresh ? push.running : 0u;
+    for (uint i = running; i > 0u; i--) {
+        vec4 last = imageLoad(irradiance, pixel);
+        vec4 before = texelFetch(set_buffers, ivec3(pixel, int(push.layer_before)), 0);
+        vec4 now = texelFetch(set_buffers, ivec3(pixel, int(push.layer_now)), 0);
+        running = last.a == float(push.set_count) && sees(now, position.w) ? 1u : 0u;
+        vec3 rest = last.rgb - before.rgb * push.scale_before;
+        // What is left of a difference of equal numbers is not light.
+        rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
+        sum = rest + now.rgb * push.scale_now;
+        count = push.set_count;
+    }
+    sum = running == 1u ? sum : vec3(0.0);
+    count = running == 1u ? count : 0u;
+
+    // What stands still under a camera that stands still is where it was, unless something else hid it.
+    uint same_view_count = may_move == 1u || running == 1u ? 0u : push.same_view_count;
     for (uint i = 0u; i < same_view_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec4 stored = texelFetch(set_buffers, ivec3(pixel, int(parameters.layer)), 0);
-        bool same = abs(stored.w / frame.depth_scale - position.w) <= 0.25 * frame.position_cutoff * position.w;
+        bool same = sees(stored, position.w);
         sum += same ? stored.rgb * parameters.eye.w : vec3(0.0);
         present += same ? parameters.ray.w : 0.0;
         count += same ? 1u : 0u;
@@ -69,7 +98,8 @@ void main() {
         p_os = transform_point(instances.data[id.x - 1u].world_to_object, p);
         tip_os = transform_point(instances.data[id.x - 1u].world_to_object, p + n);
     }
-    for (uint i = same_view_count; i < push.drawn_count; i++) {
+    uint first_other = running == 1u ? push.drawn_count : same_view_count;
+    for (uint i = first_other; i < push.drawn_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec3 p_then = p;
         vec3 n_then = n;
@@ -85,5 +115,5 @@ void main() {
         count++;
     }
     if (push.scale_missing == 1u && present > 0.0 && count < push.set_count) sum *= push.total_flux / present;
-    imageStore(irradiance, pixel, vec4(sum, float(count)));
+    imageStore(irradiance, pixel, vec4(sum, may_move == 1u ? -float(count) : float(count)));
 }

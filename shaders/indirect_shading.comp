@@ -38,7 +38,9 @@ void main() {
             uint begin = first + word * 32u;
             uint end = min(begin + 32u, class_end);
             for (uint i = begin; i < end; i++) {
-                if ((bits >> (i - begin) & 1u) == 1u) irradiance += contribution(vpls.data[i], position.xyz, n);
+                if ((bits >> (i - begin) & 1u) == 0u) continue;
+                vec3 full = contribution(vpls.data[i], position.xyz, n);
+                irradiance += full / max(ray_share(full), 1e-8);
             }
         }
         // Later chunks of the set's VPLs add to the earlier ones.

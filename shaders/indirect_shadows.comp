@@ -37,19 +37,28 @@ void main() {
     vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
     uint rays = 0u;
     if (position.w > 0.0) {
-        vec3 geometric = octahedral_decode(texelFetch(gbuffer_normal, ivec2(pixel), 0).zw);
+        vec4 normals = texelFetch(gbuffer_normal, ivec2(pixel), 0);
+        vec3 shading = octahedral_decode(normals.xy);
+        vec3 geometric = octahedral_decode(normals.zw);
         vec3 start = position.xyz + geometric * ray_offset(position.xyz);
         uint class_end = class_starts.data[pixel_class + 1u];
         uint first = class_starts.data[pixel_class] + push.first_word * 32u;
         for (uint word = 0u; word < push.word_count; word++) {
-            uint bits = 0u;
             uint begin = first + word * 32u;
             uint end = min(begin + 32u, class_end);
+            // What faces away needs no ray, and what brings little gets one seldom.
+            uint chosen = 0u;
             for (uint i = begin; i < end; i++) {
-                GpuVpl vpl = vpls.data[i];
+                float share = ray_share(contribution(vpls.data[i], position.xyz, shading));
+                if (share > ray_chance(pixel, vpls.data[i].slot)) chosen |= 1u << (i - begin);
+            }
+            rays += uint(bitCount(chosen));
+            uint bits = 0u;
+            for (; chosen != 0u; chosen &= chosen - 1u) {
+                uint bit = uint(findLSB(chosen));
+                GpuVpl vpl = vpls.data[begin + bit];
                 vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
-                rays++;
-                if (!trace_occluded(start, to_vpl, 0.0, 1.0)) bits |= 1u << (i - begin);
+                if (!trace_occluded(start, to_vpl, 0.0, 1.0)) bits |= 1u << bit;
             }
             visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x] = bits;
         }

@@ -20,8 +20,6 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Mat4;
-
 use crate::bvh::TwoLevelBvh;
 use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::SceneBuffers;
@@ -59,7 +57,8 @@ pub struct Renderer {
     bvh: TwoLevelBvh,
     vpls: VplManager,
     lengths: Lengths,
-    previous_view_projection: Option<Mat4>,
+    /// Of the last frame.
+    uniforms: Option<FrameUniforms>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
     frame_count: u64,
@@ -104,6 +103,8 @@ struct IndirectLights {
     vpls: SetVpls,
     flux: CellFlux,
     drawn: DrawnSet,
+    /// One over the irradiance below which a VPL gets only some of its rays.
+    roulette: f32,
     cpu_ms: [f64; 3],
     counts: VplCounters,
 }
@@ -157,7 +158,7 @@ impl Renderer {
             bvh,
             vpls,
             lengths,
-            previous_view_projection: None,
+            uniforms: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
             frame_count: 0,
@@ -180,11 +181,11 @@ impl Renderer {
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
         let uniforms = FrameUniforms {
-            set: lights.drawn.set,
             irradiance_scale: lights.drawn.irradiance_scale,
+            roulette: lights.roulette,
             ..uniforms
         };
-        self.previous_view_projection = Some(uniforms.view_projection);
+        self.uniforms = Some(uniforms);
         let inputs = PassInputs {
             settings: &self.settings,
             scene: &self.buffers,
@@ -223,7 +224,7 @@ impl Renderer {
         let has_shadow_map = |light: &&Light| !matches!(light.kind, LightKind::Area { .. });
         FrameUniforms {
             view_projection,
-            previous_view_projection: self.previous_view_projection.unwrap_or(view_projection),
+            previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
             eye: camera.eye.extend(self.lengths.radius),
             background: self.scene.background.extend(self.geometry_bound()),
             ray,
@@ -253,11 +254,14 @@ impl Renderer {
             self.vpls.replace(world);
             (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
         });
-        let irradiance_scale = irradiance_scale(flux.sets.iter().sum(), self.lengths.transport);
+        let typical = typical_irradiance(flux.sets.iter().sum(), self.lengths.transport);
+        let irradiance_scale = power_of_two_near(typical).recip();
+        let roulette = self.settings.vpls as f32 / (self.settings.roulette * typical);
         IndirectLights {
             vpls,
             flux,
             drawn: DrawnSet { set, irradiance_scale },
+            roulette: roulette.min(f32::MAX),
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
             counts: self.vpls.counters(),
         }
@@ -300,10 +304,10 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64() * 1e3)
 }
 
-/// A power of two that brings the irradiance of VPLs of this flux, spread over surfaces about `length`
-/// apart, near 1: half floats then neither overflow nor lose digits, whatever the scene's units.
-fn irradiance_scale(flux: f32, length: f32) -> f32 {
-    power_of_two_near(flux / (6.0 * length * length)).recip()
+/// The irradiance of VPLs of this flux, spread over surfaces about `length` apart. Scaled by the power of two that
+/// brings it near 1, half floats neither overflow nor lose digits, whatever the scene's units.
+fn typical_irradiance(flux: f32, length: f32) -> f32 {
+    flux / (6.0 * length * length)
 }
 
 /// Powers of two scale without rounding. 1 for what is no positive number.

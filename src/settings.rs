@@ -72,6 +72,10 @@ pub struct Settings {
     /// bright spots in corners, but more energy lost there.
     #[arg(long, value_name = "BOUND", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "400")]
     pub clamp: f32,
+    /// A VPL that brings a pixel less than this share of what is typical gets only some of its shadow rays, which
+    /// count for more; 0: all of them. More: fewer rays, but noise in dark places.
+    #[arg(long, value_name = "SHARE", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "0.05")]
+    pub roulette: f32,
     /// How far apart two positions may be and still count as one surface, as a fraction of view depth.
     /// Lower: holes and aliasing in motion; higher: after-images.
     #[arg(long, value_name = "FRACTION", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "0.02")]
@@ -116,6 +120,7 @@ impl Default for Settings {
             temporal_sets: 16,
             budget: 64,
             clamp: 400.0,
+            roulette: 0.05,
             position_cutoff: 0.02,
             size: [1280, 720],
             seed: 0,
@@ -254,6 +259,7 @@ impl Settings {
                 self.clamp.is_finite() && self.clamp >= 0.0,
                 "a finite number of at least 0",
             ),
+            ("roulette", self.roulette.to_string(), (0.0..=1.0).contains(&self.roulette), "0 to 1"),
             (
                 "position_cutoff",
                 self.position_cutoff.to_string(),

@@ -14,7 +14,7 @@ layout(set = 0, binding = 0, std140) uniform FrameUniforms {
     float position_cutoff;         // fraction of view depth
     float irradiance_scale;        // set buffers hold irradiance times this
     float depth_scale;             // packed depths are view depths times this
-    uint set;                      // temporal set of this frame
+    float roulette;                // one over the irradiance below which a VPL gets only some of its rays
 } frame;
 
 const float PI = 3.14159265358979;

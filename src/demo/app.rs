@@ -28,10 +28,10 @@ use super::{DemoError, Launch};
 use crate::renderer::DebugView;
 use crate::vulkan::Instance;
 
-/// Size of the window on a CPU driver, where nobody asks for another.
-pub(super) const CPU_SIZE: [u32; 2] = [640, 360];
-/// Pixels of the window, each way, to a pixel of the picture there.
-const CPU_COARSENESS: u32 = 2;
+/// Size of the window on a CPU driver, where nobody asks for another, in pixels of a display of scale 1.
+const CPU_SIZE: [u32; 2] = [640, 360];
+/// Such pixels, each way, to a pixel of the picture there.
+const CPU_COARSENESS: f64 = 2.0;
 /// How often to look whether a hidden window can be seen again.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 /// How long a window must keep its size before the picture follows; until then it is stretched.
@@ -126,10 +126,11 @@ impl App {
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
         let small = info.kind == "cpu" && !self.is_given("size");
-        let coarseness = if small { CPU_COARSENESS } else { 1 };
+        let mut coarseness = 1;
         if small {
             let [width, height] = CPU_SIZE;
-            let _ = window.request_inner_size(winit::dpi::PhysicalSize::new(width, height));
+            let _ = window.request_inner_size(winit::dpi::LogicalSize::new(width, height));
+            coarseness = coarseness_at(window.scale_factor());
         }
         let context = patient_context();
         let scale = Some(window.scale_factor() as f32);
@@ -193,6 +194,11 @@ impl App {
             events.exit();
         }
     }
+}
+
+/// Pixels of the window, each way, to a pixel of the picture on a CPU driver, on a display of this scale.
+fn coarseness_at(scale: f64) -> u32 {
+    (CPU_COARSENESS * scale).round().clamp(1.0, 8.0) as u32
 }
 
 /// A user interface that takes a slow press for a click: at a few frames a second every press is slow.

@@ -122,6 +122,8 @@ pub struct BufferViewInputs<'a> {
     pub frame: &'a Upload,
     /// The visible surfaces.
     pub gbuffer: &'a GBuffer,
+    /// Materials of the scene.
+    pub materials: &'a Buffer,
     /// Shadow maps.
     pub shadows: &'a Shadows<'a>,
     /// Direct radiance.
@@ -193,9 +195,8 @@ impl BufferViewPass {
             .read("gbuffer_position", &gbuffer.position)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)
-            .read("gbuffer_specular", &gbuffer.specular)
+            .read("materials", inputs.materials)
             .read("gbuffer_instance", &gbuffer.instance)
-            .read("gbuffer_motion", &gbuffer.motion)
             .read("direct", inputs.direct)
             .read("irradiance", inputs.irradiance)
             .read("class_irradiance", inputs.class_irradiance)

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::direct_shadows::Shadows;
-use super::gbuffer::GBuffer;
+use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
 use super::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
@@ -14,7 +14,7 @@ pub struct DirectShadingInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
+    pub surfaces: Surfaces<'a>,
     /// Lights and their shadow maps.
     pub shadows: &'a Shadows<'a>,
     /// For what materials emit.
@@ -27,18 +27,20 @@ pub struct DirectShadingInputs<'a> {
 pub struct DirectShadingPass {
     pipeline: Arc<ComputePipeline>,
     direct: Image,
+    /// Whether anything is in `direct`.
+    shaded: bool,
 }
 
 impl DirectShadingPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
-        Ok(Self { pipeline: Arc::new(pipeline), direct: direct(device, extent)? })
+        Ok(Self { pipeline: Arc::new(pipeline), direct: direct(device, extent)?, shaded: false })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Arc::clone(&self.pipeline), direct: direct(device, extent)? })
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), direct: direct(device, extent)?, shaded: false })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -46,20 +48,24 @@ impl DirectShadingPass {
         &self.direct
     }
 
-    /// Shades every pixel.
+    /// Shades every pixel, unless neither surfaces nor lights have changed.
     pub fn record(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
     ) -> Result<&Image, VulkanError> {
+        if std::mem::replace(&mut self.shaded, true) && inputs.surfaces.unchanged && inputs.shadows.unchanged
+        {
+            return Ok(&self.direct);
+        }
+        let gbuffer = inputs.surfaces.gbuffer;
         frame
             .pass("direct_shading", &self.pipeline)
             .read("frame", inputs.frame)
-            .read("gbuffer_position", &inputs.gbuffer.position)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
-            .read("gbuffer_albedo", &inputs.gbuffer.albedo)
-            .read("gbuffer_specular", &inputs.gbuffer.specular)
-            .read("gbuffer_instance", &inputs.gbuffer.instance)
+            .read("gbuffer_position", &gbuffer.position)
+            .read("gbuffer_normal", &gbuffer.normal)
+            .read("gbuffer_albedo", &gbuffer.albedo)
+            .read("gbuffer_instance", &gbuffer.instance)
             .read("shadow_atlas", inputs.shadows.atlas)
             .read("lights", &inputs.shadows.lights)
             .read("shadow_tiles", &inputs.shadows.tiles)

@@ -48,6 +48,8 @@ pub struct Shadows<'a> {
     pub tile_count: u32,
     /// Texels across each.
     pub tile_size: u32,
+    /// Whether lights and maps are those of the frame before.
+    pub unchanged: bool,
 }
 
 #[repr(C)]
@@ -63,7 +65,10 @@ struct Push {
 pub struct DirectShadowsPass {
     pipeline: GraphicsPipeline,
     atlas: Image,
+    /// What is in the atlas; none before anything is.
     drawn: Option<(ShadowPlan, Vec<Affine3A>)>,
+    /// The plan of the last frame.
+    last: Option<ShadowPlan>,
     device: Arc<Device>,
 }
 
@@ -87,7 +92,7 @@ impl DirectShadowsPass {
             },
         )?;
         let atlas = atlas(device, [1, 1])?;
-        Ok(Self { pipeline, atlas, drawn: None, device: Arc::clone(device) })
+        Ok(Self { pipeline, atlas, drawn: None, last: None, device: Arc::clone(device) })
     }
 
     /// Draws the tiles that are out of date.
@@ -115,9 +120,11 @@ impl DirectShadowsPass {
                 self.atlas = atlas(&self.device, plan.extent)?;
             }
             self.draw(frame, inputs, &plan)?;
-            self.drawn = Some((plan, inputs.pose.instances.clone()));
+            self.drawn = Some((plan.clone(), inputs.pose.instances.clone()));
         }
-        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_size })
+        let unchanged = (current || plan.tiles.is_empty()) && self.last.as_ref() == Some(&plan);
+        self.last = Some(plan);
+        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_size, unchanged })
     }
 
     fn draw(

@@ -1,4 +1,5 @@
-//! `gbuffer`: position, normal, albedo, specular, instance and motion of the nearest surface, by raster.
+//! `gbuffer`: position, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
+//! for as long as neither the camera nor anything else moves.
 
 use std::mem::offset_of;
 
@@ -8,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use super::clusters::visible;
-use super::scene_buffers::{SceneBuffers, Vertex};
+use super::scene_buffers::{Instances, SceneBuffers, Vertex};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -17,13 +18,11 @@ use crate::vulkan::{
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
-const FORMATS: [vk::Format; 6] = [
+const FORMATS: [vk::Format; 4] = [
     vk::Format::R32G32B32A32_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
-    vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R32G32_UINT,
-    vk::Format::R16G16_SFLOAT,
 ];
 
 /// What the pass writes.
@@ -34,12 +33,8 @@ pub struct GBuffer {
     pub normal: Image,
     /// rgb: diffuse albedo, linear.
     pub albedo: Image,
-    /// rgb: Ks; a: Ns.
-    pub specular: Image,
     /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides, bit 30 where it may move.
     pub instance: Image,
-    /// Movement since the last frame, as a fraction of the picture.
-    pub motion: Image,
     depth: Image,
 }
 
@@ -54,9 +49,7 @@ impl GBuffer {
             position: color("gbuffer_position", 0)?,
             normal: color("gbuffer_normal", 1)?,
             albedo: color("gbuffer_albedo", 2)?,
-            specular: color("gbuffer_specular", 3)?,
-            instance: color("gbuffer_instance", 4)?,
-            motion: color("gbuffer_motion", 5)?,
+            instance: color("gbuffer_instance", 3)?,
             depth: target(
                 "gbuffer_depth",
                 vk::Format::D32_SFLOAT,
@@ -66,12 +59,21 @@ impl GBuffer {
     }
 }
 
+/// The visible surfaces of a frame.
+#[derive(Clone, Copy)]
+pub struct Surfaces<'a> {
+    /// Their images.
+    pub gbuffer: &'a GBuffer,
+    /// Whether they are those of the frame before.
+    pub unchanged: bool,
+}
+
 /// What the pass reads.
 pub struct GBufferInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// Instances of this frame.
-    pub instances: &'a Upload,
+    pub instances: &'a Instances,
     /// The scene.
     pub scene: &'a SceneBuffers,
     /// For its alpha masks.
@@ -94,6 +96,8 @@ pub struct GBufferPass {
     pipeline: Arc<GraphicsPipeline>,
     materials: Arc<MaterialSets>,
     targets: GBuffer,
+    /// The view that the targets show; none before the first frame.
+    drawn: Option<Mat4>,
 }
 
 impl GBufferPass {
@@ -124,6 +128,7 @@ impl GBufferPass {
             pipeline: Arc::new(pipeline),
             materials: Arc::new(materials),
             targets: GBuffer::new(device, extent)?,
+            drawn: None,
         })
     }
 
@@ -133,6 +138,7 @@ impl GBufferPass {
             pipeline: Arc::clone(&self.pipeline),
             materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
+            drawn: None,
         })
     }
 
@@ -141,21 +147,27 @@ impl GBufferPass {
         &self.targets
     }
 
-    /// Draws the scene.
-    pub fn record(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<&GBuffer, VulkanError> {
+    /// Draws the scene, unless what was drawn last still stands.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &GBufferInputs<'_>,
+    ) -> Result<Surfaces<'_>, VulkanError> {
+        let stands = inputs.instances.unchanged && self.drawn == Some(inputs.view_projection);
+        if !stands {
+            self.draw(frame, inputs)?;
+            self.drawn = Some(inputs.view_projection);
+        }
+        Ok(Surfaces { gbuffer: &self.targets, unchanged: stands })
+    }
+
+    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
         let targets = &self.targets;
-        let colors = [
-            &targets.position,
-            &targets.normal,
-            &targets.albedo,
-            &targets.specular,
-            &targets.instance,
-            &targets.motion,
-        ];
+        let colors = [&targets.position, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame", inputs.frame)
-            .read("instances", inputs.instances)
+            .read("instances", &inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(
             &Targets::Cleared { colors: &colors, depth: &targets.depth },
@@ -175,7 +187,6 @@ impl GBufferPass {
                     list.draw(&push, draw.first, draw.count);
                 }
             },
-        )?;
-        Ok(targets)
+        )
     }
 }

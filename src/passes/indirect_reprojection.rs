@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
-use super::set_history::{DrawnSet, SetHistory, parameters, upload_parameters};
+use super::set_history::{DrawnSet, Redrawn, SetHistory, parameters, upload_parameters};
 use super::storage_image;
 use super::structs::SetParameters;
 use crate::scene::Pose;
@@ -26,6 +26,8 @@ pub struct ReprojectionInputs<'a> {
     pub pose: &'a Pose,
     /// What this frame drew.
     pub drawn: DrawnSet,
+    /// Fraction of view depth.
+    pub position_cutoff: f32,
     /// Scale up what is there by total flux over present flux.
     pub scale_missing: bool,
     /// Luminous flux of each set now, for those that have never been drawn.
@@ -42,12 +44,41 @@ struct Push {
     same_view_count: u32,
     set_count: u32,
     set_size: [u32; 2],
+    running: u32,
+    refresh: u32,
+    layer_before: u32,
+    layer_now: u32,
+    scale_before: f32,
+    scale_now: f32,
+}
+
+/// What the sums of a frame were made of.
+struct Summed {
+    /// Which sets.
+    sets: Arc<()>,
+    /// How often sets had been drawn.
+    draws: u64,
+    /// The camera.
+    view: SetParameters,
+    position_cutoff: f32,
+}
+
+impl Summed {
+    /// Whether nothing but one set is different from the frame before.
+    fn follows(&self, last: &Self) -> bool {
+        Arc::ptr_eq(&self.sets, &last.sets)
+            && self.draws == last.draws + 1
+            && self.view.same_view(&last.view)
+            && self.position_cutoff == last.position_cutoff
+    }
 }
 
 /// The pass.
 pub struct IndirectReprojectionPass {
     pipeline: Arc<ComputePipeline>,
     irradiance: Image,
+    /// What is in `irradiance`; none before the first frame.
+    summed: Option<Summed>,
 }
 
 impl IndirectReprojectionPass {
@@ -55,22 +86,27 @@ impl IndirectReprojectionPass {
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let spirv = shaders::INDIRECT_REPROJECTION_COMP;
         let pipeline = ComputePipeline::new(device, "indirect_reprojection", spirv)?;
-        Ok(Self { pipeline: Arc::new(pipeline), irradiance: irradiance(device, extent)? })
+        Ok(Self { pipeline: Arc::new(pipeline), irradiance: irradiance(device, extent)?, summed: None })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Arc::clone(&self.pipeline), irradiance: irradiance(device, extent)? })
+        Ok(Self {
+            pipeline: Arc::clone(&self.pipeline),
+            irradiance: irradiance(device, extent)?,
+            summed: None,
+        })
     }
 
-    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.
+    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface, negative where that may
+    /// move.
     pub fn output(&self) -> &Image {
         &self.irradiance
     }
 
     /// Brings all sets together.
     pub fn record(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         inputs: &ReprojectionInputs<'_>,
     ) -> Result<&Image, VulkanError> {
@@ -83,14 +119,34 @@ impl IndirectReprojectionPass {
         let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
             sets.parameters().iter().flatten().partition(|set| set_size == extent && set.same_view(&now));
+        let summed = Summed {
+            sets: Arc::clone(sets.identity()),
+            draws: sets.draws(),
+            view: now,
+            position_cutoff: inputs.position_cutoff,
+        };
+        let last = self.summed.replace(summed);
+        let goes_on = |redrawn: &&Redrawn| {
+            let Some((last, summed)) = last.as_ref().zip(self.summed.as_ref()) else { return false };
+            other.is_empty() && redrawn.before.same_view(&now) && summed.follows(last)
+        };
+        let redrawn = sets.redrawn().filter(goes_on);
+        let [before, after] = redrawn.map_or_else(Default::default, |redrawn| [redrawn.before, redrawn.now]);
+        let set_count = to_u32(sets.parameters().len());
         let push = Push {
             instance_count: to_u32(inputs.pose.instances.len()),
             scale_missing: u32::from(inputs.scale_missing),
             total_flux,
             drawn_count: to_u32(same_view.len() + other.len()),
             same_view_count: to_u32(same_view.len()),
-            set_count: to_u32(sets.parameters().len()),
+            set_count,
             set_size,
+            running: u32::from(redrawn.is_some()),
+            refresh: u32::try_from(sets.draws() % u64::from(set_count)).unwrap_or(0),
+            layer_before: before.layer,
+            layer_now: after.layer,
+            scale_before: before.eye.w,
+            scale_now: after.eye.w,
         };
         let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
         frame

@@ -3,8 +3,11 @@
 
 use std::sync::Arc;
 
+use bytemuck::{Pod, Zeroable};
+
 use super::gbuffer::GBuffer;
 use super::indirect_shadows::{Chunk, UploadedSet};
+use super::set_history::SetHistory;
 use super::storage_image;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -18,6 +21,13 @@ pub struct IndirectShadingInputs<'a> {
     pub set: &'a UploadedSet,
     /// One bit a pixel and VPL.
     pub visibility: &'a Buffer,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct FilterPush {
+    total_flux: f32,
+    layer: u32,
 }
 
 /// The pass.
@@ -73,22 +83,23 @@ impl IndirectShadingPass {
         &self.class_irradiance
     }
 
-    /// Filters into the set buffer of this frame's set, a layer of `set_buffers`.
+    /// Filters into the spare layer of the set buffers.
     pub fn filter(
         &self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadingInputs<'_>,
-        set_buffers: &Image,
+        sets: &SetHistory,
     ) -> Result<(), VulkanError> {
+        let push = FilterPush { total_flux: inputs.set.total_flux, layer: sets.spare_layer() };
         frame
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("class_irradiance", &self.class_irradiance)
             .read("class_flux", &inputs.set.class_flux)
-            .write("set_buffers", set_buffers)
-            .push(&inputs.set.total_flux)
-            .dispatch_over(set_buffers.extent())
+            .write("set_buffers", sets.buffers())
+            .push(&push)
+            .dispatch_over(sets.buffers().extent())
     }
 }
 

@@ -43,7 +43,17 @@ pub struct SceneBuffers {
     pub shadow_draws: Vec<Draw>,
     /// Alpha mask plus one of each material.
     pub masks: Vec<u32>,
+    /// What was uploaded last, and where everything stood then.
+    uploaded: Vec<InstanceData>,
     previous: Vec<Affine3A>,
+}
+
+/// The instances of one frame.
+pub struct Instances {
+    /// [`InstanceData`] of all.
+    pub data: Upload,
+    /// Whether they are, and move, as in the frame before.
+    pub unchanged: bool,
 }
 
 impl SceneBuffers {
@@ -76,6 +86,7 @@ impl SceneBuffers {
             draws,
             shadow_draws,
             masks,
+            uploaded: Vec::new(),
             previous: Vec::new(),
         })
     }
@@ -86,7 +97,7 @@ impl SceneBuffers {
         frame: &mut Frame<'_>,
         scene: &Scene,
         pose: &Pose,
-    ) -> Result<Upload, VulkanError> {
+    ) -> Result<Instances, VulkanError> {
         if self.previous.len() != pose.instances.len() {
             self.previous.clone_from(&pose.instances);
         }
@@ -110,7 +121,15 @@ impl SceneBuffers {
             })
             .collect();
         self.previous.clone_from(&pose.instances);
-        frame.upload(&data)
+        let unchanged = data == self.uploaded;
+        let upload = frame.upload(&data)?;
+        self.uploaded = data;
+        Ok(Instances { data: upload, unchanged })
+    }
+
+    /// What was uploaded last.
+    pub fn uploaded_instances(&self) -> &[InstanceData] {
+        &self.uploaded
     }
 }
 

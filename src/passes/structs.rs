@@ -34,8 +34,8 @@ pub struct FrameUniforms {
     pub irradiance_scale: f32,
     /// Packed depths are view depths times this, so that half floats can hold them.
     pub depth_scale: f32,
-    /// Temporal set of this frame.
-    pub set: u32,
+    /// One over the luminous irradiance below which a VPL gets only some of its rays.
+    pub roulette: f32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -199,7 +199,7 @@ mod tests {
             position_cutoff,
             irradiance_scale,
             depth_scale,
-            set
+            roulette
         );
         same_layout!(
             shaders::GBUFFER_FRAG,

@@ -10,7 +10,7 @@ use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
 use crate::passes::indirect_reprojection::{IndirectReprojectionPass, ReprojectionInputs};
 use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
 use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
-use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::scene_buffers::{Instances, SceneBuffers};
 use crate::passes::set_history::{DrawnSet, SetHistory};
 use crate::passes::tracer::Tracer;
 use crate::scene::Pose;
@@ -47,7 +47,7 @@ pub(super) struct PassInputs<'a> {
     /// Frame uniforms.
     pub frame: Upload,
     /// Instances of this frame.
-    pub instances: Upload,
+    pub instances: Instances,
     /// The VPLs of this frame's set.
     pub vpls: UploadedSet,
     pub drawn: DrawnSet,
@@ -97,7 +97,9 @@ impl Passes {
         let PassInputs { frame: uniforms, instances, scene, tracer, pose, vpls, .. } = inputs;
         let view_projection = inputs.view_projection;
         let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
-        let gbuffer = self.gbuffer.record(frame, &surfaces)?;
+        let surfaces = self.gbuffer.record(frame, &surfaces)?;
+        let gbuffer = surfaces.gbuffer;
+        let instances = &instances.data;
         let shadows = ShadowInputs {
             instances,
             scene,
@@ -107,7 +109,7 @@ impl Passes {
             size: inputs.settings.size,
         };
         let shadows = self.direct_shadows.record(frame, &shadows)?;
-        let lit = DirectShadingInputs { frame: uniforms, gbuffer, shadows: &shadows, scene, instances };
+        let lit = DirectShadingInputs { frame: uniforms, surfaces, shadows: &shadows, scene, instances };
         let direct = self.direct_shading.record(frame, &lit)?;
 
         self.indirect_shadows.start(frame);
@@ -118,7 +120,7 @@ impl Passes {
             self.indirect_shadows.record(frame, &rays, &chunk)?;
             self.indirect_shading.gather(frame, &shading, &chunk)?;
         }
-        self.indirect_shading.filter(frame, &shading, self.sets.buffers())?;
+        self.indirect_shading.filter(frame, &shading, &self.sets)?;
         let drawn = inputs.drawn;
         self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
         if self.sets.is_complete() && self.settled.is_some() {
@@ -134,6 +136,7 @@ impl Passes {
             instances,
             pose,
             drawn,
+            position_cutoff: inputs.settings.position_cutoff,
             scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
             set_flux: inputs.set_flux,
         };

@@ -1,8 +1,13 @@
 //! From the device's images to a [`Picture`].
 
+use glam::{Vec2, Vec3, Vec4};
+
 use super::{RenderError, Renderer};
 use crate::output::{Layer, Picture};
 use crate::vulkan::Image;
+
+/// Twin of MATERIAL in shaders/include/gbuffer.glsl.
+const MATERIAL: u32 = 0x3fff_ffff;
 
 impl Renderer {
     /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
@@ -29,7 +34,7 @@ impl Renderer {
     /// How many set buffers have seen the surface of each pixel of the last frame.
     pub fn read_set_counts(&self) -> Result<Vec<u32>, RenderError> {
         let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
-        Ok(irradiance.into_iter().map(|pixel| pixel[3] as u32).collect())
+        Ok(irradiance.into_iter().map(|pixel| pixel[3].abs() as u32).collect())
     }
 
     fn read_layers(&self) -> Result<Vec<Layer>, RenderError> {
@@ -37,8 +42,6 @@ impl Renderer {
         let position = self.read_floats(&gbuffer.position)?;
         let normal = self.read_halves(&gbuffer.normal, 4)?;
         let albedo = self.read_halves(&gbuffer.albedo, 4)?;
-        let specular = self.read_halves(&gbuffer.specular, 4)?;
-        let motion = self.read_halves(&gbuffer.motion, 2)?;
         let ids = gbuffer.instance.read_layer(&self.device, 0, 8)?;
         let ids: Vec<[u32; 2]> = bytemuck::cast_slice(&ids).to_vec();
         let direct = self.read_floats(self.passes.direct_shading.output())?;
@@ -50,6 +53,13 @@ impl Renderer {
                 let n = if seen(index) { octahedral_decode(x, y) } else { glam::Vec3::ZERO };
                 n.extend(0.0).to_array()
             })
+            .collect();
+        let specular: Vec<[f32; 4]> = ids.iter().map(|id| self.specular(*id)).collect();
+        let pixels = (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
+        let motion: Vec<[f32; 2]> = pixels
+            .zip(&position)
+            .zip(&ids)
+            .map(|((pixel, position), id)| self.motion(pixel, position, id[0]))
             .collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
         let depth = position.iter().map(|pixel| pixel[3]).collect();
@@ -64,6 +74,26 @@ impl Renderer {
             Layer::single("instance", "id", instances),
             Layer::of_channels("motion", &["X", "Y"], &motion),
         ])
+    }
+
+    /// Ks and Ns of what a pixel of the G-buffer's instance channel names.
+    fn specular(&self, [instance, material]: [u32; 2]) -> [f32; 4] {
+        let material = self.scene.materials.get((material & MATERIAL) as usize);
+        let material = material.filter(|_| instance > 0);
+        material.map_or([0.0; 4], |material| material.specular.extend(material.shininess).to_array())
+    }
+
+    /// How far the surface at a world position has moved since the frame before, as a fraction of the picture.
+    fn motion(&self, pixel: [u32; 2], position: &[f32; 4], instance_plus_one: u32) -> [f32; 2] {
+        let instance = (instance_plus_one as usize).checked_sub(1);
+        let data = instance.and_then(|index| self.buffers.uploaded_instances().get(index));
+        let (Some(data), Some(uniforms)) = (data, &self.uniforms) else { return [0.0; 2] };
+        let transform = |rows: &[Vec4; 3], p: Vec3| Vec3::from(rows.map(|row| row.dot(p.extend(1.0))));
+        let p_os = transform(&data.world_to_object, Vec4::from(*position).truncate());
+        let p_then = transform(&data.previous_object_to_world, p_os);
+        let then = uniforms.previous_view_projection.project_point3(p_then).truncate() * 0.5 + 0.5;
+        let [now, size] = [pixel, self.settings.size].map(|of| Vec2::from(of.map(|side| side as f32)));
+        ((now + 0.5) / size - then).to_array()
     }
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {

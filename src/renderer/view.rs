@@ -184,6 +184,7 @@ impl ViewPasses {
             let buffers = BufferViewInputs {
                 frame: &inputs.frame,
                 gbuffer,
+                materials: &inputs.scene.materials,
                 shadows: sources.shadows,
                 direct: sources.direct,
                 irradiance: one_vpl.unwrap_or(sources.irradiance),
@@ -192,7 +193,7 @@ impl ViewPasses {
                 sets: if filtered { sources.drawn_sets } else { sources.shown_sets },
                 set: if filtered { inputs.drawn.set } else { shown.view.set },
                 interleave: inputs.settings.interleave,
-                instances: &inputs.instances,
+                instances: &inputs.instances.data,
                 pose: inputs.pose,
                 bounds: inputs.bounds,
                 exposure: sources.exposure,

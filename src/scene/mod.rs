@@ -30,7 +30,7 @@ mod texture;
 mod world_surface;
 
 pub use animation::{Animation, Keyframe, Motion, Rotation};
-pub use builtin::NAMES as BUILTIN_SCENES;
+pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
 pub use camera::Camera;
 pub use document::{Placement, SceneDocument};
 pub use error::{Place, SceneError};

@@ -38,14 +38,11 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
         let file = find_asset(builder, model, asset)?;
         obj::add_obj(&file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
-        if name != "cornell-box" {
-            return Err(
-                entry.error(format!("no built-in model is called \"{name}\" (there is: cornell-box)"))
-            );
-        }
-        let (mesh, materials) = builtin::cornell_model(builder.scene.materials.len() as u32);
-        builder.scene.materials.extend(materials);
-        push(&mut builder.scene, mesh)
+        let made = builtin::model(name).ok_or_else(|| {
+            let known = builtin::MODELS.join(", ");
+            entry.error(format!("no built-in model is called \"{name}\" (there are: {known})"))
+        })?;
+        made.add_to(&mut builder.scene)
     } else {
         let primitive = entry.required("path, asset, builtin or primitive", model.primitive)?;
         let mesh = primitive_mesh(&entry, builder, model, primitive)?;

@@ -1,7 +1,7 @@
 //! A display of its own, a window manager, the program in a window, and real input events.
 
 use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -12,6 +12,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, ImageFormat};
 use x11rb::rust_connection::RustConnection;
 
+use crate::drop::drop_file;
 use crate::support::skip;
 
 /// Longest wait for anything: a CPU driver with validation is slow.
@@ -231,6 +232,11 @@ impl<'d> Demo<'d> {
             assert!(Instant::now() < end, "{name} is not in the panel: {layout:?}");
             std::thread::sleep(Duration::from_millis(50));
         }
+    }
+
+    /// Drops a file on the window.
+    pub fn drop_file(&self, file: &Path) {
+        drop_file(&self.desk.display, self.window.parse().unwrap(), file);
     }
 
     /// Asks the window manager for another size.

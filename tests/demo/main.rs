@@ -6,6 +6,8 @@
 mod support;
 
 mod desk;
+mod drop;
+mod opening;
 mod replay;
 mod session;
 mod smooth;

@@ -6,6 +6,7 @@ mod direct;
 mod forgetting;
 mod golden;
 mod live;
+mod memory;
 mod motion;
 mod overlay;
 mod pictures;

@@ -100,3 +100,43 @@ fn extremes_work() {
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
     }
 }
+
+#[test]
+fn what_has_not_changed_is_not_drawn_again() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let settings = cornell(128, 4, 4);
+    let rest = scene.pose(0.0);
+    let mut aside = rest.clone();
+    aside.camera.eye.x += 0.1;
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let poses = [&rest, &rest, &rest, &aside, &aside, &aside, &aside, &rest];
+    for pose in poses {
+        renderer.render(pose).unwrap();
+    }
+    let gbuffer_ms: Vec<f64> =
+        renderer.finish().unwrap().iter().map(|report| report.figures.passes.0[3]).collect();
+    let drawn: Vec<bool> = gbuffer_ms.iter().map(|ms| *ms > 0.0).collect();
+    assert_eq!(drawn, [true, false, false, true, false, false, false, true], "{gbuffer_ms:?}");
+    // What stands is what a fresh renderer draws.
+    let (kept, fresh) = (renderer.read_picture(true).unwrap(), lab.rendered(&scene, &settings, 8));
+    let fresh = fresh.read_picture(true).unwrap();
+    for name in ["direct", "albedo", "normal", "position"] {
+        assert!(layer(&kept, name) == layer(&fresh, name), "{name}");
+    }
+}
+
+#[test]
+fn rays_are_cast_only_where_they_matter() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let pose = scene.pose(0.0);
+    let mut renderer = lab.renderer(&scene, &cornell(512, 1, 1), &pose);
+    renderer.render(&pose).unwrap();
+    let ids = renderer.read_picture(true).unwrap();
+    let report = renderer.finish().unwrap().remove(0).figures;
+    let seen = ids.layers.iter().find(|layer| layer.name == "instance").unwrap().channels[0].1.iter();
+    let pairs = seen.filter(|id| **id >= 0.0).count() as u64 * u64::from(report.vpls.valid);
+    let share = report.shadow_rays as f64 / pairs as f64;
+    assert!((0.2..0.7).contains(&share), "{share} of all pairs of pixel and VPL got a ray");
+}

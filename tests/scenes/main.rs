@@ -7,6 +7,7 @@
 mod broken_models;
 mod broken_scene_files;
 mod documents;
+mod made;
 mod models;
 mod scene_files;
 

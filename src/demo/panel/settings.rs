@@ -15,7 +15,7 @@ use crate::settings::{MissingSets, Sequence, Settings, TracerKind};
 const GROUPS: [(&str, &[&str]); 4] = [
     ("Virtual point lights", &["vpls", "bounces", "budget", "clamp", "seed", "sequence"]),
     ("Over time", &["temporal_sets", "missing_sets", "position_cutoff", "time_step"]),
-    ("Over pixels", &["interleave", "size"]),
+    ("Over pixels", &["interleave", "roulette", "size"]),
     ("Picture", &["exposure", "tracer"]),
 ];
 
@@ -138,6 +138,7 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "bounces" => whole(ui, &mut settings.bounces, 16),
         "budget" => whole(ui, &mut settings.budget, 65_536),
         "clamp" => ui.add(DragValue::new(&mut settings.clamp).range(0.0..=1e9).speed(5.0)),
+        "roulette" => ui.add(DragValue::new(&mut settings.roulette).range(0.0..=1.0).speed(0.005)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
         "sequence" => choice(
             ui,
@@ -212,6 +213,7 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
         "bounces" => to.bounces = from.bounces,
         "budget" => to.budget = from.budget,
         "clamp" => to.clamp = from.clamp,
+        "roulette" => to.roulette = from.roulette,
         "seed" => to.seed = from.seed,
         "sequence" => to.sequence = from.sequence,
         "temporal_sets" => to.temporal_sets = from.temporal_sets.min(to.vpls),
@@ -244,6 +246,7 @@ mod tests {
             temporal_sets: 3,
             budget: 5,
             clamp: 1.5,
+            roulette: 0.5,
             position_cutoff: 0.5,
             size: [8, 9],
             seed: 4,

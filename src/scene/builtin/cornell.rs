@@ -1,29 +1,10 @@
-//! Scenes that are found by name: the Cornell box, made by code, and the embedded scene files of
-//! `scenes/`, whose models are not shipped.
+//! The Cornell box, made by code.
 
 use glam::{Affine3A, Vec3};
 
-use super::camera::Camera;
-use super::material::Material;
-use super::mesh::Mesh;
-use super::{Instance, Scene};
-
-/// Names of the built-in scenes.
-pub const NAMES: [&str; 7] =
-    ["playroom", "cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"];
-
-/// The embedded scene file of a built-in scene, if it has one.
-pub(super) fn scene_file(name: &str) -> Option<&'static str> {
-    match name {
-        "playroom" => Some(include_str!("../../scenes/playroom.toml")),
-        "sponza" => Some(include_str!("../../scenes/sponza.toml")),
-        "sibenik" => Some(include_str!("../../scenes/sibenik.toml")),
-        "conference" => Some(include_str!("../../scenes/conference.toml")),
-        "classroom" => Some(include_str!("../../scenes/classroom.toml")),
-        "living-room" => Some(include_str!("../../scenes/living-room.toml")),
-        _ => None,
-    }
-}
+use crate::scene::material::Material;
+use crate::scene::mesh::Mesh;
+use crate::scene::{Camera, Instance, Scene};
 
 /// Metres a millimetre: the measurements are published in millimetres.
 const MILLIMETRE: f32 = 1e-3;
@@ -55,13 +36,13 @@ const RED: u32 = 1;
 const GREEN: u32 = 2;
 const EMITTER: u32 = 3;
 
-/// Mesh of the Cornell box (metres) with its materials, which `first_material` offsets.
-pub(super) fn cornell_model(first_material: u32) -> (Mesh, Vec<Material>) {
+/// Mesh of the Cornell box (metres) with its materials.
+pub(in crate::scene) fn cornell_model() -> (Mesh, Vec<Material>) {
     let mut mesh = Mesh { name: "cornell-box".into(), ..Mesh::default() };
     let mut push = |corners: &[[f32; 3]], material: u32| {
         let corners: Vec<Vec3> =
             corners.iter().map(|corner| Vec3::from_array(*corner) * MILLIMETRE).collect();
-        mesh.push_polygon(&corners, first_material + material);
+        mesh.push_polygon(&corners, material);
     };
     for (material, corners) in WALLS {
         push(&corners, material);
@@ -88,9 +69,9 @@ pub(super) fn cornell_model(first_material: u32) -> (Mesh, Vec<Material>) {
 
 /// The Cornell box after the measurements that Cornell University publishes
 /// (<https://www.graphics.cornell.edu/online/box/data.html>), in metres, with its area light.
-pub(super) fn cornell_box() -> Scene {
+pub(in crate::scene) fn cornell_box() -> Scene {
     let mut scene = Scene::new("cornell-box");
-    let (mesh, materials) = cornell_model(0);
+    let (mesh, materials) = cornell_model();
     scene.meshes.push(mesh);
     scene.materials = materials;
     scene.instances.push(Instance::fixed("cornell-box", 0, Affine3A::IDENTITY));

@@ -1,0 +1,323 @@
+//! The atrium: two storeys of colonnades round a court that is open to the sky.
+//!
+//! In: materials and the columns to use. Out: the building. x runs along the court, y up; metres.
+
+use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
+
+use super::atrium_upper;
+use super::columns::{Column, along};
+use super::palette::Palette;
+use super::part::Part;
+use super::paths::{arc, strip};
+use super::shapes::{block, cuboid};
+use super::stone::{ASHLAR, BRICK, LIMESTONE, PAVING, PLASTER, ROOF_TILES, TERRACOTTA, WHITE_MARBLE};
+use super::vault::Vault;
+use super::walls::{Opening, Panel, cornice, pierced, straight};
+use super::wood::TIMBER;
+
+/// Width of a bay.
+pub(super) const BAY: f32 = 3.2;
+/// Bays along the long and the short sides.
+pub(super) const BAYS: [u32; 2] = [7, 3];
+/// The middle of the arcades, from the middle of the court.
+pub(super) const HALF: Vec2 = Vec2::new(0.5 * BAY * BAYS[0] as f32, 0.5 * BAY * BAYS[1] as f32);
+/// From the middle of the arcades to the outer walls.
+pub(super) const DEPTH: f32 = 3.6;
+/// Half thickness of the arcades.
+pub(super) const HALF_WALL: f32 = 0.32;
+/// Top of the columns below.
+pub(super) const SPRING: f32 = 2.9;
+/// Level of the upper floor.
+pub(super) const UPPER: f32 = 5.0;
+/// Top of the walls.
+pub(super) const TOP: f32 = 9.7;
+/// The floor of the galleries lies this high above the court.
+pub(super) const STEP: f32 = 0.16;
+
+/// Materials of the atrium.
+pub(super) struct Paints {
+    pub wall: u32,
+    pub brick: u32,
+    pub trim: u32,
+    pub column: u32,
+    pub plaster: u32,
+    pub court: u32,
+    pub tiles: u32,
+    pub roof: u32,
+    pub timber: u32,
+    pub door: u32,
+    pub bronze: u32,
+    pub water: u32,
+}
+
+impl Paints {
+    /// Adds them to a palette.
+    pub fn new(palette: &mut Palette) -> Self {
+        Self {
+            wall: palette.textured("ashlar", ASHLAR, [1.0; 3]),
+            brick: palette.textured("brick", BRICK, [1.0; 3]),
+            trim: palette.textured("trim", LIMESTONE, [1.0; 3]),
+            column: palette.textured("column", WHITE_MARBLE, [0.95, 0.9, 0.82]),
+            plaster: palette.textured("plaster", PLASTER, [1.0; 3]),
+            court: palette.textured("paving", PAVING, [1.0; 3]),
+            tiles: palette.textured("terracotta", TERRACOTTA, [1.0; 3]),
+            roof: palette.textured("roof tiles", ROOF_TILES, [1.0; 3]),
+            timber: palette.textured("timber", TIMBER, [0.8, 0.75, 0.7]),
+            door: palette.textured("door", TIMBER, [0.62, 0.5, 0.4]),
+            bronze: palette.glossy("bronze", [0.2, 0.13, 0.06], 0.25, 60.0),
+            water: palette.glossy("water", [0.06, 0.16, 0.17], 0.4, 200.0),
+        }
+    }
+}
+
+/// The four sides: takes what stands at z = 0, looking towards +z into the court, along x, to its place.
+/// With half the length of that side.
+pub(super) fn sides() -> [(Affine3A, u32); 4] {
+    let side = |degrees: f32, away: f32| {
+        Affine3A::from_rotation_y(degrees.to_radians()) * Affine3A::from_translation(vec3(0.0, 0.0, -away))
+    };
+    [
+        (side(0.0, HALF.y), BAYS[0]),
+        (side(180.0, HALF.y), BAYS[0]),
+        (side(90.0, HALF.x), BAYS[1]),
+        (side(-90.0, HALF.x), BAYS[1]),
+    ]
+}
+
+/// Middles of the bays of a side, along x.
+pub(super) fn bay_middles(bays: u32) -> impl Iterator<Item = f32> {
+    (0..bays).map(move |i| BAY * (i as f32 - 0.5 * (bays - 1) as f32))
+}
+
+/// Where columns stand along a side: between bays, not in the corners.
+pub(super) fn column_places(bays: u32) -> impl Iterator<Item = f32> {
+    (1..bays).map(move |i| BAY * (i as f32 - 0.5 * bays as f32))
+}
+
+/// The column of the lower arcade.
+pub(super) fn lower_column(paints: &Paints, segments: u32) -> Column {
+    Column { height: SPRING - STEP, radius: 0.27, segments, materials: [paints.column, paints.trim] }
+}
+
+/// The whole building with these columns, below and above.
+pub(super) fn building(paints: &Paints, columns: [&Part; 2]) -> Part {
+    let mut all = floors(paints);
+    for (place, bays) in sides() {
+        all.push(lower_side(paints, columns[0], bays).placed(&place));
+        all.push(atrium_upper::side(paints, columns[1], bays).placed(&place));
+    }
+    all.push(corner_piers(paints));
+    all.push(vaults(paints));
+    all.push(string_courses(paints));
+    all.push(outer_walls(paints));
+    all.push(atrium_upper::roof(paints));
+    all.push(well(paints));
+    all
+}
+
+/// A ring of four slabs about the court: from `inner` to `outer`, both half extents.
+pub(super) fn ring(inner: Vec2, outer: Vec2, [bottom, top]: [f32; 2], material: u32) -> Part {
+    let long = |z: [f32; 2]| cuboid(vec3(-outer.x, bottom, z[0]), vec3(outer.x, top, z[1]), material);
+    let short = |x: [f32; 2]| cuboid(vec3(x[0], bottom, -inner.y), vec3(x[1], top, inner.y), material);
+    long([-outer.y, -inner.y])
+        .and(long([inner.y, outer.y]))
+        .and(short([-outer.x, -inner.x]))
+        .and(short([inner.x, outer.x]))
+}
+
+fn floors(paints: &Paints) -> Part {
+    let edge = HALF + HALF_WALL + 0.12;
+    let wall = HALF + DEPTH + 0.05;
+    let ground = wall + 0.6;
+    let curb = [[0.0, -0.1], [0.36, -0.1], [0.36, 0.1], [0.33, STEP + 0.005], [0.0, STEP + 0.005]];
+    cuboid(vec3(-ground.x, -0.5, -ground.y), vec3(ground.x, 0.0, ground.y), paints.court)
+        .and(ring(edge - 0.8, wall, [-0.05, STEP], paints.tiles))
+        .and(cornice(edge.x - 0.72, edge.y - 0.72, &curb.map(|p| vec2(p[0], p[1])), paints.trim))
+        .and(ring(HALF - 0.25, wall, [UPPER - 0.45, UPPER], paints.tiles))
+}
+
+/// One side of the lower arcade, with pilasters and doors in the wall behind it.
+fn lower_side(paints: &Paints, column: &Part, bays: u32) -> Part {
+    let mut all = Part::default();
+    let half = 0.5 * BAY * bays as f32;
+    all.push_at(column, column_places(bays).map(|x| vec3(x, STEP, 0.0)));
+    let opening = Opening { middle: 0.0, half: 1.27, sill: SPRING, spring: SPRING, rise: 1.27, steps: 16 };
+    let panel = Panel {
+        min: vec2(-0.5 * BAY, SPRING),
+        max: vec2(0.5 * BAY, UPPER - 0.1),
+        depth: [-HALF_WALL, HALF_WALL],
+    };
+    let bay = pierced(&panel, &opening, paints.wall);
+    let archivolt: Vec<Vec2> = [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]
+        .map(|p| vec2(p[0], p[1]))
+        .to_vec();
+    let arches = opening.moulding(&archivolt, HALF_WALL, paints.trim);
+    let keystone = block(vec3(0.22, 0.5, 2.0 * HALF_WALL + 0.22), paints.trim).at(vec3(
+        0.0,
+        SPRING + opening.rise - 0.06,
+        0.0,
+    ));
+    let all_of_bay = bay.and(arches).and(keystone);
+    all.push_at(&all_of_bay, bay_middles(bays).map(|x| vec3(x, 0.0, 0.0)));
+    all.push(lower_wall(paints, bays, half));
+    all
+}
+
+/// Pilasters, plinth and doors of the outer wall behind a side.
+fn lower_wall(paints: &Paints, bays: u32, half: f32) -> Part {
+    let mut all = Part::default();
+    let wall = -DEPTH;
+    let pilaster = cuboid(vec3(-0.26, 0.0, wall - 0.05), vec3(0.26, SPRING - 0.3, wall + 0.14), paints.trim)
+        .and(cuboid(vec3(-0.32, 0.0, wall - 0.05), vec3(0.32, 0.55, wall + 0.2), paints.trim))
+        .and(cuboid(
+            vec3(-0.32, SPRING - 0.34, wall - 0.05),
+            vec3(0.32, SPRING - 0.1, wall + 0.2),
+            paints.trim,
+        ));
+    let places = column_places(bays).chain([-half, half]);
+    all.push_at(&pilaster, places.map(|x| vec3(x, 0.0, 0.0)));
+    let door = door(paints);
+    let doors = bay_middles(bays).enumerate().filter(|(i, _)| i % 2 == 1).map(|(_, x)| vec3(x, STEP, wall));
+    all.push_at(&door, doors);
+    all
+}
+
+/// A door of two panelled leaves under a fanlight, in a frame of stone, before the wall z = 0.
+fn door(paints: &Paints) -> Part {
+    let opening = Opening { middle: 0.0, half: 0.72, sill: -0.02, spring: 2.15, rise: 0.0, steps: 2 };
+    let profile: Vec<Vec2> =
+        [[0.0, -0.05], [0.22, -0.05], [0.22, 0.18], [0.14, 0.18], [0.1, 0.14], [0.0, 0.14]]
+            .map(|p| vec2(p[0], p[1]))
+            .to_vec();
+    let mut all = opening.moulding(&profile, 0.0, paints.trim);
+    all.push(straight(-1.05, 1.05, &strip(vec2(-0.05, 2.4), vec2(0.26, 2.5)), paints.trim));
+    for side in [-1.0, 1.0] {
+        all.push(cuboid(
+            vec3(0.36 * side - 0.355, -0.02, -0.05),
+            vec3(0.36 * side + 0.355, 2.17, 0.1),
+            paints.door,
+        ));
+        for [low, high] in [[0.15, 0.85], [1.05, 2.03]] {
+            let half = vec3(0.26, 0.0, 0.0);
+            let middle = vec3(0.36 * side, 0.0, 0.0);
+            let [low, high] = [middle - half + Vec3::Y * low, middle + half + vec3(0.0, high, 0.125)];
+            all.push(super::shapes::bevelled(low, high, 0.02, paints.door));
+        }
+        let knob = super::shapes::cushion(Vec3::splat(0.035), 1.0, [6, 4], paints.bronze);
+        all.push(knob.at(vec3(0.07 * side, 1.05, 0.13)));
+    }
+    all
+}
+
+/// Square piers in the corners of the court, through both storeys.
+fn corner_piers(paints: &Paints) -> Part {
+    let half = HALF_WALL + 0.06;
+    let pier = cuboid(vec3(-half, 0.0, -half), vec3(half, TOP - 0.01, half), paints.wall);
+    let band = |low: f32, high: f32, wider: f32| {
+        let side = half + wider;
+        super::shapes::bevelled(vec3(-side, low, -side), vec3(side, high, side), 0.03, paints.trim)
+    };
+    let pier = pier
+        .and(band(0.0, 0.5, 0.07))
+        .and(band(SPRING - 0.2, SPRING + 0.02, 0.08))
+        .and(band(UPPER, UPPER + 0.3, 0.06))
+        .and(band(atrium_upper::SPRING - 0.14, atrium_upper::SPRING + 0.02, 0.07));
+    let mut all = Part::default();
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    all.push_at(&pier, corners.map(|[x, z]| vec3(x * HALF.x, 0.0, z * HALF.y)));
+    all
+}
+
+/// Groin vaults over the lower gallery, with arches between the bays.
+fn vaults(paints: &Paints) -> Part {
+    let vault =
+        Vault { half: vec2(0.5 * BAY, 0.5 * DEPTH), spring: SPRING - 0.1, rise: 1.45, point: 1.0, steps: 8 };
+    let corner = Vault { half: Vec2::splat(0.5 * DEPTH), ..vault };
+    let top = UPPER - 0.44;
+    let block = vault.block(top, paints.plaster);
+    let rib = vault.cross_rib(&strip(vec2(-0.2, -0.14), vec2(0.2, 0.1)), 12, paints.trim);
+    let mut all = Part::default();
+    for (place, bays) in sides() {
+        let mut side = Part::default();
+        let back = vec3(0.0, 0.0, -0.5 * DEPTH);
+        side.push_at(&block, bay_middles(bays).map(|x| back + Vec3::X * x));
+        let half = 0.5 * BAY * bays as f32;
+        side.push_at(&rib, column_places(bays).chain([-half, half]).map(|x| back + Vec3::X * x));
+        all.push(side.placed(&place));
+    }
+    let middle = HALF + 0.5 * DEPTH;
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    all.push_at(
+        &corner.block(top, paints.plaster),
+        corners.map(|[x, z]| vec3(x * middle.x, 0.0, z * middle.y)),
+    );
+    all
+}
+
+/// The moulding under the upper floor and the cornice on top of the walls.
+fn string_courses(paints: &Paints) -> Part {
+    let out = HALF - HALF_WALL;
+    let mut low = vec![vec2(-0.1, UPPER - 0.5), vec2(0.05, UPPER - 0.5)];
+    low.extend(arc(vec2(0.05, UPPER - 0.34), 0.1, [-90.0, 0.0], 3));
+    low.extend([[0.2, -0.22], [0.26, -0.1], [0.26, 0.02], [-0.1, 0.02]].map(|p| vec2(p[0], UPPER + p[1])));
+    let mut high = vec![vec2(-0.1, TOP - 0.5), vec2(0.06, TOP - 0.5), vec2(0.06, TOP - 0.36)];
+    high.extend(arc(vec2(0.3, TOP - 0.36), 0.22, [180.0, 90.0], 4));
+    high.extend([[0.44, -0.1], [0.5, 0.0], [0.5, 0.08], [-0.1, 0.08]].map(|p| vec2(p[0], TOP + p[1])));
+    cornice(out.x, out.y, &low, paints.trim).and(cornice(out.x, out.y, &high, paints.trim))
+}
+
+/// Brick above a floor of stone: the walls that close the building.
+fn outer_walls(paints: &Paints) -> Part {
+    let inner = HALF + DEPTH;
+    let plinth = [[-0.05, 0.0], [0.08, 0.0], [0.08, 0.42], [0.03, 0.48], [-0.05, 0.48]];
+    let dado = [[-0.05, -0.02], [0.05, -0.02], [0.05, 0.9], [0.09, 0.94], [0.09, 1.0], [-0.05, 1.0]];
+    let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
+    let feet = cornice(inner.x, inner.y, &points(&plinth), paints.trim)
+        .and(cornice(inner.x, inner.y, &points(&dado), paints.plaster).at(Vec3::Y * UPPER));
+    feet.and(ring(inner, inner + 0.5, [-0.1, UPPER - 0.2], paints.wall)).and(ring(
+        inner,
+        inner + 0.5,
+        [UPPER - 0.2, TOP + 0.2],
+        paints.brick,
+    ))
+}
+
+/// A well with a stone basin in the middle of the court.
+fn well(paints: &Paints) -> Part {
+    let basin = [
+        [1.15, -0.05],
+        [1.15, 0.14],
+        [1.0, 0.2],
+        [0.95, 0.28],
+        [0.95, 0.6],
+        [1.05, 0.66],
+        [1.1, 0.78],
+        [0.86, 0.8],
+        [0.84, 0.74],
+        [0.84, 0.3],
+        [0.0, 0.3],
+    ];
+    let bowl = [
+        [0.3, 0.28],
+        [0.3, 0.4],
+        [0.16, 0.5],
+        [0.13, 0.9],
+        [0.2, 1.1],
+        [0.45, 1.25],
+        [0.62, 1.4],
+        [0.6, 1.44],
+        [0.4, 1.34],
+        [0.0, 1.3],
+    ];
+    let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
+    let surface = [[0.86, 0.31], [0.86, 0.62]];
+    let step = block(vec3(2.9, 0.12, 2.9), paints.trim);
+    let mut all = super::shapes::lathe(&points(&basin), 32, paints.trim)
+        .and(super::shapes::lathe(&points(&bowl), 24, paints.trim))
+        .and(super::shapes::lathe(&points(&surface), 32, paints.water))
+        .at(Vec3::Y * 0.1)
+        .and(step.at(Vec3::NEG_Y * 0.02));
+    let knob = super::shapes::cushion(vec3(0.1, 0.14, 0.1), 1.0, [16, 10], paints.bronze);
+    all.push_at(&knob, along(vec3(0.0, 1.5, 0.0), vec3(0.0, 1.5, 0.0), 1));
+    all
+}

@@ -1,0 +1,153 @@
+//! Scenes that are found by name: the Cornell box, models made by code, and the embedded scene files of
+//! `scenes/`, which place, light and move such models or those that people download.
+
+mod atrium;
+mod atrium_upper;
+mod carving;
+mod cathedral;
+mod cathedral_ends;
+mod cathedral_windows;
+mod chairs;
+#[cfg(test)]
+mod checks;
+mod cloth;
+mod columns;
+mod cornell;
+mod drapery;
+mod fittings;
+mod furniture;
+mod meeting_room;
+mod noise;
+mod palette;
+mod part;
+mod paths;
+mod pictures;
+mod plants;
+mod shapes;
+mod stone;
+#[cfg(test)]
+mod tests;
+mod textile;
+mod torus;
+mod vault;
+mod walls;
+mod wood;
+
+pub(super) use cornell::cornell_box;
+
+use super::Scene;
+use super::material::{AlphaMask, Material, Texture};
+use super::mesh::Mesh;
+use palette::Palette;
+use part::Part;
+
+/// Names of the built-in scenes.
+pub const NAMES: [&str; 14] = [
+    "playroom",
+    "cornell-box",
+    "atrium",
+    "atrium-drapery",
+    "cathedral",
+    "meeting-room",
+    "sponza",
+    "crytek-sponza",
+    "sibenik",
+    "sibenik-spot",
+    "conference",
+    "conference-torus",
+    "classroom",
+    "living-room",
+];
+
+/// The scenes that a benchmark runs: those of Tonna 2019, figure 24, or what is made by code in their stead.
+pub const BENCH_SCENES: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room"];
+
+/// The same five with the models of the original, which are not shipped.
+pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
+    ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
+
+/// Names of the models that scene files may ask for as `builtin`.
+pub(super) const MODELS: [&str; 6] =
+    ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
+
+/// The embedded scene file of a built-in scene, if it has one.
+pub(super) fn scene_file(name: &str) -> Option<&'static str> {
+    match name {
+        "playroom" => Some(include_str!("../../../scenes/playroom.toml")),
+        "atrium" => Some(include_str!("../../../scenes/atrium.toml")),
+        "atrium-drapery" => Some(include_str!("../../../scenes/atrium-drapery.toml")),
+        "cathedral" => Some(include_str!("../../../scenes/cathedral.toml")),
+        "meeting-room" => Some(include_str!("../../../scenes/meeting-room.toml")),
+        "sponza" => Some(include_str!("../../../scenes/sponza.toml")),
+        "crytek-sponza" => Some(include_str!("../../../scenes/crytek-sponza.toml")),
+        "sibenik" => Some(include_str!("../../../scenes/sibenik.toml")),
+        "sibenik-spot" => Some(include_str!("../../../scenes/sibenik-spot.toml")),
+        "conference" => Some(include_str!("../../../scenes/conference.toml")),
+        "conference-torus" => Some(include_str!("../../../scenes/conference-torus.toml")),
+        "classroom" => Some(include_str!("../../../scenes/classroom.toml")),
+        "living-room" => Some(include_str!("../../../scenes/living-room.toml")),
+        _ => None,
+    }
+}
+
+/// A mesh made by code and all that it needs; its indices count from 0.
+pub(super) struct Model {
+    mesh: Mesh,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    alpha_masks: Vec<AlphaMask>,
+}
+
+/// The model of this name, one of [`MODELS`].
+pub(super) fn model(name: &str) -> Option<Model> {
+    if name == "cornell-box" {
+        let (mesh, materials) = cornell::cornell_model();
+        return Some(Model { mesh, materials, textures: vec![], alpha_masks: vec![] });
+    }
+    let mut palette = Palette::default();
+    let part = assemble(name, &mut palette)?;
+    let (paints, mesh) = rayon::join(|| palette.finish(), || part);
+    Some(Model {
+        mesh: mesh.into_mesh(name, &paints.tiles),
+        materials: paints.materials,
+        textures: paints.textures,
+        alpha_masks: paints.alpha_masks,
+    })
+}
+
+/// The solids and sheets of a model.
+fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
+    match name {
+        "atrium" => {
+            let paints = atrium::Paints::new(palette);
+            let lower = atrium::lower_column(&paints, 14).part();
+            let upper = atrium_upper::column(&paints, 8).part();
+            Some(atrium::building(&paints, [&lower, &upper]))
+        }
+        "atrium-drapery" => Some(drapery::model(palette)),
+        "cathedral" => Some(cathedral::model(palette)),
+        "meeting-room" => Some(meeting_room::model(palette)),
+        "two-coloured torus" => Some(torus::model(palette)),
+        _ => None,
+    }
+}
+
+impl Model {
+    /// Adds it to a scene; its mesh's index.
+    pub fn add_to(mut self, scene: &mut Scene) -> usize {
+        let (materials, textures, masks) =
+            (scene.materials.len(), scene.textures.len(), scene.alpha_masks.len());
+        for material in &mut self.mesh.triangle_materials {
+            *material += materials as u32;
+        }
+        for material in &mut self.materials {
+            material.albedo_texture = material.albedo_texture.map(|texture| texture + textures);
+            material.alpha_mask = material.alpha_mask.map(|mask| mask + masks);
+        }
+        scene.materials.extend(self.materials);
+        scene.textures.extend(self.textures);
+        scene.alpha_masks.extend(self.alpha_masks);
+        scene.meshes.push(self.mesh);
+        scene.meshes.len() - 1
+    }
+}

@@ -1,0 +1,42 @@
+//! Scenes are opened while another is on show: by name, by drop, and broken ones.
+
+use std::fs;
+
+use crate::ONE_AT_A_TIME;
+use crate::desk::{Demo, Desk};
+
+#[test]
+fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &["--size", "480x300", "--vpls=64", "--temporal-sets=4", "--validate"]);
+    demo.key_for("space", "toggle-pause");
+    demo.frames(12);
+    let before = demo.screen().picture();
+
+    // The second line of the file is at fault; the scene on show stays as it is.
+    fs::write(demo.path("broken.toml"), "name = \"broken\"\nlight = 3\n").unwrap();
+    let seen = demo.now();
+    demo.click_thing("path");
+    demo.xdotool(&["type", "broken.toml"]);
+    demo.xdotool(&["key", "Return"]);
+    let failed = demo.wait_after(seen, "failure", |event| event["event"] == "scene-failed");
+    let said = failed["details"].as_str().unwrap();
+    assert!(said.contains("broken.toml:2") && said.contains("light"), "{said}");
+    demo.frames(3);
+    demo.screen().keep("10-broken");
+    assert!(demo.screen().picture() == before, "a broken scene changes the picture");
+
+    // A good one, dropped; a space in its name is percent-encoded on the way.
+    let scene = "[[models]]\nname = \"ball\"\nprimitive = \"sphere\"\n\n[[instances]]\nmodel = \"ball\"\n\n\
+                 [[lights]]\ntype = \"point\"\nposition = [3, 3, 3]\nintensity = [20, 20, 20]\n";
+    fs::write(demo.path("a ball.toml"), scene).unwrap();
+    let seen = demo.now();
+    demo.drop_file(&demo.path("a%20ball.toml"));
+    let opened = demo.wait_after(seen, "dropped scene", |event| event["event"] == "scene");
+    assert!(opened["details"]["name"].as_str().unwrap().ends_with("a ball.toml"), "{opened}");
+    demo.frames(6);
+    demo.screen().keep("11-dropped");
+    assert!(demo.screen().picture().difference(&before) > 5.0, "the dropped scene is not seen");
+    demo.close();
+}

@@ -1,0 +1,49 @@
+//! Device memory is what ARCHITECTURE.md says.
+
+use glowworm::settings::Settings;
+
+use super::support::{Lab, named_scene};
+
+/// Bytes that grow with the picture, as in ARCHITECTURE.md, "Numbers worth knowing".
+fn computed(settings: &Settings) -> u64 {
+    let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
+    let [slots, sets, interleave] =
+        [settings.vpls, settings.temporal_sets, settings.interleave].map(u64::from);
+    let words = slots.div_ceil(sets).div_ceil(interleave * interleave).div_ceil(32);
+    let words = words.min(((1 << 24) / pixels).max(1));
+    pixels * (112 + 8 * (sets + 1) + 4 * words)
+}
+
+#[test]
+fn memory_grows_as_computed() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let used = |settings: &Settings| {
+        let renderer = lab.rendered(&scene, settings, 1);
+        lab.device.restart_memory_peak();
+        let bytes = lab.device.memory_peak();
+        drop(renderer);
+        bytes
+    };
+    let of = |size, vpls, temporal_sets, interleave| {
+        let settings = Settings { size, vpls, temporal_sets, interleave, ..Settings::default() };
+        (used(&settings), computed(&settings))
+    };
+    let (rest, least) = of([8, 8], 64, 1, 4);
+    for (size, vpls, sets, interleave) in [
+        ([320, 200], 512, 1, 4),
+        ([320, 200], 512, 16, 4),
+        ([128, 64], 4096, 1, 1),
+        ([640, 360], 512, 32, 4),
+        ([128, 64], 65_536, 64, 4),
+    ] {
+        let (used, computed) = of(size, vpls, sets, interleave);
+        let (grown, expected) = ((used - rest) as f64, (computed - least) as f64);
+        // Besides what grows with the picture there are the VPLs on their way, 48 bytes each.
+        let slack = f64::from(vpls.div_ceil(sets)) * 48.0 * 4.0 + 0.01 * expected;
+        assert!(
+            (grown - expected).abs() <= slack,
+            "{size:?}, S = {vpls}, T = {sets}: {grown} of {expected} bytes"
+        );
+    }
+}
