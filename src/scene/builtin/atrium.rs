@@ -119,9 +119,10 @@ pub(super) fn building(paints: &Paints, columns: [&Part; 2]) -> Part {
 pub(super) fn ring(inner: Vec2, outer: Vec2, [bottom, top]: [f32; 2], material: u32) -> Part {
     let long = |z: [f32; 2]| cuboid(vec3(-outer.x, bottom, z[0]), vec3(outer.x, top, z[1]), material);
     let short = |x: [f32; 2]| cuboid(vec3(x[0], bottom, -inner.y), vec3(x[1], top, inner.y), material);
-    long([-outer.y, -inner.y]).and(long([inner.y, outer.y])).and(short([-outer.x, -inner.x])).and(short([
-        inner.x, outer.x,
-    ]))
+    long([-outer.y, -inner.y])
+        .and(long([inner.y, outer.y]))
+        .and(short([-outer.x, -inner.x]))
+        .and(short([inner.x, outer.x]))
 }
 
 fn floors(paints: &Paints) -> Part {
@@ -147,13 +148,15 @@ fn lower_side(paints: &Paints, column: &Part, bays: u32) -> Part {
         depth: [-HALF_WALL, HALF_WALL],
     };
     let bay = pierced(&panel, &opening, paints.wall);
-    let archivolt: Vec<Vec2> =
-        [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]
-            .map(|p| vec2(p[0], p[1]))
-            .to_vec();
+    let archivolt: Vec<Vec2> = [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]
+        .map(|p| vec2(p[0], p[1]))
+        .to_vec();
     let arches = opening.moulding(&archivolt, HALF_WALL, paints.trim);
-    let keystone = block(vec3(0.22, 0.5, 2.0 * HALF_WALL + 0.22), paints.trim)
-        .at(vec3(0.0, SPRING + opening.rise - 0.06, 0.0));
+    let keystone = block(vec3(0.22, 0.5, 2.0 * HALF_WALL + 0.22), paints.trim).at(vec3(
+        0.0,
+        SPRING + opening.rise - 0.06,
+        0.0,
+    ));
     let all_of_bay = bay.and(arches).and(keystone);
     all.push_at(&all_of_bay, bay_middles(bays).map(|x| vec3(x, 0.0, 0.0)));
     all.push(lower_wall(paints, bays, half));
@@ -166,7 +169,11 @@ fn lower_wall(paints: &Paints, bays: u32, half: f32) -> Part {
     let wall = -DEPTH;
     let pilaster = cuboid(vec3(-0.26, 0.0, wall - 0.05), vec3(0.26, SPRING - 0.3, wall + 0.14), paints.trim)
         .and(cuboid(vec3(-0.32, 0.0, wall - 0.05), vec3(0.32, 0.55, wall + 0.2), paints.trim))
-        .and(cuboid(vec3(-0.32, SPRING - 0.34, wall - 0.05), vec3(0.32, SPRING - 0.1, wall + 0.2), paints.trim));
+        .and(cuboid(
+            vec3(-0.32, SPRING - 0.34, wall - 0.05),
+            vec3(0.32, SPRING - 0.1, wall + 0.2),
+            paints.trim,
+        ));
     let places = column_places(bays).chain([-half, half]);
     all.push_at(&pilaster, places.map(|x| vec3(x, 0.0, 0.0)));
     let door = door(paints);
@@ -223,13 +230,8 @@ fn corner_piers(paints: &Paints) -> Part {
 
 /// Groin vaults over the lower gallery, with arches between the bays.
 fn vaults(paints: &Paints) -> Part {
-    let vault = Vault {
-        half: vec2(0.5 * BAY, 0.5 * DEPTH),
-        spring: SPRING - 0.1,
-        rise: 1.45,
-        point: 1.0,
-        steps: 8,
-    };
+    let vault =
+        Vault { half: vec2(0.5 * BAY, 0.5 * DEPTH), spring: SPRING - 0.1, rise: 1.45, point: 1.0, steps: 8 };
     let corner = Vault { half: Vec2::splat(0.5 * DEPTH), ..vault };
     let top = UPPER - 0.44;
     let block = vault.block(top, paints.plaster);
@@ -245,7 +247,10 @@ fn vaults(paints: &Paints) -> Part {
     }
     let middle = HALF + 0.5 * DEPTH;
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    all.push_at(&corner.block(top, paints.plaster), corners.map(|[x, z]| vec3(x * middle.x, 0.0, z * middle.y)));
+    all.push_at(
+        &corner.block(top, paints.plaster),
+        corners.map(|[x, z]| vec3(x * middle.x, 0.0, z * middle.y)),
+    );
     all
 }
 
@@ -269,16 +274,41 @@ fn outer_walls(paints: &Paints) -> Part {
     let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
     let feet = cornice(inner.x, inner.y, &points(&plinth), paints.trim)
         .and(cornice(inner.x, inner.y, &points(&dado), paints.plaster).at(Vec3::Y * UPPER));
-    feet.and(ring(inner, inner + 0.5, [-0.1, UPPER - 0.2], paints.wall))
-        .and(ring(inner, inner + 0.5, [UPPER - 0.2, TOP + 0.2], paints.brick))
+    feet.and(ring(inner, inner + 0.5, [-0.1, UPPER - 0.2], paints.wall)).and(ring(
+        inner,
+        inner + 0.5,
+        [UPPER - 0.2, TOP + 0.2],
+        paints.brick,
+    ))
 }
 
 /// A well with a stone basin in the middle of the court.
 fn well(paints: &Paints) -> Part {
-    let basin = [[1.15, -0.05], [1.15, 0.14], [1.0, 0.2], [0.95, 0.28], [0.95, 0.6], [1.05, 0.66], [1.1, 0.78],
-        [0.86, 0.8], [0.84, 0.74], [0.84, 0.3], [0.0, 0.3]];
-    let bowl = [[0.3, 0.28], [0.3, 0.4], [0.16, 0.5], [0.13, 0.9], [0.2, 1.1], [0.45, 1.25], [0.62, 1.4],
-        [0.6, 1.44], [0.4, 1.34], [0.0, 1.3]];
+    let basin = [
+        [1.15, -0.05],
+        [1.15, 0.14],
+        [1.0, 0.2],
+        [0.95, 0.28],
+        [0.95, 0.6],
+        [1.05, 0.66],
+        [1.1, 0.78],
+        [0.86, 0.8],
+        [0.84, 0.74],
+        [0.84, 0.3],
+        [0.0, 0.3],
+    ];
+    let bowl = [
+        [0.3, 0.28],
+        [0.3, 0.4],
+        [0.16, 0.5],
+        [0.13, 0.9],
+        [0.2, 1.1],
+        [0.45, 1.25],
+        [0.62, 1.4],
+        [0.6, 1.44],
+        [0.4, 1.34],
+        [0.0, 1.3],
+    ];
     let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
     let surface = [[0.86, 0.31], [0.86, 0.62]];
     let step = block(vec3(2.9, 0.12, 2.9), paints.trim);

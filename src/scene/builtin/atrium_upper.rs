@@ -4,9 +4,7 @@
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use super::atrium::{
-    BAY, DEPTH, HALF, HALF_WALL, Paints, TOP, UPPER, bay_middles, column_places, ring,
-};
+use super::atrium::{BAY, DEPTH, HALF, HALF_WALL, Paints, TOP, UPPER, bay_middles, column_places, ring};
 use super::columns::{Column, along, baluster, pedestal};
 use super::part::Part;
 use super::paths::strip;
@@ -32,8 +30,7 @@ pub(super) fn column(paints: &Paints, segments: u32) -> Column {
 pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
     let mut all = Part::default();
     let half_bay = 0.5 * BAY;
-    let feet: Vec<Vec3> =
-        column_places(bays).chain(bay_middles(bays)).map(|x| vec3(x, UPPER, 0.0)).collect();
+    let feet: Vec<Vec3> = column_places(bays).chain(bay_middles(bays)).map(|x| vec3(x, UPPER, 0.0)).collect();
     all.push_at(column, feet.iter().map(|foot| *foot + Vec3::Y * PARAPET));
     all.push_at(&pedestal(0.24, PARAPET, paints.trim), feet);
     // Between two pedestals: balusters between a foot and a rail.
@@ -53,9 +50,8 @@ pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
         max: vec2(0.5 * half_bay, TOP - 0.02),
         depth: [-wall, wall],
     };
-    let profile: Vec<Vec2> = [[-0.015, -0.04], [0.15, -0.04], [0.15, 0.05], [-0.015, 0.03]]
-        .map(|p| vec2(p[0], p[1]))
-        .to_vec();
+    let profile: Vec<Vec2> =
+        [[-0.015, -0.04], [0.15, -0.04], [0.15, 0.05], [-0.015, 0.03]].map(|p| vec2(p[0], p[1])).to_vec();
     let half_of_bay = pierced(&panel, &opening, paints.wall)
         .and(opening.moulding(&profile, wall, paints.trim))
         .and(parapet.at(Vec3::Y * UPPER));

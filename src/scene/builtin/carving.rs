@@ -49,7 +49,8 @@ pub(super) fn carved_column(column: &Column, flutes: u32, [segments, rings]: [u3
         let t = (y - foot - 0.16 * r) / (rise - 0.2 * r);
         let lower = leaf_row(angle, t / 0.52, 8.0, 0.0);
         let upper = leaf_row(angle, (t - 0.25) / 0.62, 8.0, 0.5);
-        let volute = 0.2 * ramp(0.72, 0.86, t) * ramp(1.0, 0.93, t) * ramp(0.4, 0.95, (2.0 * angle).sin().abs());
+        let volute =
+            0.2 * ramp(0.72, 0.86, t) * ramp(1.0, 0.93, t) * ramp(0.4, 0.95, (2.0 * angle).sin().abs());
         1.0 + lower.max(upper).max(volute)
     };
     column

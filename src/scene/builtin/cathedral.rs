@@ -104,12 +104,11 @@ pub(super) fn points(list: &[[f32; 2]]) -> Vec<Vec2> {
 fn floor(paints: &Paints) -> Part {
     let end = HALF_LENGTH + 0.5;
     let split = NAVE + HALF_WALL;
-    let aisle = |from: f32, to: f32| {
-        cuboid(vec3(-end, -0.4, from), vec3(end, 0.0, to), paints.aisle)
-    };
+    let aisle = |from: f32, to: f32| cuboid(vec3(-end, -0.4, from), vec3(end, 0.0, to), paints.aisle);
     // The carpet's pattern runs across x before it is turned.
     let half = 1.55;
-    let carpet = super::shapes::bevelled(vec3(0.0, -0.01, -14.8), vec3(2.0 * half, 0.025, 15.9), 0.008, paints.carpet);
+    let carpet =
+        super::shapes::bevelled(vec3(0.0, -0.01, -14.8), vec3(2.0 * half, 0.025, 15.9), 0.008, paints.carpet);
     let mut carpet = carpet;
     for uv in carpet.pieces.iter_mut().flat_map(|piece| &mut piece.uvs) {
         uv.x *= 2.6 / (2.0 * half);
@@ -127,7 +126,11 @@ fn cluster(angle: f32) -> f32 {
         let step = std::f32::consts::FRAC_PI_2;
         let off = (angle - turn + 0.5 * step).rem_euclid(step) - 0.5 * step;
         let across = away * off.sin();
-        if across.abs() < radius { away * off.cos() + (radius * radius - across * across).sqrt() } else { 0.0 }
+        if across.abs() < radius {
+            away * off.cos() + (radius * radius - across * across).sqrt()
+        } else {
+            0.0
+        }
     };
     let diagonal = std::f32::consts::FRAC_PI_4;
     0.48f32.max(shaft(0.0, 0.46, 0.17)).max(shaft(diagonal, 0.44, 0.13))
@@ -152,7 +155,15 @@ fn arcade(paints: &Paints) -> Part {
     all.push_at(&shaft, bay_edges().map(|x| wall + vec3(x, 0.0, HALF_WALL)));
     let bay = arcade_bay(paints).and(blind_arches(paints)).and(windows::clerestory(paints, COURSES[1]));
     all.push_at(&bay, bay_middles().map(|x| wall + Vec3::X * x));
-    let course = points(&[[-0.1, -0.12], [0.04, -0.12], [0.1, -0.02], [0.13, 0.0], [0.13, 0.06], [0.0, 0.12], [-0.1, 0.12]]);
+    let course = points(&[
+        [-0.1, -0.12],
+        [0.04, -0.12],
+        [0.1, -0.02],
+        [0.13, 0.0],
+        [0.13, 0.06],
+        [0.0, 0.12],
+        [-0.1, 0.12],
+    ]);
     let straight = straight(-HALF_LENGTH, HALF_LENGTH, &course, paints.trim);
     all.push_at(&straight, COURSES.map(|y| wall + vec3(0.0, y, HALF_WALL)));
     all
@@ -165,7 +176,8 @@ fn arcade_bay(paints: &Paints) -> Part {
         max: vec2(0.5 * BAY, COURSES[0]),
         depth: [-HALF_WALL, HALF_WALL],
     };
-    let profile = points(&[[-0.16, -0.32], [0.3, -0.32], [0.3, 0.06], [0.17, 0.04], [0.0, -0.1], [-0.12, -0.14]]);
+    let profile =
+        points(&[[-0.16, -0.32], [0.3, -0.32], [0.3, 0.06], [0.17, 0.04], [0.0, -0.1], [-0.12, -0.14]]);
     let back = points(&[[-0.16, -0.06], [0.3, -0.06], [0.3, 0.34], [-0.16, 0.34]]);
     pierced(&panel, &opening, paints.wall)
         .and(opening.moulding(&profile, HALF_WALL, paints.trim))
@@ -192,7 +204,12 @@ fn wall_shaft(paints: &Paints) -> Part {
     let head = SPRING;
     let mut profile = points(&[[0.19, PIER + 0.02], [0.19, PIER + 0.12]]);
     profile.push(vec2(0.21, PIER + 0.16));
-    profile.extend(points(&[[0.13, PIER + 0.22], [0.13, head - 0.5], [0.17, head - 0.46], [0.14, head - 0.4]]));
+    profile.extend(points(&[
+        [0.13, PIER + 0.22],
+        [0.13, head - 0.5],
+        [0.17, head - 0.46],
+        [0.14, head - 0.4],
+    ]));
     profile.extend(points(&[[0.16, head - 0.25], [0.27, head - 0.09], [0.27, head + 0.03]]));
     lathe(&profile, 10, paints.trim)
 }
@@ -230,14 +247,22 @@ fn aisle(paints: &Paints) -> Part {
     let broad = vault.cross_rib(&strip(vec2(-0.2, -0.16), vec2(0.2, 0.1)), 14, paints.trim);
     all.push_at(&broad, bay_edges().map(|x| middle + Vec3::X * x));
     let opening = Opening { middle: 0.0, half: 0.7, sill: 2.2, spring: 4.4, rise: 1.35, steps: 14 };
-    let panel = Panel {
-        min: vec2(-0.5 * BAY, -0.1),
-        max: vec2(0.5 * BAY, AISLE_TOP),
-        depth: [-0.6, 0.0],
-    };
+    let panel = Panel { min: vec2(-0.5 * BAY, -0.1), max: vec2(0.5 * BAY, AISLE_TOP), depth: [-0.6, 0.0] };
     let window = lancet(paints, &panel, &opening);
     let respond = lathe(
-        &points(&[[0.42, -0.02], [0.42, 0.3], [0.34, 0.36], [0.3, 0.42], [0.24, 0.5], [0.24, 4.0], [0.28, 4.04], [0.25, 4.1], [0.36, 4.36], [0.4, 4.4], [0.4, 4.64]]),
+        &points(&[
+            [0.42, -0.02],
+            [0.42, 0.3],
+            [0.34, 0.36],
+            [0.3, 0.42],
+            [0.24, 0.5],
+            [0.24, 4.0],
+            [0.28, 4.04],
+            [0.25, 4.1],
+            [0.36, 4.36],
+            [0.4, 4.4],
+            [0.4, 4.64],
+        ]),
         10,
         paints.trim,
     );

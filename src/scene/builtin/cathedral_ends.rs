@@ -27,7 +27,11 @@ pub(super) fn west(paints: &Paints) -> Part {
     let order = points(&[[-0.02, -0.1], [0.2, -0.1], [0.2, 0.1], [0.12, 0.16], [0.04, 0.1], [-0.02, 0.1]]);
     let mut wall = pierced(&lower, &door, paints.wall)
         .and(door.moulding(&order, 0.0, paints.trim))
-        .and(door.moulding(&order.iter().map(|p| vec2(p.x - 0.17, p.y - 0.23)).collect::<Vec<_>>(), 0.0, paints.trim))
+        .and(door.moulding(
+            &order.iter().map(|p| vec2(p.x - 0.17, p.y - 0.23)).collect::<Vec<_>>(),
+            0.0,
+            paints.trim,
+        ))
         .and(rose(paints, &upper, vec2(0.0, 10.1), 2.1));
     wall.push(door.filling(0.05, [-0.62, -0.5], paints.door));
     for side in [-1.0f32, 1.0] {
@@ -60,7 +64,15 @@ pub(super) fn east(paints: &Paints) -> Part {
     let depth = [-THICK, 0.0];
     let panel = Panel { min: vec2(-NAVE, -0.1), max: vec2(NAVE, TOP), depth };
     let opening = Opening { middle: 0.0, half: 3.5, sill: -0.1, spring: 7.6, rise: 4.9, steps: 28 };
-    let order = points(&[[-0.2, -0.3], [0.25, -0.3], [0.25, 0.06], [0.15, 0.12], [0.05, 0.06], [-0.08, 0.0], [-0.2, -0.14]]);
+    let order = points(&[
+        [-0.2, -0.3],
+        [0.25, -0.3],
+        [0.25, 0.06],
+        [0.15, 0.12],
+        [0.05, 0.06],
+        [-0.08, 0.0],
+        [-0.2, -0.14],
+    ]);
     let wall = pierced(&panel, &opening, paints.wall)
         .and(opening.moulding(&order, 0.0, paints.trim))
         .and(aisle_ends(paints, depth));
@@ -81,11 +93,8 @@ fn apse_middle() -> Vec3 {
 fn apse(paints: &Paints) -> Part {
     let mut all = Part::default();
     let side = apse_corner(0).distance(apse_corner(1));
-    let panel = Panel {
-        min: vec2(-0.5 * side, -0.2),
-        max: vec2(0.5 * side, SPRING + 0.1),
-        depth: [-0.5, 0.0],
-    };
+    let panel =
+        Panel { min: vec2(-0.5 * side, -0.2), max: vec2(0.5 * side, SPRING + 0.1), depth: [-0.5, 0.0] };
     let opening = Opening { middle: 0.0, half: 0.62, sill: 3.0, spring: 7.2, rise: 1.2, steps: 14 };
     let wall = lancet(paints, &panel, &opening);
     for i in 0..SIDES {
@@ -94,7 +103,17 @@ fn apse(paints: &Paints) -> Part {
         all.push(wall.turned(facing.to_degrees() - 90.0, vec3(middle.x, 0.0, middle.y)));
     }
     let shaft = lathe(
-        &points(&[[0.26, -0.02], [0.26, CHOIR + 0.3], [0.2, CHOIR + 0.38], [0.15, CHOIR + 0.44], [0.15, SPRING - 0.5], [0.19, SPRING - 0.46], [0.16, SPRING - 0.4], [0.27, SPRING - 0.1], [0.29, SPRING + 0.03]]),
+        &points(&[
+            [0.26, -0.02],
+            [0.26, CHOIR + 0.3],
+            [0.2, CHOIR + 0.38],
+            [0.15, CHOIR + 0.44],
+            [0.15, SPRING - 0.5],
+            [0.19, SPRING - 0.46],
+            [0.16, SPRING - 0.4],
+            [0.27, SPRING - 0.1],
+            [0.29, SPRING + 0.03],
+        ]),
         14,
         paints.trim,
     );
@@ -111,7 +130,8 @@ fn meridian(share: f32) -> Vec2 {
 
 fn half_dome(paints: &Paints) -> Part {
     const STEPS: u32 = 12;
-    let inner = (0..=STEPS).map(|i| if i == STEPS { vec2(0.0, SPRING + RISE) } else { meridian(i as f32 / STEPS as f32) });
+    let inner = (0..=STEPS)
+        .map(|i| if i == STEPS { vec2(0.0, SPRING + RISE) } else { meridian(i as f32 / STEPS as f32) });
     let mut profile = vec![vec2(NAVE + 0.5, SPRING), vec2(NAVE + 0.5, TOP + 0.1), vec2(0.0, TOP + 0.1)];
     let mut inside: Vec<Vec2> = inner.collect();
     inside.reverse();
@@ -123,7 +143,8 @@ fn half_dome(paints: &Paints) -> Part {
     };
     let slices: Vec<Frame> = (0..=SIDES).map(slice).collect();
     let mut all = sweep(&profile, &slices, Ends::Capped, paints.vault);
-    let rib = points(&[[0.12, -0.08], [0.12, 0.06], [0.05, 0.2], [-0.05, 0.2], [-0.12, 0.06], [-0.12, -0.08]]);
+    let rib =
+        points(&[[0.12, -0.08], [0.12, 0.06], [0.05, 0.2], [-0.05, 0.2], [-0.12, 0.06], [-0.12, -0.08]]);
     for frame in &slices[1..SIDES as usize] {
         let sideways = Vec3::Y.cross(frame.right);
         let foot = |i: u32| {
@@ -160,7 +181,18 @@ fn choir(paints: &Paints) -> Part {
         .and(bevelled(vec3(-0.63, 0.6, -0.7), vec3(0.63, 1.06, 0.7), 0.005, paints.linen));
     all.push(body.at(altar));
     let candlestick = lathe(
-        &points(&[[0.12, -0.01], [0.12, 0.03], [0.03, 0.09], [0.045, 0.16], [0.02, 0.22], [0.02, 0.4], [0.05, 0.44], [0.05, 0.46], [0.018, 0.46], [0.018, 0.72]]),
+        &points(&[
+            [0.12, -0.01],
+            [0.12, 0.03],
+            [0.03, 0.09],
+            [0.045, 0.16],
+            [0.02, 0.22],
+            [0.02, 0.4],
+            [0.05, 0.44],
+            [0.05, 0.46],
+            [0.018, 0.46],
+            [0.018, 0.72],
+        ]),
         14,
         paints.gold,
     );

@@ -37,11 +37,8 @@ fn tracery(line: &[Vec2], closed: bool, material: u32) -> Part {
 /// A bay of the wall above the string course at `from`: two lights and a circle under one pointed arch.
 pub(super) fn clerestory(paints: &Paints, from: f32) -> Part {
     let opening = Opening { middle: 0.0, half: 1.05, sill: from + 0.5, spring: 12.0, rise: 1.4, steps: 14 };
-    let panel = Panel {
-        min: vec2(-0.5 * BAY, from),
-        max: vec2(0.5 * BAY, TOP),
-        depth: [-HALF_WALL, HALF_WALL],
-    };
+    let panel =
+        Panel { min: vec2(-0.5 * BAY, from), max: vec2(0.5 * BAY, TOP), depth: [-HALF_WALL, HALF_WALL] };
     let mut window = lancet(paints, &panel, &opening);
     let plane = Vec3::Z * 0.1;
     for side in [-1.0f32, 1.0] {
@@ -64,7 +61,8 @@ pub(super) fn rose(paints: &Paints, panel: &Panel, middle: Vec2, radius: f32) ->
     let [back, front] = panel.depth;
     let plane = middle.extend(0.5 * (back + front));
     let mut all = pierced_by_circle(panel, middle, radius, 48, paints.wall);
-    let rim = points(&[[-0.25, -0.06], [0.02, -0.06], [0.02, 0.02], [-0.08, 0.08], [-0.18, 0.04], [-0.25, 0.06]]);
+    let rim =
+        points(&[[-0.25, -0.06], [0.02, -0.06], [0.02, 0.02], [-0.08, 0.08], [-0.18, 0.04], [-0.25, 0.06]]);
     let edge = way(&circle(Vec2::ZERO, radius, 48), true);
     all.push(sweep(&rim, &edge, Ends::Joined, paints.trim).at(middle.extend(front)));
     all.push(prism(&circle(Vec2::ZERO, radius + 0.05, 48), -0.02, 0.02, paints.glass).at(plane));

@@ -91,7 +91,11 @@ pub(super) fn sheet(mesh: &Mesh) -> Result<(), String> {
         }
     }
     let bad = edges.values().filter(|n| **n != 1).count();
-    if bad > 0 { Err(format!("{bad} edges have more than two triangles, or two that disagree")) } else { Ok(()) }
+    if bad > 0 {
+        Err(format!("{bad} edges have more than two triangles, or two that disagree"))
+    } else {
+        Ok(())
+    }
 }
 
 /// Whether all triangles have an area and all vertices unit normals on the triangle's own side.
@@ -109,7 +113,10 @@ pub(super) fn surface(mesh: &Mesh) -> Result<(), String> {
                 return Err(format!("triangle {i} at {a}: normal {normal}, {cos} to the triangle's"));
             }
             if !mesh.uvs[vertex as usize].is_finite() {
-                return Err(format!("triangle {i} at {a}: texture coordinates {}", mesh.uvs[vertex as usize]));
+                return Err(format!(
+                    "triangle {i} at {a}: texture coordinates {}",
+                    mesh.uvs[vertex as usize]
+                ));
             }
         }
     }
@@ -137,8 +144,7 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
             faces.push(face);
         }
     }
-    let solids: Vec<Solid> =
-        pieces.iter().filter(|piece| solid(piece).is_ok()).map(Solid::of).collect();
+    let solids: Vec<Solid> = pieces.iter().filter(|piece| solid(piece).is_ok()).map(Solid::of).collect();
     let (mut found, mut named) = (Vec::new(), HashSet::new());
     for (first, face) in faces.iter().enumerate() {
         for there in nearby(face) {
@@ -173,7 +179,9 @@ fn nearby(face: &Face) -> Vec<[i64; 4]> {
     for (axis, value) in plane(face).into_iter().enumerate() {
         let inexact = if axis == 3 { 0.8 } else { 0.25 };
         let (from, to) = ((value - inexact).round() as i64, (value + inexact).round() as i64);
-        let at = |cell: i64| cells.iter().map(move |before| std::array::from_fn(|i| if i == axis { cell } else { before[i] }));
+        let at = |cell: i64| {
+            cells.iter().map(move |before| std::array::from_fn(|i| if i == axis { cell } else { before[i] }))
+        };
         cells = (from..=to).flat_map(at).collect();
     }
     cells

@@ -56,7 +56,9 @@ impl Column {
         bell.extend([[0.9, 0.8], [1.08, 1.35], [1.36, 1.68]].map(|p| vec2(p[0] * r, foot + p[1] * r)));
         bell.push(vec2(1.38 * r, head - 0.06 * r));
         bell.push(vec2(1.2 * r, head + 0.01));
-        self.shaft(self.segments, |_, _| 1.0).and(lathe(&bell, self.segments, self.materials[1])).and(self.abacus())
+        self.shaft(self.segments, |_, _| 1.0)
+            .and(lathe(&bell, self.segments, self.materials[1]))
+            .and(self.abacus())
     }
 
     /// Plate, base and shaft up to the capital; `shape` multiplies the radius of the shaft, which has
@@ -100,13 +102,7 @@ pub(super) fn pedestal(half: f32, height: f32, material: u32) -> Part {
 
 /// A baluster of `height` and largest `radius`.
 pub(super) fn baluster(height: f32, radius: f32, segments: u32, material: u32) -> Part {
-    let profile = [
-        [0.85, -0.02],
-        [0.7, 0.09],
-        [1.0, 0.3],
-        [0.42, 0.7],
-        [0.75, 1.02],
-    ];
+    let profile = [[0.85, -0.02], [0.7, 0.09], [1.0, 0.3], [0.42, 0.7], [0.75, 1.02]];
     lathe(&profile.map(|[r, y]| vec2(r * radius, y * height)), segments, material)
 }
 

@@ -94,7 +94,7 @@ fn curtains(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
 /// Banners over the parapet, above every other column.
 fn banners(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
     let mut all = Part::default();
-    for (i, x) in column_places(bays).enumerate().filter(|(i, _)| (i + side as usize) % 2 == 0) {
+    for (i, x) in column_places(bays).enumerate().filter(|(i, _)| (i + side as usize).is_multiple_of(2)) {
         let out = HALF_WALL + 0.42;
         let top = UPPER - 0.02;
         let reach = vec3(0.5, 0.0, 0.0);
@@ -142,7 +142,8 @@ fn pots(paints: &Paints, finery: &Finery) -> Part {
         let place = vec3(x * (HALF.x - 1.35), 0.0, z * (HALF.y - 1.35));
         all.push(tub.at(place));
         all.push(soil(0.4, finery.soil).at(place + Vec3::Y * 0.52));
-        let tuft = Tuft { leaves: 150, length: 1.7, width: 0.16, seed: 420 + i as u32, material: finery.leaf };
+        let tuft =
+            Tuft { leaves: 150, length: 1.7, width: 0.16, seed: 420 + i as u32, material: finery.leaf };
         all.push(tuft.part().at(place + Vec3::Y * 0.55));
     }
     all

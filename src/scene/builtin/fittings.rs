@@ -20,8 +20,16 @@ pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
     let half = 0.5 * size.x - 0.02;
     // The cross section of a slat, bent a little; x is across, y up.
     let slat = points(&[
-        [-0.025, -0.004], [-0.012, 0.0005], [0.0, 0.002], [0.012, 0.0005], [0.025, -0.004],
-        [0.025, -0.003], [0.012, 0.0015], [0.0, 0.003], [-0.012, 0.0015], [-0.025, -0.003],
+        [-0.025, -0.004],
+        [-0.012, 0.0005],
+        [0.0, 0.002],
+        [0.012, 0.0005],
+        [0.025, -0.004],
+        [0.025, -0.003],
+        [0.012, 0.0015],
+        [0.0, 0.003],
+        [-0.012, 0.0015],
+        [-0.025, -0.003],
     ]);
     // The profile of a prism runs along z; here along x, tilted.
     let lay = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2);
@@ -31,7 +39,12 @@ pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
     let mut all = Part::default();
     all.push_at(&slat, along(vec3(0.0, -0.08, 0.0), vec3(0.0, 0.06 - size.y, 0.0), count));
     all.push(bevelled(vec3(-half, -0.05, -0.025), vec3(half, 0.0, 0.025), 0.004, paints.blind));
-    all.push(bevelled(vec3(-half, 0.01 - size.y, -0.02), vec3(half, 0.03 - size.y, 0.02), 0.004, paints.blind));
+    all.push(bevelled(
+        vec3(-half, 0.01 - size.y, -0.02),
+        vec3(half, 0.03 - size.y, 0.02),
+        0.004,
+        paints.blind,
+    ));
     for x in [-0.7 * half, 0.0, 0.7 * half] {
         for z in [-0.027, 0.027] {
             all.push(bar(vec3(x, -0.02, z), vec3(x, 0.02 - size.y, z), 0.0015, 5, paints.blind));
@@ -60,7 +73,11 @@ pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]
     }
     for j in 1..count.y {
         let z = PANEL * j as f32 - half.y;
-        all.push(cuboid(vec3(-half.x, y + 0.002, z - 0.012), vec3(half.x, y + 0.028, z + 0.012), paints.steel));
+        all.push(cuboid(
+            vec3(-half.x, y + 0.002, z - 0.012),
+            vec3(half.x, y + 0.028, z + 0.012),
+            paints.steel,
+        ));
     }
     all
 }
@@ -68,8 +85,14 @@ pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]
 /// A ceiling light with louvres in place of one panel, which is off.
 pub(super) fn louvred_lamp(paints: &Paints) -> Part {
     let mut all = cuboid(vec3(-0.285, 0.06, -0.285), vec3(0.285, 0.1, 0.285), paints.panel);
-    all.push(frame(Vec2::splat(0.288), &points(&[[0.0, -0.01], [0.012, -0.01], [0.012, 0.09], [0.0, 0.09]]), paints.steel)
-        .placed(&Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)));
+    all.push(
+        frame(
+            Vec2::splat(0.288),
+            &points(&[[0.0, -0.01], [0.012, -0.01], [0.012, 0.09], [0.0, 0.09]]),
+            paints.steel,
+        )
+        .placed(&Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2)),
+    );
     let blade = bevelled(vec3(-0.278, 0.0, -0.002), vec3(0.278, 0.05, 0.002), 0.0008, paints.steel);
     all.push_at(&blade, along(vec3(0.0, -0.004, -0.24), vec3(0.0, -0.004, 0.24), 9));
     for x in [-0.14, 0.0, 0.14] {
@@ -95,7 +118,8 @@ pub(super) fn door(paints: &Paints) -> Part {
     all.push(cuboid(vec3(-0.465, 0.006, -0.02), vec3(0.465, 2.125, 0.028), paints.door));
     let plate = bevelled(vec3(-0.02, -0.11, 0.0), vec3(0.02, 0.11, 0.026), 0.003, paints.steel);
     all.push(plate.at(vec3(0.38, 1.05, 0.0)));
-    let handle = [vec3(0.38, 1.08, 0.02), vec3(0.38, 1.08, 0.06), vec3(0.372, 1.08, 0.07), vec3(0.25, 1.08, 0.07)];
+    let handle =
+        [vec3(0.38, 1.08, 0.02), vec3(0.38, 1.08, 0.06), vec3(0.372, 1.08, 0.07), vec3(0.25, 1.08, 0.07)];
     all.push(rod(&handle, 0.009, 12, paints.steel));
     all
 }
@@ -103,7 +127,15 @@ pub(super) fn door(paints: &Paints) -> Part {
 /// A picture of `size` in a frame, on the wall z = 0; its texture covers one metre.
 pub(super) fn picture(paints: &Paints, size: Vec2, canvas: u32) -> Part {
     let half = 0.5 * size;
-    let profile = points(&[[-0.05, 0.0], [0.012, 0.0], [0.012, 0.018], [0.0, 0.024], [-0.012, 0.034], [-0.04, 0.04], [-0.05, 0.03]]);
+    let profile = points(&[
+        [-0.05, 0.0],
+        [0.012, 0.0],
+        [0.012, 0.018],
+        [0.0, 0.024],
+        [-0.012, 0.034],
+        [-0.04, 0.04],
+        [-0.05, 0.03],
+    ]);
     let mut image = cuboid(vec3(-half.x, -half.y, 0.0), half.extend(0.015), canvas);
     for uv in image.pieces.iter_mut().flat_map(|piece| &mut piece.uvs) {
         *uv = *uv / size + 0.5;

@@ -60,13 +60,30 @@ pub(super) fn place_setting(paints: &Paints, seat: u32) -> Part {
 
 /// A tumbler of thick, milky glass: a solid with a hollow.
 fn glass(paints: &Paints) -> Part {
-    let profile = [[0.026, 0.0], [0.028, 0.003], [0.034, 0.1], [0.033, 0.102], [0.032, 0.1], [0.027, 0.012], [0.0, 0.01]];
+    let profile = [
+        [0.026, 0.0],
+        [0.028, 0.003],
+        [0.034, 0.1],
+        [0.033, 0.102],
+        [0.032, 0.1],
+        [0.027, 0.012],
+        [0.0, 0.01],
+    ];
     lathe(&profile.map(|[r, y]| vec2(r, y)), 28, paints.glass)
 }
 
 fn cup(paints: &Paints) -> Part {
     let saucer = [[0.03, 0.0], [0.03, 0.004], [0.07, 0.014], [0.068, 0.018], [0.03, 0.008], [0.0, 0.008]];
-    let body = [[0.022, 0.006], [0.024, 0.012], [0.038, 0.04], [0.041, 0.07], [0.038, 0.07], [0.034, 0.04], [0.018, 0.016], [0.0, 0.014]];
+    let body = [
+        [0.022, 0.006],
+        [0.024, 0.012],
+        [0.038, 0.04],
+        [0.041, 0.07],
+        [0.038, 0.07],
+        [0.034, 0.04],
+        [0.018, 0.016],
+        [0.0, 0.014],
+    ];
     let handle = [[0.036, 0.058], [0.056, 0.056], [0.062, 0.044], [0.054, 0.03], [0.034, 0.03]];
     lathe(&saucer.map(|[r, y]| vec2(r, y)), 32, paints.china)
         .and(lathe(&body.map(|[r, y]| vec2(r, y)), 32, paints.china))
@@ -84,8 +101,11 @@ fn laptop(paints: &Paints) -> Part {
     }
     all.push(cuboid(vec3(-0.045, 0.016, -0.095), vec3(0.045, 0.0185, -0.04), paints.plastic));
     let hinge = Affine3A::from_translation(vec3(0.0, 0.016, 0.11)) * Affine3A::from_rotation_x(0.3);
-    let lid = bevelled(vec3(-0.16, 0.0, -0.004), vec3(0.16, 0.22, 0.004), 0.002, paints.steel)
-        .and(cuboid(vec3(-0.148, 0.012, -0.0055), vec3(0.148, 0.21, -0.002), paints.screen));
+    let lid = bevelled(vec3(-0.16, 0.0, -0.004), vec3(0.16, 0.22, 0.004), 0.002, paints.steel).and(cuboid(
+        vec3(-0.148, 0.012, -0.0055),
+        vec3(0.148, 0.21, -0.002),
+        paints.screen,
+    ));
     all.push(lid.placed(&hinge));
     all
 }
@@ -107,7 +127,18 @@ pub(super) fn sideboard(paints: &Paints) -> Part {
     all.push(tuft.part().at(vec3(-1.1, top + 0.36, 0.22)));
     all.push_at(&cup(paints), along(vec3(0.2, top, 0.15), vec3(0.9, top, 0.15), 5));
     all.push_at(&glass(paints), along(vec3(0.25, top, 0.32), vec3(0.85, top, 0.32), 6));
-    let jug = [[0.05, 0.0], [0.07, 0.02], [0.08, 0.1], [0.05, 0.2], [0.055, 0.24], [0.05, 0.24], [0.045, 0.2], [0.07, 0.1], [0.06, 0.03], [0.0, 0.025]];
+    let jug = [
+        [0.05, 0.0],
+        [0.07, 0.02],
+        [0.08, 0.1],
+        [0.05, 0.2],
+        [0.055, 0.24],
+        [0.05, 0.24],
+        [0.045, 0.2],
+        [0.07, 0.1],
+        [0.06, 0.03],
+        [0.0, 0.025],
+    ];
     all.push(lathe(&jug.map(|[r, y]| vec2(r, y)), 36, paints.steel).at(vec3(1.2, top, 0.22)));
     all
 }
@@ -120,7 +151,8 @@ pub(super) fn bookcase(paints: &Paints) -> Part {
         let x = side * (half - 0.015);
         all.push(cuboid(vec3(x - 0.016, 0.0, 0.01), vec3(x + 0.016, height + 0.004, depth), paints.veneer));
     }
-    let shelf = cuboid(vec3(-half + 0.01, -0.025, 0.01), vec3(half - 0.01, 0.0, depth - 0.005), paints.veneer);
+    let shelf =
+        cuboid(vec3(-half + 0.01, -0.025, 0.01), vec3(half - 0.01, 0.0, depth - 0.005), paints.veneer);
     all.push_at(&shelf, (0..7).map(|i| Vec3::Y * (0.085 + 0.335 * i as f32)));
     for level in 0..6u32 {
         let mut x = -half + 0.04;

@@ -102,9 +102,18 @@ pub(super) fn model(palette: &mut Palette) -> Part {
 fn shell(paints: &Paints) -> Part {
     let (x, z, top) = (HALF.x, HALF.y, CEILING + 0.35);
     let out = HALF + WALL;
-    let mut all = cuboid(vec3(-out.x - 0.05, -0.3, -out.y - 0.05), vec3(out.x + 0.05, 0.0, out.y + 0.05), paints.carpet);
-    all.push(cuboid(vec3(-out.x - 0.05, top, -out.y - 0.05), vec3(out.x + 0.05, top + 0.2, out.y + 0.05), paints.panel));
-    let wall = |min: [f32; 3], max: [f32; 3]| cuboid(Vec3::from_array(min), Vec3::from_array(max), paints.wall);
+    let mut all = cuboid(
+        vec3(-out.x - 0.05, -0.3, -out.y - 0.05),
+        vec3(out.x + 0.05, 0.0, out.y + 0.05),
+        paints.carpet,
+    );
+    all.push(cuboid(
+        vec3(-out.x - 0.05, top, -out.y - 0.05),
+        vec3(out.x + 0.05, top + 0.2, out.y + 0.05),
+        paints.panel,
+    ));
+    let wall =
+        |min: [f32; 3], max: [f32; 3]| cuboid(Vec3::from_array(min), Vec3::from_array(max), paints.wall);
     all.push(wall([-out.x, -0.1, z], [out.x, top + 0.1, out.y]));
     all.push(wall([-out.x, -0.1, -out.y], [-x, top + 0.1, z]));
     all.push(wall([x, -0.1, -out.y], [out.x, top + 0.1, z]));
@@ -133,9 +142,16 @@ fn windows(paints: &Paints) -> Part {
     let middle = Vec3::Y * (0.5 * (low + high));
     let mut window = super::walls::frame(0.5 * size, &profile, paints.steel).at(middle);
     window.push(cuboid(vec3(-0.03, low, -0.03), vec3(0.03, high, 0.03), paints.steel));
-    window.push(cuboid(vec3(-half - 0.02, low - 0.02, -0.006), vec3(half + 0.02, high + 0.02, 0.006), paints.night));
+    window.push(cuboid(
+        vec3(-half - 0.02, low - 0.02, -0.006),
+        vec3(half + 0.02, high + 0.02, 0.006),
+        paints.night,
+    ));
     let sill = [[-0.06, -0.035], [0.13, -0.035], [0.14, -0.02], [0.14, -0.01], [0.13, 0.005], [-0.06, 0.005]];
-    window.push(straight(-half - 0.06, half + 0.06, &sill.map(|p| vec2(p[0], p[1])), paints.veneer).at(vec3(0.0, low, 0.14)));
+    window.push(
+        straight(-half - 0.06, half + 0.06, &sill.map(|p| vec2(p[0], p[1])), paints.veneer)
+            .at(vec3(0.0, low, 0.14)),
+    );
     window.push(blind(paints, size - vec2(0.04, 0.02)).at(vec3(0.0, high - 0.01, 0.1)));
     let mut all = Part::default();
     all.push_at(&window, WINDOWS.map(|x| vec3(x, 0.0, -HALF.y - 0.14)));
@@ -199,8 +215,14 @@ fn along_the_walls(paints: &Paints) -> Part {
         all.push(fittings::picture(paints, vec2(1.0, 0.9), canvas).turned(180.0, vec3(place, 1.75, z)));
     }
     let visitor = visitor_chair(paints);
-    all.push_at(&visitor.turned(180.0, Vec3::ZERO), [-3.6, -2.9, 2.6, 3.3, 4.0].map(|place| vec3(place, 0.0, z - 0.42)));
-    all.push_at(&visitor.turned(-90.0, Vec3::ZERO), [-1.0, -0.3, 0.4, 1.1].map(|place| vec3(x - 0.42, 0.0, place)));
+    all.push_at(
+        &visitor.turned(180.0, Vec3::ZERO),
+        [-3.6, -2.9, 2.6, 3.3, 4.0].map(|place| vec3(place, 0.0, z - 0.42)),
+    );
+    all.push_at(
+        &visitor.turned(-90.0, Vec3::ZERO),
+        [-1.0, -0.3, 0.4, 1.1].map(|place| vec3(x - 0.42, 0.0, place)),
+    );
     for (place, turn) in [(vec2(-5.4, 3.55), 0.0), (vec2(5.45, -3.65), 140.0), (vec2(5.4, 3.6), 250.0)] {
         all.push(potted_plant(paints).turned(turn, vec3(place.x, 0.0, place.y)));
     }

@@ -67,7 +67,8 @@ pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
     ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
 
 /// Names of the models that scene files may ask for as `builtin`.
-pub(super) const MODELS: [&str; 6] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
+pub(super) const MODELS: [&str; 6] =
+    ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -105,12 +106,9 @@ pub(super) fn model(name: &str) -> Option<Model> {
     }
     let mut palette = Palette::default();
     let part = assemble(name, &mut palette)?;
-    let (paints, mesh) = rayon::join(
-        || palette.finish(),
-        || part,
-    );
+    let paints = palette.finish();
     Some(Model {
-        mesh: mesh.into_mesh(name, &paints.tiles),
+        mesh: part.into_mesh(name, &paints.tiles),
         materials: paints.materials,
         textures: paints.textures,
         alpha_masks: paints.alpha_masks,

@@ -4,7 +4,8 @@ use glam::{Vec2, vec2};
 
 /// A number in [0, 1) for each triple of whole numbers (PCG output of a mixed state).
 pub(super) fn chance(x: u32, y: u32, seed: u32) -> f32 {
-    let mut state = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed.wrapping_mul(0xc2b2_ae3d);
+    let mut state =
+        x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed.wrapping_mul(0xc2b2_ae3d);
     state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     ((word >> 22) ^ word) as f32 / 4_294_967_296.0 * 0.999_999

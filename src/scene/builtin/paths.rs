@@ -16,7 +16,11 @@ pub(super) fn arch(half_span: f32, rise: f32, steps: u32) -> Vec<Vec2> {
         let share = i as f32 / half as f32;
         if rise <= half_span {
             let angle = 0.5 * PI * share;
-            return if i == half { vec2(0.0, rise) } else { vec2(half_span * angle.cos(), rise * angle.sin()) };
+            return if i == half {
+                vec2(0.0, rise)
+            } else {
+                vec2(half_span * angle.cos(), rise * angle.sin())
+            };
         }
         // Each side is an arc about a point on the line of the feet, beyond the middle.
         let radius = (half_span * half_span + rise * rise) / (2.0 * half_span);

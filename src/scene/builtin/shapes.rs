@@ -83,11 +83,6 @@ pub(super) fn prism(outline: &[Vec2], from: f32, to: f32, material: u32) -> Part
     if outline.len() == 4 { boxed(&part) } else { part }
 }
 
-/// The same outline in x and -z, between y = `from` and y = `to`, seen counter-clockwise from above.
-pub(super) fn slab(outline: &[Vec2], from: f32, to: f32, material: u32) -> Part {
-    prism(outline, from, to, material).placed(&lying())
-}
-
 /// Takes x, y, z to x, -z, y: what stood in front of the wall now lies on the floor.
 pub(super) fn lying() -> glam::Affine3A {
     glam::Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y))
@@ -163,9 +158,8 @@ pub(super) fn loft_open(rings: &[Vec<Vec3>], material: u32) -> Part {
 
 /// A flat face with vertices of its own.
 pub(super) fn push_lid(mesh: &mut Mesh, corners: &[Vec3], material: u32) {
-    let area: Vec3 = (1..corners.len() - 1)
-        .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
-        .sum();
+    let area: Vec3 =
+        (1..corners.len() - 1).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0])).sum();
     let first = mesh.positions.len() as u32;
     for corner in corners {
         push_vertex(mesh, *corner, face_uv(*corner, area));
@@ -232,12 +226,8 @@ pub(super) fn sheet(
     let at = |column: u32, row: u32| row * (columns + 1) + column;
     for row in 0..rows {
         for column in 0..columns {
-            let corners = [
-                at(column, row + 1),
-                at(column + 1, row + 1),
-                at(column + 1, row),
-                at(column, row),
-            ];
+            let corners =
+                [at(column, row + 1), at(column + 1, row + 1), at(column + 1, row), at(column, row)];
             push_quad(&mut mesh, corners, material);
         }
     }

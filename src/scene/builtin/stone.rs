@@ -50,7 +50,10 @@ fn bond(place: Vec2, [blocks, courses]: [u32; 2], size: f32) -> Bond {
     let cell = vec2(x.floor(), course);
     let inside = vec2(x - cell.x, place.y * courses as f32 - cell.y);
     let from_edge = (0.5 - (inside - 0.5).abs()) * vec2(size / blocks as f32, size / courses as f32);
-    Bond { block: UVec2::new(cell.x as u32 % blocks, cell.y as u32 % courses), joint: from_edge.min_element() }
+    Bond {
+        block: UVec2::new(cell.x as u32 % blocks, cell.y as u32 % courses),
+        joint: from_edge.min_element(),
+    }
 }
 
 fn opaque(colour: Vec3) -> Vec4 {
@@ -123,9 +126,10 @@ fn marble_floor(place: Vec2) -> Vec4 {
     let cell = (place * 4.0).floor();
     let inside = place * 4.0 - cell;
     let side = 0.75 * (0.5 - (inside.x - 0.5).abs());
-    let white = (cell.x + cell.y) as u32 % 2 == 0;
+    let white = ((cell.x + cell.y) as u32).is_multiple_of(2);
     // Each slab is cut from another part of the quarry.
-    let slab = place + vec2(chance(cell.x as u32, cell.y as u32, 81), chance(cell.y as u32, cell.x as u32, 83));
+    let slab =
+        place + vec2(chance(cell.x as u32, cell.y as u32, 81), chance(cell.y as u32, cell.x as u32, 83));
     let colour = if white {
         white_marble(slab).truncate()
     } else {
@@ -163,7 +167,8 @@ fn stained_glass(place: Vec2) -> Vec4 {
             second = second.min(distance);
         }
     }
-    let colours = [[0.62, 0.05, 0.05], [0.05, 0.12, 0.6], [0.75, 0.5, 0.08], [0.06, 0.4, 0.12], [0.6, 0.62, 0.6]];
+    let colours =
+        [[0.62, 0.05, 0.05], [0.05, 0.12, 0.6], [0.75, 0.5, 0.08], [0.06, 0.4, 0.12], [0.6, 0.62, 0.6]];
     let colour = Vec3::from_array(colours[(owner * 5.0) as usize % 5]);
     let lead = Vec3::splat(0.03);
     opaque(lead.lerp(colour * (0.7 + 0.6 * fractal(place, 16, 2, 145)), ramp(0.03, 0.09, second - nearest)))

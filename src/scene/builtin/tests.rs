@@ -20,7 +20,11 @@ fn solids_are_closed_and_sheets_are_sheets() {
             let material = &materials[piece.triangle_materials[0] as usize].name;
             let check = if SHEETS.contains(&material.as_str()) { checks::sheet } else { checks::solid };
             let checked = check(piece).and_then(|()| checks::surface(piece));
-            assert!(checked.is_ok(), "{name}, piece {i} of {material}, first at {}: {checked:?}", piece.positions[0]);
+            assert!(
+                checked.is_ok(),
+                "{name}, piece {i} of {material}, first at {}: {checked:?}",
+                piece.positions[0]
+            );
         }
     }
 }
@@ -29,7 +33,12 @@ fn solids_are_closed_and_sheets_are_sheets() {
 fn no_two_faces_lie_on_each_other() {
     for name in MADE {
         let found = checks::overlaps(&pieces(name).0.pieces);
-        assert!(found.is_empty(), "{name}: {} overlaps, such as\n{}", found.len(), found[..found.len().min(25)].join("\n"));
+        assert!(
+            found.is_empty(),
+            "{name}: {} overlaps, such as\n{}",
+            found.len(),
+            found[..found.len().min(25)].join("\n")
+        );
     }
 }
 
@@ -39,22 +48,5 @@ fn models_are_the_same_every_time() {
         let [first, second] = [model(name), model(name)].map(|model| model.expect("the model has a name"));
         assert!(first.mesh == second.mesh && first.materials == second.materials, "{name}");
         assert!(first.textures == second.textures && first.alpha_masks == second.alpha_masks, "{name}");
-    }
-}
-
-#[test]
-fn zzz_breakdown() {
-    for name in MADE {
-        let (part, materials) = pieces(name);
-        let mut groups = std::collections::BTreeMap::<(String, usize), usize>::new();
-        for piece in &part.pieces {
-            *groups.entry((materials[piece.triangle_materials[0] as usize].name.clone(), piece.triangles.len())).or_default() += 1;
-        }
-        let mut list: Vec<_> = groups.into_iter().map(|((m, t), n)| (t * n, m, t, n)).collect();
-        list.sort();
-        println!("{name}: {}", part.triangle_count());
-        for (total, m, t, n) in list.iter().rev().take(28) {
-            println!("   {total}: {m} {n} x {t}");
-        }
     }
 }

@@ -54,7 +54,8 @@ fn leaf(place: Vec2) -> Vec4 {
     let width = 0.92 * (PI * (0.04 + 0.96 * t).powf(0.8)).sin().max(0.0);
     let rib = ramp(0.07, 0.02, across);
     let side_ribs = ramp(0.75, 0.95, (TAU * (9.0 * t - 2.0 * across)).cos());
-    let green = vec3(0.06, 0.19, 0.035).lerp(vec3(0.17, 0.33, 0.07), 0.6 * t + 0.4 * fractal(place, 6, 3, 161));
+    let green =
+        vec3(0.06, 0.19, 0.035).lerp(vec3(0.17, 0.33, 0.07), 0.6 * t + 0.4 * fractal(place, 6, 3, 161));
     let colour = green.lerp(vec3(0.3, 0.42, 0.14), (0.8 * rib).max(0.25 * side_ribs));
     colour.extend(if across < width { 1.0 } else { 0.0 })
 }
@@ -93,7 +94,8 @@ fn carpet(place: Vec2) -> Vec4 {
     let figure = ornament(place * 4.0).max(ornament(place * 4.0 + 0.5));
     let field = red.lerp(vec3(0.3, 0.01, 0.02), figure);
     let meander = ramp(0.1, -0.1, (TAU * 8.0 * place.y).sin() * (edge - 0.085) * 40.0);
-    let border = if (0.055..0.115).contains(&edge) { gold.lerp(vec3(0.12, 0.02, 0.05), meander) } else { field };
+    let border =
+        if (0.055..0.115).contains(&edge) { gold.lerp(vec3(0.12, 0.02, 0.05), meander) } else { field };
     let line = |at: f32| ramp(0.012, 0.006, (edge - at).abs());
     let colour = border.lerp(gold, line(0.05).max(line(0.12)));
     (colour * (0.75 + 0.5 * fractal(place, 64, 2, 181))).extend(1.0)
@@ -103,7 +105,7 @@ fn pile(place: Vec2) -> Vec4 {
     let tile = (place * 2.0).floor();
     let inside = place * 2.0 - tile;
     // The pile of neighbouring tiles lies in different directions.
-    let turned = (tile.x + tile.y) as u32 % 2 == 0;
+    let turned = ((tile.x + tile.y) as u32).is_multiple_of(2);
     let along = if turned { inside.x } else { inside.y };
     let stripes = 0.9 + 0.1 * (TAU * 24.0 * along).sin();
     let seam = 0.8 + 0.2 * ramp(0.0, 0.012, (0.5 - (inside - 0.5).abs()).min_element());

@@ -4,8 +4,8 @@
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use super::paths::way;
 use super::part::{Part, face_uv, push_quad, push_triangle, push_vertex};
+use super::paths::way;
 use super::shapes::{Ends, Frame, sweep};
 use crate::scene::mesh::Mesh;
 
@@ -61,7 +61,8 @@ impl Vault {
             for i in 0..n {
                 let quad = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
                 // The groins run along the diagonals, so each quad is split that way.
-                let rotated = if (i < n / 2) == (j < n / 2) { quad } else { [quad[1], quad[2], quad[3], quad[0]] };
+                let rotated =
+                    if (i < n / 2) == (j < n / 2) { quad } else { [quad[1], quad[2], quad[3], quad[0]] };
                 push_quad(&mut mesh, rotated, material);
             }
         }
@@ -95,14 +96,19 @@ impl Vault {
         // Evenly in angle, so that the steep feet get as many steps as the crown.
         let place = |i: u32| {
             let angle = std::f32::consts::PI * (i as f32 / steps as f32 - 0.5);
-            let t = if i == 0 { -1.0 } else if i == steps { 1.0 } else { angle.sin() };
+            let t = if i == 0 {
+                -1.0
+            } else if i == steps {
+                1.0
+            } else {
+                angle.sin()
+            };
             vec2(t * half_length, self.spring + self.rise * self.barrel(1.0 - t.abs()))
         };
         let points: Vec<Vec2> = (0..=steps).map(place).collect();
         let out = |v: Vec3| vec3(along.x * v.x, v.y, along.y * v.x);
         let sideways = vec3(along.y, 0.0, -along.x);
-        let upright =
-            |flat: Frame| Frame { origin: out(flat.origin), right: sideways, up: out(flat.right) };
+        let upright = |flat: Frame| Frame { origin: out(flat.origin), right: sideways, up: out(flat.right) };
         let way: Vec<Frame> = way(&points, false).into_iter().map(upright).collect();
         sweep(profile, &way, Ends::Capped, material)
     }
