@@ -104,6 +104,9 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
         let screen = demo.screen();
         screen.keep(&format!("4-view-{view:02}"));
         let picture = screen.picture();
+        if view == 6 && picture == seen[5] {
+            seen[5] = the_set_of_another_frame(demo, &picture);
+        }
         // Nothing moves, so a set buffer is the same after its reprojection.
         let alike = |(other, known): (usize, &Screen)| *known == picture && (other, view) != (6, 7);
         assert!(!seen.iter().enumerate().any(alike), "view {view} looks like another one");
@@ -120,6 +123,22 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     demo.key_for("v", "step-buffer");
     demo.frames(2);
     assert!(demo.screen().picture() == combined, "the picture has not come back");
+}
+
+/// One frame in four draws the very set whose buffer the next view shows: waits for another.
+fn the_set_of_another_frame(demo: &mut Demo<'_>, buffer: &Screen) -> Screen {
+    demo.key_for("shift+v", "step-buffer");
+    demo.frames(1);
+    let mut filtered = demo.screen().picture();
+    for _ in 0..20 {
+        if filtered != *buffer {
+            break;
+        }
+        demo.frames(1);
+        filtered = demo.screen().picture();
+    }
+    demo.key_for("v", "step-buffer");
+    filtered
 }
 
 fn paths_and_single_vpls(demo: &mut Demo<'_>) {

@@ -140,3 +140,20 @@ fn rays_are_cast_only_where_they_matter() {
     let share = report.shadow_rays as f64 / pairs as f64;
     assert!((0.2..0.7).contains(&share), "{share} of all pairs of pixel and VPL got a ray");
 }
+
+#[test]
+fn no_vpl_is_lost_where_a_frame_has_very_many() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cathedral", None);
+    let settings = |temporal_sets| Settings { vpls: 4096, temporal_sets, roulette: 0.0, ..exact([48, 27]) };
+    let pose = scene.pose(0.0);
+    let brightness = |temporal_sets| {
+        let mut renderer = lab.renderer(&scene, &settings(temporal_sets), &pose);
+        for _ in 0..temporal_sets {
+            renderer.render(&pose).unwrap();
+        }
+        mean(indirect(&renderer).iter().map(luminance))
+    };
+    let ratio = brightness(1) / brightness(64);
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+}
