@@ -7,10 +7,11 @@ use super::options::RunOptions;
 use super::progress::interruption;
 use super::{CliError, device, progress, say};
 use crate::bench::{
-    BENCH_SCENES, BENCH_SCENES_OF_ASSETS, Bench, BenchError, Comparison, Control, Folder, Plan, Report,
-    Sweep, Table, compare_reports, lacks_models, read_report, tables,
+    Bench, BenchError, Comparison, Control, Folder, Plan, Report, Sweep, Table, compare_reports,
+    lacks_models, read_report, tables,
 };
 use crate::output::OutputFile;
+use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
