@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use glowworm::bvh::TwoLevelBvh;
+use glowworm::scene::{BENCH_SCENES, Pose};
 
 use super::*;
 
@@ -15,6 +16,7 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         ("cathedral", 70_000..=80_000),
         ("meeting-room", 280_000..=320_000),
     ] {
+        assert!(BENCH_SCENES.contains(&name));
         let start = Instant::now();
         let scene = load_scene(name, None).unwrap();
         let loaded = start.elapsed();
@@ -34,4 +36,33 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         assert!(built.as_secs_f32() < 10.0, "{name} took {built:.2?}");
     }
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+#[test]
+fn light_and_torus_move_in_closed_loops() {
+    for (name, seconds) in [("cathedral", 10.0), ("meeting-room", 8.0)] {
+        let scene = load_scene(name, None).unwrap();
+        let [rest, half, again] = [0.0, 0.5 * seconds, seconds].map(|time| scene.pose(time));
+        assert!(half != rest, "{name}");
+        let moved = |pose: &Pose| {
+            let light = pose.lights[0].position.distance(rest.lights[0].position);
+            let turned = pose.instances.iter().zip(&rest.instances).map(|(a, b)| {
+                (0..3).map(|axis| a.matrix3.col(axis).distance(b.matrix3.col(axis))).fold(0.0, f32::max)
+            });
+            turned.fold(light, f32::max)
+        };
+        assert!(moved(&half) > 1.0 && moved(&again) < 1e-3, "{name}: {} {}", moved(&half), moved(&again));
+    }
+}
+
+#[test]
+fn the_torus_is_turquoise_above_and_purple_below() {
+    let scene = load_scene("meeting-room", None).unwrap();
+    let torus = &scene.meshes[1];
+    for (i, &material) in torus.triangle_materials.iter().enumerate() {
+        let middle = torus.triangle_positions(i as u32).iter().map(|corner| corner.y).sum::<f32>();
+        let expected = if middle > 0.0 { "turquoise" } else { "purple" };
+        assert_eq!(scene.materials[material as usize].name, expected);
+    }
+    assert!(scene.instances[1].dynamic && !scene.instances[0].dynamic);
 }

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec2;
-use glowworm::scene::{BUILTIN_SCENES, Material, Texture};
+use glowworm::scene::{BENCH_SCENES, BUILTIN_SCENES, Material, Texture};
 
 use super::*;
 
@@ -23,7 +23,9 @@ fn real_scenes_load() {
     for (name, triangles, lights, textures) in [
         ("sponza", 66_440..=66_449, 1, 12),
         ("sibenik", 75_270..=75_277, 3, 3),
+        ("sibenik-spot", 75_270..=75_271, 1, 3),
         ("conference", 331_100..=331_183, 2, 0),
+        ("conference-torus", 340_300..=340_395, 1, 0),
         ("classroom", 90_000..=103_862, 4, 2),
         ("living-room", 142_900..=142_983, 4, 4),
     ] {
@@ -70,7 +72,8 @@ fn living_room_leaves_are_cut_out() {
 
 #[test]
 fn every_builtin_scene_without_assets_says_what_to_do() {
-    for name in BUILTIN_SCENES.iter().filter(|name| !["playroom", "cornell-box"].contains(name)) {
+    let made = |name: &str| name == "playroom" || BENCH_SCENES.contains(&name);
+    for name in BUILTIN_SCENES.iter().filter(|name| !made(name)) {
         for assets in [None, Some(Path::new("no/such/folder"))] {
             let error = load_scene(name, assets).unwrap_err().to_string();
             assert!(error.contains("GLOWWORM_ASSETS") && error.contains("--assets"), "{error}");

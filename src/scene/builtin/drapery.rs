@@ -94,7 +94,7 @@ fn curtains(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
 /// Banners over the parapet, above every other column.
 fn banners(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
     let mut all = Part::default();
-    for (i, x) in column_places(bays).enumerate().filter(|(i, _)| (i + side as usize) % 2 == 0) {
+    for (i, x) in column_places(bays).enumerate().filter(|(i, _)| (i + side as usize).is_multiple_of(2)) {
         let out = HALF_WALL + 0.42;
         let top = UPPER - 0.02;
         let reach = vec3(0.5, 0.0, 0.0);

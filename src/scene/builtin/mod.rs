@@ -106,9 +106,9 @@ pub(super) fn model(name: &str) -> Option<Model> {
     }
     let mut palette = Palette::default();
     let part = assemble(name, &mut palette)?;
-    let (paints, mesh) = rayon::join(|| palette.finish(), || part);
+    let paints = palette.finish();
     Some(Model {
-        mesh: mesh.into_mesh(name, &paints.tiles),
+        mesh: part.into_mesh(name, &paints.tiles),
         materials: paints.materials,
         textures: paints.textures,
         alpha_masks: paints.alpha_masks,

@@ -4,7 +4,7 @@
 //! all of them. One big mesh, rather than instances of columns and chairs, is what the scenes are that these
 //! stand in for, and one bottom-level BVH without instances in between is what rays get through fastest.
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::scene::mesh::Mesh;
 use crate::scene::normals;
@@ -94,7 +94,7 @@ impl Part {
 
 fn transformed(piece: &Mesh, transform: &Affine3A) -> Mesh {
     let mut piece = piece.clone();
-    let normal_matrix = Mat3A::from(transform.matrix3).inverse().transpose();
+    let normal_matrix = transform.matrix3.inverse().transpose();
     for position in &mut piece.positions {
         *position = transform.transform_point3(*position);
     }

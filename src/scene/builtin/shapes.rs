@@ -83,11 +83,6 @@ pub(super) fn prism(outline: &[Vec2], from: f32, to: f32, material: u32) -> Part
     if outline.len() == 4 { boxed(&part) } else { part }
 }
 
-/// The same outline in x and -z, between y = `from` and y = `to`, seen counter-clockwise from above.
-pub(super) fn slab(outline: &[Vec2], from: f32, to: f32, material: u32) -> Part {
-    prism(outline, from, to, material).placed(&lying())
-}
-
 /// Takes x, y, z to x, -z, y: what stood in front of the wall now lies on the floor.
 pub(super) fn lying() -> glam::Affine3A {
     glam::Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y))

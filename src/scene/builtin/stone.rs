@@ -126,7 +126,7 @@ fn marble_floor(place: Vec2) -> Vec4 {
     let cell = (place * 4.0).floor();
     let inside = place * 4.0 - cell;
     let side = 0.75 * (0.5 - (inside.x - 0.5).abs());
-    let white = (cell.x + cell.y) as u32 % 2 == 0;
+    let white = ((cell.x + cell.y) as u32).is_multiple_of(2);
     // Each slab is cut from another part of the quarry.
     let slab =
         place + vec2(chance(cell.x as u32, cell.y as u32, 81), chance(cell.y as u32, cell.x as u32, 83));

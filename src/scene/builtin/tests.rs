@@ -50,22 +50,3 @@ fn models_are_the_same_every_time() {
         assert!(first.textures == second.textures && first.alpha_masks == second.alpha_masks, "{name}");
     }
 }
-
-#[test]
-fn zzz_breakdown() {
-    for name in MADE {
-        let (part, materials) = pieces(name);
-        let mut groups = std::collections::BTreeMap::<(String, usize), usize>::new();
-        for piece in &part.pieces {
-            *groups
-                .entry((materials[piece.triangle_materials[0] as usize].name.clone(), piece.triangles.len()))
-                .or_default() += 1;
-        }
-        let mut list: Vec<_> = groups.into_iter().map(|((m, t), n)| (t * n, m, t, n)).collect();
-        list.sort();
-        println!("{name}: {}", part.triangle_count());
-        for (total, m, t, n) in list.iter().rev().take(28) {
-            println!("   {total}: {m} {n} x {t}");
-        }
-    }
-}

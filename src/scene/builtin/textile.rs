@@ -105,7 +105,7 @@ fn pile(place: Vec2) -> Vec4 {
     let tile = (place * 2.0).floor();
     let inside = place * 2.0 - tile;
     // The pile of neighbouring tiles lies in different directions.
-    let turned = (tile.x + tile.y) as u32 % 2 == 0;
+    let turned = ((tile.x + tile.y) as u32).is_multiple_of(2);
     let along = if turned { inside.x } else { inside.y };
     let stripes = 0.9 + 0.1 * (TAU * 24.0 * along).sin();
     let seam = 0.8 + 0.2 * ramp(0.0, 0.012, (0.5 - (inside - 0.5).abs()).min_element());
