@@ -11,6 +11,7 @@ use super::BenchError;
 use super::charts::Chart;
 use super::pictures::{PictureEntry, PictureKind};
 use super::report::Report;
+use super::summary::Noise;
 use super::tables::{Table, common_settings};
 use crate::output::OutputError;
 use crate::plot::PlotError;
@@ -63,6 +64,7 @@ pub(super) fn page(
                     section { h2 { "Scenes" } (scenes(report, pictures)?) }
                     section {
                         h2 { "Results" }
+                        @if let Some(warning) = Noise::of(&report.runs).warning() { p.warning { (warning) } }
                         @for table in &main { (table_markup(table)) }
                     }
                     section { h2 { "Plots" } @for plot in &plots { (plot) } }
@@ -181,6 +183,10 @@ fn method(report: &Report) -> Markup {
                 "Passes on the device are timed by its timestamps, those on the CPU by its clock. Frame " code { "0" }
                 " of the animation is the first measured one in every run; the frames before, as many as there are "
                 "sets, run up to it."
+            }
+            li {
+                "Where neither camera nor things nor lights move, G-buffer and direct light are kept from frame to frame "
+                "and cost nothing."
             }
             li {
                 (plan.frames) " frames, " (plan.rounds) @if plan.rounds == 1 { " round" } @else { " rounds" }

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::charts::Chart;
 use super::html::headline;
 use super::report::Report;
+use super::summary::Noise;
 use super::tables::Table;
 
 /// The whole text.
@@ -13,6 +14,9 @@ pub(super) fn page(report: &Report, tables: &[Table], charts: &[Chart]) -> Strin
     // Writing to a String cannot fail.
     for (what, value) in report.machine.lines() {
         let _ = writeln!(text, "- {what}: {}", escaped(&value));
+    }
+    if let Some(warning) = Noise::of(&report.runs).warning() {
+        let _ = write!(text, "\n> {warning}\n");
     }
     for table in tables {
         let _ = write!(text, "\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(table));

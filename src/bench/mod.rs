@@ -50,12 +50,6 @@ use control::work_of_frame;
 use quality::Converged;
 use run::{Stage, warm_up};
 
-/// The scenes that are measured where none is named.
-pub const BENCH_SCENES: [&str; 2] = ["cornell-box", "playroom"];
-
-/// The same set-ups with models that are not shipped.
-pub const BENCH_SCENES_OF_ASSETS: [&str; 4] = ["cornell-box", "sponza", "sibenik", "conference"];
-
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {

@@ -9,7 +9,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::report::Run;
-use super::samples::{FPS, Samples, Unit};
+use super::samples::{FPS, Samples, TOTAL, Unit};
 use crate::statistics::{Spread, mean, percentile, student_t, variance};
 
 /// Standard errors on either side of a mean that hold 95 % of a normal distribution.
@@ -17,6 +17,9 @@ const Z_95: f64 = 1.959_964;
 
 /// The relative standard deviation between rounds that is assumed where there is one round only.
 pub const ASSUMED_NOISE: f64 = 0.05;
+
+/// A machine of which rounds differ by more than this share is not a quiet one.
+const BUSY: f64 = 0.1;
 
 /// How much rounds of one setting differ: of each time, relative to itself.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,9 +52,22 @@ impl Noise {
         Self { quantities: names.map(|(name, ..)| (name, pooled(runs, name))).collect() }
     }
 
+    /// What to say where rounds differ so much that something else must have kept the machine busy.
+    pub fn warning(&self) -> Option<String> {
+        let noise = self.quantity(TOTAL)?;
+        let share = noise.variance.sqrt();
+        (noise.freedom.is_some() && share > BUSY).then(|| {
+            format!(
+                "Rounds of one setting differ by {:.0} % (standard deviation): other programs or a changing clock have \
+                 disturbed the measurement, and figures are as uncertain as the intervals say.",
+                100.0 * share
+            )
+        })
+    }
+
     /// That of the quantity `name`; frames a second have that of the frame.
     pub fn quantity(&self, name: &str) -> Option<&QuantityNoise> {
-        let name = if name == FPS { super::samples::TOTAL } else { name };
+        let name = if name == FPS { TOTAL } else { name };
         self.quantities.iter().find(|(known, _)| *known == name).map(|(_, noise)| noise)
     }
 }
@@ -211,6 +227,11 @@ mod tests {
     fn unknown_noise_is_assumed() {
         let unknown = pooled(&[], "total");
         assert_eq!((unknown.variance.sqrt(), unknown.freedom), (ASSUMED_NOISE, None));
+        let unknown_total =
+            Noise { quantities: vec![(TOTAL, QuantityNoise { variance: 1.0, freedom: None })] };
+        assert_eq!(unknown_total.warning(), None);
+        let busy = Noise { quantities: vec![(TOTAL, QuantityNoise { variance: 0.04, freedom: Some(3.0) })] };
+        assert!(busy.warning().unwrap().contains("differ by 20 %"));
         assert!((unknown.half_width(2.0, 4) - ASSUMED_NOISE).abs() < 1e-12);
     }
 }

@@ -7,10 +7,11 @@ use super::options::RunOptions;
 use super::progress::interruption;
 use super::{CliError, device, progress, say};
 use crate::bench::{
-    BENCH_SCENES, BENCH_SCENES_OF_ASSETS, Bench, BenchError, Comparison, Control, Folder, Plan, Report,
-    Sweep, Table, compare_reports, lacks_models, read_report, tables,
+    Bench, BenchError, Comparison, Control, Folder, Noise, Plan, Report, Sweep, Table, compare_reports,
+    lacks_models, read_report, tables,
 };
 use crate::output::OutputFile;
+use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
@@ -19,7 +20,7 @@ const FRAMES: u32 = 240;
 /// Rounds where nothing else is said.
 const ROUNDS: u32 = 2;
 /// What a CPU driver, which takes some 50 ms for such a frame, is measured with where nothing else is said.
-const ON_CPU: OnCpu = OnCpu { frames: 24, size: [256, 256], time_step: 1.0 / 20.0 };
+const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
 struct OnCpu {
     frames: u32,
@@ -31,7 +32,7 @@ struct OnCpu {
 const HELP: &str = "\
 A frame's time runs from its beginning until the device is done with it; nothing overlaps and nothing is shown. Each \
 run warms up until all set buffers are filled; then the same moments of the animation are measured with every setting. \
-On a CPU driver less is measured unless options say otherwise: 24 frames, 256x256 pixels, 1/20 s apart. \
+On a CPU driver less is measured unless options say otherwise: 20 frames, 256x256 pixels, 1/20 s apart. \
 --out gets report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds what an \
 interrupted run has measured. --against exits with 3 if something is slower beyond noise; to compare a report that is \
 there already, name its folder with --out and add --resume.";
@@ -49,7 +50,7 @@ pub(super) struct BenchOptions {
     #[arg(long, conflicts_with = "scenes")]
     pub models: bool,
     /// Frames to measure in each run. More: figures that are more certain. Otherwise that of --against, or 240,
-    /// or 24 on a CPU driver.
+    /// or 20 on a CPU driver.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// How often to measure each setting. From two on, the intervals come from how far the rounds differ. Otherwise that
@@ -155,6 +156,9 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     device::check_validation(&device.validation_messages())?;
     bench.write()?;
     let report = bench.report();
+    if let Some(warning) = Noise::of(&report.runs).warning() {
+        say::warning(&warning);
+    }
     if let Some(json) = json {
         json.save_json(report)?;
     }
