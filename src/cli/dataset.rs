@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use super::options::FileOptions;
 use super::progress::interruption;
-use super::reference::{Bounces, parse_bounces};
+use super::scene::SceneOptions;
 use super::{CliError, progress, say};
 use crate::dataset::{Dataset, DatasetPlan};
 use crate::output::OutputFile;
-use crate::scene::load_scene;
-use crate::settings::{Settings, text};
+use crate::settings::text;
 
 /// What is written, and how it is to be read.
 const HELP: &str = "\
@@ -30,27 +29,17 @@ glowworm-dataset.json says what has been rendered, for --resume.";
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true, after_help = HELP)]
 pub(super) struct DatasetOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
-    pub scene: String,
+    #[command(flatten)]
+    pub scene: SceneOptions,
     /// Frames of its animation.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), default_value = "60")]
     pub frames: u32,
     /// Paths a pixel of the reference. More: less noise, which falls with about the square root, or faster.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "4096")]
     pub spp: u64,
-    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
-    /// scene's, or 2.
-    #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
-    pub bounces: Option<Bounces>,
-    /// Width and height of the pictures. Otherwise the scene's, or 1280x720.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true)]
-    pub size: Option<[u32; 2]>,
     /// Seed of the samples. Otherwise the scene's, or 0.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
     pub seed: Option<u32>,
-    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true)]
-    pub time_step: Option<f64>,
     /// Folder to write to: a new or an empty one.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: PathBuf,
@@ -63,19 +52,16 @@ pub(super) struct DatasetOptions {
 
 /// Renders the data set.
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
-    let (given_settings, given) = options.settings();
-    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
-    given_settings.check_options(&given).map_err(settings_error)?;
+    let given = options.scene.given().with("seed", options.seed, |settings, seed| settings.seed = seed);
+    given.check()?;
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
-    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say::warning(warning));
-    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let (scene, settings) = given.load(&options.files)?;
     let plan = DatasetPlan {
         scene: scene.name.clone(),
         frames: options.frames,
         spp: options.spp,
         size: settings.size,
-        bounces: options.bounces.map_or(Some(settings.bounces), Bounces::limit),
+        bounces: options.scene.bounces(&settings),
         seed: settings.seed,
         time_step: settings.time_step,
     };
@@ -99,25 +85,4 @@ pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
         options.out.display(),
         scene.name
     ))
-}
-
-impl DatasetOptions {
-    /// The options that are settings, and the names of those that were given.
-    fn settings(&self) -> (Settings, Vec<&'static str>) {
-        let mut settings = Settings::default();
-        let mut given = Vec::new();
-        if let Some(size) = self.size {
-            settings.size = size;
-            given.push("size");
-        }
-        if let Some(seed) = self.seed {
-            settings.seed = seed;
-            given.push("seed");
-        }
-        if let Some(seconds) = self.time_step {
-            settings.time_step = seconds;
-            given.push("time_step");
-        }
-        (settings, given)
-    }
 }

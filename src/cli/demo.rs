@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::options::RunOptions;
 use super::render::{RenderOptions, ViewOptions, render};
+use super::scene::GivenSettings;
 use super::{CliError, device, say};
 use crate::demo::{self, DemoError, Launch};
 use crate::settings::Settings;
@@ -24,8 +25,7 @@ pub(super) struct DemoOptions {
 /// Shows the scene in a window. Without a display it says so and renders the scene to a file in the current
 /// folder. `given` are the settings given on the command line.
 pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError> {
-    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
-    options.settings.check_options(given).map_err(settings_error)?;
+    GivenSettings::new(&options.scene, &options.settings, given).check()?;
     let launch = Launch {
         scene: options.scene.clone(),
         settings: options.settings.clone(),

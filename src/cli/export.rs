@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::options::FileOptions;
-use super::reference::{Bounces, parse_bounces};
+use super::scene::SceneOptions;
 use super::{CliError, say};
 use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, Specular, export_mitsuba};
 use crate::output::OutputFile;
-use crate::scene::{Scene, load_scene};
-use crate::settings::{Settings, text};
+use crate::scene::Scene;
+use crate::settings::Settings;
 
 /// For which renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -21,24 +21,14 @@ pub(super) enum Format {
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
 pub(super) struct ExportOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
-    pub scene: String,
+    #[command(flatten)]
+    pub scene: SceneOptions,
     /// Renderer to export for.
     #[arg(long, value_enum, default_value = "mitsuba")]
     pub format: Format,
     /// Frame of the scene's animation, from 0.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
-    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
-    /// scene's, or 2.
-    #[arg(long, value_name = "N|inf", value_parser = parse_bounces)]
-    pub bounces: Option<Bounces>,
-    /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size)]
-    pub size: Option<[u32; 2]>,
-    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds)]
-    pub time_step: Option<f64>,
     /// Samples of each pixel, which `mitsuba -D spp=N` changes.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u32,
@@ -57,22 +47,19 @@ pub(super) struct ExportOptions {
 /// Exports the scene.
 pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     let Format::Mitsuba = options.format;
-    let (given_settings, given) = options.settings();
-    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
-    given_settings.check_options(&given).map_err(settings_error)?;
+    let given = options.scene.given();
+    given.check()?;
     let folder = ExportFolder::new(&options.out)?;
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
     if let Some(json) = &json
-        && (folder.may_write(json) || json.is_same(Path::new(&options.scene)))
+        && (folder.may_write(json) || json.is_same(Path::new(&options.scene.name)))
     {
         let path = json.path().display();
         return Err(CliError::Usage(format!(
             "--json {path}: would be written over the export or the scene; give it another name"
         )));
     }
-    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say::warning(warning));
-    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let (scene, settings) = given.load(&options.files)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {
         json.save_json(&report)?;
@@ -81,21 +68,6 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
 }
 
 impl ExportOptions {
-    /// The options that are settings, and the names of those that were given.
-    fn settings(&self) -> (Settings, Vec<&'static str>) {
-        let mut settings = Settings::default();
-        let mut given = Vec::new();
-        if let Some(size) = self.size {
-            settings.size = size;
-            given.push("size");
-        }
-        if let Some(seconds) = self.time_step {
-            settings.time_step = seconds;
-            given.push("time_step");
-        }
-        (settings, given)
-    }
-
     fn run(
         &self,
         scene: &Scene,
@@ -106,7 +78,7 @@ impl ExportOptions {
             frame: self.frame,
             time: self.frame as f64 * settings.time_step,
             size: settings.size,
-            bounces: self.bounces.map_or(Some(settings.bounces), Bounces::limit),
+            bounces: self.scene.bounces(settings),
             spp: self.spp,
             specular: self.specular,
         };

@@ -16,6 +16,7 @@ mod progress;
 mod reference;
 mod render;
 mod say;
+mod scene;
 
 pub use error::CliError;
 pub use say::{install_panic_hook, say_error};

@@ -7,11 +7,12 @@ use serde::Serialize;
 
 use super::options::FileOptions;
 use super::progress::interruption;
+use super::scene::SceneOptions;
 use super::{CliError, progress, say};
 use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
 use crate::report::COMMIT;
-use crate::scene::{Scene, load_scene};
+use crate::scene::Scene;
 use crate::settings::{Settings, text};
 
 /// The note in an .exr that says what is in it and how far it is.
@@ -30,15 +31,11 @@ const ERROR_INTERVAL: Duration = Duration::from_millis(500);
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
 pub(super) struct ReferenceOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
-    pub scene: String,
+    #[command(flatten)]
+    pub scene: SceneOptions,
     /// Samples of each pixel in all. More: less noise, which falls with about the square root, or faster.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u64,
-    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
-    /// scene's, or 2.
-    #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
-    pub bounces: Option<Bounces>,
     /// Frame of the scene's animation, from 0.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
@@ -46,15 +43,9 @@ pub(super) struct ReferenceOptions {
     /// those of `render`.
     #[arg(long, value_enum, default_value = "box")]
     pub pixel_filter: PixelFilter,
-    /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true)]
-    pub size: Option<[u32; 2]>,
     /// Seed of the samples. Otherwise the scene's, or 0.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
     pub seed: Option<u32>,
-    /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true)]
-    pub time_step: Option<f64>,
     /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
     #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
     pub exposure: Option<Exposure>,
@@ -73,36 +64,9 @@ pub(super) struct ReferenceOptions {
     pub files: FileOptions,
 }
 
-/// `--bounces`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bounces {
-    Limited(u32),
-    Unlimited,
-}
-
-impl Bounces {
-    /// The most there may be, if there is such a number.
-    pub fn limit(self) -> Option<u32> {
-        match self {
-            Self::Limited(limit) => Some(limit),
-            Self::Unlimited => None,
-        }
-    }
-}
-
 /// `--exposure`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Exposure(Option<f32>);
-
-pub(super) fn parse_bounces(text: &str) -> Result<Bounces, String> {
-    match text {
-        "inf" => Ok(Bounces::Unlimited),
-        number => match number.parse() {
-            Ok(limit @ 0..=1000) => Ok(Bounces::Limited(limit)),
-            _ => Err("must be a whole number from 0 to 1000, or inf".to_owned()),
-        },
-    }
-}
 
 fn parse_exposure(text: &str) -> Result<Exposure, String> {
     text::parse_exposure(text).map(Exposure)
@@ -128,25 +92,26 @@ struct ReferenceReport {
 
 /// Renders the reference.
 pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
-    let (given_settings, given) = options.settings();
-    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
-    given_settings.check_options(&given).map_err(settings_error)?;
+    let given = options.scene.given().with("seed", options.seed, |settings, seed| settings.seed = seed).with(
+        "exposure",
+        options.exposure,
+        |settings, Exposure(stops)| settings.exposure = stops,
+    );
+    given.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     if options.resume && !target.is_linear() {
         return Err(CliError::Usage("--resume: only an .exr can be gone on with; see --out".to_owned()));
     }
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
     if let Some(json) = &json
-        && (json.is_same(&target.path_of(options.frame)) || json.is_same(Path::new(&options.scene)))
+        && (json.is_same(&target.path_of(options.frame)) || json.is_same(Path::new(&options.scene.name)))
     {
         let path = json.path().display();
         return Err(CliError::Usage(format!(
             "--json {path}: would be written over the picture or the scene; give it another name"
         )));
     }
-    let scene = load_scene(&options.scene, options.files.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say::warning(warning));
-    let settings = Settings::resolve(&scene.settings, &given_settings, &given).map_err(settings_error)?;
+    let (scene, settings) = given.load(&options.files)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);
     let reference = Reference::new(&scene, &pose, &run.settings);
@@ -156,31 +121,6 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
         json.save_json(&report)?;
     }
     run.say_outcome(&film, &report)
-}
-
-impl ReferenceOptions {
-    /// The options that are settings, and the names of those that were given.
-    fn settings(&self) -> (Settings, Vec<&'static str>) {
-        let mut settings = Settings::default();
-        let mut given = Vec::new();
-        if let Some(size) = self.size {
-            settings.size = size;
-            given.push("size");
-        }
-        if let Some(seed) = self.seed {
-            settings.seed = seed;
-            given.push("seed");
-        }
-        if let Some(seconds) = self.time_step {
-            settings.time_step = seconds;
-            given.push("time_step");
-        }
-        if let Some(Exposure(exposure)) = self.exposure {
-            settings.exposure = exposure;
-            given.push("exposure");
-        }
-        (settings, given)
-    }
 }
 
 /// One run of the command.
@@ -196,7 +136,7 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn new(options: &'a ReferenceOptions, scene: &Scene, settings: &Settings, target: PictureTarget) -> Self {
-        let bounces = options.bounces.map_or(Some(settings.bounces), Bounces::limit);
+        let bounces = options.scene.bounces(settings);
         let identity = Identity {
             scene: scene.name.clone(),
             frame: options.frame,

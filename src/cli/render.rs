@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::options::RunOptions;
 use super::progress::frames_bar;
+use super::scene::GivenSettings;
 use super::{CliError, device, say};
 use crate::output::{OutputFile, PictureTarget};
 use crate::renderer::{BufferView, DebugView, PathStyle, Renderer, Replay};
 use crate::report::{FrameReport, RenderReport};
-use crate::scene::{Scene, load_scene};
 use crate::settings::Settings;
 use crate::vpl::SlotState;
 
@@ -100,13 +100,13 @@ impl ViewOptions {
 
 /// Renders the scene. `given` are the settings given on the command line.
 pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliError> {
-    let settings_error = |error| CliError::Settings { scene: options.scene.clone(), error };
-    options.settings.check_options(given).map_err(settings_error)?;
+    let given = GivenSettings::new(&options.scene, &options.settings, given);
+    given.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
-    let scene = Arc::new(load(options)?);
-    let settings = Settings::resolve(&scene.settings, &options.settings, given).map_err(settings_error)?;
+    let (scene, settings) = given.load(&options.run.files)?;
+    let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;
     let recorded = scene.recording.last().map(|last| last.frame + 1);
     let frames = options.frames.or(recorded).unwrap_or_else(|| u64::from(settings.temporal_sets));
@@ -146,13 +146,6 @@ fn check_apart(
         "--json {}: would be written over {what}; give it another name",
         json.path().display()
     )))
-}
-
-/// Loads the scene and says what is odd about it.
-fn load(options: &RenderOptions) -> Result<Scene, CliError> {
-    let scene = load_scene(&options.scene, options.run.files.assets_folder().as_deref())?;
-    scene.warnings.iter().for_each(|warning| say::warning(warning));
-    Ok(scene)
 }
 
 /// Renders frames 0 to `frames` - 1 and writes the pictures that `target` wants. Shows progress on a

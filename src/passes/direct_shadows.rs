@@ -65,10 +65,8 @@ struct Push {
 pub struct DirectShadowsPass {
     pipeline: GraphicsPipeline,
     atlas: Image,
-    /// What is in the atlas; none before anything is.
-    drawn: Option<(ShadowPlan, Vec<Affine3A>)>,
-    /// The plan of the last frame.
-    last: Option<ShadowPlan>,
+    /// What the last frame saw, which is what is in the atlas; none before the first.
+    last: Option<(ShadowPlan, Vec<Affine3A>)>,
     device: Arc<Device>,
 }
 
@@ -92,7 +90,7 @@ impl DirectShadowsPass {
             },
         )?;
         let atlas = atlas(device, [1, 1])?;
-        Ok(Self { pipeline, atlas, drawn: None, last: None, device: Arc::clone(device) })
+        Ok(Self { pipeline, atlas, last: None, device: Arc::clone(device) })
     }
 
     /// Draws the tiles that are out of date.
@@ -110,20 +108,22 @@ impl DirectShadowsPass {
         let lights = frame.upload(&plan.lights)?;
         let tiles = frame.upload(&plan.tiles)?;
         let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
-        let current = self.drawn.as_ref().is_some_and(|(tiles, instances)| {
-            tiles.tiles == plan.tiles && *instances == inputs.pose.instances
-        });
-        if !current && !plan.tiles.is_empty() {
+        let current = plan.tiles.is_empty()
+            || self.last.as_ref().is_some_and(|(last, instances)| {
+                last.tiles == plan.tiles && *instances == inputs.pose.instances
+            });
+        let unchanged = current && self.last.as_ref().is_some_and(|(last, _)| *last == plan);
+        if !current {
             if self.atlas.extent() != plan.extent {
                 // Frames on their way still read the old one.
                 self.device.wait_idle()?;
                 self.atlas = atlas(&self.device, plan.extent)?;
             }
             self.draw(frame, inputs, &plan)?;
-            self.drawn = Some((plan.clone(), inputs.pose.instances.clone()));
         }
-        let unchanged = (current || plan.tiles.is_empty()) && self.last.as_ref() == Some(&plan);
-        self.last = Some(plan);
+        if !unchanged {
+            self.last = Some((plan, inputs.pose.instances.clone()));
+        }
         Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_size, unchanged })
     }
 

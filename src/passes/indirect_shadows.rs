@@ -9,11 +9,8 @@ use super::tracer::Tracer;
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
 
-/// Most bytes of visibility bits that are kept at a time; a set whose VPLs need more goes in chunks.
-const MAX_VISIBILITY_BYTES: u64 = 64 << 20;
-
-/// Most words of 32 VPLs that one dispatch does: llvmpipe leaves a shader's loops for good after 65,535 turns in all, and
-/// watchdogs of GPUs end long dispatches.
+/// Most words of 32 VPLs that one dispatch does; a set that needs more goes in chunks. llvmpipe leaves a shader's loops for
+/// good after 65,535 turns in all, watchdogs of GPUs end long dispatches, and it bounds the memory.
 const WORDS_AT_ONCE: u32 = 2;
 
 /// Counters that workgroups share the rays out to.
@@ -117,8 +114,7 @@ impl IndirectShadowsPass {
     ) -> Result<Self, VulkanError> {
         let plane = u64::from(extent[0]) * u64::from(extent[1]) * 4;
         let needed = set_size.div_ceil(interleave * interleave).div_ceil(32).max(1);
-        let fitting = u32::try_from((MAX_VISIBILITY_BYTES / plane).max(1)).unwrap_or(1);
-        let words = needed.min(fitting).min(WORDS_AT_ONCE);
+        let words = needed.min(WORDS_AT_ONCE);
         Ok(Self {
             pipeline,
             visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,

@@ -5,8 +5,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Scale};
-use super::page::{KeyEntry, Page, Sample};
-use super::{Drawn, FONT, Plot};
+use super::page::{KeyEntry, Page, Panels, Sample};
+use super::{Drawn, FONT};
 
 /// Width of a bar, of 1 from one to the next.
 const BAR_WIDTH: f64 = 0.68;
@@ -50,21 +50,7 @@ pub struct Bar {
     pub parts: Vec<f64>,
 }
 
-impl Plot for Bars {
-    fn size(&self) -> (u32, u32) {
-        self.page().size()
-    }
-
-    fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
-        let areas = self.page().draw(canvas)?;
-        for (panel, area) in self.panels.iter().zip(areas) {
-            self.draw_panel(panel, &area)?;
-        }
-        Ok(())
-    }
-}
-
-impl Bars {
+impl Panels for Bars {
     fn page(&self) -> Page<'_> {
         let entry = |(name, colour): &(String, [u8; 3])| KeyEntry {
             name: name.clone(),
@@ -82,9 +68,10 @@ impl Bars {
 
     fn draw_panel<Canvas: DrawingBackend>(
         &self,
-        panel: &BarPanel,
+        index: usize,
         area: &DrawingArea<Canvas, Shift>,
     ) -> Drawn<Canvas> {
+        let panel = &self.panels[index];
         let x = Axis::side_by_side(panel.bars.iter().map(|bar| bar.label.as_str()));
         let y = Axis { scale: Scale::FromZero, ..Axis::default() };
         let y = y.layout(panel.bars.iter().map(|bar| bar.parts.iter().sum()).chain([0.0]), 0.05);

@@ -4,8 +4,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axis::{Axis, Layout, Scale};
-use super::page::{KeyEntry, Page, Sample};
-use super::{Drawn, FONT, Plot};
+use super::page::{KeyEntry, Page, Panels, Sample};
+use super::{Drawn, FONT};
 
 /// A page of panels over one x axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,21 +66,7 @@ pub enum Look {
     Broken,
 }
 
-impl Plot for Curves {
-    fn size(&self) -> (u32, u32) {
-        self.page().size()
-    }
-
-    fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
-        let areas = self.page().draw(canvas)?;
-        for (panel, area) in self.panels.iter().zip(areas) {
-            self.draw_panel(panel, &area)?;
-        }
-        Ok(())
-    }
-}
-
-impl Curves {
+impl Panels for Curves {
     fn page(&self) -> Page<'_> {
         let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
         let entry = |name: &str| {
@@ -100,30 +86,12 @@ impl Curves {
         }
     }
 
-    /// The names of all lines, each once.
-    fn names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
-        for line in self.panels.iter().flat_map(|panel| &panel.lines) {
-            if !names.contains(&line.name.as_str()) {
-                names.push(line.name.as_str());
-            }
-        }
-        names
-    }
-
-    fn colour(&self, name: &str, broken: bool) -> RGBColor {
-        if broken {
-            return RGBColor(130, 130, 130);
-        }
-        let names = self.names().into_iter().filter(|name| !name.is_empty());
-        line_colour(names.into_iter().position(|known| known == name).unwrap_or(0))
-    }
-
     fn draw_panel<Canvas: DrawingBackend>(
         &self,
-        panel: &Panel,
+        index: usize,
         area: &DrawingArea<Canvas, Shift>,
     ) -> Drawn<Canvas> {
+        let panel = &self.panels[index];
         let points = || panel.lines.iter().flat_map(|line| line.points.iter().copied()).filter(is_finite);
         let has_marks = panel.lines.iter().any(|line| line.look != Look::Plain);
         let x = self.x.layout(points().map(|(x, _)| x), if has_marks { 0.04 } else { 0.0 });
@@ -171,6 +139,27 @@ impl Curves {
             }
         }
         Ok(())
+    }
+}
+
+impl Curves {
+    /// The names of all lines, each once.
+    fn names(&self) -> Vec<&str> {
+        let mut names = Vec::new();
+        for line in self.panels.iter().flat_map(|panel| &panel.lines) {
+            if !names.contains(&line.name.as_str()) {
+                names.push(line.name.as_str());
+            }
+        }
+        names
+    }
+
+    fn colour(&self, name: &str, broken: bool) -> RGBColor {
+        if broken {
+            return RGBColor(130, 130, 130);
+        }
+        let names = self.names().into_iter().filter(|name| !name.is_empty());
+        line_colour(names.into_iter().position(|known| known == name).unwrap_or(0))
     }
 }
 

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Drawn, FONT};
+use super::{Drawn, FONT, Plot};
 
 const TITLE_SIZE: u32 = 20;
 const TITLE_HEIGHT: u32 = 40;
@@ -38,6 +38,31 @@ pub(super) enum Sample {
     Line,
     DashedLine,
     Area,
+}
+
+/// A plot of panels on a page.
+pub(super) trait Panels {
+    /// What is around the panels.
+    fn page(&self) -> Page<'_>;
+
+    /// Draws the panel of that index.
+    fn draw_panel<Canvas: DrawingBackend>(
+        &self,
+        index: usize,
+        area: &DrawingArea<Canvas, Shift>,
+    ) -> Drawn<Canvas>;
+}
+
+impl<P: Panels> Plot for P {
+    fn size(&self) -> (u32, u32) {
+        self.page().size()
+    }
+
+    fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
+        let page = self.page();
+        let areas = page.draw(canvas)?;
+        areas.iter().take(page.panels).enumerate().try_for_each(|(index, area)| self.draw_panel(index, area))
+    }
 }
 
 impl Page<'_> {

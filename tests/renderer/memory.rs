@@ -10,7 +10,7 @@ fn computed(settings: &Settings) -> u64 {
     let [slots, sets, interleave] =
         [settings.vpls, settings.temporal_sets, settings.interleave].map(u64::from);
     let words = slots.div_ceil(sets).div_ceil(interleave * interleave).div_ceil(32);
-    let words = words.min(2).min(((1 << 24) / pixels).max(1));
+    let words = words.min(2);
     pixels * (112 + 8 * (sets + 1) + 4 * words)
 }
 
