@@ -1,11 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// One occlusion ray for each pixel and VPL of its class (interleaved sampling, Wald et al. 2002).
-// Out: one bit each, 1 where the VPL sees the pixel; words of 32 VPLs, one plane of texels a word.
+// One occlusion ray for each pixel and VPL of its class (interleaved sampling, Wald et al. 2002). Out: irradiance of the
+// pixel from those that it sees,
+//   E = sum phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V        (Keller 1997, with a bounded geometry term)
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
+#include "class_pixel.glsl"
 #include "interleave.glsl"
 #define TRACER_BINDING 8
 #include "tracer.glsl"
@@ -16,7 +18,8 @@ layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
 layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
-layout(set = 0, binding = 5, std430) writeonly buffer MaskWords { uint words[]; } visibility;
+// rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
+layout(set = 0, binding = 5, rgba32ui) uniform uimage2D class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
@@ -35,9 +38,10 @@ void main() {
     uvec2 pixel = (block * 8u + gl_LocalInvocationID.xy) * INTERLEAVE + place;
     bool inside = all(lessThan(pixel, frame.size));
     vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
+    vec4 normals = inside ? texelFetch(gbuffer_normal, ivec2(pixel), 0) : vec4(0.0);
+    vec3 irradiance = vec3(0.0);
     uint rays = 0u;
     if (position.w > 0.0) {
-        vec4 normals = texelFetch(gbuffer_normal, ivec2(pixel), 0);
         vec3 shading = octahedral_decode(normals.xy);
         vec3 geometric = octahedral_decode(normals.zw);
         vec3 start = position.xyz + geometric * ray_offset(position.xyz);
@@ -53,15 +57,20 @@ void main() {
                 if (share > ray_chance(pixel, vpls.data[i].slot)) chosen |= 1u << (i - begin);
             }
             rays += uint(bitCount(chosen));
-            uint bits = 0u;
             for (; chosen != 0u; chosen &= chosen - 1u) {
-                uint bit = uint(findLSB(chosen));
-                GpuVpl vpl = vpls.data[begin + bit];
+                GpuVpl vpl = vpls.data[begin + uint(findLSB(chosen))];
                 vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
-                if (!trace_occluded(start, to_vpl, 0.0, 1.0)) bits |= 1u << bit;
+                if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
+                vec3 full = contribution(vpl, position.xyz, shading);
+                irradiance += full / max(ray_share(full), 1e-8);
             }
-            visibility.words[(word * frame.size.y + pixel.y) * frame.size.x + pixel.x] = bits;
         }
+        // Later chunks of the set's VPLs add to the earlier ones.
+        if (push.first_word > 0u) irradiance += uintBitsToFloat(imageLoad(class_irradiance, ivec2(pixel)).rgb);
+    }
+    if (inside) {
+        uint surface = pack_surface(position.w, normals.xy);
+        imageStore(class_irradiance, ivec2(pixel), uvec4(floatBitsToUint(irradiance), surface));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

@@ -15,13 +15,14 @@
 
 #define TRACER_BUFFER(offset) \
     layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
+#define TRACER_TEXELS(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset) uniform utextureBuffer
 
 // Five words a node.
-TRACER_BUFFER(0) bvh_nodes_block { uvec4 words[]; } bvh_nodes;
+TRACER_TEXELS(0) bvh_nodes;
 // Three words a triangle: corners with (id, masked, material).
-TRACER_BUFFER(1) bvh_triangles_block { uvec4 words[]; } bvh_triangles;
+TRACER_TEXELS(1) bvh_triangles;
 // Four words an instance: three rows of world to object, then (root, instance).
-TRACER_BUFFER(2) bvh_instances_block { uvec4 words[]; } bvh_instances;
+TRACER_TEXELS(2) bvh_instances;
 // Two words a masked triangle: three pairs of texture coordinates, then the mask.
 TRACER_BUFFER(3) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
 // (first word of bits, width, height).
@@ -83,7 +84,7 @@ TracerRay tracer_prepare(vec3 origin, vec3 direction) {
 }
 
 vec4 tracer_unpack_bytes(uint bytes) {
-    return vec4(uvec4(bytes, bytes >> 8, bytes >> 16, bytes >> 24) & 0xffu);
+    return vec4(ivec4(uvec4(bytes, bytes >> 8, bytes >> 16, bytes >> 24) & 0xffu));
 }
 
 // Bits of those of four children that are met, spread by visiting order or primitive.
@@ -112,9 +113,9 @@ uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t
     vec3 far = start + padding;
 
     // Test four children at a time.
-    uvec4 planes_x = bvh_nodes.words[node + 2u];
-    uvec4 planes_y = bvh_nodes.words[node + 3u];
-    uvec4 planes_z = bvh_nodes.words[node + 4u];
+    uvec4 planes_x = texelFetch(bvh_nodes, int(node + 2u));
+    uvec4 planes_y = texelFetch(bvh_nodes, int(node + 3u));
+    uvec4 planes_z = texelFetch(bvh_nodes, int(node + 4u));
     planes_x = ray.inverse.x < 0.0 ? planes_x.zwxy : planes_x;
     planes_y = ray.inverse.y < 0.0 ? planes_y.zwxy : planes_y;
     planes_z = ray.inverse.z < 0.0 ? planes_z.zwxy : planes_z;
@@ -146,13 +147,15 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
 }
 
-// Replaces the hit if the ray meets the triangle nearer, or as near with lower indices; hit.t is the
+// Whether the ray meets the triangle nearer than the hit, or as near with lower indices, alpha mask or not; hit.t is the
 // upper bound of t, and hit.instance is TRACER_NONE before the first hit.
-bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_min, inout TracerHit hit) {
+bool tracer_test_triangle(
+    uint triangle, uint instance, TracerRay ray, float t_min, TracerHit hit, out TracerHit met, out uint masked
+) {
     // Move the corners into the frame of the ray.
-    uvec4 word_a = bvh_triangles.words[triangle * 3u];
-    uvec4 word_b = bvh_triangles.words[triangle * 3u + 1u];
-    uvec4 word_c = bvh_triangles.words[triangle * 3u + 2u];
+    uvec4 word_a = texelFetch(bvh_triangles, int(triangle * 3u));
+    uvec4 word_b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
+    uvec4 word_c = texelFetch(bvh_triangles, int(triangle * 3u + 2u));
     vec3 a = tracer_turn(uintBitsToFloat(word_a.xyz) - ray.origin, ray.main_axis);
     vec3 b = tracer_turn(uintBitsToFloat(word_b.xyz) - ray.origin, ray.main_axis);
     vec3 c = tracer_turn(uintBitsToFloat(word_c.xyz) - ray.origin, ray.main_axis);
@@ -165,10 +168,7 @@ bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_m
     precise float v = a2.x * c2.y - a2.y * c2.x;
     precise float w = b2.x * a2.y - b2.y * a2.x;
     precise float det = u + v + w;
-    bool outside = min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0;
-    if (outside || det == 0.0) {
-        return false;
-    }
+    bool inside = det != 0.0 && !(min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0);
 
     // Interpolate the distance along the main axis.
     precise float scale = 1.0 / det;
@@ -177,20 +177,18 @@ bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_m
     bool lower = hit.instance != TRACER_NONE
         && (instance < hit.instance || (instance == hit.instance && word_a.w < hit.triangle));
     bool nearer = t < hit.t || (t == hit.t && lower);
-    if (!(t > t_min && nearer) || (word_b.w != 0u && !tracer_is_opaque(word_b.w, barycentrics))) {
-        return false;
-    }
-    hit = TracerHit(t, instance, word_a.w, word_c.w, barycentrics);
-    return true;
+    met = TracerHit(t, instance, word_a.w, word_c.w, barycentrics);
+    masked = word_b.w;
+    return inside && t > t_min && nearer;
 }
 
 // The ray in an instance's object space, not normalised, so that t stays the same; entered is (root
 // of its mesh, index into the scene's instances).
 TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 entered) {
-    vec4 row_x = uintBitsToFloat(bvh_instances.words[placed * 4u]);
-    vec4 row_y = uintBitsToFloat(bvh_instances.words[placed * 4u + 1u]);
-    vec4 row_z = uintBitsToFloat(bvh_instances.words[placed * 4u + 2u]);
-    entered = bvh_instances.words[placed * 4u + 3u].xy;
+    vec4 row_x = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u)));
+    vec4 row_y = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u + 1u)));
+    vec4 row_z = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u + 2u)));
+    entered = texelFetch(bvh_instances, int(placed * 4u + 3u)).xy;
     vec3 column_x = vec3(row_x.x, row_y.x, row_z.x);
     vec3 column_y = vec3(row_x.y, row_y.y, row_z.y);
     vec3 column_z = vec3(row_x.z, row_y.z, row_z.z);
@@ -200,7 +198,9 @@ TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 enter
     return tracer_prepare(moved, turned);
 }
 
-// Depth first through both levels; any_hit ends at the first hit, whichever it is.
+// Depth first through both levels; any_hit ends at the first hit, whichever it is. What happens seldom, to enter and leave
+// instances and to look at alpha masks, is kept out of the inner loop: drivers for CPUs spend time on both sides of
+// every branch.
 bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
     uvec2 stack[TRACER_STACK_SIZE];
@@ -215,72 +215,102 @@ bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool
         }
         group = uvec2(roots.x, 0x80000000u);
     }
+    // Triangles or, outside of all instances, instances that are still to be met.
+    uvec2 primitives = uvec2(0u);
     TracerRay ray = tracer_prepare(origin, direction);
     uint instance = TRACER_NONE;
-    int instance_height = 0;
+    // Height of the stack at which the instance, or everything, is done.
+    int base = 0;
+    // Hit on a triangle with a mask.
+    TracerHit met;
+    uint masked = 0u;
 
-    while (group.y != 0u) {
-        uvec2 primitives = group;
-        if (group.y > 0x00ffffffu) {
-            // Take the nearest child of the group, and leave the rest for later.
-            uint first = uint(findMSB(group.y));
-            uint slot = (first - 24u) ^ (ray.octant & 7u);
-            uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
-            group.y &= ~(1u << first);
-            if (group.y > 0x00ffffffu) {
-                stack[height++] = group;
+    while (true) {
+        while (true) {
+            while (primitives.y != 0u) {
+                uint first = uint(findMSB(primitives.y));
+                primitives.y &= ~(1u << first);
+                uint mask;
+                if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit, met, mask)) {
+                    masked = mask;
+                    if (mask != 0u) {
+                        break;
+                    }
+                    hit = met;
+                    if (any_hit) {
+                        return true;
+                    }
+                }
+            }
+            if (masked != 0u) {
+                break;
             }
 
-            // Intersect its children.
-            uvec4 head = bvh_nodes.words[node];
-            uvec4 links = bvh_nodes.words[node + 1u];
-            uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
-            group = uvec2(links.x, (hits & 0xff000000u) | (head.w >> 24));
-            primitives = uvec2(links.y, hits & 0x00ffffffu);
-        } else {
-            group.y = 0u;
+            // Go on with what was left for later.
+            if (group.y == 0u) {
+                if (height == base) {
+                    break;
+                }
+                group = stack[--height];
+            }
+            primitives = group;
+            if (group.y > 0x00ffffffu) {
+                // Take the nearest child of the group, and leave the rest for later.
+                uint first = uint(findMSB(group.y));
+                uint slot = (first - 24u) ^ (ray.octant & 7u);
+                uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
+                group.y &= ~(1u << first);
+                if (group.y > 0x00ffffffu) {
+                    stack[height++] = group;
+                }
+
+                // Intersect its children.
+                uvec4 head = texelFetch(bvh_nodes, int(node));
+                uvec4 links = texelFetch(bvh_nodes, int(node + 1u));
+                uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
+                group = uvec2(links.x, hits > 0x00ffffffu ? (hits & 0xff000000u) | (head.w >> 24) : 0u);
+                primitives = uvec2(links.y, hits & 0x00ffffffu);
+            } else {
+                group.y = 0u;
+            }
+            if (instance == TRACER_NONE && primitives.y != 0u) {
+                break;
+            }
         }
 
-        if (instance == TRACER_NONE && primitives.y != 0u) {
+        if (masked != 0u) {
+            if (tracer_is_opaque(masked, met.barycentrics)) {
+                hit = met;
+                if (any_hit) {
+                    return true;
+                }
+            }
+            masked = 0u;
+        } else if (instance != TRACER_NONE) {
+            // Back out of the instance.
+            ray = tracer_prepare(origin, direction);
+            instance = TRACER_NONE;
+            base = 0;
+        } else if (primitives.y != 0u) {
             // Enter one instance, and leave the others and this level's nodes for later.
             uint first = uint(findMSB(primitives.y));
             primitives.y &= ~(1u << first);
             if (primitives.y != 0u) {
                 stack[height++] = primitives;
             }
-            if (group.y > 0x00ffffffu) {
+            if (group.y != 0u) {
                 stack[height++] = group;
             }
             uvec2 entered;
             ray = tracer_enter(primitives.x + first, origin, direction, entered);
             instance = entered.y;
-            instance_height = height;
+            base = height;
             group = uvec2(entered.x, 0x80000000u);
-            continue;
-        }
-
-        // Test the triangles.
-        while (primitives.y != 0u) {
-            uint first = uint(findMSB(primitives.y));
-            primitives.y &= ~(1u << first);
-            if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit) && any_hit) {
-                return true;
-            }
-        }
-
-        // Go on with what was left for later; back out of the instance when none of that is its own.
-        if (group.y <= 0x00ffffffu) {
-            if (instance != TRACER_NONE && height == instance_height) {
-                ray = tracer_prepare(origin, direction);
-                instance = TRACER_NONE;
-            }
-            group = uvec2(0u);
-            if (height > 0) {
-                group = stack[--height];
-            }
+            primitives = uvec2(0u);
+        } else {
+            return hit.instance != TRACER_NONE;
         }
     }
-    return hit.instance != TRACER_NONE;
 }
 
 // Whether anything lies on the segment.

@@ -1,16 +1,18 @@
-//! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling).
+//! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling), and the irradiance
+//! from those VPLs that it sees.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
+use super::storage_image;
 use super::tracer::Tracer;
 use crate::vpl::SetVpls;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
-/// Most words of 32 VPLs that one dispatch does; a set that needs more goes in chunks. llvmpipe leaves a shader's loops for
-/// good after 65,535 turns in all, watchdogs of GPUs end long dispatches, and it bounds the memory.
+/// Most words of 32 VPLs of each class that one dispatch does; larger sets go in chunks. llvmpipe leaves a shader's loops for
+/// good after 65,535 turns in all, and watchdogs of GPUs end long dispatches.
 const WORDS_AT_ONCE: u32 = 2;
 
 /// Counters that workgroups share the rays out to.
@@ -28,7 +30,7 @@ pub struct UploadedSet {
     pub class_flux: Upload,
     /// Their sum.
     pub total_flux: f32,
-    /// Words of 32 visibility bits that the largest class needs.
+    /// Words of 32 VPLs that the largest class has.
     pub words: u32,
 }
 
@@ -49,11 +51,9 @@ impl UploadedSet {
 /// A run of words of every class, done in one go.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Chunk {
-    /// First word.
-    pub first_word: u32,
-    /// Number of words.
-    pub word_count: u32,
+struct Chunk {
+    first_word: u32,
+    word_count: u32,
 }
 
 /// What the pass reads.
@@ -71,20 +71,17 @@ pub struct IndirectShadowsInputs<'a> {
 /// The pass.
 pub struct IndirectShadowsPass {
     pipeline: Arc<ComputePipeline>,
-    visibility: Buffer,
+    class_irradiance: Image,
     counters: Buffer,
-    words: u32,
-    extent: [u32; 2],
     interleave: u32,
 }
 
 impl IndirectShadowsPass {
-    /// Makes the pipeline and visibility memory for sets of `set_size` slots.
+    /// Makes the pipeline and the image, of `extent` texels.
     pub fn new(
         device: &Arc<Device>,
         extent: [u32; 2],
         interleave: u32,
-        set_size: u32,
     ) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::specialised(
             device,
@@ -92,17 +89,12 @@ impl IndirectShadowsPass {
             shaders::INDIRECT_SHADOWS_COMP,
             &[interleave],
         )?;
-        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave, set_size)
+        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave)
     }
 
-    /// The same pass for pictures of `extent` texels and sets of `set_size` slots.
-    pub fn resized(
-        &self,
-        device: &Arc<Device>,
-        extent: [u32; 2],
-        set_size: u32,
-    ) -> Result<Self, VulkanError> {
-        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave, set_size)
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave)
     }
 
     fn with_pipeline(
@@ -110,33 +102,31 @@ impl IndirectShadowsPass {
         pipeline: Arc<ComputePipeline>,
         extent: [u32; 2],
         interleave: u32,
-        set_size: u32,
     ) -> Result<Self, VulkanError> {
-        let plane = u64::from(extent[0]) * u64::from(extent[1]) * 4;
-        let needed = set_size.div_ceil(interleave * interleave).div_ceil(32).max(1);
-        let words = needed.min(WORDS_AT_ONCE);
         Ok(Self {
             pipeline,
-            visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
+            class_irradiance: storage_image(
+                device,
+                "class_irradiance",
+                vk::Format::R32G32B32A32_UINT,
+                extent,
+            )?,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
-            words,
-            extent,
             interleave,
         })
     }
 
     /// The chunks that a set's VPLs are done in; at least one, so that an empty set gives black.
-    pub fn chunks(&self, set: &UploadedSet) -> Vec<Chunk> {
+    fn chunks(set: &UploadedSet) -> impl Iterator<Item = Chunk> {
         (0..set.words.max(1))
-            .step_by(self.words as usize)
+            .step_by(WORDS_AT_ONCE as usize)
             .map(|first_word| Chunk {
                 first_word,
-                word_count: self.words.min(set.words - first_word.min(set.words)),
+                word_count: WORDS_AT_ONCE.min(set.words - first_word.min(set.words)),
             })
-            .collect()
     }
 
-    /// The rays of this frame, for [`Self::rays`]; cleared by [`Self::start`].
+    /// The rays of this frame, for [`Self::rays`].
     pub fn counters(&self) -> &Buffer {
         &self.counters
     }
@@ -147,35 +137,33 @@ impl IndirectShadowsPass {
         counters.chunks_exact(8).step_by(COUNTER_STRIDE).take(COUNTERS).map(word).sum()
     }
 
-    /// One bit a pixel and VPL of the chunk.
-    pub fn visibility(&self) -> &Buffer {
-        &self.visibility
+    /// Irradiance of each pixel from its class as bits of floats; a: its surface, packed.
+    pub fn class_irradiance(&self) -> &Image {
+        &self.class_irradiance
     }
 
-    /// Forgets the rays of the last frame.
-    pub fn start(&self, frame: &mut Frame<'_>) {
-        frame.clear(&self.counters);
-    }
-
-    /// Casts the rays of one chunk.
+    /// Casts the rays of the set.
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadowsInputs<'_>,
-        chunk: &Chunk,
-    ) -> Result<&Buffer, VulkanError> {
-        let pass = frame
-            .pass("indirect_shadows", &self.pipeline)
-            .read("frame", inputs.frame)
-            .read("gbuffer_position", &inputs.gbuffer.position)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
-            .read("vpls", &inputs.set.vpls)
-            .read("class_starts", &inputs.set.class_starts)
-            .write("visibility", &self.visibility)
-            .write("counters", &self.counters)
-            .push(chunk);
-        inputs.tracer.bind(pass).dispatch_threads(class_grid(self.extent, self.interleave))?;
-        Ok(&self.visibility)
+    ) -> Result<&Image, VulkanError> {
+        frame.clear(&self.counters);
+        for chunk in Self::chunks(inputs.set) {
+            let pass = frame
+                .pass("indirect_shadows", &self.pipeline)
+                .read("frame", inputs.frame)
+                .read("gbuffer_position", &inputs.gbuffer.position)
+                .read("gbuffer_normal", &inputs.gbuffer.normal)
+                .read("vpls", &inputs.set.vpls)
+                .read("class_starts", &inputs.set.class_starts)
+                .write("class_irradiance", &self.class_irradiance)
+                .write("counters", &self.counters)
+                .push(&chunk);
+            let threads = class_grid(self.class_irradiance.extent(), self.interleave);
+            inputs.tracer.bind(pass).dispatch_threads(threads)?;
+        }
+        Ok(&self.class_irradiance)
     }
 }
 

@@ -24,12 +24,12 @@ impl Tracer {
     pub fn new(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
         let layout = bvh.gpu_layout();
         Ok(Self {
-            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?,
-            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?,
+            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?.with_texels()?,
+            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?.with_texels()?,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
-            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?,
+            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?.with_texels()?,
             roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
             static_builds: bvh.static_builds(),
             dynamic_builds: bvh.dynamic_builds(),

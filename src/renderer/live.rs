@@ -76,23 +76,17 @@ impl Passes {
     /// Makes whatever is another one with `new` settings; leaves everything as it was if that fails.
     fn change(&mut self, old: &Settings, new: &Settings, instances: usize) -> Result<(), VulkanError> {
         let (device, size) = (&self.device, new.size);
-        let set_size = new.vpls.div_ceil(new.temporal_sets);
         let resized = new.size != old.size;
         let interleaved = new.interleave != old.interleave;
         let shadows = if interleaved {
-            Some(IndirectShadowsPass::new(device, size, new.interleave, set_size)?)
-        } else if resized || set_size != old.vpls.div_ceil(old.temporal_sets) {
-            Some(self.indirect_shadows.resized(device, size, set_size)?)
-        } else {
-            None
-        };
-        let shading = if interleaved {
-            Some(IndirectShadingPass::new(device, size, new.interleave)?)
+            Some(IndirectShadowsPass::new(device, size, new.interleave)?)
         } else if resized {
-            Some(self.indirect_shading.resized(device, size)?)
+            Some(self.indirect_shadows.resized(device, size)?)
         } else {
             None
         };
+        let shading =
+            if interleaved { Some(IndirectShadingPass::new(device, new.interleave)?) } else { None };
         let sets = if resized || new.temporal_sets != old.temporal_sets {
             Some(SetHistory::new(device, size, new.temporal_sets, instances)?)
         } else {

@@ -64,18 +64,13 @@ impl Passes {
         settings: &Settings,
         instances: usize,
     ) -> Result<Self, VulkanError> {
-        let Settings { size, interleave, temporal_sets, vpls, .. } = *settings;
+        let Settings { size, interleave, temporal_sets, .. } = *settings;
         Ok(Self {
             gbuffer: GBufferPass::new(device, scene, size)?,
             direct_shadows: DirectShadowsPass::new(device)?,
             direct_shading: DirectShadingPass::new(device, size)?,
-            indirect_shadows: IndirectShadowsPass::new(
-                device,
-                size,
-                interleave,
-                vpls.div_ceil(temporal_sets),
-            )?,
-            indirect_shading: IndirectShadingPass::new(device, size, interleave)?,
+            indirect_shadows: IndirectShadowsPass::new(device, size, interleave)?,
+            indirect_shading: IndirectShadingPass::new(device, interleave)?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,
             views: ViewPasses::default(),
@@ -112,15 +107,10 @@ impl Passes {
         let lit = DirectShadingInputs { frame: uniforms, surfaces, shadows: &shadows, scene, instances };
         let direct = self.direct_shading.record(frame, &lit)?;
 
-        self.indirect_shadows.start(frame);
-        let visibility = self.indirect_shadows.visibility();
         let rays = IndirectShadowsInputs { frame: uniforms, gbuffer, set: vpls, tracer };
-        let shading = IndirectShadingInputs { frame: uniforms, gbuffer, set: vpls, visibility };
-        for chunk in self.indirect_shadows.chunks(vpls) {
-            self.indirect_shadows.record(frame, &rays, &chunk)?;
-            self.indirect_shading.gather(frame, &shading, &chunk)?;
-        }
-        self.indirect_shading.filter(frame, &shading, &self.sets)?;
+        let class_irradiance = self.indirect_shadows.record(frame, &rays)?;
+        let shading = IndirectShadingInputs { frame: uniforms, gbuffer, set: vpls, class_irradiance };
+        self.indirect_shading.record(frame, &shading, &self.sets)?;
         let drawn = inputs.drawn;
         self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
         if self.sets.is_complete() && self.settled.is_some() {
@@ -156,7 +146,7 @@ impl Passes {
                 shadows: &shadows,
                 direct,
                 irradiance,
-                class_irradiance: self.indirect_shading.unfiltered(),
+                class_irradiance,
                 drawn_sets: &self.sets,
                 shown_sets,
                 exposure: self.combine.exposure(),

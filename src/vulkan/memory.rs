@@ -17,6 +17,8 @@ pub struct Buffer {
     pub(super) allocation: ManuallyDrop<Allocation>,
     pub(super) size: u64,
     pub(super) name: String,
+    /// All of it as texels; null where it was not asked for.
+    pub(super) texels: vk::BufferView,
     device: Arc<Device>,
 }
 
@@ -42,6 +44,7 @@ impl Buffer {
             .usage(
                 vk::BufferUsageFlags::STORAGE_BUFFER
                     | vk::BufferUsageFlags::UNIFORM_BUFFER
+                    | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
                     | vk::BufferUsageFlags::VERTEX_BUFFER
                     | vk::BufferUsageFlags::INDEX_BUFFER
                     | vk::BufferUsageFlags::TRANSFER_SRC
@@ -66,6 +69,7 @@ impl Buffer {
             allocation: ManuallyDrop::new(allocation),
             size,
             name: name.to_owned(),
+            texels: vk::BufferView::null(),
             device: Arc::clone(device),
         };
         // SAFETY: the allocation was made for this buffer's requirements.
@@ -75,6 +79,27 @@ impl Buffer {
         .map_err(VulkanError::call("binding memory", format!("buffer {name}")))?;
         device.set_name(raw, name);
         Ok(buffer)
+    }
+
+    /// The same buffer, to be read as texels of four 32-bit words (`utextureBuffer`).
+    ///
+    /// # Errors
+    /// If it has more texels than the device can address.
+    pub fn with_texels(mut self) -> Result<Self, VulkanError> {
+        const TEXEL: u64 = 16;
+        let limit = u64::from(self.device.limits().max_texel_buffer_elements);
+        if self.size / TEXEL > limit {
+            let what = format!("buffer {} of {} texels", self.name, self.size / TEXEL);
+            return Err(VulkanError::Limit { what, limit });
+        }
+        let info = vk::BufferViewCreateInfo::default()
+            .buffer(self.raw)
+            .format(vk::Format::R32G32B32A32_UINT)
+            .range(self.size / TEXEL * TEXEL);
+        // SAFETY: the buffer was made for such views; this one is destroyed before it, in `drop`.
+        self.texels = unsafe { self.device.raw().create_buffer_view(&info, None) }
+            .map_err(VulkanError::call("creation", format!("texels of buffer {}", self.name)))?;
+        Ok(self)
     }
 
     /// Size in bytes.
@@ -93,6 +118,7 @@ impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
         unsafe {
+            self.device.raw().destroy_buffer_view(self.texels, None);
             self.device.raw().destroy_buffer(self.raw, None);
             free(&self.device, ManuallyDrop::take(&mut self.allocation));
         }

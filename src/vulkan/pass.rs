@@ -235,12 +235,14 @@ impl<'f> Pass<'f> {
 
     fn write_descriptors(&self, set: vk::DescriptorSet) {
         let mut buffer_infos = Vec::new();
+        let mut views = Vec::new();
         let mut image_infos = Vec::new();
         let mut order = Vec::new();
         for (name, binding) in self.layout.pass_bindings() {
             match self.bound[name].resource {
                 Resource::Buffer(slice) => {
                     order.push((binding, true, buffer_infos.len()));
+                    views.push([slice.buffer.texels]);
                     buffer_infos.push([vk::DescriptorBufferInfo {
                         buffer: slice.buffer.raw,
                         offset: slice.offset,
@@ -264,7 +266,9 @@ impl<'f> Pass<'f> {
                     .dst_set(set)
                     .dst_binding(binding.binding)
                     .descriptor_type(binding.kind.descriptor_type());
-                if is_buffer {
+                if binding.kind == BindingKind::TexelBuffer {
+                    write.texel_buffer_view(&views[index])
+                } else if is_buffer {
                     write.buffer_info(&buffer_infos[index])
                 } else {
                     write.image_info(&image_infos[index])
@@ -278,6 +282,9 @@ impl<'f> Pass<'f> {
 
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
     match (kind, bound.resource) {
+        (BindingKind::TexelBuffer, Resource::Buffer(slice)) => {
+            !bound.write && slice.buffer.texels != vk::BufferView::null()
+        }
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
         | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => !bound.write,
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass, Word};
+use rspirv::spirv::{Decoration, Dim, ExecutionMode, Op, StorageClass, Word};
 
 use super::VulkanError;
 
@@ -16,6 +16,8 @@ pub enum BindingKind {
     StorageBuffer,
     /// `readonly buffer` block.
     ReadOnlyStorageBuffer,
+    /// `utextureBuffer`.
+    TexelBuffer,
     /// `texture2D`, `texture2DArray`.
     SampledImage,
     /// `image2D`, `image2DArray`.
@@ -164,6 +166,9 @@ impl<'a> Reader<'a> {
             StorageClass::StorageBuffer => Some(BindingKind::StorageBuffer),
             StorageClass::UniformConstant => {
                 let instruction = self.types.get(&pointee)?;
+                if instruction.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer)) {
+                    return Some(BindingKind::TexelBuffer);
+                }
                 match (instruction.class.opcode, instruction.operands.get(5)) {
                     (Op::TypeSampledImage, _) => Some(BindingKind::CombinedImageSampler),
                     (Op::TypeImage, Some(Operand::LiteralBit32(2))) => Some(BindingKind::StorageImage),
