@@ -8,16 +8,19 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "class_pixel.glsl"
+#include "vpls.glsl"
 #include "interleave.glsl"
+#define VPL_SET_BINDING 3
+#include "vpl_set.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
-layout(set = 0, binding = 3, std430) readonly buffer FluxBlock { float data[]; } class_flux;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
 
 layout(push_constant) uniform Push {
+    uint first_texel; // of the VPLs
     float total_flux; // of all classes
     uint layer;       // of the set buffers, for this set
 } push;
@@ -52,7 +55,7 @@ uvec4 texel_at(ivec2 at) {
 }
 
 // Luminous flux of a pixel's class.
-float flux_at(ivec2 at) { return class_flux.data[class_of(uvec2(at))]; }
+float flux_at(ivec2 at) { return vpl_class(push.first_texel, class_of(uvec2(at))).flux; }
 
 // The window is centred on its pixel: for even n it is one pixel wider, and both its ends, which are of the same
 // class, count for half. Off-centre by half a pixel, it would move steep gradients.
@@ -98,13 +101,14 @@ Centres centres_at(ivec2 first) {
 
 // One for each of the centres that the texel lies on the surface of.
 bvec4 same_surfaces(Centres centres, uint packed, ivec2 at) {
-    vec3 normal = normalize(unpack_normal(packed));
+    vec3 normal = unpack_normal(packed);
     float depth = unpack_depth(packed);
     vec4 slope = centres.slope_x * float(at.x) + centres.slope_y * float(at.y) + centres.slope_z;
     vec4 distance = depth * slope - centres.offset;
     vec4 cosine = normal.x * centres.shading_x + normal.y * centres.shading_y + normal.z * centres.shading_z;
-    bvec4 near = lessThanEqual(abs(distance), depth > 0.0 ? centres.tolerance : vec4(-1.0));
-    return bvec4(uvec4(near) & uvec4(greaterThanEqual(cosine, vec4(MIN_NORMAL_COSINE))));
+    bvec4 near = lessThanEqual(abs(distance), centres.tolerance);
+    bvec4 alike = greaterThanEqual(cosine, vec4(MIN_NORMAL_COSINE * length(normal)));
+    return bvec4(uvec4(near) & uvec4(alike) & uint(is_surface(packed)));
 }
 
 // Words of a bit for each pixel of a window.

@@ -15,6 +15,10 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "set_parameters.glsl"
 
+// Whether anything that is seen may have moved since a set was drawn, or the camera. CPU drivers spend time on what no
+// pixel needs too.
+layout(constant_id = 0) const bool MOVES = true;
+
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
@@ -64,7 +68,7 @@ void main() {
     uint count = 0u;
 
     // The sums of the last frame, where every set was in them and nothing may move.
-    uint may_move = (id.y & MAY_MOVE) != 0u ? 1u : 0u;
+    uint may_move = MOVES && (id.y & MAY_MOVE) != 0u ? 1u : 0u;
     uint running = may_move == 0u && gl_WorkGroupID.y % push.set_count != push.refresh ? push.running : 0u;
     for (uint i = running; i > 0u; i--) {
         vec4 last = imageLoad(irradiance, pixel);
@@ -99,7 +103,7 @@ void main() {
         tip_os = transform_point(instances.data[id.x - 1u].world_to_object, p + n);
     }
     uint first_other = running == 1u ? push.drawn_count : same_view_count;
-    for (uint i = first_other; i < push.drawn_count; i++) {
+    for (uint i = first_other; MOVES && i < push.drawn_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec3 p_then = p;
         vec3 n_then = n;

@@ -9,6 +9,8 @@
 #include "vpls.glsl"
 #include "class_pixel.glsl"
 #include "interleave.glsl"
+#define VPL_SET_BINDING 3
+#include "vpl_set.glsl"
 #define TRACER_BINDING 8
 #include "tracer.glsl"
 
@@ -16,8 +18,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
-layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
-layout(set = 0, binding = 4, std430) readonly buffer ClassBlock { uint data[]; } class_starts;
 // rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
 layout(set = 0, binding = 5, rgba32ui) uniform uimage2D class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
@@ -26,7 +26,7 @@ layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } count
 const uint COUNTERS = 4u;
 const uint COUNTER_STRIDE = 8u;
 
-layout(push_constant) uniform Push { uint first_word; uint word_count; } push;
+layout(push_constant) uniform Push { uint first_texel; uint first_word; uint word_count; } push;
 
 void main() {
     // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The
@@ -45,20 +45,20 @@ void main() {
         vec3 shading = octahedral_decode(normals.xy);
         vec3 geometric = octahedral_decode(normals.zw);
         vec3 start = position.xyz + geometric * ray_offset(position.xyz);
-        uint class_end = class_starts.data[pixel_class + 1u];
-        uint first = class_starts.data[pixel_class] + push.first_word * 32u;
+        VplClass of_pixel = vpl_class(push.first_texel, pixel_class);
         for (uint word = 0u; word < push.word_count; word++) {
-            uint begin = first + word * 32u;
-            uint end = min(begin + 32u, class_end);
+            uint begin = of_pixel.first + (push.first_word + word) * 32u;
+            uint end = min(begin + 32u, of_pixel.end);
             // What faces away needs no ray, and what brings little gets one seldom.
             uint chosen = 0u;
             for (uint i = begin; i < end; i++) {
-                float share = ray_share(contribution(vpls.data[i], position.xyz, shading));
-                if (share > ray_chance(pixel, vpls.data[i].slot)) chosen |= 1u << (i - begin);
+                GpuVpl vpl = vpl_at(push.first_texel, i);
+                float share = ray_share(contribution(vpl, position.xyz, shading));
+                if (share > ray_chance(pixel, vpl.slot)) chosen |= 1u << (i - begin);
             }
             rays += uint(bitCount(chosen));
             for (; chosen != 0u; chosen &= chosen - 1u) {
-                GpuVpl vpl = vpls.data[begin + uint(findLSB(chosen))];
+                GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen)));
                 vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
                 if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
                 vec3 full = contribution(vpl, position.xyz, shading);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
+use super::scene_buffers::Instances;
 use super::set_history::{DrawnSet, Redrawn, SetHistory, parameters, upload_parameters};
 use super::storage_image;
 use super::structs::SetParameters;
@@ -21,7 +22,7 @@ pub struct ReprojectionInputs<'a> {
     /// What the sets have drawn.
     pub sets: &'a SetHistory,
     /// Instances of this frame.
-    pub instances: &'a Upload,
+    pub instances: &'a Instances,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// What this frame drew.
@@ -75,7 +76,8 @@ impl Summed {
 
 /// The pass.
 pub struct IndirectReprojectionPass {
-    pipeline: Arc<ComputePipeline>,
+    /// For frames in which nothing has moved, and for all others.
+    pipelines: [Arc<ComputePipeline>; 2],
     irradiance: Image,
     /// What is in `irradiance`; none before the first frame.
     summed: Option<Summed>,
@@ -85,14 +87,16 @@ impl IndirectReprojectionPass {
     /// Makes the pipeline and its image of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let spirv = shaders::INDIRECT_REPROJECTION_COMP;
-        let pipeline = ComputePipeline::new(device, "indirect_reprojection", spirv)?;
-        Ok(Self { pipeline: Arc::new(pipeline), irradiance: irradiance(device, extent)?, summed: None })
+        let pipeline = |moves| {
+            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves]).map(Arc::new)
+        };
+        Ok(Self { pipelines: [pipeline(0)?, pipeline(1)?], irradiance: irradiance(device, extent)?, summed: None })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            pipeline: Arc::clone(&self.pipeline),
+            pipelines: self.pipelines.clone(),
             irradiance: irradiance(device, extent)?,
             summed: None,
         })
@@ -131,6 +135,7 @@ impl IndirectReprojectionPass {
             other.is_empty() && redrawn.before.same_view(&now) && summed.follows(last)
         };
         let redrawn = sets.redrawn().filter(goes_on);
+        let moves = !other.is_empty() || inputs.instances.may_move;
         let [before, after] = redrawn.map_or_else(Default::default, |redrawn| [redrawn.before, redrawn.now]);
         let set_count = to_u32(sets.parameters().len());
         let push = Push {
@@ -150,14 +155,14 @@ impl IndirectReprojectionPass {
         };
         let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
         frame
-            .pass("indirect_reprojection", &self.pipeline)
+            .pass("indirect_reprojection", &self.pipelines[usize::from(moves)])
             .read("frame", inputs.frame)
             .read("gbuffer_position", &inputs.gbuffer.position)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("gbuffer_instance", &inputs.gbuffer.instance)
             .read("set_buffers", sets.buffers())
             .read("set_parameters", &parameters)
-            .read("instances", inputs.instances)
+            .read("instances", &inputs.instances.data)
             .read("instance_history", sets.transforms())
             .write("irradiance", &self.irradiance)
             .push(&push)

@@ -25,6 +25,7 @@ pub struct IndirectShadingInputs<'a> {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
+    first_texel: u32,
     total_flux: f32,
     layer: u32,
 }
@@ -50,13 +51,15 @@ impl IndirectShadingPass {
     ) -> Result<(), VulkanError> {
         // A thread for four pixels, one below the other.
         let [width, height] = sets.buffers().extent();
-        let push = Push { total_flux: inputs.set.total_flux, layer: sets.spare_layer() };
+        let set = inputs.set;
+        let push =
+            Push { first_texel: set.first_texel(), total_flux: set.total_flux, layer: sets.spare_layer() };
         frame
             .pass("indirect_shading", &self.pipeline)
             .read("frame", inputs.frame)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("class_irradiance", inputs.class_irradiance)
-            .read("class_flux", &inputs.set.class_flux)
+            .read("vpl_set", &inputs.set.texels)
             .write("set_buffers", sets.buffers())
             .push(&push)
             .dispatch_over([width, height.div_ceil(4)])

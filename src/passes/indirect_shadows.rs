@@ -22,36 +22,52 @@ const COUNTER_STRIDE: usize = 8;
 
 /// The VPLs of the frame's set, uploaded.
 pub struct UploadedSet {
-    /// `GpuVpl`s, class by class.
-    pub vpls: Upload,
-    /// First VPL of each class, and the end.
-    pub class_starts: Upload,
-    /// Luminous flux of each class over all sets.
-    pub class_flux: Upload,
-    /// Their sum.
+    /// A [`ClassTexel`] for each class, then the [`GpuVpl`]s, class by class.
+    pub texels: Upload,
+    /// Luminous flux of all classes over all sets.
     pub total_flux: f32,
     /// Words of 32 VPLs that the largest class has.
-    pub words: u32,
+    words: u32,
+}
+
+/// What shaders/include/vpl_set.glsl has to know of a class.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ClassTexel {
+    first: u32,
+    end: u32,
+    /// Luminous, over all sets.
+    flux: f32,
+    pad: u32,
 }
 
 impl UploadedSet {
     /// Uploads a set, and the luminous flux of each class over all sets.
     pub fn new(frame: &mut Frame<'_>, set: &SetVpls, class_flux: &[f32]) -> Result<Self, VulkanError> {
-        let largest = set.class_starts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        let ranges = || set.class_starts.windows(2).map(|pair| (pair[0], pair[1]));
+        let classes: Vec<_> = ranges()
+            .zip(class_flux)
+            .map(|((first, end), &flux)| ClassTexel { first, end, flux, pad: 0 })
+            .collect();
+        let bytes = [bytemuck::cast_slice::<_, u8>(&classes), bytemuck::cast_slice(&set.vpls)].concat();
         Ok(Self {
-            vpls: frame.upload(&set.vpls)?,
-            class_starts: frame.upload(&set.class_starts)?,
-            class_flux: frame.upload(class_flux)?,
+            texels: frame.upload(&bytes)?,
             total_flux: class_flux.iter().sum(),
-            words: largest.div_ceil(32),
+            words: ranges().map(|(first, end)| end - first).max().unwrap_or(0).div_ceil(32),
         })
+    }
+
+    /// Where in the texels' buffer the set begins.
+    pub fn first_texel(&self) -> u32 {
+        self.texels.first_texel()
     }
 }
 
-/// A run of words of every class, done in one go.
+/// What one dispatch does: a run of words of every class.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 struct Chunk {
+    first_texel: u32,
     first_word: u32,
     word_count: u32,
 }
@@ -117,10 +133,11 @@ impl IndirectShadowsPass {
     }
 
     /// The chunks that a set's VPLs are done in; at least one, so that an empty set gives black.
-    fn chunks(set: &UploadedSet) -> impl Iterator<Item = Chunk> {
+    fn chunks(set: &UploadedSet) -> impl Iterator<Item = Chunk> + '_ {
         (0..set.words.max(1))
             .step_by(WORDS_AT_ONCE as usize)
             .map(|first_word| Chunk {
+                first_texel: set.first_texel(),
                 first_word,
                 word_count: WORDS_AT_ONCE.min(set.words - first_word.min(set.words)),
             })
@@ -155,8 +172,7 @@ impl IndirectShadowsPass {
                 .read("frame", inputs.frame)
                 .read("gbuffer_position", &inputs.gbuffer.position)
                 .read("gbuffer_normal", &inputs.gbuffer.normal)
-                .read("vpls", &inputs.set.vpls)
-                .read("class_starts", &inputs.set.class_starts)
+                .read("vpl_set", &inputs.set.texels)
                 .write("class_irradiance", &self.class_irradiance)
                 .write("counters", &self.counters)
                 .push(&chunk);

@@ -54,6 +54,8 @@ pub struct Instances {
     pub data: Upload,
     /// Whether they are, and move, as in the frame before.
     pub unchanged: bool,
+    /// Whether any of them may move.
+    pub may_move: bool,
 }
 
 impl SceneBuffers {
@@ -122,9 +124,10 @@ impl SceneBuffers {
             .collect();
         self.previous.clone_from(&pose.instances);
         let unchanged = data == self.uploaded;
+        let may_move = data.iter().any(|instance| instance.dynamic == 1);
         let upload = frame.upload(&data)?;
         self.uploaded = data;
-        Ok(Instances { data: upload, unchanged })
+        Ok(Instances { data: upload, unchanged, may_move })
     }
 
     /// What was uploaded last.

@@ -94,9 +94,8 @@ impl Passes {
         let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
         let surfaces = self.gbuffer.record(frame, &surfaces)?;
         let gbuffer = surfaces.gbuffer;
-        let instances = &instances.data;
         let shadows = ShadowInputs {
-            instances,
+            instances: &instances.data,
             scene,
             tracer,
             pose,
@@ -104,7 +103,13 @@ impl Passes {
             size: inputs.settings.size,
         };
         let shadows = self.direct_shadows.record(frame, &shadows)?;
-        let lit = DirectShadingInputs { frame: uniforms, surfaces, shadows: &shadows, scene, instances };
+        let lit = DirectShadingInputs {
+            frame: uniforms,
+            surfaces,
+            shadows: &shadows,
+            scene,
+            instances: &instances.data,
+        };
         let direct = self.direct_shading.record(frame, &lit)?;
 
         let rays = IndirectShadowsInputs { frame: uniforms, gbuffer, set: vpls, tracer };

@@ -172,7 +172,7 @@ impl Slot {
     }
 
     fn new_chunk(&self, size: u64) -> Result<Buffer, VulkanError> {
-        Buffer::in_memory(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)
+        Buffer::in_memory(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
     }
 }
 
@@ -200,6 +200,13 @@ pub struct Upload {
     buffer: Arc<Buffer>,
     offset: u64,
     size: u64,
+}
+
+impl Upload {
+    /// Where it begins in the buffer that `utextureBuffer` shows.
+    pub fn first_texel(&self) -> u32 {
+        u32::try_from(self.offset / Buffer::TEXEL).unwrap_or(u32::MAX)
+    }
 }
 
 impl<'a> From<&'a Upload> for BufferSlice<'a> {

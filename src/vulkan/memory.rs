@@ -23,7 +23,7 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// Memory of `size` bytes (at least 16 are made) that only the device reads and writes.
+    /// Memory of `size` bytes, rounded up to whole texels, that only the device reads and writes.
     pub fn new(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
         Self::in_memory(device, name, size, MemoryLocation::GpuOnly)
     }
@@ -34,7 +34,7 @@ impl Buffer {
         size: u64,
         location: MemoryLocation,
     ) -> Result<Self, VulkanError> {
-        let size = size.max(16);
+        let size = size.max(1).next_multiple_of(Self::TEXEL);
         let limit = u64::from(device.limits().max_storage_buffer_range);
         if size > limit {
             return Err(VulkanError::Limit { what: format!("buffer {name} of {size} bytes"), limit });
@@ -81,21 +81,23 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// The same buffer, to be read as texels of four 32-bit words (`utextureBuffer`).
+    /// Bytes of a texel: four words of 32 bits.
+    pub(super) const TEXEL: u64 = 16;
+
+    /// The same buffer, that `utextureBuffer` shows from its beginning, whatever part is bound.
     ///
     /// # Errors
     /// If it has more texels than the device can address.
     pub fn with_texels(mut self) -> Result<Self, VulkanError> {
-        const TEXEL: u64 = 16;
         let limit = u64::from(self.device.limits().max_texel_buffer_elements);
-        if self.size / TEXEL > limit {
-            let what = format!("buffer {} of {} texels", self.name, self.size / TEXEL);
+        if self.size / Self::TEXEL > limit {
+            let what = format!("buffer {} of {} texels", self.name, self.size / Self::TEXEL);
             return Err(VulkanError::Limit { what, limit });
         }
         let info = vk::BufferViewCreateInfo::default()
             .buffer(self.raw)
             .format(vk::Format::R32G32B32A32_UINT)
-            .range(self.size / TEXEL * TEXEL);
+            .range(self.size);
         // SAFETY: the buffer was made for such views; this one is destroyed before it, in `drop`.
         self.texels = unsafe { self.device.raw().create_buffer_view(&info, None) }
             .map_err(VulkanError::call("creation", format!("texels of buffer {}", self.name)))?;
