@@ -26,51 +26,79 @@ layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } count
 const uint COUNTERS = 4u;
 const uint COUNTER_STRIDE = 8u;
 
-layout(push_constant) uniform Push { uint first_texel; uint first_word; uint word_count; } push;
+layout(push_constant) uniform Push { uint first_texel; uint word; } push;
+
+// Pixels of a thread, 1 to 4: those of its class that follow one another down the picture.
+layout(constant_id = 1) const uint PIXELS = 1u;
+
+struct Surface {
+    vec3 position;
+    vec3 shading;
+    vec3 geometric;
+    uint packed; // see class_pixel.glsl
+};
+
+Surface surface_at(uvec2 pixel) {
+    bool inside = all(lessThan(pixel, frame.size));
+    vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
+    vec4 normals = texelFetch(gbuffer_normal, ivec2(min(pixel, frame.size - 1u)), 0);
+    return Surface(
+        position.xyz, octahedral_decode(normals.xy), octahedral_decode(normals.zw),
+        pack_surface(position.w, normals.xy));
+}
+
+// What the VPL would bring over the share of such rays that are cast; 0 where this is not one of them.
+vec3 chosen_contribution(GpuVpl vpl, Surface surface, uvec2 pixel) {
+    vec3 full = contribution(vpl, surface.position, surface.shading);
+    float share = ray_share(full);
+    return share > ray_chance(pixel, vpl.slot) ? full / share : vec3(0.0);
+}
 
 void main() {
     // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The
     // groups of the n^2 classes of one block of the picture follow one another, which keeps the block in
-    // the caches. Twin: `class_grid` in src/passes/indirect_shadows.rs.
+    // the caches. Twin: `threads` in src/passes/indirect_shadows.rs.
     uint pixel_class = gl_WorkGroupID.x % (INTERLEAVE * INTERLEAVE);
     uvec2 block = uvec2(gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE), gl_WorkGroupID.y);
     uvec2 place = uvec2(pixel_class % INTERLEAVE, pixel_class / INTERLEAVE);
-    uvec2 pixel = (block * 8u + gl_LocalInvocationID.xy) * INTERLEAVE + place;
-    bool inside = all(lessThan(pixel, frame.size));
-    vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
-    vec4 normals = inside ? texelFetch(gbuffer_normal, ivec2(pixel), 0) : vec4(0.0);
-    vec3 irradiance = vec3(0.0);
-    uint rays = 0u;
-    if (position.w > 0.0) {
-        vec3 shading = octahedral_decode(normals.xy);
-        vec3 geometric = octahedral_decode(normals.zw);
-        vec3 start = position.xyz + geometric * ray_offset(position.xyz);
-        VplClass of_pixel = vpl_class(push.first_texel, pixel_class);
-        for (uint word = 0u; word < push.word_count; word++) {
-            uint begin = of_pixel.first + (push.first_word + word) * 32u;
-            uint end = min(begin + 32u, of_pixel.end);
-            // What faces away needs no ray, and what brings little gets one seldom.
-            uint chosen = 0u;
-            for (uint i = begin; i < end; i++) {
-                GpuVpl vpl = vpl_at(push.first_texel, i);
-                float share = ray_share(contribution(vpl, position.xyz, shading));
-                if (share > ray_chance(pixel, vpl.slot)) chosen |= 1u << (i - begin);
-            }
-            rays += uint(bitCount(chosen));
-            for (; chosen != 0u; chosen &= chosen - 1u) {
-                GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen)));
-                vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
-                if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
-                vec3 full = contribution(vpl, position.xyz, shading);
-                irradiance += full / max(ray_share(full), 1e-8);
-            }
+    uvec2 first = (block * 8u + gl_LocalInvocationID.xy) * uvec2(1u, PIXELS) * INTERLEAVE + place;
+    uvec2 next = uvec2(0u, INTERLEAVE);
+
+    VplClass of_pixels = vpl_class(push.first_texel, pixel_class);
+    uint begin = of_pixels.first + push.word * 32u;
+    uint end = min(begin + 32u, of_pixels.end);
+    // What faces away needs no ray, and what brings little gets one seldom.
+    uvec4 chosen = uvec4(0u);
+    Surface surface;
+    for (uint i = 0u; i < PIXELS; i++) {
+        surface = surface_at(first + i * next);
+        for (uint v = begin; v < end && is_surface(surface.packed); v++) {
+            vec3 light = chosen_contribution(vpl_at(push.first_texel, v), surface, first + i * next);
+            chosen[i] |= light != vec3(0.0) ? 1u << (v - begin) : 0u;
         }
-        // Later chunks of the set's VPLs add to the earlier ones.
-        if (push.first_word > 0u) irradiance += uintBitsToFloat(imageLoad(class_irradiance, ivec2(pixel)).rgb);
     }
-    if (inside) {
-        uint surface = pack_surface(position.w, normals.xy);
-        imageStore(class_irradiance, ivec2(pixel), uvec4(floatBitsToUint(irradiance), surface));
+    ivec4 counts = bitCount(chosen);
+    uint rays = uint(counts.x + counts.y + counts.z + counts.w);
+
+    mat4x3 irradiance = mat4x3(0.0);
+    while (chosen != uvec4(0u)) {
+        uint i = PIXELS == 1u || chosen.x != 0u ? 0u : chosen.y != 0u ? 1u : chosen.z != 0u ? 2u : 3u;
+        if (PIXELS > 1u) surface = surface_at(first + i * next);
+        GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen[i])));
+        chosen[i] &= chosen[i] - 1u;
+        vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
+        vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
+        if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
+        irradiance[i] += chosen_contribution(vpl, surface, first + i * next);
+    }
+
+    for (uint i = 0u; i < PIXELS; i++) {
+        ivec2 pixel = ivec2(first + i * next);
+        if (any(greaterThanEqual(pixel, ivec2(frame.size)))) break;
+        // Later words of the set's VPLs add to the earlier ones.
+        vec3 sum = irradiance[i];
+        if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, pixel).rgb);
+        imageStore(class_irradiance, pixel, uvec4(floatBitsToUint(sum), surface_at(uvec2(pixel)).packed));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

@@ -90,16 +90,16 @@ impl IndirectReprojectionPass {
         let pipeline = |moves| {
             ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves]).map(Arc::new)
         };
-        Ok(Self { pipelines: [pipeline(0)?, pipeline(1)?], irradiance: irradiance(device, extent)?, summed: None })
+        Ok(Self {
+            pipelines: [pipeline(0)?, pipeline(1)?],
+            irradiance: irradiance(device, extent)?,
+            summed: None,
+        })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            pipelines: self.pipelines.clone(),
-            irradiance: irradiance(device, extent)?,
-            summed: None,
-        })
+        Ok(Self { pipelines: self.pipelines.clone(), irradiance: irradiance(device, extent)?, summed: None })
     }
 
     /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface, negative where that may

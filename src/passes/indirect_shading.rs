@@ -39,7 +39,9 @@ impl IndirectShadingPass {
     /// Makes the pipeline.
     pub fn new(device: &Arc<Device>, interleave: u32) -> Result<Self, VulkanError> {
         let spirv = shaders::DISCONTINUITY_FILTER_COMP;
-        Ok(Self { pipeline: ComputePipeline::specialised(device, "discontinuity_filter", spirv, &[interleave])? })
+        Ok(Self {
+            pipeline: ComputePipeline::specialised(device, "discontinuity_filter", spirv, &[interleave])?,
+        })
     }
 
     /// Filters into the spare layer of the set buffers.

@@ -11,9 +11,15 @@ use super::tracer::Tracer;
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
-/// Most words of 32 VPLs of each class that one dispatch does; larger sets go in chunks. llvmpipe leaves a shader's loops for
-/// good after 65,535 turns in all, and watchdogs of GPUs end long dispatches.
-const WORDS_AT_ONCE: u32 = 2;
+/// VPLs of each class that one dispatch does: llvmpipe leaves a shader's loops for good after 65,535 turns in all, and
+/// watchdogs of GPUs end long dispatches.
+const WORD: u32 = 32;
+
+/// Pixels of a thread that takes care of several. Twin: `PIXELS` in shaders/indirect_shadows.comp.
+const JOINED: u32 = 4;
+
+/// Up to this many VPLs of a class that pays.
+const FEW: u32 = 8;
 
 /// Counters that workgroups share the rays out to.
 const COUNTERS: usize = 4;
@@ -26,8 +32,8 @@ pub struct UploadedSet {
     pub texels: Upload,
     /// Luminous flux of all classes over all sets.
     pub total_flux: f32,
-    /// Words of 32 VPLs that the largest class has.
-    words: u32,
+    /// VPLs of the largest class.
+    largest_class: u32,
 }
 
 /// What shaders/include/vpl_set.glsl has to know of a class.
@@ -53,7 +59,7 @@ impl UploadedSet {
         Ok(Self {
             texels: frame.upload(&bytes)?,
             total_flux: class_flux.iter().sum(),
-            words: ranges().map(|(first, end)| end - first).max().unwrap_or(0).div_ceil(32),
+            largest_class: ranges().map(|(first, end)| end - first).max().unwrap_or(0),
         })
     }
 
@@ -63,13 +69,12 @@ impl UploadedSet {
     }
 }
 
-/// What one dispatch does: a run of words of every class.
+/// What one dispatch does: a word of every class.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-struct Chunk {
+struct Push {
     first_texel: u32,
-    first_word: u32,
-    word_count: u32,
+    word: u32,
 }
 
 /// What the pass reads.
@@ -86,61 +91,43 @@ pub struct IndirectShadowsInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadowsPass {
-    pipeline: Arc<ComputePipeline>,
+    /// With one pixel a thread.
+    single: Arc<ComputePipeline>,
+    /// With [`JOINED`] pixels a thread, on CPU devices: they run eight threads in step, and where each has hardly a ray most
+    /// of them wait.
+    joined: Option<Arc<ComputePipeline>>,
     class_irradiance: Image,
     counters: Buffer,
     interleave: u32,
 }
 
 impl IndirectShadowsPass {
-    /// Makes the pipeline and the image, of `extent` texels.
-    pub fn new(
-        device: &Arc<Device>,
-        extent: [u32; 2],
-        interleave: u32,
-    ) -> Result<Self, VulkanError> {
-        let pipeline = ComputePipeline::specialised(
-            device,
-            "indirect_shadows",
-            shaders::INDIRECT_SHADOWS_COMP,
-            &[interleave],
-        )?;
-        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave)
-    }
-
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave)
-    }
-
-    fn with_pipeline(
-        device: &Arc<Device>,
-        pipeline: Arc<ComputePipeline>,
-        extent: [u32; 2],
-        interleave: u32,
-    ) -> Result<Self, VulkanError> {
+    /// Makes the pipelines and the image, of `extent` texels.
+    pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
+        let pipeline = |pixels| {
+            let spirv = shaders::INDIRECT_SHADOWS_COMP;
+            ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave, pixels])
+                .map(Arc::new)
+        };
+        let is_cpu = device.info().kind == "cpu";
         Ok(Self {
-            pipeline,
-            class_irradiance: storage_image(
-                device,
-                "class_irradiance",
-                vk::Format::R32G32B32A32_UINT,
-                extent,
-            )?,
+            single: pipeline(1)?,
+            joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
+            class_irradiance: class_irradiance(device, extent)?,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave,
         })
     }
 
-    /// The chunks that a set's VPLs are done in; at least one, so that an empty set gives black.
-    fn chunks(set: &UploadedSet) -> impl Iterator<Item = Chunk> + '_ {
-        (0..set.words.max(1))
-            .step_by(WORDS_AT_ONCE as usize)
-            .map(|first_word| Chunk {
-                first_texel: set.first_texel(),
-                first_word,
-                word_count: WORDS_AT_ONCE.min(set.words - first_word.min(set.words)),
-            })
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            single: Arc::clone(&self.single),
+            joined: self.joined.clone(),
+            class_irradiance: class_irradiance(device, extent)?,
+            counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
+            interleave: self.interleave,
+        })
     }
 
     /// The rays of this frame, for [`Self::rays`].
@@ -166,27 +153,36 @@ impl IndirectShadowsPass {
         inputs: &IndirectShadowsInputs<'_>,
     ) -> Result<&Image, VulkanError> {
         frame.clear(&self.counters);
-        for chunk in Self::chunks(inputs.set) {
+        let set = inputs.set;
+        let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
+        let (pipeline, pixels) = joined.map_or((&self.single, 1), |joined| (joined, JOINED));
+        // At least one, so that an empty set gives black.
+        for word in 0..set.largest_class.div_ceil(WORD).max(1) {
             let pass = frame
-                .pass("indirect_shadows", &self.pipeline)
+                .pass("indirect_shadows", pipeline)
                 .read("frame", inputs.frame)
                 .read("gbuffer_position", &inputs.gbuffer.position)
                 .read("gbuffer_normal", &inputs.gbuffer.normal)
-                .read("vpl_set", &inputs.set.texels)
+                .read("vpl_set", &set.texels)
                 .write("class_irradiance", &self.class_irradiance)
                 .write("counters", &self.counters)
-                .push(&chunk);
-            let threads = class_grid(self.class_irradiance.extent(), self.interleave);
-            inputs.tracer.bind(pass).dispatch_threads(threads)?;
+                .push(&Push { first_texel: set.first_texel(), word });
+            inputs.tracer.bind(pass).dispatch_threads(self.threads(pixels))?;
         }
         Ok(&self.class_irradiance)
     }
+
+    /// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
+    /// the pixels of a thread downwards.
+    fn threads(&self, pixels: u32) -> [u32; 3] {
+        const GROUP: u32 = 8;
+        let [width, height] = self.class_irradiance.extent();
+        let columns = width.div_ceil(GROUP * self.interleave);
+        let rows = height.div_ceil(GROUP * self.interleave * pixels);
+        [columns * self.interleave * self.interleave * GROUP, rows * GROUP, 1]
+    }
 }
 
-/// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block
-/// of 8n x 8n pixels.
-fn class_grid(extent: [u32; 2], interleave: u32) -> [u32; 3] {
-    const GROUP: u32 = 8;
-    let blocks = extent.map(|side| side.div_ceil(GROUP * interleave));
-    [blocks[0] * interleave * interleave * GROUP, blocks[1] * GROUP, 1]
+fn class_irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "class_irradiance", vk::Format::R32G32B32A32_UINT, extent)
 }
