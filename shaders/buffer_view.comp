@@ -19,7 +19,7 @@ layout(set = 0, binding = 4, std430) readonly buffer MaterialBlock { MaterialDat
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 7) uniform texture2D direct;
 layout(set = 0, binding = 8) uniform texture2D irradiance;
-layout(set = 0, binding = 9) uniform utexture2D class_irradiance;
+layout(set = 0, binding = 9) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 10) uniform texture2DArray set_buffers;
 layout(set = 0, binding = 11, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 12, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
@@ -153,7 +153,7 @@ vec3 light_view(ivec2 pixel) {
     vec3 e = texelFetch(irradiance, pixel, 0).rgb;
     vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
     switch (push.view) {
-        case UNFILTERED: return lit(uintBitsToFloat(texelFetch(class_irradiance, pixel, 0).rgb) * push.unfiltered);
+        case UNFILTERED: return lit(uintBitsToFloat(texelFetch(class_irradiance, pixel.y * int(frame.size.x) + pixel.x).rgb) * push.unfiltered);
         case IRRADIANCE: return lit(e);
         default: return shown(albedo / PI * e * exposure.factor);
     }

@@ -16,7 +16,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
-layout(set = 0, binding = 2) uniform utexture2D class_irradiance;
+layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
 
 layout(push_constant) uniform Push {
@@ -51,7 +51,7 @@ Surface surface_at(ivec2 pixel, float depth) {
 // Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
 uvec4 texel_at(ivec2 at) {
     bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));
-    return inside ? texelFetch(class_irradiance, at, 0) : uvec4(0u);
+    return inside ? texelFetch(class_irradiance, at.y * int(frame.size.x) + at.x) : uvec4(0u);
 }
 
 // Luminous flux of a pixel's class.

@@ -19,7 +19,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 // rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
-layout(set = 0, binding = 5, rgba32ui) uniform uimage2D class_irradiance;
+layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
@@ -93,12 +93,13 @@ void main() {
     }
 
     for (uint i = 0u; i < PIXELS; i++) {
-        ivec2 pixel = ivec2(first + i * next);
-        if (any(greaterThanEqual(pixel, ivec2(frame.size)))) break;
+        uvec2 pixel = first + i * next;
+        if (any(greaterThanEqual(pixel, frame.size))) break;
+        int at = int(pixel.y * frame.size.x + pixel.x);
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
-        if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, pixel).rgb);
-        imageStore(class_irradiance, pixel, uvec4(floatBitsToUint(sum), surface_at(uvec2(pixel)).packed));
+        if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, at).rgb);
+        imageStore(class_irradiance, at, uvec4(floatBitsToUint(sum), surface_at(pixel).packed));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

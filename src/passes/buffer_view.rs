@@ -133,7 +133,7 @@ pub struct BufferViewInputs<'a> {
     /// Whether it is that of one VPL.
     pub one_vpl: bool,
     /// Irradiance before the filter.
-    pub class_irradiance: &'a Image,
+    pub class_irradiance: &'a Buffer,
     /// What the sets have drawn.
     pub sets: &'a SetHistory,
     /// Which of them to show.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::gbuffer::GBuffer;
 use super::indirect_shadows::UploadedSet;
 use super::set_history::SetHistory;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
 
 /// What the pass reads.
 pub struct IndirectShadingInputs<'a> {
@@ -19,7 +19,7 @@ pub struct IndirectShadingInputs<'a> {
     /// The VPLs.
     pub set: &'a UploadedSet,
     /// Irradiance of each pixel from its class, and its surface.
-    pub class_irradiance: &'a Image,
+    pub class_irradiance: &'a Buffer,
 }
 
 #[repr(C)]

@@ -6,10 +6,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
-use super::storage_image;
 use super::tracer::Tracer;
 use crate::vpl::SetVpls;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
 
 /// VPLs of each class that one dispatch does: llvmpipe leaves a shader's loops for good after 65,535 turns in all, and
 /// watchdogs of GPUs end long dispatches.
@@ -96,7 +95,9 @@ pub struct IndirectShadowsPass {
     /// With [`JOINED`] pixels a thread, on CPU devices: they run eight threads in step, and where each has hardly a ray most
     /// of them wait.
     joined: Option<Arc<ComputePipeline>>,
-    class_irradiance: Image,
+    /// A texel a pixel, row by row.
+    class_irradiance: Buffer,
+    extent: [u32; 2],
     counters: Buffer,
     interleave: u32,
 }
@@ -114,6 +115,7 @@ impl IndirectShadowsPass {
             single: pipeline(1)?,
             joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
             class_irradiance: class_irradiance(device, extent)?,
+            extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave,
         })
@@ -125,6 +127,7 @@ impl IndirectShadowsPass {
             single: Arc::clone(&self.single),
             joined: self.joined.clone(),
             class_irradiance: class_irradiance(device, extent)?,
+            extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave: self.interleave,
         })
@@ -142,7 +145,7 @@ impl IndirectShadowsPass {
     }
 
     /// Irradiance of each pixel from its class as bits of floats; a: its surface, packed.
-    pub fn class_irradiance(&self) -> &Image {
+    pub fn class_irradiance(&self) -> &Buffer {
         &self.class_irradiance
     }
 
@@ -151,7 +154,7 @@ impl IndirectShadowsPass {
         &self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadowsInputs<'_>,
-    ) -> Result<&Image, VulkanError> {
+    ) -> Result<&Buffer, VulkanError> {
         frame.clear(&self.counters);
         let set = inputs.set;
         let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
@@ -176,13 +179,14 @@ impl IndirectShadowsPass {
     /// the pixels of a thread downwards.
     fn threads(&self, pixels: u32) -> [u32; 3] {
         const GROUP: u32 = 8;
-        let [width, height] = self.class_irradiance.extent();
+        let [width, height] = self.extent;
         let columns = width.div_ceil(GROUP * self.interleave);
         let rows = height.div_ceil(GROUP * self.interleave * pixels);
         [columns * self.interleave * self.interleave * GROUP, rows * GROUP, 1]
     }
 }
 
-fn class_irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    storage_image(device, "class_irradiance", vk::Format::R32G32B32A32_UINT, extent)
+fn class_irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanError> {
+    let pixels = u64::from(extent[0]) * u64::from(extent[1]);
+    Buffer::of_texels(device, "class_irradiance", pixels)
 }

@@ -122,7 +122,7 @@ pub(super) struct ViewSources<'a> {
     pub shadows: &'a Shadows<'a>,
     pub direct: &'a Image,
     pub irradiance: &'a Image,
-    pub class_irradiance: &'a Image,
+    pub class_irradiance: &'a Buffer,
     /// The sets that this frame adds to.
     pub drawn_sets: &'a SetHistory,
     /// The sets that the picture is made of.

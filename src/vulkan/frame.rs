@@ -172,7 +172,7 @@ impl Slot {
     }
 
     fn new_chunk(&self, size: u64) -> Result<Buffer, VulkanError> {
-        Buffer::in_memory(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
+        Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
     }
 }
 
@@ -439,6 +439,7 @@ fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
         vk::DescriptorType::UNIFORM_BUFFER,
         vk::DescriptorType::STORAGE_BUFFER,
         vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
+        vk::DescriptorType::STORAGE_TEXEL_BUFFER,
         vk::DescriptorType::SAMPLED_IMAGE,
         vk::DescriptorType::STORAGE_IMAGE,
         vk::DescriptorType::COMBINED_IMAGE_SAMPLER,

@@ -25,7 +25,26 @@ pub struct Buffer {
 impl Buffer {
     /// Memory of `size` bytes, rounded up to whole texels, that only the device reads and writes.
     pub fn new(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
-        Self::in_memory(device, name, size, MemoryLocation::GpuOnly)
+        Self::storable(device, name, size, MemoryLocation::GpuOnly)
+    }
+
+    /// The same of `count` texels, for `utextureBuffer` and `uimageBuffer`, of which there may be more.
+    pub fn of_texels(device: &Arc<Device>, name: &str, count: u64) -> Result<Self, VulkanError> {
+        Self::in_memory(device, name, count * Self::TEXEL, MemoryLocation::GpuOnly)?.with_texels()
+    }
+
+    /// Memory that a storage buffer may show all of.
+    pub(super) fn storable(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        location: MemoryLocation,
+    ) -> Result<Self, VulkanError> {
+        let limit = u64::from(device.limits().max_storage_buffer_range);
+        if size > limit {
+            return Err(VulkanError::Limit { what: format!("buffer {name} of {size} bytes"), limit });
+        }
+        Self::in_memory(device, name, size, location)
     }
 
     pub(super) fn in_memory(
@@ -35,16 +54,13 @@ impl Buffer {
         location: MemoryLocation,
     ) -> Result<Self, VulkanError> {
         let size = size.max(1).next_multiple_of(Self::TEXEL);
-        let limit = u64::from(device.limits().max_storage_buffer_range);
-        if size > limit {
-            return Err(VulkanError::Limit { what: format!("buffer {name} of {size} bytes"), limit });
-        }
         let info = vk::BufferCreateInfo::default()
             .size(size)
             .usage(
                 vk::BufferUsageFlags::STORAGE_BUFFER
                     | vk::BufferUsageFlags::UNIFORM_BUFFER
                     | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
+                    | vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER
                     | vk::BufferUsageFlags::VERTEX_BUFFER
                     | vk::BufferUsageFlags::INDEX_BUFFER
                     | vk::BufferUsageFlags::TRANSFER_SRC

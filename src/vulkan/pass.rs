@@ -266,7 +266,7 @@ impl<'f> Pass<'f> {
                     .dst_set(set)
                     .dst_binding(binding.binding)
                     .descriptor_type(binding.kind.descriptor_type());
-                if binding.kind == BindingKind::TexelBuffer {
+                if matches!(binding.kind, BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer) {
                     write.texel_buffer_view(&views[index])
                 } else if is_buffer {
                     write.buffer_info(&buffer_infos[index])
@@ -282,8 +282,9 @@ impl<'f> Pass<'f> {
 
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
     match (kind, bound.resource) {
-        (BindingKind::TexelBuffer, Resource::Buffer(slice)) => {
-            !bound.write && slice.buffer.texels != vk::BufferView::null()
+        (BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer, Resource::Buffer(slice)) => {
+            let stored = kind == BindingKind::StorageTexelBuffer;
+            bound.write == stored && slice.buffer.texels != vk::BufferView::null()
         }
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
         | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => !bound.write,

@@ -18,6 +18,8 @@ pub enum BindingKind {
     ReadOnlyStorageBuffer,
     /// `utextureBuffer`.
     TexelBuffer,
+    /// `uimageBuffer`.
+    StorageTexelBuffer,
     /// `texture2D`, `texture2DArray`.
     SampledImage,
     /// `image2D`, `image2DArray`.
@@ -167,7 +169,12 @@ impl<'a> Reader<'a> {
             StorageClass::UniformConstant => {
                 let instruction = self.types.get(&pointee)?;
                 if instruction.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer)) {
-                    return Some(BindingKind::TexelBuffer);
+                    let stored = instruction.operands.get(5) == Some(&Operand::LiteralBit32(2));
+                    return Some(if stored {
+                        BindingKind::StorageTexelBuffer
+                    } else {
+                        BindingKind::TexelBuffer
+                    });
                 }
                 match (instruction.class.opcode, instruction.operands.get(5)) {
                     (Op::TypeSampledImage, _) => Some(BindingKind::CombinedImageSampler),
