@@ -15,6 +15,7 @@ mod folder;
 mod html;
 mod machine;
 mod markdown;
+pub mod micro;
 mod pictures;
 mod plan;
 mod quality;
