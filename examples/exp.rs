@@ -19,13 +19,16 @@ fn main() {
         let mut obvhs = Obvhs::new(&scene, &pose).unwrap();
         let device = which.contains('s').then(|| Device::open(&Instance::new(InstanceOptions { validate: false, display: None }).unwrap(), None).unwrap());
         let mut shader = device.as_ref().map(|d| ShaderTracer::software(d, &bvh).unwrap());
+        let mut variants: Vec<ShaderTracer> = std::env::var("SPV").unwrap_or_default().split_whitespace().map(|f| ShaderTracer::exp(f.rsplit('/').next().unwrap(), device.as_ref().unwrap(), &bvh, &std::fs::read(f).unwrap()).unwrap()).collect();
         with_embree(&scene, &pose, |embree| {
             let mut all: Vec<&mut dyn Contender> = vec![&mut own];
             if which.contains('o') { all.push(&mut obvhs); }
             if which.contains('e') { all.push(embree.unwrap()); }
             if let Some(s) = &mut shader { all.push(s); }
+            for v in &mut variants { all.push(v); }
             for set in &sets {
                 for query in Query::ALL {
+                    if which.contains('h') && (set.kind != RayKind::Shadow || query != Query::Occluded) { continue; }
                     let mut rates = vec![vec![]; all.len()];
                     let mut answers: Vec<Vec<f32>> = vec![vec![]; all.len()];
                     for _ in 0..turns {
@@ -40,8 +43,12 @@ fn main() {
                         let mut ratio: Vec<f64> = rates[0].iter().zip(&rates[i]).map(|(a, b)| a / b).collect();
                         ratio.sort_by(f64::total_cmp);
                         rates[i].sort_by(f64::total_cmp);
-                        print!(" | {} {:6.2} best {:6.2} own/it {:4.2} diff {}", &c.name()[..7], rates[i][turns / 2], rates[i][turns-1], ratio[turns / 2], differing(&answers[0], &answers[i]));
+                        print!(" | {} {:6.2} best {:6.2} own/it {:4.2} diff {}", c.name().chars().take(14).collect::<String>(), rates[i][turns / 2], rates[i][turns-1], ratio[turns / 2], differing(&answers[0], &answers[i]));
                     }
+                    for (i, c) in all.iter().enumerate() { if c.name().starts_with("count") {
+                        let n = answers[i].len() as f32;
+                        print!(" | {} mean {:.2} of max of 8 {:.2}", c.name(), answers[i].iter().sum::<f32>() / n, answers[i].chunks(8).map(|c| 8.0 * c.iter().copied().fold(0.0, f32::max)).sum::<f32>() / n);
+                    } }
                     println!(" | hits {:.2}", answers[0].iter().filter(|t| **t >= 0.0).count() as f64 / set.rays.len() as f64);
                 }
             }

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuBvhUpdate;
-use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
+use crate::vulkan::{Buffer, Device, Frame, Pass, TexelBuffer, VulkanError};
 
 /// The two-level BVH in device memory (the software tracer).
 pub struct Tracer {
-    nodes: Buffer,
-    triangles: Buffer,
+    nodes: TexelBuffer,
+    triangles: TexelBuffer,
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
@@ -24,8 +24,8 @@ impl Tracer {
     pub fn new(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
         let layout = bvh.gpu_layout();
         Ok(Self {
-            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?,
-            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?,
+            nodes: TexelBuffer::with_data(device, "bvh_nodes", &layout.nodes)?,
+            triangles: TexelBuffer::with_data(device, "bvh_triangles", &layout.triangles)?,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
@@ -54,7 +54,8 @@ impl Tracer {
             return Ok(());
         }
         let nodes = frame.upload(&update.nodes)?;
-        frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64);
+        let offset = u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64;
+        frame.copy(&nodes, self.nodes.buffer(), offset);
         let instances = frame.upload(&update.instances)?;
         let offset = u64::from(update.instance_offset) * size_of_val(&update.instances[0]) as u64;
         frame.copy(&instances, &self.instances, offset);

@@ -23,6 +23,7 @@ mod reflect;
 mod sampler;
 mod surface;
 mod swapchain;
+mod texel_buffer;
 mod ui;
 mod upload;
 
@@ -46,4 +47,5 @@ pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use surface::Surface;
 pub use swapchain::PresentMode;
+pub use texel_buffer::TexelBuffer;
 pub use ui::UiDrawing;

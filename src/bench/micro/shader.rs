@@ -41,12 +41,15 @@ impl ShaderTracer {
     /// # Errors
     /// Where the device fails.
     pub fn software(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, BenchError> {
-        Self::new("glowworm, shader", device, Tracer::new(device, bvh).map_err(failed)?).map_err(failed)
+        Self::exp("glowworm, shader", device, bvh, shaders::CAST_RAYS_COMP)
+    }
+    pub fn exp(name:&str, device: &Arc<Device>, bvh: &TwoLevelBvh, spv: &[u8]) -> Result<Self, BenchError> {
+        Self::new(name, device, Tracer::new(device, bvh).map_err(failed)?, spv).map_err(failed)
     }
 
-    fn new(name: &str, device: &Arc<Device>, tracer: Tracer) -> Result<Self, VulkanError> {
+    fn new(name: &str, device: &Arc<Device>, tracer: Tracer, spv: &[u8]) -> Result<Self, VulkanError> {
         let pipeline = |any_hit| {
-            ComputePipeline::specialised(device, "cast_rays", shaders::CAST_RAYS_COMP, &[any_hit])
+            ComputePipeline::specialised(device, "cast_rays", spv, &[any_hit])
         };
         Ok(Self {
             name: name.to_owned(),
