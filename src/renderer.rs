@@ -106,6 +106,11 @@ impl PreparedScene {
         Self { scene: Arc::clone(scene), bvh, transport }
     }
 
+    /// Its BVH, of the scene at rest.
+    pub fn bvh(&self) -> &TwoLevelBvh {
+        &self.bvh
+    }
+
     /// How large the scene is.
     fn lengths(&self) -> Lengths {
         let (low, high) = self.bvh.bounds();

@@ -90,9 +90,8 @@ impl Contender for Obvhs {
 
     fn cast(&mut self, set: &RaySet, query: Query) -> Result<Cast, BenchError> {
         let Self { bvh, triangles } = self;
-        let ray = |ray: &Ray| {
-            obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
-        };
+        let ray =
+            |ray: &Ray| obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max);
         Ok(match query {
             Query::Occluded => cast_all(&set.rays, |asked| {
                 let missed = bvh.ray_traverse_miss(ray(asked), |ray, index| triangles[index].intersect(ray));
@@ -100,7 +99,8 @@ impl Contender for Obvhs {
             }),
             Query::Closest => cast_all(&set.rays, |asked| {
                 let mut hit = RayHit::none();
-                let met = bvh.ray_traverse(ray(asked), &mut hit, |ray, index| triangles[index].intersect(ray));
+                let met =
+                    bvh.ray_traverse(ray(asked), &mut hit, |ray, index| triangles[index].intersect(ray));
                 if met { hit.t } else { -1.0 }
             }),
         })

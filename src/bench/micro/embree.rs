@@ -3,7 +3,9 @@
 //! As it comes: a static scene of medium build quality, `rtcOccluded1` and `rtcIntersect1`, one ray after the other
 //! in tasks over the same threads that our own tracer has.
 
-use embree::{CommittedScene, Device, Geometry, IntersectContext, Ray as Segment, RayHit, Scene, TriangleMesh};
+use embree::{
+    CommittedScene, Device, Geometry, IntersectContext, Ray as Segment, RayHit, Scene, TriangleMesh,
+};
 
 use super::super::BenchError;
 use super::contender::{Cast, Contender, Query};

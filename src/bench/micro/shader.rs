@@ -41,16 +41,13 @@ impl ShaderTracer {
     /// # Errors
     /// Where the device fails.
     pub fn software(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, BenchError> {
-        Self::exp("glowworm, shader", device, bvh, shaders::CAST_RAYS_COMP)
-    }
-    pub fn exp(name:&str, device: &Arc<Device>, bvh: &TwoLevelBvh, spv: &[u8]) -> Result<Self, BenchError> {
-        Self::new(name, device, Tracer::new(device, bvh).map_err(failed)?, spv).map_err(failed)
+        let tracer = Tracer::new(device, bvh).map_err(failed)?;
+        Self::new("glowworm, shader", device, tracer, shaders::CAST_RAYS_COMP).map_err(failed)
     }
 
-    fn new(name: &str, device: &Arc<Device>, tracer: Tracer, spv: &[u8]) -> Result<Self, VulkanError> {
-        let pipeline = |any_hit| {
-            ComputePipeline::specialised(device, "cast_rays", spv, &[any_hit])
-        };
+    /// `shader` is shaders/cast_rays.comp, compiled for that tracer.
+    fn new(name: &str, device: &Arc<Device>, tracer: Tracer, shader: &[u8]) -> Result<Self, VulkanError> {
+        let pipeline = |any_hit| ComputePipeline::specialised(device, "cast_rays", shader, &[any_hit]);
         Ok(Self {
             name: name.to_owned(),
             occluded: pipeline(1)?,
@@ -117,6 +114,6 @@ impl Drop for ShaderTracer {
     }
 }
 
-fn failed(error: VulkanError) -> BenchError {
+pub(super) fn failed(error: VulkanError) -> BenchError {
     RenderError::from(error).into()
 }
