@@ -25,7 +25,7 @@ TRACER_TEXELS(0) bvh_nodes;
 // Three words a triangle: corners with (id, masked, material).
 TRACER_TEXELS(1) bvh_triangles;
 // Four words an instance: three rows of world to object, then (root, instance).
-TRACER_BUFFER(2) bvh_instances_block { uvec4 words[]; } bvh_instances;
+TRACER_TEXELS(2) bvh_instances;
 // Two words a masked triangle: three pairs of texture coordinates, then the mask.
 TRACER_BUFFER(3) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
 // (first word of bits, width, height).
@@ -66,6 +66,7 @@ struct TracerRay {
 };
 
 uvec4 tracer_node_word(uint index) { return texelFetch(bvh_nodes, int(index)); }
+uvec4 tracer_instance_word(uint index) { return texelFetch(bvh_instances, int(index)); }
 uvec4 tracer_triangle_word(uint index) { return texelFetch(bvh_triangles, int(index)); }
 
 // Turns the axes so that the main one comes last.
@@ -194,10 +195,10 @@ bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_m
 // The ray in an instance's object space, not normalised, so that t stays the same; entered is (root
 // of its mesh, index into the scene's instances).
 TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 entered) {
-    vec4 row_x = uintBitsToFloat(bvh_instances.words[placed * 4u]);
-    vec4 row_y = uintBitsToFloat(bvh_instances.words[placed * 4u + 1u]);
-    vec4 row_z = uintBitsToFloat(bvh_instances.words[placed * 4u + 2u]);
-    entered = bvh_instances.words[placed * 4u + 3u].xy;
+    vec4 row_x = uintBitsToFloat(tracer_instance_word(placed * 4u));
+    vec4 row_y = uintBitsToFloat(tracer_instance_word(placed * 4u + 1u));
+    vec4 row_z = uintBitsToFloat(tracer_instance_word(placed * 4u + 2u));
+    entered = tracer_instance_word(placed * 4u + 3u).xy;
     vec3 column_x = vec3(row_x.x, row_y.x, row_z.x);
     vec3 column_y = vec3(row_x.y, row_y.y, row_z.y);
     vec3 column_z = vec3(row_x.z, row_y.z, row_z.z);

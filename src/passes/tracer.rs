@@ -13,7 +13,7 @@ pub struct Tracer {
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
-    instances: Buffer,
+    instances: TexelBuffer,
     roots: Buffer,
     static_builds: u32,
     dynamic_builds: u32,
@@ -29,7 +29,7 @@ impl Tracer {
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
-            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?,
+            instances: TexelBuffer::with_data(device, "bvh_instances", &layout.instances)?,
             roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
             static_builds: bvh.static_builds(),
             dynamic_builds: bvh.dynamic_builds(),
@@ -58,7 +58,7 @@ impl Tracer {
         frame.copy(&nodes, self.nodes.buffer(), offset);
         let instances = frame.upload(&update.instances)?;
         let offset = u64::from(update.instance_offset) * size_of_val(&update.instances[0]) as u64;
-        frame.copy(&instances, &self.instances, offset);
+        frame.copy(&instances, self.instances.buffer(), offset);
         let roots = frame.upload(&[update.roots])?;
         frame.copy(&roots, &self.roots, 0);
         Ok(())

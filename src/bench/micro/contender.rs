@@ -49,11 +49,24 @@ pub trait Contender {
     fn cast(&mut self, set: &RaySet, query: Query) -> Result<Cast, BenchError>;
 }
 
-/// How many answers differ: a hit for none, or hits that are not at the same t but for rounding.
+/// How many answers differ: a hit for none, or hits that are not at the same t but for rounding, of t itself and of
+/// where the ray begins.
 pub fn differing(a: &[f32], b: &[f32]) -> usize {
     let differs = |(&a, &b): (&f32, &f32)| {
-        let other_hit = (a - b).abs() > 1e-4 * a.abs().max(b.abs());
+        let other_hit = (a - b).abs() > 1e-4 * a.abs().max(b.abs()) + 1e-5;
         (a < 0.0) != (b < 0.0) || (a >= 0.0 && other_hit)
     };
     a.iter().zip(b).filter(|pair| differs(*pair)).count() + a.len().abs_diff(b.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_differ_beyond_rounding() {
+        assert_eq!(differing(&[1.0, -1.0, 0.0, 2e-6], &[1.00005, -1.0, 0.0, 4e-6]), 0);
+        assert_eq!(differing(&[1.0, 1.0, 0.0, -1.0], &[1.001, -1.0, -1.0, 1.0]), 4);
+        assert_eq!(differing(&[1.0, 1.0], &[1.0]), 1);
+    }
 }

@@ -52,14 +52,14 @@ pub struct RaySet {
     pub rays: Vec<Ray>,
 }
 
-/// At most `most` rays of each kind, of frames with `settings` of the scene as it stands in `pose`.
+/// `most` rays of each kind, or as many as there are to VPLs, of frames with `settings` of the scene as it stands in `pose`.
 pub fn ray_sets(prepared: &PreparedScene, pose: &Pose, settings: &Settings, most: usize) -> Vec<RaySet> {
     let pixels = Pixels::new(prepared, pose, settings.size);
     let set = |kind| {
         let mut rays = match kind {
-            RayKind::Primary => pixels.primary(),
+            RayKind::Primary => pixels.primary(most),
             RayKind::Shadow => pixels.to_vpls(settings, most),
-            RayKind::Incoherent => pixels.scattered(),
+            RayKind::Incoherent => pixels.scattered(most),
         };
         rays.truncate(most);
         RaySet { kind, rays }
@@ -111,22 +111,29 @@ impl<'a> Pixels<'a> {
         self.surfaces[(y * self.size[0] + x) as usize].as_ref()
     }
 
-    fn primary(&self) -> Vec<Ray> {
-        let places = self.blocks(1, [0, 0]).flatten();
-        places.map(|place| pixel_ray(self.pose, self.size, place)).collect()
+    /// `count` rays from the eye, again and again through other places of the same pixels.
+    fn primary(&self, count: usize) -> Vec<Ray> {
+        let ray = |(index, [x, y]): (usize, [u32; 2])| {
+            let within = random_point(index as u32, 0, 0);
+            let place = Vec2::new(x as f32, y as f32) + within;
+            camera_ray(&self.pose.camera, self.size, place)
+        };
+        let places = std::iter::repeat_with(|| self.blocks(1, [0, 0]).flatten()).flatten();
+        places.take(count).enumerate().map(ray).collect()
     }
 
-    /// One ray off each pixel's surface.
-    fn scattered(&self) -> Vec<Ray> {
-        let ray = |(index, place): (usize, [u32; 2])| {
-            let surface = self.surface(place)?;
-            let local = cosine_hemisphere(random_point(index as u32, 0, 1));
+    /// `count` rays off the pixels' surfaces, one of each and again; none where no surface is in sight.
+    fn scattered(&self, count: usize) -> Vec<Ray> {
+        let surfaces: Vec<&WorldSurface> =
+            self.blocks(1, [0, 0]).flatten().filter_map(|place| self.surface(place)).collect();
+        let ray = |(index, surface): (usize, &&WorldSurface)| {
+            let local = cosine_hemisphere(random_point(index as u32, 1, 0));
             let (x, y) = surface.geometric_normal.any_orthonormal_pair();
             let direction = x * local.x + y * local.y + surface.geometric_normal * local.z;
             let origin = surface.offset_position(self.scene_radius);
-            Some(Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY })
+            Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
         };
-        self.blocks(1, [0, 0]).flatten().enumerate().filter_map(ray).collect()
+        surfaces.iter().cycle().take(count).enumerate().map(ray).collect()
     }
 
     /// The occlusion rays of frames that stand still, one temporal set after the other, until there are `enough`.
