@@ -1,4 +1,4 @@
-// Rays through the two-level BVH in plain buffers: no ray queries, no bindless, no subgroups.
+// Rays through the two-level BVH in plain storage buffers: no extension, no bindless, no subgroups.
 //
 // In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
 // t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
@@ -9,23 +9,19 @@
 #ifndef TRACER_SOFTWARE_GLSL
 #define TRACER_SOFTWARE_GLSL
 
-#extension GL_EXT_samplerless_texture_functions : require
-
 #ifndef TRACER_SET
 #define TRACER_SET 0
 #endif
 
-// What is read most often, word by word, are texel buffers: faster on CPU drivers, see src/vulkan/texel_buffer.rs.
-#define TRACER_TEXELS(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset) uniform utextureBuffer
 #define TRACER_BUFFER(offset) \
     layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
 
 // Five words a node.
-TRACER_TEXELS(0) bvh_nodes;
+TRACER_BUFFER(0) bvh_nodes_block { uvec4 words[]; } bvh_nodes;
 // Three words a triangle: corners with (id, masked, material).
-TRACER_TEXELS(1) bvh_triangles;
+TRACER_BUFFER(1) bvh_triangles_block { uvec4 words[]; } bvh_triangles;
 // Four words an instance: three rows of world to object, then (root, instance).
-TRACER_TEXELS(2) bvh_instances;
+TRACER_BUFFER(2) bvh_instances_block { uvec4 words[]; } bvh_instances;
 // Two words a masked triangle: three pairs of texture coordinates, then the mask.
 TRACER_BUFFER(3) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
 // (first word of bits, width, height).
@@ -64,10 +60,6 @@ struct TracerRay {
     int main_axis;
     vec3 shear;
 };
-
-uvec4 tracer_node_word(uint index) { return texelFetch(bvh_nodes, int(index)); }
-uvec4 tracer_instance_word(uint index) { return texelFetch(bvh_instances, int(index)); }
-uvec4 tracer_triangle_word(uint index) { return texelFetch(bvh_triangles, int(index)); }
 
 // Turns the axes so that the main one comes last.
 vec3 tracer_turn(vec3 v, int main_axis) {
@@ -120,9 +112,9 @@ uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t
     vec3 far = start + padding;
 
     // Test four children at a time.
-    uvec4 planes_x = tracer_node_word(node + 2u);
-    uvec4 planes_y = tracer_node_word(node + 3u);
-    uvec4 planes_z = tracer_node_word(node + 4u);
+    uvec4 planes_x = bvh_nodes.words[node + 2u];
+    uvec4 planes_y = bvh_nodes.words[node + 3u];
+    uvec4 planes_z = bvh_nodes.words[node + 4u];
     planes_x = ray.inverse.x < 0.0 ? planes_x.zwxy : planes_x;
     planes_y = ray.inverse.y < 0.0 ? planes_y.zwxy : planes_y;
     planes_z = ray.inverse.z < 0.0 ? planes_z.zwxy : planes_z;
@@ -158,9 +150,9 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
 // upper bound of t, and hit.instance is TRACER_NONE before the first hit.
 bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_min, inout TracerHit hit) {
     // Move the corners into the frame of the ray.
-    uvec4 word_a = tracer_triangle_word(triangle * 3u);
-    uvec4 word_b = tracer_triangle_word(triangle * 3u + 1u);
-    uvec4 word_c = tracer_triangle_word(triangle * 3u + 2u);
+    uvec4 word_a = bvh_triangles.words[triangle * 3u];
+    uvec4 word_b = bvh_triangles.words[triangle * 3u + 1u];
+    uvec4 word_c = bvh_triangles.words[triangle * 3u + 2u];
     vec3 a = tracer_turn(uintBitsToFloat(word_a.xyz) - ray.origin, ray.main_axis);
     vec3 b = tracer_turn(uintBitsToFloat(word_b.xyz) - ray.origin, ray.main_axis);
     vec3 c = tracer_turn(uintBitsToFloat(word_c.xyz) - ray.origin, ray.main_axis);
@@ -195,10 +187,10 @@ bool tracer_test_triangle(uint triangle, uint instance, TracerRay ray, float t_m
 // The ray in an instance's object space, not normalised, so that t stays the same; entered is (root
 // of its mesh, index into the scene's instances).
 TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 entered) {
-    vec4 row_x = uintBitsToFloat(tracer_instance_word(placed * 4u));
-    vec4 row_y = uintBitsToFloat(tracer_instance_word(placed * 4u + 1u));
-    vec4 row_z = uintBitsToFloat(tracer_instance_word(placed * 4u + 2u));
-    entered = tracer_instance_word(placed * 4u + 3u).xy;
+    vec4 row_x = uintBitsToFloat(bvh_instances.words[placed * 4u]);
+    vec4 row_y = uintBitsToFloat(bvh_instances.words[placed * 4u + 1u]);
+    vec4 row_z = uintBitsToFloat(bvh_instances.words[placed * 4u + 2u]);
+    entered = bvh_instances.words[placed * 4u + 3u].xy;
     vec3 column_x = vec3(row_x.x, row_y.x, row_z.x);
     vec3 column_y = vec3(row_x.y, row_y.y, row_z.y);
     vec3 column_z = vec3(row_x.z, row_y.z, row_z.z);
@@ -240,8 +232,8 @@ bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool
             }
 
             // Intersect its children.
-            uvec4 head = tracer_node_word(node);
-            uvec4 links = tracer_node_word(node + 1u);
+            uvec4 head = bvh_nodes.words[node];
+            uvec4 links = bvh_nodes.words[node + 1u];
             uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
             group = uvec2(links.x, (hits & 0xff000000u) | (head.w >> 24));
             primitives = uvec2(links.y, hits & 0x00ffffffu);

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuBvhUpdate;
-use crate::vulkan::{Buffer, Device, Frame, Pass, TexelBuffer, VulkanError};
+use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
 
 /// The two-level BVH in device memory (the software tracer).
 pub struct Tracer {
-    nodes: TexelBuffer,
-    triangles: TexelBuffer,
+    nodes: Buffer,
+    triangles: Buffer,
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
-    instances: TexelBuffer,
+    instances: Buffer,
     roots: Buffer,
     static_builds: u32,
     dynamic_builds: u32,
@@ -24,12 +24,12 @@ impl Tracer {
     pub fn new(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
         let layout = bvh.gpu_layout();
         Ok(Self {
-            nodes: TexelBuffer::with_data(device, "bvh_nodes", &layout.nodes)?,
-            triangles: TexelBuffer::with_data(device, "bvh_triangles", &layout.triangles)?,
+            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?,
+            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
-            instances: TexelBuffer::with_data(device, "bvh_instances", &layout.instances)?,
+            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?,
             roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
             static_builds: bvh.static_builds(),
             dynamic_builds: bvh.dynamic_builds(),
@@ -54,11 +54,10 @@ impl Tracer {
             return Ok(());
         }
         let nodes = frame.upload(&update.nodes)?;
-        let offset = u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64;
-        frame.copy(&nodes, self.nodes.buffer(), offset);
+        frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64);
         let instances = frame.upload(&update.instances)?;
         let offset = u64::from(update.instance_offset) * size_of_val(&update.instances[0]) as u64;
-        frame.copy(&instances, self.instances.buffer(), offset);
+        frame.copy(&instances, &self.instances, offset);
         let roots = frame.upload(&[update.roots])?;
         frame.copy(&roots, &self.roots, 0);
         Ok(())

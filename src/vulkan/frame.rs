@@ -431,7 +431,6 @@ fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
     let sizes = [
         vk::DescriptorType::UNIFORM_BUFFER,
         vk::DescriptorType::STORAGE_BUFFER,
-        vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
         vk::DescriptorType::SAMPLED_IMAGE,
         vk::DescriptorType::STORAGE_IMAGE,
         vk::DescriptorType::COMBINED_IMAGE_SAMPLER,

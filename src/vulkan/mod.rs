@@ -23,7 +23,6 @@ mod reflect;
 mod sampler;
 mod surface;
 mod swapchain;
-mod texel_buffer;
 mod ui;
 mod upload;
 
@@ -47,5 +46,4 @@ pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use surface::Surface;
 pub use swapchain::PresentMode;
-pub use texel_buffer::TexelBuffer;
 pub use ui::UiDrawing;

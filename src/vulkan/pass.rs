@@ -9,9 +9,7 @@ use super::access::{Access, Barrier};
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
-use super::{
-    BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TexelBuffer, VulkanError,
-};
+use super::{BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, VulkanError};
 
 /// Something that can be bound.
 #[derive(Clone, Copy)]
@@ -20,19 +18,11 @@ pub enum Resource<'a> {
     Buffer(BufferSlice<'a>),
     /// A whole image.
     Image(&'a Image),
-    /// Texels of a whole buffer.
-    Texels(&'a TexelBuffer),
 }
 
 impl<'a> From<&'a Image> for Resource<'a> {
     fn from(image: &'a Image) -> Self {
         Self::Image(image)
-    }
-}
-
-impl<'a> From<&'a TexelBuffer> for Resource<'a> {
-    fn from(texels: &'a TexelBuffer) -> Self {
-        Self::Texels(texels)
     }
 }
 
@@ -188,7 +178,6 @@ impl<'f> Pass<'f> {
             };
             match bound.resource {
                 Resource::Buffer(slice) => buffers.extend(slice.buffer.tracker.use_buffer(access)),
-                Resource::Texels(texels) => buffers.extend(texels.buffer().tracker.use_buffer(access)),
                 Resource::Image(image) => {
                     let storage = binding.kind == BindingKind::StorageImage;
                     images.extend(image.tracker.use_image(access, storage).map(|barrier| (image, barrier)));
@@ -228,7 +217,6 @@ impl<'f> Pass<'f> {
                 let what = match bound.resource {
                     Resource::Buffer(_) => "a buffer",
                     Resource::Image(_) => "an image",
-                    Resource::Texels(_) => "a texel buffer",
                 };
                 return Err(wrong(name, format!("is {:?}, but {what} to {how} was given", binding.kind)));
             }
@@ -246,22 +234,40 @@ impl<'f> Pass<'f> {
     }
 
     fn write_descriptors(&self, set: vk::DescriptorSet) {
-        let bound: Vec<_> = self
-            .layout
-            .pass_bindings()
-            .map(|(name, binding)| (binding, Descriptor::of(&self.bound[name].resource)))
-            .collect();
-        let writes: Vec<_> = bound
-            .iter()
-            .map(|(binding, descriptor)| {
+        let mut buffer_infos = Vec::new();
+        let mut image_infos = Vec::new();
+        let mut order = Vec::new();
+        for (name, binding) in self.layout.pass_bindings() {
+            match self.bound[name].resource {
+                Resource::Buffer(slice) => {
+                    order.push((binding, true, buffer_infos.len()));
+                    buffer_infos.push([vk::DescriptorBufferInfo {
+                        buffer: slice.buffer.raw,
+                        offset: slice.offset,
+                        range: slice.size,
+                    }]);
+                }
+                Resource::Image(image) => {
+                    order.push((binding, false, image_infos.len()));
+                    image_infos.push([vk::DescriptorImageInfo {
+                        sampler: vk::Sampler::null(),
+                        image_view: image.view,
+                        image_layout: image.tracker.layout(),
+                    }]);
+                }
+            }
+        }
+        let writes: Vec<_> = order
+            .into_iter()
+            .map(|(binding, is_buffer, index)| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(binding.binding)
                     .descriptor_type(binding.kind.descriptor_type());
-                match descriptor {
-                    Descriptor::Buffer(info) => write.buffer_info(info),
-                    Descriptor::Image(info) => write.image_info(info),
-                    Descriptor::Texels(views) => write.texel_buffer_view(views),
+                if is_buffer {
+                    write.buffer_info(&buffer_infos[index])
+                } else {
+                    write.image_info(&image_infos[index])
                 }
             })
             .collect();
@@ -270,36 +276,10 @@ impl<'f> Pass<'f> {
     }
 }
 
-/// What a descriptor is told of its resource.
-enum Descriptor {
-    Buffer([vk::DescriptorBufferInfo; 1]),
-    Image([vk::DescriptorImageInfo; 1]),
-    Texels([vk::BufferView; 1]),
-}
-
-impl Descriptor {
-    fn of(resource: &Resource<'_>) -> Self {
-        match resource {
-            Resource::Buffer(slice) => Self::Buffer([vk::DescriptorBufferInfo {
-                buffer: slice.buffer.raw,
-                offset: slice.offset,
-                range: slice.size,
-            }]),
-            Resource::Image(image) => Self::Image([vk::DescriptorImageInfo {
-                sampler: vk::Sampler::null(),
-                image_view: image.view,
-                image_layout: image.tracker.layout(),
-            }]),
-            Resource::Texels(texels) => Self::Texels([texels.view]),
-        }
-    }
-}
-
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
     match (kind, bound.resource) {
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
-        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_))
-        | (BindingKind::TexelBuffer, Resource::Texels(_)) => !bound.write,
+        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => !bound.write,
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,
         _ => false,

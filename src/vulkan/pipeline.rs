@@ -17,7 +17,6 @@ impl BindingKind {
         match self {
             Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
             Self::StorageBuffer | Self::ReadOnlyStorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
-            Self::TexelBuffer => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
             Self::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::CombinedImageSampler => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,

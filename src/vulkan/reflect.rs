@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Decoration, Dim, ExecutionMode, Op, StorageClass, Word};
+use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass, Word};
 
 use super::VulkanError;
 
@@ -16,8 +16,6 @@ pub enum BindingKind {
     StorageBuffer,
     /// `readonly buffer` block.
     ReadOnlyStorageBuffer,
-    /// `utextureBuffer`: a buffer of which the shader reads texels of four words.
-    TexelBuffer,
     /// `texture2D`, `texture2DArray`.
     SampledImage,
     /// `image2D`, `image2DArray`.
@@ -166,9 +164,7 @@ impl<'a> Reader<'a> {
             StorageClass::StorageBuffer => Some(BindingKind::StorageBuffer),
             StorageClass::UniformConstant => {
                 let instruction = self.types.get(&pointee)?;
-                let of_buffer = instruction.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer));
                 match (instruction.class.opcode, instruction.operands.get(5)) {
-                    (Op::TypeImage, _) if of_buffer => Some(BindingKind::TexelBuffer),
                     (Op::TypeSampledImage, _) => Some(BindingKind::CombinedImageSampler),
                     (Op::TypeImage, Some(Operand::LiteralBit32(2))) => Some(BindingKind::StorageImage),
                     (Op::TypeImage, _) => Some(BindingKind::SampledImage),
