@@ -83,9 +83,18 @@ struct Lengths {
 /// A scene with what can be worked out without a device, on any thread.
 #[derive(Clone)]
 pub struct PreparedScene {
-    scene: Arc<Scene>,
-    bvh: TwoLevelBvh,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) bvh: TwoLevelBvh,
     transport: Option<f32>,
+}
+
+/// Which pairs of pixel and VPL get a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Culling {
+    /// Bound c of the geometry term, 1/m^2; 0: none.
+    pub(crate) geometry_bound: f32,
+    /// One over the irradiance below which a VPL gets only some of its rays.
+    pub(crate) roulette: f32,
 }
 
 impl PreparedScene {
@@ -95,6 +104,27 @@ impl PreparedScene {
         let bvh = TwoLevelBvh::build(scene, &rest.instances);
         let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
         Self { scene: Arc::clone(scene), bvh, transport }
+    }
+
+    /// Its BVH, of the scene at rest.
+    pub fn bvh(&self) -> &TwoLevelBvh {
+        &self.bvh
+    }
+
+    /// How large the scene is.
+    fn lengths(&self) -> Lengths {
+        let (low, high) = self.bvh.bounds();
+        let radius = (high - low).length() * 0.5;
+        Lengths { radius, transport: self.transport.unwrap_or(radius) }
+    }
+
+    /// What decides on rays where all VPLs together have that luminous flux.
+    pub(crate) fn culling(&self, settings: &Settings, flux: f32) -> Culling {
+        let Lengths { transport, .. } = self.lengths();
+        Culling {
+            geometry_bound: geometry_bound(settings, transport),
+            roulette: roulette(settings, typical_irradiance(flux, transport)),
+        }
     }
 }
 
@@ -138,13 +168,12 @@ impl Renderer {
         if settings.tracer == TracerKind::Hardware {
             return Err(RenderError::NoHardwareTracer);
         }
-        let PreparedScene { scene, mut bvh, transport } = prepared;
+        let mut prepared = prepared;
+        prepared.bvh.update(&pose.instances);
+        let lengths = prepared.lengths();
+        let PreparedScene { scene, bvh, .. } = prepared;
         let scene = &scene;
-        bvh.update(&pose.instances);
         let vpls = VplManager::new(World { scene, pose, bvh: &bvh }, settings);
-        let (low, high) = bvh.bounds();
-        let radius = (high - low).length() * 0.5;
-        let lengths = Lengths { radius, transport: transport.unwrap_or(radius) };
 
         let buffers = SceneBuffers::new(device, scene)?;
         Ok(Self {
@@ -241,7 +270,7 @@ impl Renderer {
 
     /// Bound c of the geometry term, 1/m^2; 0: none.
     fn geometry_bound(&self) -> f32 {
-        self.settings.clamp / self.lengths.transport.powi(2)
+        geometry_bound(&self.settings, self.lengths.transport)
     }
 
     /// The CPU's three stages, while the device is busy with the frame before.
@@ -256,12 +285,11 @@ impl Renderer {
         });
         let typical = typical_irradiance(flux.sets.iter().sum(), self.lengths.transport);
         let irradiance_scale = power_of_two_near(typical).recip();
-        let roulette = self.settings.vpls as f32 / (self.settings.roulette * typical);
         IndirectLights {
             vpls,
             flux,
             drawn: DrawnSet { set, irradiance_scale },
-            roulette: roulette.min(f32::MAX),
+            roulette: roulette(&self.settings, typical),
             cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
             counts: self.vpls.counters(),
         }
@@ -308,6 +336,16 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 /// brings it near 1, half floats neither overflow nor lose digits, whatever the scene's units.
 fn typical_irradiance(flux: f32, length: f32) -> f32 {
     flux / (6.0 * length * length)
+}
+
+/// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
+fn geometry_bound(settings: &Settings, length: f32) -> f32 {
+    settings.clamp / length.powi(2)
+}
+
+/// One over the irradiance below which a VPL gets only some of its rays.
+fn roulette(settings: &Settings, typical_irradiance: f32) -> f32 {
+    (settings.vpls as f32 / (settings.roulette * typical_irradiance)).min(f32::MAX)
 }
 
 /// Powers of two scale without rounding. 1 for what is no positive number.

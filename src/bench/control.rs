@@ -28,6 +28,16 @@ impl<'a> Control<'a> {
         (self.progress)(&self.task, 0);
     }
 
+    /// Counts a turn of what is measured by itself; an error once it is to end.
+    pub(super) fn turn_done(&mut self) -> Result<(), BenchError> {
+        (self.progress)(&self.task, 1);
+        self.runs[0] += 1;
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(BenchError::Stopped { done: self.runs[0], planned: self.runs[1] });
+        }
+        Ok(())
+    }
+
     /// Counts a frame drawn with `settings`; an error once it is to end.
     pub(super) fn frame_done(&mut self, settings: &Settings) -> Result<(), BenchError> {
         (self.progress)(&self.task, work_of_frame(settings));

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::micro::MicroReport;
 use super::pictures::PictureEntry;
 use super::report::{FORMAT, Report};
 use super::{BenchError, charts, csv, html, markdown, tables};
@@ -12,6 +13,8 @@ use crate::plot::PlotFile;
 
 /// Everything, as JSON.
 pub const REPORT_FILE: &str = "bench.json";
+/// What a benchmark of small things found, as JSON.
+pub const MICRO_FILE: &str = "micro.json";
 const UNFINISHED: &str = "unfinished";
 const PICTURES: &str = "pictures";
 const PLOTS: &str = "plots";
@@ -107,6 +110,16 @@ impl Folder {
             fs::remove_dir_all(&path).map_err(|source| OutputError::Write { path, source })?;
         }
         Ok(())
+    }
+
+    /// Writes what a benchmark of small things found, beside what else is there.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_micro(&self, report: &MicroReport) -> Result<(), BenchError> {
+        make_folder(&self.path)?;
+        self.save("micro.md", &markdown::micro_page(report))?;
+        Ok(OutputFile::new(self.path.join(MICRO_FILE))?.save_json(report)?)
     }
 
     fn make_unfinished(&self) -> Result<(), OutputError> {

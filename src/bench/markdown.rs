@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::charts::Chart;
 use super::html::headline;
+use super::micro::{MicroReport, micro_tables};
 use super::report::Report;
 use super::summary::Noise;
 use super::tables::Table;
@@ -24,6 +25,18 @@ pub(super) fn page(report: &Report, tables: &[Table], charts: &[Chart]) -> Strin
     let _ = writeln!(text, "\n## Plots");
     for chart in charts {
         let _ = writeln!(text, "\n![{}](plots/{}.svg)", escaped(&chart.title), chart.name);
+    }
+    text
+}
+
+/// What a benchmark of small things found.
+pub(super) fn micro_page(report: &MicroReport) -> String {
+    let mut text = "# glowworm bench --micro\n\n".to_owned();
+    for (what, value) in report.machine.lines() {
+        let _ = writeln!(text, "- {what}: {}", escaped(&value));
+    }
+    for table in micro_tables(report) {
+        let _ = write!(text, "\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(&table));
     }
     text
 }

@@ -5,6 +5,7 @@
 //!
 //! - `plan`: what is measured; `run`: one measurement; `samples`: what it gives; `quality`, `pictures`: the rest.
 //! - `report`: all of it; `summary`: what the samples amount to; `against`: what has changed since another report.
+//! - [`micro`]: tracers, the BVH and passes by themselves, with a report of its own.
 //! - `tables`, `charts`: the report for people; `csv`, `markdown`, `html`, `folder`: as files.
 
 mod against;
@@ -15,6 +16,7 @@ mod folder;
 mod html;
 mod machine;
 mod markdown;
+pub mod micro;
 mod pictures;
 mod plan;
 mod quality;
@@ -26,7 +28,7 @@ mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
 pub use control::Control;
-pub use folder::{Folder, REPORT_FILE, read_report};
+pub use folder::{Folder, MICRO_FILE, REPORT_FILE, read_report};
 pub use machine::Machine;
 pub use pictures::{PictureEntry, PictureKind};
 pub use plan::{Axis, Plan, Sweep};
@@ -86,6 +88,14 @@ pub enum BenchError {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// Somebody interrupted the benchmark of small things, of which nothing is kept.
+    #[error("interrupted after {done} of {planned} measurements")]
+    Stopped {
+        /// Measurements that were done.
+        done: usize,
+        /// Measurements in all.
+        planned: usize,
     },
     /// Somebody interrupted it.
     #[error("interrupted after {done} of {planned} runs{}", if *.done > 0 { "; --resume goes on" } else { "" })]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::micro::micro;
 use super::options::RunOptions;
 use super::progress::interruption;
 use super::{CliError, device, progress, say};
@@ -20,11 +21,11 @@ const FRAMES: u32 = 240;
 /// Rounds where nothing else is said.
 const ROUNDS: u32 = 2;
 /// What a CPU driver, which takes some 50 ms for such a frame, is measured with where nothing else is said.
-const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
+pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
-struct OnCpu {
+pub(super) struct OnCpu {
     frames: u32,
-    size: [u32; 2],
+    pub size: [u32; 2],
     time_step: f64,
 }
 
@@ -63,6 +64,14 @@ pub(super) struct BenchOptions {
     /// Say what has become faster or slower than in this bench.json, and exit with 3 if anything is slower.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub against: Option<PathBuf>,
+    /// Measure small things by themselves instead: rays per second of each tracer, what the BVH takes, each pass alone.
+    /// Of lists the first value counts. Writes micro.json and micro.md.
+    #[arg(long, conflicts_with_all = ["frames", "quality", "against", "resume"])]
+    pub micro: bool,
+    /// Most rays of a set that tracers are compared with. More: rates that are more certain.
+    #[arg(long, value_name = "N", default_value = "262144", requires = "micro")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub rays: u32,
     /// Folder of the report; an earlier report in it is replaced once the new one is complete.
     #[arg(long, value_name = "DIR", default_value = "glowworm-bench", help_heading = "Files")]
     pub out: PathBuf,
@@ -78,7 +87,7 @@ pub(super) struct BenchOptions {
 /// The settings, several values of some.
 #[derive(Clone, Debug)]
 pub(super) struct SweptSettings {
-    settings: Settings,
+    pub settings: Settings,
     sweep: Sweep,
 }
 
@@ -144,6 +153,9 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     check(options, given)?;
     let folder = Folder::new(&options.out)?;
     let device = device::open(&options.run.device)?;
+    if options.micro {
+        return micro(options, given, &device, &folder, json.as_ref());
+    }
     let earlier = if options.resume { folder.earlier()?.map(|(_, report)| report) } else { None };
     let mut plan = plan(options, given, earlier.as_ref().or(old.as_ref()), &device)?;
     plan.quality |= earlier.is_some_and(|earlier| earlier.plan.quality);
@@ -229,7 +241,7 @@ fn plan(
 }
 
 /// Those scenes of models that are there.
-fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
+pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
     let assets = options.run.files.assets_folder();
     let mut scenes = Vec::new();
     for scene in BENCH_SCENES_OF_ASSETS {
@@ -271,7 +283,7 @@ fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Swee
 }
 
 /// A table as a person reads it in a terminal.
-fn text(table: &Table) -> String {
+pub(super) fn text(table: &Table) -> String {
     let lines = || std::iter::once(&table.columns).chain(&table.rows);
     let width =
         |column: usize| lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();

@@ -11,6 +11,7 @@ mod device;
 mod error;
 mod export;
 mod info;
+mod micro;
 mod options;
 mod progress;
 mod reference;

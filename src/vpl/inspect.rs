@@ -76,7 +76,8 @@ impl VplManager {
     }
 }
 
-fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 {
+/// Irradiance at a surface point, were nothing between; `clamp` bounds the geometry term unless it is 0.
+pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 {
     let d = vpl.position - at.position;
     let squared = d.length_squared();
     if squared <= 0.0 {

@@ -22,6 +22,7 @@ mod slots;
 mod upload;
 mod watch;
 
+pub(crate) use inspect::contribution;
 pub use inspect::{Gathering, VplContribution};
 pub use invalidation::{InvalidatedBy, Invalidation, InvalidationReason};
 pub use slots::{SlotHistory, SlotState, SlotView};

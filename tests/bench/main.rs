@@ -5,6 +5,7 @@
 mod against;
 mod command;
 mod dataset;
+mod micro;
 #[path = "../program/mod.rs"]
 mod program;
 mod report;

@@ -1,0 +1,31 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Casts a list of rays, one a thread, for the benchmark of tracers.
+// Out: where each first meets a surface, as t, or whether it meets any, as 0; a negative number where it does not.
+#define TRACER_BINDING 2
+#include "tracer.glsl"
+
+layout(local_size_x = 64) in;
+
+// Whether any hit will do.
+layout(constant_id = 0) const uint ANY_HIT = 0u;
+
+// Twin: DeviceRay in src/bench/micro/shader.rs.
+struct CastRay { vec3 origin; float t_min; vec3 direction; float t_max; };
+
+layout(set = 0, binding = 0, std430) readonly buffer RayBlock { CastRay data[]; } rays;
+layout(set = 0, binding = 1, std430) writeonly buffer AnswerBlock { float data[]; } answers;
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= rays.data.length()) return;
+    CastRay ray = rays.data[index];
+    float answer;
+    if (ANY_HIT != 0u) {
+        answer = trace_occluded(ray.origin, ray.direction, ray.t_min, ray.t_max) ? 0.0 : -1.0;
+    } else {
+        TracerHit hit;
+        answer = trace_closest(ray.origin, ray.direction, ray.t_min, ray.t_max, hit) ? hit.t : -1.0;
+    }
+    answers.data[index] = answer;
+}

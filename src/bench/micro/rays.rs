@@ -1,0 +1,197 @@
+//! The rays that tracers are compared with: those that real frames of a scene cast, in the order of the threads.
+//!
+//! In: a scene with its BVH and settings. Out: primary rays, the rays from pixels to VPLs that
+//! shaders/indirect_shadows.comp casts, and rays that scatter off the visible surfaces.
+
+use glam::Vec2;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::bvh::Ray;
+use crate::renderer::{Culling, PreparedScene, camera_ray};
+use crate::sampling::{cosine_hemisphere, random_point};
+use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, luminance, ray_offset};
+use crate::settings::Settings;
+use crate::vpl::{GpuVpl, SetVpls, VplManager, World, contribution};
+
+/// Side of the blocks of pixels that go together, as in a workgroup.
+const GROUP: u32 = 8;
+
+/// Where rays come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RayKind {
+    /// From the eye through pixels.
+    Primary,
+    /// From pixels to the VPLs of their class.
+    Shadow,
+    /// Off visible surfaces into random directions, distributed as the cosine.
+    Incoherent,
+}
+
+impl RayKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Primary, Self::Shadow, Self::Incoherent];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Incoherent => "incoherent",
+        }
+    }
+}
+
+/// Rays of one kind.
+#[derive(Clone, Debug)]
+pub struct RaySet {
+    /// Where they come from.
+    pub kind: RayKind,
+    /// In the order in which a device's threads have them.
+    pub rays: Vec<Ray>,
+}
+
+/// `most` rays of each kind, or as many as there are to VPLs, of frames with `settings` of the scene as it stands in `pose`.
+pub fn ray_sets(prepared: &PreparedScene, pose: &Pose, settings: &Settings, most: usize) -> Vec<RaySet> {
+    let pixels = Pixels::new(prepared, pose, settings.size);
+    let set = |kind| {
+        let mut rays = match kind {
+            RayKind::Primary => pixels.primary(most),
+            RayKind::Shadow => pixels.to_vpls(settings, most),
+            RayKind::Incoherent => pixels.scattered(most),
+        };
+        rays.truncate(most);
+        RaySet { kind, rays }
+    };
+    RayKind::ALL.into_iter().map(set).collect()
+}
+
+/// What a camera sees.
+struct Pixels<'a> {
+    prepared: &'a PreparedScene,
+    pose: &'a Pose,
+    size: [u32; 2],
+    scene_radius: f32,
+    /// The surface of each pixel, row by row.
+    surfaces: Vec<Option<WorldSurface>>,
+}
+
+impl<'a> Pixels<'a> {
+    fn new(prepared: &'a PreparedScene, pose: &'a Pose, size: [u32; 2]) -> Self {
+        let PreparedScene { scene, bvh, .. } = prepared;
+        let (low, high) = bvh.bounds();
+        let places: Vec<[u32; 2]> = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])).collect();
+        let surface = |&place: &[u32; 2]| {
+            let ray = pixel_ray(pose, size, place);
+            let hit = bvh.intersect(&ray)?;
+            let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+            Some(scene.surface_at(pose, hit.instance, point, Side::Facing(ray.direction)).surface)
+        };
+        let surfaces = places.par_iter().map(surface).collect();
+        Self { prepared, pose, size, scene_radius: (high - low).length() * 0.5, surfaces }
+    }
+
+    /// The pixels of blocks of 8x8, `step` apart and beginning at `first`, block by block.
+    fn blocks(&self, step: u32, first: [u32; 2]) -> impl Iterator<Item = Vec<[u32; 2]>> {
+        let size = self.size;
+        let counts = size.map(|side| side.div_ceil(GROUP * step));
+        (0..counts[0] * counts[1]).map(move |block| {
+            let corner = [block % counts[0], block / counts[0]];
+            let place = |index: u32, axis: usize| {
+                let within = [index % GROUP, index / GROUP][axis];
+                (corner[axis] * GROUP + within) * step + first[axis]
+            };
+            let all = (0..GROUP * GROUP).map(|index| [place(index, 0), place(index, 1)]);
+            all.filter(|place| place[0] < size[0] && place[1] < size[1]).collect()
+        })
+    }
+
+    fn surface(&self, [x, y]: [u32; 2]) -> Option<&WorldSurface> {
+        self.surfaces[(y * self.size[0] + x) as usize].as_ref()
+    }
+
+    /// `count` rays from the eye, again and again through other places of the same pixels.
+    fn primary(&self, count: usize) -> Vec<Ray> {
+        let ray = |(index, [x, y]): (usize, [u32; 2])| {
+            let within = random_point(index as u32, 0, 0);
+            let place = Vec2::new(x as f32, y as f32) + within;
+            camera_ray(&self.pose.camera, self.size, place)
+        };
+        let places = std::iter::repeat_with(|| self.blocks(1, [0, 0]).flatten()).flatten();
+        places.take(count).enumerate().map(ray).collect()
+    }
+
+    /// `count` rays off the pixels' surfaces, one of each and again; none where no surface is in sight.
+    fn scattered(&self, count: usize) -> Vec<Ray> {
+        let surfaces: Vec<&WorldSurface> =
+            self.blocks(1, [0, 0]).flatten().filter_map(|place| self.surface(place)).collect();
+        let ray = |(index, surface): (usize, &&WorldSurface)| {
+            let local = cosine_hemisphere(random_point(index as u32, 1, 0));
+            let (x, y) = surface.geometric_normal.any_orthonormal_pair();
+            let direction = x * local.x + y * local.y + surface.geometric_normal * local.z;
+            let origin = surface.offset_position(self.scene_radius);
+            Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+        };
+        surfaces.iter().cycle().take(count).enumerate().map(ray).collect()
+    }
+
+    /// The occlusion rays of frames that stand still, one temporal set after the other, until there are `enough`.
+    fn to_vpls(&self, settings: &Settings, enough: usize) -> Vec<Ray> {
+        let PreparedScene { scene, bvh, .. } = self.prepared;
+        let world = World { scene, pose: self.pose, bvh };
+        let manager = VplManager::new(world, settings);
+        let flux = manager.flux_by_cell().sets.iter().sum();
+        let culling = self.prepared.culling(settings, flux);
+        let mut rays = Vec::new();
+        for set in 0..settings.temporal_sets {
+            if rays.len() < enough {
+                self.to_set(&manager.set_vpls(world, set), settings.interleave, &culling, &mut rays);
+            }
+        }
+        rays
+    }
+
+    /// Twin of shaders/indirect_shadows.comp: a workgroup is 8x8 pixels of one class.
+    fn to_set(&self, set: &SetVpls, interleave: u32, culling: &Culling, rays: &mut Vec<Ray>) {
+        let classes: Vec<Vec<Vec<[u32; 2]>>> = (0..interleave * interleave)
+            .map(|class| self.blocks(interleave, [class % interleave, class / interleave]).collect())
+            .collect();
+        for block in 0..classes[0].len() {
+            for (class, blocks) in classes.iter().enumerate() {
+                let vpls = &set.vpls[set.class_starts[class] as usize..set.class_starts[class + 1] as usize];
+                for vpl in vpls {
+                    rays.extend(blocks[block].iter().filter_map(|&pixel| self.to_vpl(pixel, vpl, culling)));
+                }
+            }
+        }
+    }
+
+    /// The ray from a pixel to a VPL, if one is cast.
+    fn to_vpl(&self, pixel: [u32; 2], vpl: &GpuVpl, culling: &Culling) -> Option<Ray> {
+        let surface = self.surface(pixel)?;
+        let share = luminance(contribution(vpl, surface, culling.geometry_bound)) * culling.roulette;
+        if share.min(1.0) <= ray_chance(pixel, vpl.slot) {
+            return None;
+        }
+        let origin = surface.offset_position(self.scene_radius);
+        let end = vpl.position + vpl.normal * ray_offset(vpl.position, self.scene_radius);
+        Some(Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 })
+    }
+}
+
+fn pixel_ray(pose: &Pose, size: [u32; 2], [x, y]: [u32; 2]) -> Ray {
+    camera_ray(&pose.camera, size, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+}
+
+/// Twin of `ray_chance` in shaders/include/vpls.glsl.
+fn ray_chance(pixel: [u32; 2], slot: u32) -> f32 {
+    let [mut x, mut y, mut z] =
+        [pixel[0], pixel[1], slot].map(|v| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    x = x.wrapping_add(y.wrapping_mul(z));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    [x, y, z] = [x, y, z].map(|v| v ^ (v >> 16));
+    x = x.wrapping_add(y.wrapping_mul(z));
+    ((x >> 9) as f32 + 0.5) / 8_388_608.0
+}

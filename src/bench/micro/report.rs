@@ -1,0 +1,183 @@
+//! What was found, and the tables that say so.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::super::machine::Machine;
+use super::super::report::SceneFacts;
+use super::super::tables::{Table, milliseconds};
+use super::contender::Query;
+use super::rays::RayKind;
+use crate::settings::Settings;
+use crate::statistics::{Spread, percentile};
+
+/// What kind of file it is.
+pub const MICRO_FORMAT: &str = "glowworm bench micro 1";
+
+/// Everything.
+#[derive(Clone, Debug, Serialize)]
+pub struct MicroReport {
+    /// [`MICRO_FORMAT`].
+    pub format: String,
+    /// What it was measured on.
+    pub machine: Machine,
+    /// How often each thing was measured.
+    pub turns: u32,
+    /// Scene by scene.
+    pub scenes: Vec<SceneMicro>,
+}
+
+/// What was found in one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneMicro {
+    /// The scene.
+    pub scene: SceneFacts,
+    /// The settings of its frames.
+    pub settings: Settings,
+    /// Each set of rays with each query.
+    pub rays: Vec<RayRun>,
+    /// Building, updating and uploading the BVH, then each pass.
+    pub times: Vec<TimeRun>,
+    /// What could not be measured, and why.
+    pub notes: Vec<String>,
+}
+
+/// A set of rays, cast by all tracers in turns.
+#[derive(Clone, Debug, Serialize)]
+pub struct RayRun {
+    /// Where the rays come from.
+    pub kind: RayKind,
+    /// What was asked of them.
+    pub query: Query,
+    /// How many there are.
+    pub rays: usize,
+    /// The share of them that meets something.
+    pub hit_share: f64,
+    /// Who cast them.
+    pub tracers: Vec<TracerRun>,
+}
+
+/// What one tracer made of a set of rays.
+#[derive(Clone, Debug, Serialize)]
+pub struct TracerRun {
+    /// Its name.
+    pub tracer: String,
+    /// Million rays a second, turn by turn.
+    pub rates: Vec<f64>,
+    /// Their spread.
+    pub spread: Spread,
+    /// How many times as fast it is as each other tracer: the median over the turns.
+    pub over: BTreeMap<String, f64>,
+    /// Answers that differ from those of the first tracer.
+    pub differing: usize,
+}
+
+/// How long something takes.
+#[derive(Clone, Debug, Serialize)]
+pub struct TimeRun {
+    /// What does.
+    pub what: String,
+    /// Milliseconds, turn by turn.
+    pub ms: Vec<f64>,
+    /// Their spread.
+    pub spread: Spread,
+}
+
+impl TimeRun {
+    /// Of at least one measurement.
+    pub(super) fn new(what: impl Into<String>, ms: Vec<f64>) -> Self {
+        let spread = Spread::of(&ms, false).unwrap_or_default();
+        Self { what: what.into(), ms, spread }
+    }
+}
+
+impl RayRun {
+    /// Sums up what the tracers named `names` did: their rates by turn, and how many answers differed.
+    pub(super) fn tracers(names: &[String], rates: &[Vec<f64>], differing: &[usize]) -> Vec<TracerRun> {
+        let over = |mine: &[f64]| {
+            let ratio = |others: &Vec<f64>| {
+                let ratios = mine.iter().zip(others).map(|(mine, others)| mine / others);
+                percentile(ratios, 0.5).unwrap_or_default()
+            };
+            names.iter().cloned().zip(rates.iter().map(ratio)).collect::<BTreeMap<_, _>>()
+        };
+        let tracer = |index: usize| TracerRun {
+            tracer: names[index].clone(),
+            rates: rates[index].clone(),
+            spread: Spread::of(&rates[index], true).unwrap_or_default(),
+            over: over(&rates[index]),
+            differing: differing[index],
+        };
+        (0..names.len()).map(tracer).collect()
+    }
+}
+
+/// All tables, in order.
+pub fn micro_tables(report: &MicroReport) -> Vec<Table> {
+    let of_scene = |scene| [rays(scene, report.turns), times(scene, report.turns)];
+    report.scenes.iter().flat_map(of_scene).filter(|table| !table.rows.is_empty()).collect()
+}
+
+/// A rate or ratio, as tables write it.
+pub fn short(value: f64) -> String {
+    format!("{value:.2}")
+}
+
+fn rays(scene: &SceneMicro, turns: u32) -> Table {
+    let mut names: Vec<&str> = Vec::new();
+    for tracer in scene.rays.iter().flat_map(|run| &run.tracers) {
+        if !names.contains(&tracer.tracer.as_str()) {
+            names.push(&tracer.tracer);
+        }
+    }
+    let fixed = ["rays", "asked", "tracer", "million rays/s", "5 %", "95 %", "differing"];
+    let over = names.iter().map(|name| format!("over {name}"));
+    let row = |run: &RayRun, tracer: &TracerRun| {
+        let Spread { median, p5, p95, .. } = tracer.spread;
+        let over = names.iter().map(|name| tracer.over.get(*name).map_or_else(String::new, |&x| short(x)));
+        [
+            format!("{} ({})", run.kind.name(), run.rays),
+            run.query.name().to_owned(),
+            tracer.tracer.clone(),
+            short(median),
+            short(p5),
+            short(p95),
+            tracer.differing.to_string(),
+        ]
+        .into_iter()
+        .chain(over)
+        .collect()
+    };
+    Table {
+        title: format!("Rays of {}", scene.scene.name),
+        note: format!(
+            "Median of {turns} turns; `over`: the median over the turns of how many times as fast. `differing`: answers \
+             that are not those of the first tracer."
+        ),
+        columns: fixed.map(str::to_owned).into_iter().chain(over).collect(),
+        rows: scene
+            .rays
+            .iter()
+            .flat_map(|run| run.tracers.iter().map(move |tracer| row(run, tracer)))
+            .collect(),
+        detail: false,
+    }
+}
+
+fn times(scene: &SceneMicro, turns: u32) -> Table {
+    let row = |run: &TimeRun| {
+        let Spread { median, p5, p95, .. } = run.spread;
+        vec![run.what.clone(), milliseconds(median), milliseconds(p5), milliseconds(p95)]
+    };
+    let [width, height] = scene.settings.size;
+    Table {
+        title: format!("Times of {} in ms", scene.scene.name),
+        note: format!(
+            "Median of {turns} turns; passes at {width}x{height}, in frames of which no two overlap."
+        ),
+        columns: ["what", "ms", "5 %", "95 %"].map(str::to_owned).to_vec(),
+        rows: scene.times.iter().map(row).collect(),
+        detail: false,
+    }
+}

@@ -1,0 +1,166 @@
+//! What the BVH and each pass take by themselves, at inputs that are the same in every turn.
+//!
+//! A pass is measured by its timer: frames do not overlap, and barriers keep a pass from overlapping with the next.
+//! Half of the passes have nothing to do while nothing moves, so there are two kinds of frames: in some the world
+//! stands still, in the others camera, lights and moving instances jump to and fro.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::Vec3;
+
+use super::super::{BenchError, Control};
+use super::report::TimeRun;
+use super::shader::failed;
+use crate::bvh::TwoLevelBvh;
+use crate::passes::tracer::Tracer;
+use crate::renderer::{PreparedScene, Renderer};
+use crate::report::PASS_NAMES;
+use crate::scene::{Pose, Scene};
+use crate::settings::Settings;
+use crate::vulkan::{Device, Frames};
+
+/// How far things jump, as a share of the distance from the eye to the middle of the scene.
+const JUMP: f32 = 1.0 / 512.0;
+
+/// Building the BVH, updating it where anything may move, and bringing both to the device.
+pub(super) fn bvh_times(
+    device: &Arc<Device>,
+    scene: &Scene,
+    turns: u32,
+    control: &mut Control<'_>,
+) -> Result<Vec<TimeRun>, BenchError> {
+    let [rest, other] = poses(scene);
+    let moving = scene.instances.iter().filter(|instance| instance.dynamic).count();
+    let mut bvh = TwoLevelBvh::build(scene, &rest.instances);
+    let mut tracer = Tracer::new(device, &bvh).map_err(failed)?;
+    let mut frames = Frames::new(device).map_err(failed)?;
+    let [mut build, mut upload, mut update, mut upload_update] = [const { Vec::new() }; 4];
+    for turn in 0..turns {
+        build.push(timed(|| TwoLevelBvh::build(scene, &rest.instances)).1);
+        let (uploaded, ms) = timed(|| Tracer::new(device, &bvh));
+        uploaded.map_err(failed)?;
+        upload.push(ms);
+        let pose = if turn % 2 == 0 { &other } else { &rest };
+        update.push(timed(|| bvh.update(&pose.instances)).1);
+        let (done, ms) = timed(|| {
+            let (mut frame, _) = frames.begin()?;
+            tracer.update(&mut frame, &bvh)?;
+            frame.submit()?;
+            frames.finish()
+        });
+        done.map_err(failed)?;
+        upload_update.push(ms);
+        control.turn_done()?;
+    }
+    let mut times = vec![TimeRun::new("BVH build", build), TimeRun::new("BVH upload", upload)];
+    if moving > 0 {
+        times.push(TimeRun::new(format!("BVH update, {moving} moving"), update));
+        times.push(TimeRun::new("BVH upload of the update", upload_update));
+    }
+    Ok(times)
+}
+
+/// Each pass in a world that stands still, and in one that moves.
+pub(super) fn pass_times(
+    device: &Arc<Device>,
+    prepared: &PreparedScene,
+    settings: &Settings,
+    turns: u32,
+    control: &mut Control<'_>,
+) -> Result<Vec<TimeRun>, BenchError> {
+    let mut frames = PassFrames::new(device, prepared, settings)?;
+    let mut times = Vec::new();
+    for motion in [Motion::Still, Motion::Moving] {
+        let mut by_pass = vec![Vec::new(); PASS_NAMES.len()];
+        for _ in 0..turns {
+            let frame = frames.render(motion)?;
+            by_pass.iter_mut().zip(frame).for_each(|(times, ms)| times.push(ms));
+            control.turn_done()?;
+        }
+        let named = PASS_NAMES.into_iter().zip(by_pass);
+        times.extend(named.map(|(name, ms)| TimeRun::new(format!("{name}, {}", motion.name()), ms)));
+    }
+    Ok(times)
+}
+
+/// Whether the world moves from one frame to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Nothing moves.
+    Still,
+    /// Camera, lights and moving instances jump to and fro.
+    Moving,
+}
+
+impl Motion {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Still => "still",
+            Self::Moving => "moving",
+        }
+    }
+}
+
+/// Frames whose passes are measured.
+pub struct PassFrames {
+    renderer: Renderer,
+    poses: [Pose; 2],
+    frame: usize,
+}
+
+impl PassFrames {
+    /// A renderer that has drawn all sets of a world that stands still.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn new(
+        device: &Arc<Device>,
+        prepared: &PreparedScene,
+        settings: &Settings,
+    ) -> Result<Self, BenchError> {
+        let poses = poses(&prepared.scene);
+        let renderer = Renderer::with_scene(device, prepared.clone(), settings, &poses[0])?;
+        let mut frames = Self { renderer, poses, frame: 0 };
+        for _ in 0..=settings.temporal_sets {
+            frames.render(Motion::Still)?;
+        }
+        Ok(frames)
+    }
+
+    /// Draws a frame: the milliseconds of each pass, in the order of [`PASS_NAMES`].
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn render(&mut self, motion: Motion) -> Result<[f64; PASS_NAMES.len()], BenchError> {
+        self.frame = if motion == Motion::Moving { self.frame + 1 } else { self.frame };
+        self.renderer.render(&self.poses[self.frame % 2])?;
+        let reports = self.renderer.finish()?;
+        Ok(reports.last().map(|report| report.figures.passes.0).unwrap_or_default())
+    }
+}
+
+/// The scene at rest, and with everything that can move a little aside.
+fn poses(scene: &Scene) -> [Pose; 2] {
+    let rest = scene.pose(0.0);
+    let (low, high) = scene.bounds(&rest);
+    let jump = Vec3::splat(JUMP * rest.camera.eye.distance((low + high) * 0.5).max(f32::MIN_POSITIVE));
+    let mut other = rest.clone();
+    other.camera.eye += jump;
+    for light in &mut other.lights {
+        light.position += jump;
+    }
+    for (transform, instance) in other.instances.iter_mut().zip(&scene.instances) {
+        if instance.dynamic {
+            transform.translation += glam::Vec3A::from(jump);
+        }
+    }
+    [rest, other]
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let begun = Instant::now();
+    let done = work();
+    (done, begun.elapsed().as_secs_f64() * 1e3)
+}

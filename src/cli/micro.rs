@@ -1,0 +1,66 @@
+//! `glowworm bench --micro`: tracers, the BVH and the passes by themselves.
+
+use std::sync::Arc;
+
+use super::bench::{BenchOptions, ON_CPU, models, text};
+use super::progress::{self, interruption};
+use super::{CliError, device, say};
+use crate::bench::micro::{Micro, micro_tables};
+use crate::bench::{Control, Folder, MICRO_FILE};
+use crate::output::OutputFile;
+use crate::scene::{BENCH_SCENES, load_scene};
+use crate::settings::Settings;
+use crate::vulkan::Device;
+
+/// Turns where nothing else is said.
+const TURNS: u32 = 9;
+
+/// Measures and reports. `given` are the settings given on the command line.
+pub(super) fn micro(
+    options: &BenchOptions,
+    given: &[&str],
+    device: &Arc<Device>,
+    folder: &Folder,
+    json: Option<&OutputFile>,
+) -> Result<(), CliError> {
+    let names = match options {
+        _ if options.models => models(options)?,
+        _ if !options.scenes.is_empty() => options.scenes.clone(),
+        _ => BENCH_SCENES.map(str::to_owned).into(),
+    };
+    let mut own = options.settings.settings.clone();
+    let mut given = given.to_vec();
+    if device.info().kind == "cpu" && !given.contains(&"size") {
+        own.size = ON_CPU.size;
+        given.push("size");
+    }
+    let assets = options.run.files.assets_folder();
+    let mut scenes = Vec::new();
+    for name in names {
+        let scene = load_scene(&name, assets.as_deref())?;
+        let settings = Settings::resolve(&scene.settings, &own, &given)
+            .map_err(|error| CliError::Settings { scene: name, error })?;
+        scenes.push((Arc::new(scene), settings));
+    }
+    device::note_slow(device);
+    let micro = Micro::new(device, scenes, options.rays as usize, options.rounds.unwrap_or(TURNS));
+    let stop = interruption();
+    let bar = progress::bar(micro.work(), "{bar:40} {msg}, {eta} left");
+    let mut advance = |task: &str, work: u64| {
+        bar.set_message(task.to_owned());
+        bar.inc(work);
+    };
+    let report = micro.run(&mut Control::new(&stop, &mut advance));
+    bar.finish_and_clear();
+    let report = report?;
+    device::check_validation(&device.validation_messages())?;
+    folder.write_micro(&report)?;
+    if let Some(json) = json {
+        json.save_json(&report)?;
+    }
+    for (scene, note) in report.scenes.iter().flat_map(|scene| scene.notes.iter().map(move |n| (scene, n))) {
+        say::note(&format!("{}: {note}", scene.scene.name));
+    }
+    let tables: String = micro_tables(&report).iter().map(|table| text(table) + "\n").collect();
+    say::print(&format!("{tables}{}\n", folder.path().join(MICRO_FILE).display()))
+}
