@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
-use super::tracer::Tracer;
+use super::tracer::{RayTracer, Tracer};
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
 
@@ -74,6 +74,7 @@ pub struct IndirectShadowsInputs<'a> {
 /// The pass.
 pub struct IndirectShadowsPass {
     pipeline: Arc<ComputePipeline>,
+    tracer: RayTracer,
     visibility: Buffer,
     counters: Buffer,
     words: u32,
@@ -85,6 +86,7 @@ impl IndirectShadowsPass {
     /// Makes the pipeline and visibility memory for sets of `set_size` slots.
     pub fn new(
         device: &Arc<Device>,
+        tracer: RayTracer,
         extent: [u32; 2],
         interleave: u32,
         set_size: u32,
@@ -92,10 +94,10 @@ impl IndirectShadowsPass {
         let pipeline = ComputePipeline::specialised(
             device,
             "indirect_shadows",
-            shaders::INDIRECT_SHADOWS_COMP,
+            tracer.of(shaders::INDIRECT_SHADOWS_COMP),
             &[interleave],
         )?;
-        Self::with_pipeline(device, Arc::new(pipeline), extent, interleave, set_size)
+        Self::with_pipeline(device, (tracer, Arc::new(pipeline)), extent, interleave, set_size)
     }
 
     /// The same pass for pictures of `extent` texels and sets of `set_size` slots.
@@ -105,12 +107,13 @@ impl IndirectShadowsPass {
         extent: [u32; 2],
         set_size: u32,
     ) -> Result<Self, VulkanError> {
-        Self::with_pipeline(device, Arc::clone(&self.pipeline), extent, self.interleave, set_size)
+        let pipeline = (self.tracer, Arc::clone(&self.pipeline));
+        Self::with_pipeline(device, pipeline, extent, self.interleave, set_size)
     }
 
     fn with_pipeline(
         device: &Arc<Device>,
-        pipeline: Arc<ComputePipeline>,
+        (tracer, pipeline): (RayTracer, Arc<ComputePipeline>),
         extent: [u32; 2],
         interleave: u32,
         set_size: u32,
@@ -121,12 +124,18 @@ impl IndirectShadowsPass {
         let words = needed.min(fitting).min(WORDS_AT_ONCE);
         Ok(Self {
             pipeline,
+            tracer,
             visibility: Buffer::new(device, "visibility", plane * u64::from(words))?,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             words,
             extent,
             interleave,
         })
+    }
+
+    /// Which tracer it is for.
+    pub fn tracer(&self) -> RayTracer {
+        self.tracer
     }
 
     /// The chunks that a set's VPLs are done in; at least one, so that an empty set gives black.

@@ -12,7 +12,7 @@ use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass
 use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::{Instances, SceneBuffers};
 use crate::passes::set_history::{DrawnSet, SetHistory};
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{RayTracer, Tracer};
 use crate::scene::Pose;
 use crate::settings::{MissingSets, Settings};
 use crate::vulkan::{Device, Frame, Upload, VulkanError};
@@ -60,6 +60,7 @@ pub(super) struct PassInputs<'a> {
 impl Passes {
     pub fn new(
         device: &Arc<Device>,
+        tracer: RayTracer,
         scene: &SceneBuffers,
         settings: &Settings,
         instances: usize,
@@ -71,6 +72,7 @@ impl Passes {
             direct_shading: DirectShadingPass::new(device, size)?,
             indirect_shadows: IndirectShadowsPass::new(
                 device,
+                tracer,
                 size,
                 interleave,
                 vpls.div_ceil(temporal_sets),

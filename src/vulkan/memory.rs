@@ -37,16 +37,37 @@ impl Buffer {
         if size > limit {
             return Err(VulkanError::Limit { what: format!("buffer {name} of {size} bytes"), limit });
         }
+        let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        if device.ray_queries().is_some() {
+            usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+                | vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
+        }
+        Self::with_usage(device, name, size, location, usage)
+    }
+
+    /// Memory for an acceleration structure or its scratch data. No shader binds it as a buffer.
+    pub(super) fn for_structure(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
+        let usage = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR
+            | vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        Self::with_usage(device, name, size, MemoryLocation::GpuOnly, usage)
+    }
+
+    fn with_usage(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        location: MemoryLocation,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Self, VulkanError> {
         let info = vk::BufferCreateInfo::default()
             .size(size)
-            .usage(
-                vk::BufferUsageFlags::STORAGE_BUFFER
-                    | vk::BufferUsageFlags::UNIFORM_BUFFER
-                    | vk::BufferUsageFlags::VERTEX_BUFFER
-                    | vk::BufferUsageFlags::INDEX_BUFFER
-                    | vk::BufferUsageFlags::TRANSFER_SRC
-                    | vk::BufferUsageFlags::TRANSFER_DST,
-            )
+            .usage(usage)
             .sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: `info` is complete; the buffer is destroyed in `drop`.
         let (raw, requirements) = unsafe {

@@ -22,6 +22,8 @@ pub enum BindingKind {
     StorageImage,
     /// `sampler2D`: image with sampler.
     CombinedImageSampler,
+    /// `accelerationStructureEXT`.
+    AccelerationStructure,
 }
 
 /// One binding of a shader.
@@ -165,6 +167,7 @@ impl<'a> Reader<'a> {
             StorageClass::UniformConstant => {
                 let instruction = self.types.get(&pointee)?;
                 match (instruction.class.opcode, instruction.operands.get(5)) {
+                    (Op::TypeAccelerationStructureKHR, _) => Some(BindingKind::AccelerationStructure),
                     (Op::TypeSampledImage, _) => Some(BindingKind::CombinedImageSampler),
                     (Op::TypeImage, Some(Operand::LiteralBit32(2))) => Some(BindingKind::StorageImage),
                     (Op::TypeImage, _) => Some(BindingKind::SampledImage),
