@@ -16,8 +16,7 @@ mod view;
 pub use paths::reason_colour;
 pub use pick::{Picked, camera_ray};
 pub use replay::Replay;
-pub use tracer_choice::{TracerChoice, remember_in};
-pub use tracer_speed::TracerRates;
+pub use tracer_choice::{remember_in, tracer_rates};
 pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
@@ -30,7 +29,7 @@ use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes};
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, TracerChoice};
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
 use crate::settings::Settings;
 use crate::statistics::percentile;
@@ -147,7 +146,7 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
-        let tracer_choice = TracerChoice::new(device, settings.tracer)?;
+        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
         let PreparedScene { scene, mut bvh, transport } = prepared;
         let scene = &scene;
         bvh.update(&pose.instances);

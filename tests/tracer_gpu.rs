@@ -7,8 +7,8 @@ mod support;
 
 use bvh_support::*;
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec2};
-use glowworm::bvh::{Ray, TwoLevelBvh};
+use glam::{Affine3A, Vec2, Vec3};
+use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::passes::tracer::{RayTracer, Tracer};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use support::{Lab, assets, named_scene, skip};
@@ -40,6 +40,8 @@ struct Comparison {
     tracer: Tracer,
     rays: usize,
     hits: usize,
+    /// Hits of a driver that are those of a ray right beside: too close to an edge to tell.
+    beside: usize,
     differing: Vec<String>,
     // Dropped last: it waits for its frames, which use the others.
     frames: Frames,
@@ -50,10 +52,12 @@ impl Comparison {
     fn new(lab: Lab, tracer: RayTracer, bvh: &TwoLevelBvh) -> Self {
         let device = &lab.device;
         Self {
-            pipeline: ComputePipeline::new(device, "trace_rays", tracer.of(shaders::TRACE_RAYS_COMP)).unwrap(),
+            pipeline: ComputePipeline::new(device, "trace_rays", tracer.of(shaders::TRACE_RAYS_COMP))
+                .unwrap(),
             tracer: Tracer::new(device, tracer, bvh).unwrap(),
             rays: 0,
             hits: 0,
+            beside: 0,
             differing: Vec::new(),
             frames: Frames::new(device).unwrap(),
             lab,
@@ -66,16 +70,23 @@ impl Comparison {
         let expected = bvh.intersect_batch(rays);
         let occluded = bvh.occluded_batch(rays);
         for (index, answer) in answers.iter().enumerate() {
-            let same_hit = match expected[index] {
-                None => answer.instance == u32::MAX,
-                Some(hit) => {
-                    (hit.instance, hit.triangle) == (answer.instance, answer.triangle)
-                        && (hit.t - answer.t).abs() <= 1e-4 * hit.t.abs()
-                        && hit.barycentrics.abs_diff_eq(answer.barycentrics, 1e-3)
+            let ray = &rays[index];
+            let agrees = match self.tracer.kind() {
+                RayTracer::Software => {
+                    same_hit(answer, expected[index].as_ref()) && occluded[index] == (answer.occluded == 1)
                 }
+                RayTracer::Hardware => same_place(ray, answer, expected[index].as_ref()),
             };
-            if !same_hit || occluded[index] != (answer.occluded == 1) {
-                self.differing.push(format!("{:?}: {answer:?} is not {:?}", rays[index], expected[index]));
+            if agrees {
+                continue;
+            }
+            let near = || bvh.intersect_all(&rays_beside(ray));
+            if self.tracer.kind() == RayTracer::Hardware
+                && near().iter().any(|hit| same_place(ray, answer, hit.as_ref()))
+            {
+                self.beside += 1;
+            } else {
+                self.differing.push(format!("{ray:?}: {answer:?} is not {:?}", expected[index]));
             }
         }
         self.rays += rays.len();
@@ -110,6 +121,7 @@ impl Comparison {
     fn finish(self) {
         let share = self.hits as f32 / self.rays as f32;
         assert!(share > 0.05, "only {} of {} rays hit anything", self.hits, self.rays);
+        assert!(self.beside <= self.rays / 10_000, "{} of {} rays pass beside", self.beside, self.rays);
         let allowed = self.rays / 100_000;
         assert!(
             self.differing.len() <= allowed,
@@ -119,6 +131,45 @@ impl Comparison {
             &self.differing[..self.differing.len().min(12)]
         );
     }
+}
+
+/// The software tracer does what the CPU does.
+fn same_hit(answer: &TestAnswer, expected: Option<&Hit>) -> bool {
+    match expected {
+        None => answer.instance == u32::MAX,
+        Some(hit) => {
+            (hit.instance, hit.triangle) == (answer.instance, answer.triangle)
+                && (hit.t - answer.t).abs() <= 1e-4 * hit.t.abs()
+                && hit.barycentrics.abs_diff_eq(answer.barycentrics, 1e-3)
+        }
+    }
+}
+
+/// A driver meets the same surface in the same place, though it rounds in its own way; where two lie on each other,
+/// either will do.
+fn same_place(ray: &Ray, answer: &TestAnswer, expected: Option<&Hit>) -> bool {
+    let met = answer.instance != u32::MAX;
+    match expected {
+        _ if met != (answer.occluded == 1) => false,
+        None => !met,
+        Some(hit) => {
+            let same = (hit.instance, hit.triangle) == (answer.instance, answer.triangle);
+            let apart = (hit.t - answer.t).abs() * ray.direction.length();
+            met && apart <= 1e-4 * hit.t * ray.direction.length() + blur(ray)
+                && (!same || hit.barycentrics.abs_diff_eq(answer.barycentrics, 1e-2))
+        }
+    }
+}
+
+/// What rounding may move a ray.
+fn blur(ray: &Ray) -> f32 {
+    2e-6 * ray.origin.abs().max_element().max(ray.direction.abs().max_element())
+}
+
+fn rays_beside(ray: &Ray) -> Vec<Ray> {
+    let corners =
+        (0..8).map(|corner| Vec3::from([1, 2, 4].map(|bit| if corner & bit == 0 { 1.0 } else { -1.0 })));
+    corners.map(|corner| Ray { origin: ray.origin + corner * blur(ray), ..*ray }).collect()
 }
 
 fn rays(random: &mut Random, bvh: &TwoLevelBvh, count: usize) -> Vec<Ray> {

@@ -109,8 +109,5 @@ fn append_runs(all: &mut Vec<GpuTriangle>, leaves: &[GpuTriangle]) -> MeshRuns {
     let opaque = triangles.partition_point(|triangle| triangle.masked == 0) as u32;
     let masked = triangles.len() as u32 - opaque;
     all.append(&mut triangles);
-    MeshRuns {
-        opaque: Run { first, count: opaque },
-        masked: Run { first: first + opaque, count: masked },
-    }
+    MeshRuns { opaque: Run { first, count: opaque }, masked: Run { first: first + opaque, count: masked } }
 }

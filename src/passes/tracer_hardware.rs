@@ -81,6 +81,8 @@ impl HardwareTracer {
 
     /// Binds what the include names, without masks.
     pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("bvh_top_level", &self.top).read("bvh_triangles", &self.triangles).read("bvh_runs", &self.runs)
+        pass.read("bvh_top_level", &self.top)
+            .read("bvh_triangles", &self.triangles)
+            .read("bvh_runs", &self.runs)
     }
 }

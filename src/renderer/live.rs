@@ -6,7 +6,7 @@
 
 use super::passes::Passes;
 use super::view::ViewPasses;
-use super::{PreparedScene, RenderError, Renderer, TracerChoice};
+use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::passes::combine::CombinePass;
 use crate::passes::direct_shading::DirectShadingPass;
 use crate::passes::gbuffer::GBufferPass;
@@ -14,9 +14,9 @@ use crate::passes::indirect_reprojection::IndirectReprojectionPass;
 use crate::passes::indirect_shading::IndirectShadingPass;
 use crate::passes::indirect_shadows::IndirectShadowsPass;
 use crate::passes::set_history::SetHistory;
-use crate::scene::Pose;
 use crate::passes::tracer::{RayTracer, Tracer};
 use crate::passes::vpl_light::VplLightPass;
+use crate::scene::Pose;
 use crate::settings::Settings;
 use crate::vpl::{VplManager, World};
 use crate::vulkan::VulkanError;
@@ -29,10 +29,9 @@ impl Renderer {
     /// # Errors
     /// Where the device cannot do with them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
-        let choice = TracerChoice::new(&self.device, settings.tracer)?;
+        let choice = tracer_choice::choose(&self.device, settings.tracer)?;
         let other = choice.used != self.tracer.kind();
-        let tracer =
-            if other { Some(Tracer::new(&self.device, choice.used, &self.bvh)?) } else { None };
+        let tracer = if other { Some(Tracer::new(&self.device, choice.used, &self.bvh)?) } else { None };
         let instances = self.scene.instances.len();
         self.passes.change(&self.settings, settings, tracer.as_ref().map(Tracer::kind), instances)?;
         replace(&mut self.tracer, tracer);

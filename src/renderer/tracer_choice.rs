@@ -10,44 +10,29 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::{RenderError, TracerRates};
+use super::{RenderError, tracer_speed};
 use crate::output::OutputFile;
 use crate::passes::tracer::RayTracer;
+use crate::report::{TracerChoice, TracerRates};
 use crate::settings::TracerKind;
 use crate::vulkan::{Device, DeviceInfo, shaders};
 
-/// The tracer in use.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TracerChoice {
-    /// The tracer.
-    pub used: RayTracer,
-    /// What was measured, if that decided.
-    pub rays_per_second: Option<TracerRates>,
-}
-
-impl TracerChoice {
-    /// Finds the tracer for a device.
-    ///
-    /// # Errors
-    /// Where the hardware tracer was asked for and the device cannot do with it.
-    pub fn new(device: &Arc<Device>, wanted: TracerKind) -> Result<Self, RenderError> {
-        let chosen = |used| Self { used, rays_per_second: None };
-        match (wanted, &device.info().ray_query_lacks) {
-            (TracerKind::Software, _) | (TracerKind::Auto, Some(_)) => Ok(chosen(RayTracer::Software)),
-            (TracerKind::Hardware, None) => Ok(chosen(RayTracer::Hardware)),
-            (TracerKind::Hardware, Some(lacks)) => Err(RenderError::NoHardwareTracer {
-                device: device.info().name.clone(),
-                lacks: lacks.clone(),
-            }),
-            (TracerKind::Auto, None) => Ok(Self::faster(device)),
+/// Finds the tracer for a device.
+///
+/// # Errors
+/// Where the hardware tracer was asked for and the device cannot do with it.
+pub(super) fn choose(device: &Arc<Device>, wanted: TracerKind) -> Result<TracerChoice, RenderError> {
+    let chosen = |used| TracerChoice { used, rays_per_second: None };
+    match (wanted, &device.info().ray_query_lacks) {
+        (TracerKind::Software, _) | (TracerKind::Auto, Some(_)) => Ok(chosen(RayTracer::Software)),
+        (TracerKind::Hardware, None) => Ok(chosen(RayTracer::Hardware)),
+        (TracerKind::Hardware, Some(lacks)) => {
+            Err(RenderError::NoHardwareTracer { device: device.info().name.clone(), lacks: lacks.clone() })
         }
-    }
-
-    fn faster(device: &Arc<Device>) -> Self {
-        match rates(device) {
-            Some(rates) => Self { used: rates.faster(), rays_per_second: Some(rates) },
-            None => Self { used: RayTracer::Software, rays_per_second: None },
-        }
+        (TracerKind::Auto, None) => Ok(match tracer_rates(device) {
+            Some(rates) => TracerChoice { used: rates.faster(), rays_per_second: Some(rates) },
+            None => chosen(RayTracer::Software),
+        }),
     }
 }
 
@@ -62,8 +47,12 @@ pub fn remember_in(folder: PathBuf) {
 /// Rates by [`key`].
 type Known = BTreeMap<String, TracerRates>;
 
-/// What is known, or else what is measured now; none where the device cannot be measured.
-fn rates(device: &Arc<Device>) -> Option<TracerRates> {
+/// How fast the device's tracers are, as known or else as measured now; none where it offers only one or cannot be
+/// measured.
+pub fn tracer_rates(device: &Arc<Device>) -> Option<TracerRates> {
+    if !device.info().ray_query {
+        return None;
+    }
     static KNOWN: Mutex<Known> = Mutex::new(Known::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     let key = key(device.info());
@@ -72,7 +61,7 @@ fn rates(device: &Arc<Device>) -> Option<TracerRates> {
     let rates = match kept {
         Some(rates) => rates,
         None => {
-            let measured = TracerRates::measure(device)
+            let measured = tracer_speed::measure(device)
                 .inspect_err(|error| log::warn!("the tracers could not be measured: {error}"))
                 .ok()?;
             if let Some(file) = &file {
@@ -82,15 +71,8 @@ fn rates(device: &Arc<Device>) -> Option<TracerRates> {
         }
     };
     if known.insert(key, rates).is_none() {
-        let TracerRates { software, hardware } = rates;
         let from = if kept.is_some() { "kept from earlier" } else { "measured" };
-        log::info!(
-            "tracers on {}: software {:.2}, hardware {:.2} million rays a second ({from}), so auto is {:?}",
-            device.info().name,
-            software * 1e-6,
-            hardware * 1e-6,
-            rates.faster()
-        );
+        log::info!("tracers of {}, {from}: {rates}", device.info().name);
     }
     Some(rates)
 }
@@ -99,9 +81,10 @@ fn rates(device: &Arc<Device>) -> Option<TracerRates> {
 fn key(info: &DeviceInfo) -> String {
     let shader = shaders::OCCLUSION_RAYS_COMP;
     // FNV-1a.
-    let hash = shader.software.iter().chain(shader.hardware).fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
-    });
+    let hash =
+        shader.software.iter().chain(shader.hardware).fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+            (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+        });
     format!("{}, {}, Vulkan {}, shaders {hash:016x}", info.name, info.driver, info.vulkan)
 }
 

@@ -155,8 +155,7 @@ impl BottomLevel {
             unsafe { ray_queries(device).functions.cmd_copy_acceleration_structure(commands, &copy) };
             record_barriers(device, commands, &[], &[built()]);
         })?;
-        let info =
-            vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(tight.raw);
+        let info = vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(tight.raw);
         // SAFETY: the structure is live.
         let address =
             unsafe { ray_queries(device).functions.get_acceleration_structure_device_address(&info) };
@@ -310,8 +309,7 @@ fn triangle_geometry<'a>(start: u64, run: &TriangleRun) -> vk::AccelerationStruc
         .vertex_stride(VERTEX_STRIDE)
         .max_vertex(last_vertex)
         .index_type(vk::IndexType::NONE_KHR);
-    let flags =
-        if run.opaque { vk::GeometryFlagsKHR::OPAQUE } else { vk::GeometryFlagsKHR::empty() };
+    let flags = if run.opaque { vk::GeometryFlagsKHR::OPAQUE } else { vk::GeometryFlagsKHR::empty() };
     vk::AccelerationStructureGeometryKHR::default()
         .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
         .geometry(vk::AccelerationStructureGeometryDataKHR { triangles })

@@ -57,7 +57,9 @@ impl Access {
             Self::VertexRead => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false)
             }
-            Self::ComputeTrace => (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false),
+            Self::ComputeTrace => {
+                (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false)
+            }
             Self::StructureBuild => (
                 S::ACCELERATION_STRUCTURE_BUILD_KHR,
                 A::ACCELERATION_STRUCTURE_READ_KHR | A::ACCELERATION_STRUCTURE_WRITE_KHR,

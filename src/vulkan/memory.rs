@@ -65,10 +65,8 @@ impl Buffer {
         location: MemoryLocation,
         usage: vk::BufferUsageFlags,
     ) -> Result<Self, VulkanError> {
-        let info = vk::BufferCreateInfo::default()
-            .size(size)
-            .usage(usage)
-            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        let info =
+            vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: `info` is complete; the buffer is destroyed in `drop`.
         let (raw, requirements) = unsafe {
             let raw = device

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{Instance, Surface, VulkanError, ray_query};
 
 /// What a physical device is and whether glowworm can use it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct DeviceInfo {
     /// Place in the list, for `--device`.
     pub index: usize,
@@ -28,7 +28,9 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
 }
 
-pub(super) fn physical_devices(instance: &Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
+pub(super) fn physical_devices(
+    instance: &Instance,
+) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
     // SAFETY: plain query.
     let raw = unsafe { instance.raw().enumerate_physical_devices() }
         .map_err(VulkanError::call("enumeration", "devices"))?;
@@ -106,7 +108,11 @@ fn why_unusable(
 }
 
 /// Why the device cannot show pictures on `surface`; none if it can.
-pub(super) fn why_no_window(instance: &ash::Instance, device: vk::PhysicalDevice, surface: &Surface) -> Option<String> {
+pub(super) fn why_no_window(
+    instance: &ash::Instance,
+    device: vk::PhysicalDevice,
+    surface: &Surface,
+) -> Option<String> {
     // SAFETY: `device` is of `instance`.
     let extensions = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
     if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {
