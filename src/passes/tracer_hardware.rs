@@ -43,20 +43,22 @@ impl HardwareTracer {
                     .then(|| BottomLevel::build(device, "bvh_bottom_level", &triangles, &runs))
                     .transpose()
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
         // A run without triangles is not built, so the one after it takes its number.
         let first_triangles = |mesh: &hardware::MeshRuns| {
             let mut present = mesh.present().map(|(run, _)| run.first);
             [present.next().unwrap_or_default(), present.next().unwrap_or_default()]
         };
         let runs: Vec<u32> = layout.meshes.iter().flat_map(first_triangles).collect();
-        Ok(Self {
-            top: TopLevel::new(device, "bvh_top_level", bvh.most_placed())?,
-            bottom,
-            triangles,
-            runs: Buffer::with_data(device, "bvh_runs", &runs)?,
-            built: None,
-        })
+        let top = TopLevel::new(device, "bvh_top_level", bvh.most_placed())?;
+        let bottom_bytes: u64 = bottom.iter().flatten().map(BottomLevel::size).sum();
+        log::info!(
+            "acceleration structures: {bottom_bytes} bytes at the bottom (triangles: {}), {} on top (instances: {})",
+            layout.triangles.len(),
+            top.size(),
+            bvh.most_placed()
+        );
+        Ok(Self { top, bottom, triangles, runs: Buffer::with_data(device, "bvh_runs", &runs)?, built: None })
     }
 
     /// Builds the top level again if an instance has moved.

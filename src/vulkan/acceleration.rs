@@ -57,8 +57,7 @@ impl PlacedStructure {
 /// A structure with its memory.
 struct Structure {
     raw: vk::AccelerationStructureKHR,
-    // Keeps the memory.
-    _buffer: Buffer,
+    buffer: Buffer,
     device: Arc<Device>,
 }
 
@@ -76,7 +75,7 @@ impl Structure {
         let raw = unsafe { ray_queries(device).functions.create_acceleration_structure(&info, None) }
             .map_err(VulkanError::call("creation", format!("acceleration structure {name}")))?;
         device.set_name(raw, name);
-        Ok(Self { raw, _buffer: buffer, device: Arc::clone(device) })
+        Ok(Self { raw, buffer, device: Arc::clone(device) })
     }
 }
 
@@ -90,8 +89,7 @@ impl Drop for Structure {
 /// The triangles of one mesh, compacted.
 pub struct BottomLevel {
     address: u64,
-    // Keeps the structure.
-    _structure: Structure,
+    structure: Structure,
 }
 
 impl BottomLevel {
@@ -159,7 +157,12 @@ impl BottomLevel {
         // SAFETY: the structure is live.
         let address =
             unsafe { ray_queries(device).functions.get_acceleration_structure_device_address(&info) };
-        Ok(Self { address, _structure: tight })
+        Ok(Self { address, structure: tight })
+    }
+
+    /// Bytes of device memory.
+    pub fn size(&self) -> u64 {
+        self.structure.buffer.size()
     }
 }
 
@@ -167,8 +170,7 @@ impl BottomLevel {
 pub struct TopLevel {
     pub(super) raw: vk::AccelerationStructureKHR,
     pub(super) tracker: Tracker,
-    // Keeps the structure.
-    _structure: Structure,
+    structure: Structure,
     scratch: Scratch,
     capacity: u32,
     device: Arc<Device>,
@@ -195,11 +197,16 @@ impl TopLevel {
         Ok(Self {
             raw: structure.raw,
             tracker: Tracker::default(),
-            _structure: structure,
+            structure,
             scratch: Scratch::new(device, sizes.build_scratch_size)?,
             capacity,
             device: Arc::clone(device),
         })
+    }
+
+    /// Bytes of device memory, with what builds work in.
+    pub fn size(&self) -> u64 {
+        self.structure.buffer.size() + self.scratch.buffer.size()
     }
 
     /// Builds it anew over `count` uploaded [`PlacedStructure`]s, timed as pass `name`.
