@@ -73,7 +73,7 @@ fn mesh() -> Mesh {
                 around(TAU * u, 0.45 + thick * out) + Vec3::Y * (height + thick * up)
             });
         }
-        if column % 5 == 0 {
+        if column.is_multiple_of(5) {
             push_grid(&mut mesh, [48, 48], |u, v| {
                 let fold = 0.25 * v * (40.0 * u).sin() + 0.05 * (17.0 * v + 9.0 * u).sin();
                 foot + vec3(0.5 + 2.0 * u, 6.5 - 5.0 * v, fold)
@@ -88,7 +88,7 @@ fn mesh() -> Mesh {
 /// Where a column stands.
 fn foot(column: u32) -> Vec3 {
     let along = (column / 2) as f32 + 0.5;
-    let side = if column % 2 == 0 { ROW } else { -ROW };
+    let side = if column.is_multiple_of(2) { ROW } else { -ROW };
     vec3(SIZE.x * (2.0 * along / COLUMNS as f32 - 1.0), 0.0, side)
 }
 
