@@ -39,17 +39,11 @@ fn compile_shaders(folder: &Path, out: &Path) {
     for path in files(folder).into_iter().chain(files(&folder.join("test"))) {
         let Some(stage) = stage_of(&path) else { continue };
         let name = path.file_name().expect("a file").to_string_lossy().into_owned();
-        match compile(&path, stage, &folder.join("include")) {
-            Ok(words) => {
-                let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-                let target = out.join(format!("{name}.spv"));
-                std::fs::write(&target, bytes).expect("OUT_DIR is writable");
+        match compile_variants(&path, stage, &folder.join("include"), &out.join(&name)) {
+            Ok(value) => {
                 let constant = name.replace('.', "_").to_uppercase();
-                writeln!(
-                    rust,
-                    "/// `{name}`, compiled.\npub const {constant}: &[u8] = include_bytes!({target:?});"
-                )
-                .expect("writing to a string");
+                writeln!(rust, "/// `{name}`, compiled.\npub const {constant}: {value};")
+                    .expect("writing to a string");
             }
             Err(message) => {
                 failed = true;
@@ -75,8 +69,27 @@ fn stage_of(path: &Path) -> Option<ShaderStage> {
     }
 }
 
-fn compile(path: &Path, stage: ShaderStage, include: &Path) -> Result<Vec<u32>, String> {
+/// Compiles a shader, one that traces rays once for each tracer. Gives type and value of its constant.
+fn compile_variants(path: &Path, stage: ShaderStage, include: &Path, out: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let compile_to = |text: String, extension: &str| {
+        let words = compile(text, stage, include)?;
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let target = out.with_added_extension(extension);
+        std::fs::write(&target, bytes).expect("OUT_DIR is writable");
+        Ok::<String, String>(format!("include_bytes!({target:?})"))
+    };
+    if !text.contains("#include \"tracer.glsl\"") {
+        return Ok(format!("&[u8] = {}", compile_to(text, "spv")?));
+    }
+    let (version, rest) = text.split_once('\n').ok_or("a shader begins with its #version")?;
+    let hardware = "#extension GL_EXT_ray_query : require\n#define TRACER_HARDWARE\n#line 2";
+    let hardware = compile_to(format!("{version}\n{hardware}\n{rest}"), "hardware.spv")?;
+    let software = compile_to(text, "software.spv")?;
+    Ok(format!("PerTracer = PerTracer {{ software: {software}, hardware: {hardware} }}"))
+}
+
+fn compile(text: String, stage: ShaderStage, include: &Path) -> Result<Vec<u32>, String> {
     let compiler = Compiler::acquire().ok_or("glslang did not start")?;
     let options = CompilerOptions {
         source_language: SourceLanguage::GLSL,

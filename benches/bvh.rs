@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Affine3A;
 use glowworm::bench::micro::crowd;
 use glowworm::bvh::TwoLevelBvh;
-use glowworm::passes::tracer::Tracer;
+use glowworm::passes::tracer::{RayTracer, Tracer};
 use glowworm::vulkan::Frames;
 
 fn build(criterion: &mut Criterion) {
@@ -41,9 +41,9 @@ fn update(criterion: &mut Criterion) {
 
     let Some(device) = support::device() else { return };
     criterion.bench_function("BVH upload", |bencher| {
-        bencher.iter(|| Tracer::new(&device, &bvh).expect("a device that works"));
+        bencher.iter(|| Tracer::new(&device, RayTracer::Software, &bvh).expect("a device that works"));
     });
-    let mut tracer = Tracer::new(&device, &bvh).expect("a device that works");
+    let mut tracer = Tracer::new(&device, RayTracer::Software, &bvh).expect("a device that works");
     let mut frames = Frames::new(&device).expect("a device that works");
     criterion.bench_function("BVH update and its upload", |bencher| {
         bencher.iter(|| {

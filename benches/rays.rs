@@ -21,8 +21,8 @@ fn rays(criterion: &mut Criterion) {
         let sets = ray_sets(&prepared, &pose, &support::settings(), RAYS);
         let mut tracers: Vec<Box<dyn Contender + '_>> = vec![Box::new(OwnTracer(prepared.bvh()))];
         if let Some(device) = &device {
-            tracers
-                .push(Box::new(ShaderTracer::software(device, prepared.bvh()).expect("a device that works")));
+            let shaders = ShaderTracer::all(device, prepared.bvh()).expect("a device that works");
+            tracers.extend(shaders.into_iter().map(|tracer| Box::new(tracer) as Box<dyn Contender>));
         }
         if let Some(obvhs) = Obvhs::new(&scene, &pose) {
             tracers.push(Box::new(obvhs));

@@ -9,11 +9,14 @@ mod paths;
 mod pick;
 mod picture;
 mod replay;
+mod tracer_choice;
+mod tracer_speed;
 mod view;
 
 pub use paths::reason_colour;
 pub use pick::{Picked, camera_ray};
 pub use replay::Replay;
+pub use tracer_choice::{remember_in, tracer_rates};
 pub use view::{BufferView, DebugView, Line, PathStyle};
 
 use std::collections::VecDeque;
@@ -26,9 +29,9 @@ use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes};
+use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, TracerChoice};
 use crate::scene::{Camera, Light, LightKind, Pose, Scene};
-use crate::settings::{Settings, TracerKind};
+use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
@@ -41,9 +44,16 @@ pub enum RenderError {
     /// Vulkan failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
-    /// The hardware tracer was asked for.
-    #[error("--tracer hardware: there is no hardware tracer yet; use --tracer software")]
-    NoHardwareTracer,
+    /// The hardware tracer was asked for on a device that cannot do with it.
+    #[error(
+        "--tracer hardware: {device} lacks {lacks}; use --tracer software, or another --device (glowworm info lists them)"
+    )]
+    NoHardwareTracer {
+        /// Name of the device.
+        device: String,
+        /// Extensions and features that it does not offer.
+        lacks: String,
+    },
     /// A recording cannot be replayed.
     #[error("{0}")]
     Recording(String),
@@ -65,6 +75,7 @@ pub struct Renderer {
 
     buffers: SceneBuffers,
     tracer: Tracer,
+    tracer_choice: TracerChoice,
     passes: Passes,
     // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
     frames: Frames,
@@ -165,9 +176,7 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
-        if settings.tracer == TracerKind::Hardware {
-            return Err(RenderError::NoHardwareTracer);
-        }
+        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
         let mut prepared = prepared;
         prepared.bvh.update(&pose.instances);
         let lengths = prepared.lengths();
@@ -177,8 +186,9 @@ impl Renderer {
 
         let buffers = SceneBuffers::new(device, scene)?;
         Ok(Self {
-            tracer: Tracer::new(device, &bvh)?,
-            passes: Passes::new(device, &buffers, settings, scene.instances.len())?,
+            tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
+            tracer_choice,
+            passes: Passes::new(device, tracer_choice.used, &buffers, settings, scene.instances.len())?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             scene: Arc::clone(scene),
@@ -311,6 +321,11 @@ impl Renderer {
             self.reports.extend(report(&mut self.pending, &times));
         }
         Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// The tracer in use.
+    pub fn tracer(&self) -> TracerChoice {
+        self.tracer_choice
     }
 
     /// The VPLs as they are now.

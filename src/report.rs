@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::passes::tracer::RayTracer;
 use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vpl::{InvalidatedBy, InvalidationReason, VplCounters};
+use crate::vulkan::DeviceInfo;
 
 /// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
 /// files and shaders.
@@ -105,6 +107,43 @@ impl Summary {
     }
 }
 
+/// Occlusion rays a second, of each tracer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TracerRates {
+    /// Of the software tracer.
+    pub software: f64,
+    /// Of the hardware tracer; 0 where its answers are wrong.
+    pub hardware: f64,
+}
+
+impl TracerRates {
+    /// The faster tracer.
+    pub fn faster(&self) -> RayTracer {
+        if self.hardware > self.software { RayTracer::Hardware } else { RayTracer::Software }
+    }
+}
+
+impl std::fmt::Display for TracerRates {
+    fn fmt(&self, text: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [software, hardware] = [self.software, self.hardware].map(|rate| rate * 1e-6);
+        let auto = match self.faster() {
+            RayTracer::Software => "software",
+            RayTracer::Hardware => "hardware",
+        };
+        write!(text, "software {software:.2}, hardware {hardware:.2} million rays a second: auto is {auto}")
+    }
+}
+
+/// The tracer in use.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TracerChoice {
+    /// The tracer.
+    pub used: RayTracer,
+    /// What was measured on the device, now or earlier, if that decided.
+    pub rays_per_second: Option<TracerRates>,
+}
+
 /// The report of a run of `render`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RenderReport {
@@ -114,6 +153,8 @@ pub struct RenderReport {
     pub device: String,
     /// Name and version of its driver.
     pub driver: String,
+    /// The ray tracer that was used.
+    pub tracer: TracerChoice,
     /// The settings that were used.
     pub settings: Settings,
     /// See [`COMMIT`].
@@ -125,18 +166,19 @@ pub struct RenderReport {
 }
 
 impl RenderReport {
-    /// The report of `frames`, rendered on a device of this name and driver.
+    /// The report of `frames`, rendered on `device`.
     pub fn new(
         scene: &str,
-        device: &str,
-        driver: &str,
+        device: &DeviceInfo,
+        tracer: TracerChoice,
         settings: &Settings,
         frames: Vec<FrameReport>,
     ) -> Self {
         Self {
             scene: scene.to_owned(),
-            device: device.to_owned(),
-            driver: driver.to_owned(),
+            device: device.name.clone(),
+            driver: device.driver.clone(),
+            tracer,
             settings: settings.clone(),
             commit: COMMIT,
             summary: Summary::of(&frames),
@@ -224,10 +266,19 @@ mod tests {
     }
 
     #[test]
+    fn the_faster_tracer_is_chosen() {
+        let rates = |software, hardware| TracerRates { software, hardware };
+        assert_eq!(rates(2.0, 1.0).faster(), RayTracer::Software);
+        assert_eq!(rates(1.0, 2.0).faster(), RayTracer::Hardware);
+    }
+
+    #[test]
     fn the_report_has_the_keys_of_the_design() {
         let frames: Vec<_> = (0..2).map(frame).collect();
-        let report =
-            RenderReport::new("cornell-box", "some device", "some driver", &Settings::default(), frames);
+        let device = DeviceInfo { name: "some device".to_owned(), ..DeviceInfo::default() };
+        let rates = TracerRates { software: 2.5, hardware: 1.0 };
+        let tracer = TracerChoice { used: rates.faster(), rays_per_second: Some(rates) };
+        let report = RenderReport::new("cornell-box", &device, tracer, &Settings::default(), frames);
         assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
         let json = serde_json::to_value(&report).unwrap();
         let keys = |value: &serde_json::Value| -> Vec<String> {
@@ -237,7 +288,7 @@ mod tests {
             names.sort_unstable();
             names.into_iter().map(str::to_owned).collect::<Vec<_>>()
         };
-        let top = vec!["scene", "device", "driver", "settings", "commit", "frames", "summary"];
+        let top = vec!["scene", "device", "driver", "tracer", "settings", "commit", "frames", "summary"];
         assert_eq!(keys(&json), sorted(top));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
         let counts = vec!["slots", "valid", "escaped", "stale", "invalidated", "invalidated_by", "shot"];
@@ -249,5 +300,7 @@ mod tests {
         }
         assert_eq!(keys(&json["summary"]["p95"]), sorted(figures));
         assert_eq!(json["settings"]["exposure"], "auto");
+        assert_eq!(json["tracer"]["used"], "software");
+        assert_eq!(json["tracer"]["rays_per_second"]["hardware"], 1.0);
     }
 }

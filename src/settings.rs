@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum TracerKind {
-    /// The fastest there is for the device: for now always the software tracer.
+    /// The faster one on the device, by a short measurement.
     #[default]
     Auto,
     /// The two-level BVH traversed in a compute shader: every Vulkan 1.3 device.
@@ -96,8 +96,8 @@ pub struct Settings {
     #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true, default_value = "1/60")]
     #[serde(deserialize_with = "text::seconds_from_number_or_text")]
     pub time_step: f64,
-    /// Ray tracer of the indirect shadows. Software runs on every device; there is no
-    /// hardware tracer yet, so auto is software.
+    /// Ray tracer of the indirect shadows. Software runs on every device, hardware on those with ray queries; the
+    /// picture is the same. Auto: the faster one, by a short measurement that is kept for the device and its driver.
     #[arg(long, value_enum, default_value = "auto")]
     pub tracer: TracerKind,
     /// What to do where set buffers are missing. Scale: noisier for T frames, never darker; dark: calm,

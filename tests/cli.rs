@@ -8,7 +8,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use program::{Run, assert_fails, stderr};
+use program::{CACHE, Run, assert_fails, stderr};
+use serde_json::Value;
 
 #[test]
 fn help_and_version_are_no_errors() {
@@ -205,6 +206,61 @@ fn devices_are_listed() {
         serde_json::from_slice(&fs::read(run.path("devices.json")).unwrap()).unwrap();
     assert_eq!(report["used"], 0);
     assert!(report["devices"][0]["name"].is_string());
+}
+
+/// Whether the device that is used has ray queries.
+fn has_ray_queries(run: &Run) -> bool {
+    assert_eq!(run.glowworm(&["info", "--json", "devices.json"]).status.code(), Some(0));
+    let report = json(run, "devices.json");
+    report["devices"][report["used"].as_u64().unwrap() as usize]["ray_query"].as_bool().unwrap()
+}
+
+fn json(run: &Run, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(run.path(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn a_device_without_ray_queries_says_what_it_lacks() {
+    let run = Run::new();
+    let output = run.render("cornell-box", &["--tracer", "hardware"]);
+    if has_ray_queries(&run) {
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    } else {
+        assert_fails(&output, 1, &["--tracer hardware", "VK_KHR_ray_query", "--tracer software"]);
+    }
+}
+
+#[test]
+fn what_auto_measures_is_kept() {
+    let run = Run::new();
+    let cache = run.path("cache");
+    let run = run.with("XDG_CACHE_HOME", &cache).with("MESA_SHADER_CACHE_DIR", CACHE);
+    let has_ray_queries = has_ray_queries(&run);
+    let tracer = || {
+        let output = run.render("cornell-box", &["--json", "a.json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        json(&run, "a.json")["tracer"].clone()
+    };
+    let file = std::path::Path::new(&cache).join("glowworm/tracers.json");
+    let first = tracer();
+    assert_eq!(file.exists(), has_ray_queries);
+    assert_eq!(first["rays_per_second"].is_object(), has_ray_queries);
+    assert_eq!(tracer(), first);
+    if has_ray_queries {
+        fs::write(&file, "{ broken").unwrap();
+        let again = tracer();
+        assert_eq!(tracer(), again, "the broken file was replaced");
+    }
+}
+
+#[test]
+fn no_cache_is_no_error() {
+    for (variable, value) in [("XDG_CACHE_HOME", "/dev/null/cache"), ("XDG_CACHE_HOME", "")] {
+        let run = Run::new().with(variable, value).with("HOME", "").with("MESA_SHADER_CACHE_DIR", CACHE);
+        let output = run.render("cornell-box", &[]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_eq!(run.files(), ["a.png"]);
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -3,47 +3,17 @@
 // In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
 // t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
 // Ylitie et al. 2017, triangle test after Woop et al. 2013; tests/bvh_support/twin.rs is the CPU twin.
-//
-// Define TRACER_BINDING, the first of seven bindings in set TRACER_SET (0 by default), before including.
 
 #ifndef TRACER_SOFTWARE_GLSL
 #define TRACER_SOFTWARE_GLSL
 
-#ifndef TRACER_SET
-#define TRACER_SET 0
-#endif
-
-#define TRACER_BUFFER(offset) \
-    layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
-#define TRACER_TEXELS(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset) uniform utextureBuffer
-
 // Five words a node.
-TRACER_TEXELS(0) bvh_nodes;
-// Three words a triangle: corners with (id, masked, material).
-TRACER_TEXELS(1) bvh_triangles;
+TRACER_TEXELS(4) bvh_nodes;
 // Four words an instance: three rows of world to object, then (root, instance).
-TRACER_TEXELS(2) bvh_instances;
-// Two words a masked triangle: three pairs of texture coordinates, then the mask.
-TRACER_BUFFER(3) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
-// (first word of bits, width, height).
-TRACER_BUFFER(4) bvh_masks_block { uvec4 masks[]; } bvh_masks;
-TRACER_BUFFER(5) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
+TRACER_TEXELS(5) bvh_instances;
 // (static root, dynamic root).
 TRACER_BUFFER(6) bvh_roots_block { uvec4 roots; } bvh_roots;
 
-// The closest surface along a ray.
-struct TracerHit {
-    float t;
-    // Index into the scene's instances.
-    uint instance;
-    // Index into the mesh's triangles.
-    uint triangle;
-    uint material;
-    // Weights of the triangle's second and third corner.
-    vec2 barycentrics;
-};
-
-const uint TRACER_NONE = 0xffffffffu;
 // Both levels' greatest depth, and what entering an instance leaves behind.
 const int TRACER_STACK_SIZE = 40;
 // Relative padding of the slab test: covers the rounding of the quantised boxes and of the test.
@@ -132,19 +102,6 @@ uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t
         hits |= tracer_spread(lessThanEqual(enter, leave), meta[part], ray.octant);
     }
     return hits;
-}
-
-// Whether the alpha mask leaves the surface there; masked is 1 + index of the triangle's coordinates.
-bool tracer_is_opaque(uint masked, vec2 barycentrics) {
-    uvec4 first_two = bvh_triangle_uvs.words[(masked - 1u) * 2u];
-    uvec4 third = bvh_triangle_uvs.words[(masked - 1u) * 2u + 1u];
-    float first = 1.0 - barycentrics.x - barycentrics.y;
-    precise vec2 uv = uintBitsToFloat(first_two.xy) * first + uintBitsToFloat(first_two.zw) * barycentrics.x
-        + uintBitsToFloat(third.xy) * barycentrics.y;
-    uvec4 mask = bvh_masks.masks[third.z];
-    uvec2 texel = min(uvec2((uv - floor(uv)) * vec2(mask.yz)), mask.yz - 1u);
-    uint bit = texel.y * mask.y + texel.x;
-    return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
 }
 
 // Whether the ray meets the triangle nearer than the hit, or as near with lower indices, alpha mask or not; hit.t is the

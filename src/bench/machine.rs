@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 
-use crate::report::COMMIT;
+use crate::report::{COMMIT, TracerRates};
 use crate::vulkan::DeviceInfo;
 
 /// The machine and the program.
@@ -17,6 +17,9 @@ pub struct Machine {
     pub driver: String,
     /// Vulkan version.
     pub vulkan: String,
+    /// How fast its tracers are, where it offers both; decides what `--tracer auto` is.
+    #[serde(default)]
+    pub tracers: Option<TracerRates>,
     /// Model of the CPU.
     pub cpu: String,
     /// Threads that the program may use at once.
@@ -32,8 +35,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This machine with the device `info`.
-    pub fn new(info: &DeviceInfo) -> Self {
+    /// This machine with the device `info`, whose tracers are so fast.
+    pub fn new(info: &DeviceInfo, tracers: Option<TracerRates>) -> Self {
         let wanted = RefreshKind::nothing()
             .with_cpu(CpuRefreshKind::nothing())
             .with_memory(MemoryRefreshKind::nothing().with_ram());
@@ -47,6 +50,7 @@ impl Machine {
             device_kind: info.kind.clone(),
             driver: info.driver.clone(),
             vulkan: info.vulkan.clone(),
+            tracers,
             cpu: cpu.filter(|brand| !brand.is_empty()).unwrap_or_else(unknown),
             cpu_threads: rayon::current_num_threads(),
             memory: system.total_memory(),
@@ -62,6 +66,7 @@ impl Machine {
         vec![
             ("Device", device),
             ("Driver", self.driver.clone()),
+            ("Tracers", self.tracers.map_or_else(|| "software".to_owned(), |rates| rates.to_string())),
             ("CPU", format!("{}, {} threads", self.cpu, self.cpu_threads)),
             ("Memory", format!("{:.1} GiB", self.memory as f64 / f64::from(1 << 30))),
             ("System", self.os.clone()),

@@ -44,7 +44,7 @@ use std::sync::Arc;
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
-use crate::renderer::{RenderError, Renderer};
+use crate::renderer::{RenderError, Renderer, tracer_rates};
 use crate::scene::{SceneError, load_scene};
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::Device;
@@ -144,7 +144,7 @@ impl Bench {
                 quality: None,
             }));
         }
-        let report = Report::new(Machine::new(device.info()), plan, scenes, runs);
+        let report = Report::new(Machine::new(device.info(), tracer_rates(device)), plan, scenes, runs);
         Ok(Self { device: Arc::clone(device), assets, folder, report })
     }
 

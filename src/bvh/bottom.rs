@@ -33,6 +33,8 @@ pub(super) struct MeshRoot {
     pub(super) root: Child,
     /// Index of its root in [`BottomLevels::gpu_nodes`].
     pub(super) gpu_root: u32,
+    /// Its first triangle in [`BottomLevels::gpu_triangles`], and the end.
+    pub(super) gpu_triangles: [u32; 2],
     /// Object-space bounds of its triangles.
     pub(super) bounds: Aabb,
 }
@@ -88,6 +90,7 @@ impl BottomLevels {
         self.roots.push(Some(MeshRoot {
             root: mesh.tree.root.moved(first_node, first_block),
             gpu_root,
+            gpu_triangles: [first_triangle, first_triangle + mesh.gpu_triangles.len() as u32],
             bounds: mesh.bounds,
         }));
         nodes.append(&mut mesh.tree.nodes);

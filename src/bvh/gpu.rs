@@ -253,7 +253,7 @@ pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     ]
 }
 
-fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
+pub(super) fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
     let mut bits = Vec::new();
     let table = masks
         .iter()
@@ -267,7 +267,7 @@ fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
 }
 
 /// Vulkan has no empty buffers.
-fn never_empty<T: Zeroable>(mut elements: Vec<T>) -> Vec<T> {
+pub(super) fn never_empty<T: Zeroable>(mut elements: Vec<T>) -> Vec<T> {
     if elements.is_empty() {
         elements.push(T::zeroed());
     }

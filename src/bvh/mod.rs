@@ -6,6 +6,7 @@
 
 mod bottom;
 pub mod gpu;
+pub mod hardware;
 mod nodes;
 mod query;
 mod simd;

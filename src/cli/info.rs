@@ -49,7 +49,10 @@ pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
 fn describe(report: &InfoReport) -> String {
     let mut text = format!("glowworm {} ({})\n", env!("CARGO_PKG_VERSION"), report.commit);
     for device in &report.devices {
-        let tracers = if device.ray_query { "ray queries" } else { "no ray queries" };
+        let tracers = match &device.ray_query_lacks {
+            None => "tracers software and hardware".to_owned(),
+            Some(lacks) => format!("tracer software; for hardware it lacks {lacks}"),
+        };
         let state = match &device.unusable {
             Some(reason) => format!(", cannot be used: {reason}"),
             None if report.used == Some(device.index) => ", would be used".to_owned(),
@@ -78,17 +81,28 @@ mod tests {
             driver: "some driver 1.2".to_owned(),
             vulkan: "1.3.230".to_owned(),
             ray_query: true,
+            ray_query_lacks: None,
             unusable: None,
         };
-        let old = DeviceInfo { index: 1, unusable: Some("Vulkan 1.1".to_owned()), ..device.clone() };
+        let old = DeviceInfo {
+            index: 1,
+            unusable: Some("Vulkan 1.1".to_owned()),
+            ray_query_lacks: Some("VK_KHR_ray_query".to_owned()),
+            ..device.clone()
+        };
         let report = InfoReport { commit: "abc", devices: vec![device, old], used: Some(0) };
         let text = describe(&report);
         let lines: Vec<_> = text.lines().skip(1).collect();
         assert_eq!(
             lines[0],
-            "0: Some GPU (discrete, some driver 1.2, Vulkan 1.3.230, ray queries, would be used)"
+            "0: Some GPU (discrete, some driver 1.2, Vulkan 1.3.230, tracers software and hardware, would be used)"
         );
-        assert!(lines[1].ends_with("cannot be used: Vulkan 1.1)"), "{text}");
+        assert!(
+            lines[1].ends_with(
+                "tracer software; for hardware it lacks VK_KHR_ray_query, cannot be used: Vulkan 1.1)"
+            ),
+            "{text}"
+        );
         assert_eq!(lines.len(), 2);
     }
 }

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
 
 mod bench;
+mod cache;
 mod compare;
 mod compare_text;
 mod dataset;
@@ -27,6 +28,7 @@ use std::ffi::OsString;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::renderer::remember_in;
 use crate::scene::SceneError;
 use crate::settings::given_options;
 
@@ -79,6 +81,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     };
     let arguments = Arguments::from_arg_matches(&matches).map_err(|error| CliError::usage(&error))?;
     say::start_log(arguments.verbose);
+    if let Some(folder) = cache::folder() {
+        remember_in(folder);
+    }
     let given = given_options(matches.subcommand().map_or(&matches, |(_, matches)| matches));
     match arguments.command {
         Some(Command::Demo(options)) => demo::demo(options, &given),

@@ -118,10 +118,11 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     replay.renderer().set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut replay, frames, &target)?;
     options.view.note_missing(replay.renderer());
+    let tracer = replay.renderer().tracer();
     drop(replay);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();
-    let report = RenderReport::new(&scene.name, &info.name, &info.driver, &settings, reports);
+    let report = RenderReport::new(&scene.name, info, tracer, &settings, reports);
     if let Some(json) = json {
         json.save_json(&report)?;
     }

@@ -66,7 +66,12 @@ impl App {
             Some(Ok(built)) => {
                 self.log.event(
                     "scene",
-                    json!({ "name": built.name, "settings": built.settings, "same": built.same }),
+                    json!({
+                        "name": built.name,
+                        "settings": built.settings,
+                        "same": built.same,
+                        "tracer": built.renderer.tracer(),
+                    }),
                 );
                 open.show(built)?;
             }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
-use super::tracer::Tracer;
+use super::tracer::{RayTracer, Tracer};
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
 
@@ -90,6 +90,7 @@ pub struct IndirectShadowsInputs<'a> {
 
 /// The pass.
 pub struct IndirectShadowsPass {
+    tracer: RayTracer,
     /// With one pixel a thread.
     single: Arc<ComputePipeline>,
     /// With [`JOINED`] pixels a thread, on CPU devices: they run eight threads in step, and where each has hardly a ray most
@@ -103,15 +104,21 @@ pub struct IndirectShadowsPass {
 }
 
 impl IndirectShadowsPass {
-    /// Makes the pipelines and the image, of `extent` texels.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
+    /// Makes the pipelines for a tracer and the irradiance of `extent` texels.
+    pub fn new(
+        device: &Arc<Device>,
+        tracer: RayTracer,
+        extent: [u32; 2],
+        interleave: u32,
+    ) -> Result<Self, VulkanError> {
         let pipeline = |pixels| {
-            let spirv = shaders::INDIRECT_SHADOWS_COMP;
+            let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
             ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave, pixels])
                 .map(Arc::new)
         };
         let is_cpu = device.info().kind == "cpu";
         Ok(Self {
+            tracer,
             single: pipeline(1)?,
             joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
             class_irradiance: class_irradiance(device, extent)?,
@@ -124,6 +131,7 @@ impl IndirectShadowsPass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
+            tracer: self.tracer,
             single: Arc::clone(&self.single),
             joined: self.joined.clone(),
             class_irradiance: class_irradiance(device, extent)?,
@@ -131,6 +139,11 @@ impl IndirectShadowsPass {
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave: self.interleave,
         })
+    }
+
+    /// Which tracer it is for.
+    pub fn tracer(&self) -> RayTracer {
+        self.tracer
     }
 
     /// The rays of this frame, for [`Self::rays`].

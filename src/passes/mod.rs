@@ -12,12 +12,15 @@ pub mod gbuffer;
 pub mod indirect_reprojection;
 pub mod indirect_shading;
 pub mod indirect_shadows;
+pub mod occlusion_rays;
 pub mod overlay;
 pub mod scene_buffers;
 pub mod set_history;
 pub mod shadow_tiles;
 pub mod structs;
 pub mod tracer;
+mod tracer_hardware;
+mod tracer_software;
 pub mod vpl_light;
 
 use std::sync::Arc;

@@ -239,6 +239,6 @@ mod tests {
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
-        same_layout!(shaders::VPL_LIGHT_COMP, GpuVpl, position, slot, normal, bounce, flux, _pad);
+        same_layout!(shaders::VPL_LIGHT_COMP.software, GpuVpl, position, slot, normal, bounce, flux, _pad);
     }
 }

@@ -1,76 +1,109 @@
-//! The ray tracer of the shaders: what shaders/include/tracer.glsl traverses.
+//! The ray tracer of the shaders: what `shaders/include/tracer.glsl` traces rays with.
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+use super::tracer_hardware::HardwareTracer;
+use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
-use crate::bvh::gpu::GpuBvhUpdate;
+use crate::bvh::gpu::{GpuMask, GpuMaskedTriangle};
+use crate::vulkan::shaders::PerTracer;
 use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
 
-/// The two-level BVH in device memory (the software tracer).
+/// One of the tracers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayTracer {
+    /// The two-level BVH in storage buffers: every device.
+    Software,
+    /// Ray queries: devices that offer them.
+    Hardware,
+}
+
+impl RayTracer {
+    /// The tracers that a device can do with.
+    pub fn offered(device: &Device) -> &'static [Self] {
+        if device.info().ray_query { &[Self::Software, Self::Hardware] } else { &[Self::Software] }
+    }
+
+    /// The shader that goes with it.
+    pub fn of(self, shader: PerTracer) -> &'static [u8] {
+        match self {
+            Self::Software => shader.software,
+            Self::Hardware => shader.hardware,
+        }
+    }
+}
+
+/// A scene in device memory, as rays meet it.
 pub struct Tracer {
-    nodes: Buffer,
-    triangles: Buffer,
+    structure: Structure,
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
-    instances: Buffer,
-    roots: Buffer,
-    static_builds: u32,
-    dynamic_builds: u32,
+}
+
+enum Structure {
+    Software(SoftwareTracer),
+    Hardware(HardwareTracer),
 }
 
 impl Tracer {
-    /// Uploads the whole structure.
-    pub fn new(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
-        let layout = bvh.gpu_layout();
+    /// Uploads everything and, for the hardware tracer, builds what does not move.
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
+        match tracer {
+            RayTracer::Software => {
+                let layout = bvh.gpu_layout();
+                let structure = Structure::Software(SoftwareTracer::new(device, bvh, &layout)?);
+                Self::with(device, structure, &layout.triangle_uvs, &layout.masks, &layout.mask_bits)
+            }
+            RayTracer::Hardware => {
+                let layout = bvh.hardware_layout();
+                let structure = Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?);
+                Self::with(device, structure, &layout.triangle_uvs, &layout.masks, &layout.mask_bits)
+            }
+        }
+    }
+
+    fn with(
+        device: &Arc<Device>,
+        structure: Structure,
+        triangle_uvs: &[GpuMaskedTriangle],
+        masks: &[GpuMask],
+        mask_bits: &[u32],
+    ) -> Result<Self, VulkanError> {
         Ok(Self {
-            nodes: Buffer::with_data(device, "bvh_nodes", &layout.nodes)?.with_texels()?,
-            triangles: Buffer::with_data(device, "bvh_triangles", &layout.triangles)?.with_texels()?,
-            triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &layout.triangle_uvs)?,
-            masks: Buffer::with_data(device, "bvh_masks", &layout.masks)?,
-            mask_bits: Buffer::with_data(device, "bvh_mask_bits", &layout.mask_bits)?,
-            instances: Buffer::with_data(device, "bvh_instances", &layout.instances)?.with_texels()?,
-            roots: Buffer::with_data(device, "bvh_roots", &[layout.roots])?,
-            static_builds: bvh.static_builds(),
-            dynamic_builds: bvh.dynamic_builds(),
+            structure,
+            triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", triangle_uvs)?,
+            masks: Buffer::with_data(device, "bvh_masks", masks)?,
+            mask_bits: Buffer::with_data(device, "bvh_mask_bits", mask_bits)?,
         })
     }
 
-    /// Brings the top levels up to date after instances have moved.
-    pub fn update(&mut self, frame: &mut Frame<'_>, bvh: &TwoLevelBvh) -> Result<(), VulkanError> {
-        if self.static_builds != bvh.static_builds() {
-            self.static_builds = bvh.static_builds();
-            self.apply(frame, &bvh.static_gpu_layout())?;
+    /// Which tracer it is for: pipelines must be made of the shader that goes with it.
+    pub fn kind(&self) -> RayTracer {
+        match self.structure {
+            Structure::Software(_) => RayTracer::Software,
+            Structure::Hardware(_) => RayTracer::Hardware,
         }
-        if self.dynamic_builds != bvh.dynamic_builds() {
-            self.dynamic_builds = bvh.dynamic_builds();
-            self.apply(frame, &bvh.dynamic_gpu_layout())?;
-        }
-        Ok(())
     }
 
-    fn apply(&self, frame: &mut Frame<'_>, update: &GpuBvhUpdate) -> Result<(), VulkanError> {
-        if update.nodes.is_empty() {
-            return Ok(());
+    /// Brings it up to date after instances have moved; needed before the first use too.
+    pub fn update(&mut self, frame: &mut Frame<'_>, bvh: &TwoLevelBvh) -> Result<(), VulkanError> {
+        match &mut self.structure {
+            Structure::Software(tracer) => tracer.update(frame, bvh),
+            Structure::Hardware(tracer) => tracer.update(frame, bvh),
         }
-        let nodes = frame.upload(&update.nodes)?;
-        frame.copy(&nodes, &self.nodes, u64::from(update.node_offset) * size_of_val(&update.nodes[0]) as u64);
-        let instances = frame.upload(&update.instances)?;
-        let offset = u64::from(update.instance_offset) * size_of_val(&update.instances[0]) as u64;
-        frame.copy(&instances, &self.instances, offset);
-        let roots = frame.upload(&[update.roots])?;
-        frame.copy(&roots, &self.roots, 0);
-        Ok(())
     }
 
     /// Binds everything that the include names.
     pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        self.bind_masks(pass)
-            .read("bvh_nodes", &self.nodes)
-            .read("bvh_triangles", &self.triangles)
-            .read("bvh_triangle_uvs", &self.triangle_uvs)
-            .read("bvh_instances", &self.instances)
-            .read("bvh_roots", &self.roots)
+        let pass = self.bind_masks(pass).read("bvh_triangle_uvs", &self.triangle_uvs);
+        match &self.structure {
+            Structure::Software(tracer) => tracer.bind(pass),
+            Structure::Hardware(tracer) => tracer.bind(pass),
+        }
     }
 
     /// Binds the alpha masks only, for raster passes.

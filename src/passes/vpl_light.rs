@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
 use super::storage_image;
-use super::tracer::Tracer;
+use super::tracer::{RayTracer, Tracer};
 use crate::vpl::GpuVpl;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -30,8 +30,8 @@ pub struct VplLightPass {
 
 impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = ComputePipeline::new(device, "vpl_light", shaders::VPL_LIGHT_COMP)?;
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = ComputePipeline::new(device, "vpl_light", tracer.of(shaders::VPL_LIGHT_COMP))?;
         Ok(Self { pipeline: Arc::new(pipeline), light: light(device, extent)? })
     }
 

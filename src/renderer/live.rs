@@ -6,7 +6,7 @@
 
 use super::passes::Passes;
 use super::view::ViewPasses;
-use super::{PreparedScene, RenderError, Renderer};
+use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::passes::combine::CombinePass;
 use crate::passes::direct_shading::DirectShadingPass;
 use crate::passes::gbuffer::GBufferPass;
@@ -14,8 +14,10 @@ use crate::passes::indirect_reprojection::IndirectReprojectionPass;
 use crate::passes::indirect_shading::IndirectShadingPass;
 use crate::passes::indirect_shadows::IndirectShadowsPass;
 use crate::passes::set_history::SetHistory;
+use crate::passes::tracer::{RayTracer, Tracer};
+use crate::passes::vpl_light::VplLightPass;
 use crate::scene::Pose;
-use crate::settings::{Settings, TracerKind};
+use crate::settings::Settings;
 use crate::vpl::{VplManager, World};
 use crate::vulkan::VulkanError;
 
@@ -27,10 +29,13 @@ impl Renderer {
     /// # Errors
     /// Where the device cannot do with them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
-        if settings.tracer == TracerKind::Hardware {
-            return Err(RenderError::NoHardwareTracer);
-        }
-        self.passes.change(&self.settings, settings, self.scene.instances.len())?;
+        let choice = tracer_choice::choose(&self.device, settings.tracer)?;
+        let other = choice.used != self.tracer.kind();
+        let tracer = if other { Some(Tracer::new(&self.device, choice.used, &self.bvh)?) } else { None };
+        let instances = self.scene.instances.len();
+        self.passes.change(&self.settings, settings, tracer.as_ref().map(Tracer::kind), instances)?;
+        replace(&mut self.tracer, tracer);
+        self.tracer_choice = choice;
         if vpl_settings(settings) == vpl_settings(&self.settings) {
             self.vpls.set_budget(settings.budget);
         } else {
@@ -73,13 +78,21 @@ fn vpl_settings(settings: &Settings) -> Settings {
 }
 
 impl Passes {
-    /// Makes whatever is another one with `new` settings; leaves everything as it was if that fails.
-    fn change(&mut self, old: &Settings, new: &Settings, instances: usize) -> Result<(), VulkanError> {
+    /// Makes whatever is another one with `new` settings, and perhaps another tracer; leaves everything as it was if
+    /// that fails. What it has replaced is in no frame's use any more.
+    fn change(
+        &mut self,
+        old: &Settings,
+        new: &Settings,
+        other_tracer: Option<RayTracer>,
+        instances: usize,
+    ) -> Result<(), VulkanError> {
         let (device, size) = (&self.device, new.size);
         let resized = new.size != old.size;
         let interleaved = new.interleave != old.interleave;
-        let shadows = if interleaved {
-            Some(IndirectShadowsPass::new(device, size, new.interleave)?)
+        let tracer = other_tracer.unwrap_or(self.indirect_shadows.tracer());
+        let shadows = if interleaved || other_tracer.is_some() {
+            Some(IndirectShadowsPass::new(device, tracer, size, new.interleave)?)
         } else if resized {
             Some(self.indirect_shadows.resized(device, size)?)
         } else {
@@ -91,6 +104,10 @@ impl Passes {
             Some(SetHistory::new(device, size, new.temporal_sets, instances)?)
         } else {
             None
+        };
+        let vpl_light = match other_tracer {
+            Some(tracer) if self.views.vpl_light.is_some() => Some(VplLightPass::new(device, tracer, size)?),
+            _ => None,
         };
         let sized = if resized { Some(self.resized(size)?) } else { None };
         if shadows.is_none() && shading.is_none() && sets.is_none() {
@@ -106,6 +123,9 @@ impl Passes {
             self.indirect_reprojection = sized.indirect_reprojection;
             self.combine = sized.combine;
             self.views = sized.views;
+        }
+        if vpl_light.is_some() {
+            self.views.vpl_light = vpl_light;
         }
         if let Some(sets) = sets {
             self.begin_sets(sets);

@@ -12,7 +12,7 @@ use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass
 use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
 use crate::passes::scene_buffers::{Instances, SceneBuffers};
 use crate::passes::set_history::{DrawnSet, SetHistory};
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{RayTracer, Tracer};
 use crate::scene::Pose;
 use crate::settings::{MissingSets, Settings};
 use crate::vulkan::{Device, Frame, Upload, VulkanError};
@@ -60,6 +60,7 @@ pub(super) struct PassInputs<'a> {
 impl Passes {
     pub fn new(
         device: &Arc<Device>,
+        tracer: RayTracer,
         scene: &SceneBuffers,
         settings: &Settings,
         instances: usize,
@@ -69,7 +70,7 @@ impl Passes {
             gbuffer: GBufferPass::new(device, scene, size)?,
             direct_shadows: DirectShadowsPass::new(device)?,
             direct_shading: DirectShadingPass::new(device, size)?,
-            indirect_shadows: IndirectShadowsPass::new(device, size, interleave)?,
+            indirect_shadows: IndirectShadowsPass::new(device, tracer, size, interleave)?,
             indirect_shading: IndirectShadingPass::new(device, interleave)?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,

@@ -14,6 +14,7 @@ use crate::passes::direct_shadows::Shadows;
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::overlay::OverlayPass;
 use crate::passes::set_history::SetHistory;
+use crate::passes::tracer::RayTracer;
 use crate::passes::vpl_light::{VplLightInputs, VplLightPass};
 use crate::vpl::{GpuVpl, VplManager, World};
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
@@ -83,7 +84,7 @@ impl DebugView {
 #[derive(Default)]
 pub(super) struct ViewPasses {
     buffer: Option<Arc<BufferViewPass>>,
-    vpl_light: Option<VplLightPass>,
+    pub(super) vpl_light: Option<VplLightPass>,
     overlay: Option<Arc<OverlayPass>>,
 }
 
@@ -136,6 +137,7 @@ impl ViewPasses {
     pub fn prepare(
         &mut self,
         device: &Arc<Device>,
+        tracer: RayTracer,
         view: &DebugView,
         extent: [u32; 2],
     ) -> Result<(), VulkanError> {
@@ -143,7 +145,7 @@ impl ViewPasses {
             self.buffer = Some(Arc::new(BufferViewPass::new(device)?));
         }
         if view.single_vpl.is_some() && self.vpl_light.is_none() {
-            self.vpl_light = Some(VplLightPass::new(device, extent)?);
+            self.vpl_light = Some(VplLightPass::new(device, tracer, extent)?);
         }
         if view.draws_lines() && self.overlay.is_none() {
             self.overlay = Some(Arc::new(OverlayPass::new(device)?));
@@ -213,7 +215,7 @@ impl Renderer {
     /// # Errors
     /// Where the device cannot make what the view needs; the view then stays as it was.
     pub fn set_view(&mut self, view: &DebugView) -> Result<(), RenderError> {
-        self.passes.views.prepare(&self.device, view, self.settings.size)?;
+        self.passes.views.prepare(&self.device, self.tracer.kind(), view, self.settings.size)?;
         self.view.clone_from(view);
         Ok(())
     }

@@ -19,6 +19,12 @@ pub enum Access {
     GraphicsRead,
     /// Vertex or index buffer.
     VertexRead,
+    /// Rays are traced through it by a compute shader: an acceleration structure.
+    ComputeTrace,
+    /// An acceleration structure is built there, or scratch memory of that.
+    StructureBuild,
+    /// An acceleration structure is built from it.
+    BuildInput,
     /// Drawn into as colour.
     ColorAttachment,
     /// Drawn into as depth.
@@ -51,6 +57,16 @@ impl Access {
             Self::VertexRead => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false)
             }
+            Self::ComputeTrace => {
+                (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false)
+            }
+            Self::StructureBuild => (
+                S::ACCELERATION_STRUCTURE_BUILD_KHR,
+                A::ACCELERATION_STRUCTURE_READ_KHR | A::ACCELERATION_STRUCTURE_WRITE_KHR,
+                L::UNDEFINED,
+                true,
+            ),
+            Self::BuildInput => (S::ACCELERATION_STRUCTURE_BUILD_KHR, A::SHADER_READ, L::UNDEFINED, false),
             Self::ColorAttachment => (
                 S::COLOR_ATTACHMENT_OUTPUT,
                 A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,

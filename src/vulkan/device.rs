@@ -1,38 +1,21 @@
-//! Physical device choice, the logical device, its queue and allocator, and one-time submissions.
+//! The logical device, its queue and allocator, and one-time submissions.
 
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::{ext, khr, vk};
+use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
-use serde::Serialize;
 
 use super::meter::MemoryMeter;
+use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
+use super::ray_query::RayQueries;
 use super::{Instance, Surface, VulkanError};
-
-/// What a physical device is and whether glowworm can use it.
-#[derive(Clone, Debug, Serialize)]
-pub struct DeviceInfo {
-    /// Place in the list, for `--device`.
-    pub index: usize,
-    /// Marketing name.
-    pub name: String,
-    /// discrete, integrated, virtual, cpu or other.
-    pub kind: String,
-    /// Driver name and version.
-    pub driver: String,
-    /// Vulkan version, major.minor.patch.
-    pub vulkan: String,
-    /// Whether the device offers ray queries (the hardware tracer).
-    pub ray_query: bool,
-    /// Why glowworm cannot use it; none if it can.
-    pub unusable: Option<String>,
-}
 
 /// A logical device with one queue that can do graphics, compute and transfers.
 pub struct Device {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
+    ray_queries: Option<RayQueries>,
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     memory: MemoryMeter,
     limits: vk::PhysicalDeviceLimits,
@@ -73,13 +56,14 @@ impl Device {
         let (physical, info) = choose(devices, wanted)?;
         let queue_family = queue_family(instance.raw(), physical)
             .ok_or_else(|| VulkanError::NoDevice(format!("{} has no graphics queue", info.name)))?;
-        let raw = create_device(instance.raw(), physical, queue_family, surface.is_some())?;
+        let raw = create_device(instance.raw(), physical, &info, queue_family, surface.is_some())?;
+        let ray_queries = info.ray_query.then(|| RayQueries::new(instance.raw(), physical, &raw));
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw().clone(),
             device: raw.clone(),
             physical_device: physical,
             debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-            buffer_device_address: false,
+            buffer_device_address: ray_queries.is_some(),
             allocation_sizes: gpu_allocator::AllocationSizes::default(),
         })
         .map_err(|error| VulkanError::NoDevice(format!("{}: {error}", info.name)))?;
@@ -92,6 +76,7 @@ impl Device {
         Ok(Arc::new(Self {
             raw,
             debug,
+            ray_queries,
             allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
             memory: MemoryMeter::default(),
             limits: properties.limits,
@@ -180,6 +165,11 @@ impl Device {
         self.debug.as_ref()
     }
 
+    /// Acceleration structures; none where the device has no ray queries.
+    pub(super) fn ray_queries(&self) -> Option<&RayQueries> {
+        self.ray_queries.as_ref()
+    }
+
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -250,162 +240,4 @@ impl Drop for Device {
             self.raw.destroy_device(None);
         }
     }
-}
-
-fn physical_devices(instance: &Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {
-    // SAFETY: plain query.
-    let raw = unsafe { instance.raw().enumerate_physical_devices() }
-        .map_err(VulkanError::call("enumeration", "devices"))?;
-    let mut devices: Vec<_> =
-        raw.into_iter().map(|device| (device, rank_and_info(instance.raw(), device))).collect();
-    devices.sort_by_key(|(_, (rank, _))| *rank);
-    Ok(devices
-        .into_iter()
-        .enumerate()
-        .map(|(index, (device, (_, info)))| (device, DeviceInfo { index, ..info }))
-        .collect())
-}
-
-fn rank_and_info(instance: &ash::Instance, device: vk::PhysicalDevice) -> (u32, DeviceInfo) {
-    let mut driver = vk::PhysicalDeviceDriverProperties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-    // SAFETY: `device` is of `instance`; the chained structs are part of Vulkan 1.2.
-    let extensions = unsafe {
-        instance.get_physical_device_properties2(device, &mut properties);
-        instance.enumerate_device_extension_properties(device).unwrap_or_default()
-    };
-    let core = properties.properties;
-    let version = core.api_version;
-    let (rank, kind) = match core.device_type {
-        vk::PhysicalDeviceType::DISCRETE_GPU => (0, "discrete"),
-        vk::PhysicalDeviceType::INTEGRATED_GPU => (1, "integrated"),
-        vk::PhysicalDeviceType::VIRTUAL_GPU => (2, "virtual"),
-        vk::PhysicalDeviceType::CPU => (3, "cpu"),
-        _ => (4, "other"),
-    };
-    let text = |name: Result<&std::ffi::CStr, _>| {
-        name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
-    };
-    let info = DeviceInfo {
-        index: 0,
-        name: text(core.device_name_as_c_str()),
-        kind: kind.to_owned(),
-        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
-        vulkan: format!(
-            "{}.{}.{}",
-            vk::api_version_major(version),
-            vk::api_version_minor(version),
-            vk::api_version_patch(version)
-        ),
-        ray_query: extensions
-            .iter()
-            .any(|extension| extension.extension_name_as_c_str() == Ok(ash::khr::ray_query::NAME)),
-        unusable: why_unusable(instance, device, &core),
-    };
-    (rank, info)
-}
-
-fn why_unusable(
-    instance: &ash::Instance,
-    device: vk::PhysicalDevice,
-    core: &vk::PhysicalDeviceProperties,
-) -> Option<String> {
-    if core.api_version < vk::API_VERSION_1_3 {
-        return Some("it does not offer Vulkan 1.3".to_owned());
-    }
-    let mut features13 = vk::PhysicalDeviceVulkan13Features::default();
-    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features13);
-    // SAFETY: the device offers 1.3, so the chained struct is known to it.
-    unsafe { instance.get_physical_device_features2(device, &mut features) };
-    if features13.dynamic_rendering == vk::FALSE || features13.synchronization2 == vk::FALSE {
-        return Some("it lacks dynamic rendering or synchronization2".to_owned());
-    }
-    if core.limits.timestamp_compute_and_graphics == vk::FALSE {
-        return Some("it has no timestamps".to_owned());
-    }
-    if core.limits.max_color_attachments < 6 {
-        return Some("it draws into fewer than 6 colour attachments at once".to_owned());
-    }
-    if queue_family(instance, device).is_none() {
-        return Some("it has no queue for graphics and compute".to_owned());
-    }
-    None
-}
-
-/// Why the device cannot show pictures on `surface`; none if it can.
-fn why_no_window(instance: &ash::Instance, device: vk::PhysicalDevice, surface: &Surface) -> Option<String> {
-    // SAFETY: `device` is of `instance`.
-    let extensions = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
-    if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {
-        return Some("it cannot show pictures in windows".to_owned());
-    }
-    let presents = queue_family(instance, device).is_some_and(|family| surface.supports(device, family));
-    (!presents).then(|| "it cannot show pictures on this display".to_owned())
-}
-
-fn choose(
-    devices: Vec<(vk::PhysicalDevice, DeviceInfo)>,
-    wanted: Option<&str>,
-) -> Result<(vk::PhysicalDevice, DeviceInfo), VulkanError> {
-    let available = devices
-        .iter()
-        .map(|(_, info)| format!("{} {}", info.index, info.name))
-        .collect::<Vec<_>>()
-        .join(", ");
-    if devices.is_empty() {
-        return Err(VulkanError::NoDevice(
-            "no driver offers any (Debian/Ubuntu: apt install mesa-vulkan-drivers)".to_owned(),
-        ));
-    }
-    let Some(wanted) = wanted else {
-        let reasons: Vec<String> = devices
-            .iter()
-            .filter_map(|(_, info)| Some(format!("{}: {}", info.name, info.unusable.as_ref()?)))
-            .collect();
-        return devices
-            .into_iter()
-            .find(|(_, info)| info.unusable.is_none())
-            .ok_or_else(|| VulkanError::NoDevice(reasons.join("; ")));
-    };
-    let matches = |info: &DeviceInfo| match wanted.parse::<usize>() {
-        Ok(index) => info.index == index,
-        Err(_) => info.name.to_lowercase().contains(&wanted.to_lowercase()),
-    };
-    let found = devices
-        .into_iter()
-        .find(|(_, info)| matches(info))
-        .ok_or(VulkanError::UnknownDevice { wanted: wanted.to_owned(), available })?;
-    match &found.1.unusable {
-        Some(reason) => Err(VulkanError::NoDevice(format!("{}: {reason}", found.1.name))),
-        None => Ok(found),
-    }
-}
-
-fn queue_family(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<u32> {
-    let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
-    // SAFETY: `device` is of `instance`.
-    let families = unsafe { instance.get_physical_device_queue_family_properties(device) };
-    let index = families
-        .iter()
-        .position(|family| family.queue_flags.contains(needed) && family.timestamp_valid_bits > 0)?;
-    u32::try_from(index).ok()
-}
-
-fn create_device(
-    instance: &ash::Instance,
-    physical: vk::PhysicalDevice,
-    queue_family: u32,
-    window: bool,
-) -> Result<ash::Device, VulkanError> {
-    let queues =
-        [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
-    let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
-    let extensions = [khr::swapchain::NAME.as_ptr()];
-    let info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_extension_names(if window { &extensions } else { &[] })
-        .push_next(&mut features13);
-    // SAFETY: every pointer in `info` outlives the call; the features were checked.
-    unsafe { instance.create_device(physical, &info, None) }.map_err(VulkanError::call("creation", "device"))
 }

@@ -335,7 +335,7 @@ impl Frame<'_> {
         record_barriers(self.device, self.slot.commands, images, buffers);
     }
 
-    fn recorder(&mut self) -> Recorder<'_> {
+    pub(super) fn recorder(&mut self) -> Recorder<'_> {
         Recorder { slot: self.slot, device: self.device, open_timer: None }
     }
 }
@@ -435,7 +435,7 @@ impl Recorder<'_> {
 
 fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
     const SETS: u32 = 256;
-    let sizes = [
+    let mut types = vec![
         vk::DescriptorType::UNIFORM_BUFFER,
         vk::DescriptorType::STORAGE_BUFFER,
         vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
@@ -443,8 +443,12 @@ fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
         vk::DescriptorType::SAMPLED_IMAGE,
         vk::DescriptorType::STORAGE_IMAGE,
         vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-    ]
-    .map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: SETS * 8 });
+    ];
+    if device.ray_queries().is_some() {
+        types.push(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR);
+    }
+    let size = |ty| vk::DescriptorPoolSize { ty, descriptor_count: SETS * 8 };
+    let sizes: Vec<_> = types.into_iter().map(size).collect();
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
     // SAFETY: `info` is complete; the slot destroys the pool.
     unsafe { device.raw().create_descriptor_pool(&info, None) }

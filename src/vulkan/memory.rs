@@ -23,7 +23,7 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// Memory of `size` bytes, rounded up to whole texels, that only the device reads and writes.
+    /// Memory of `size` bytes (at least 16 are made) that only the device reads and writes.
     pub fn new(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
         Self::storable(device, name, size, MemoryLocation::GpuOnly)
     }
@@ -53,20 +53,39 @@ impl Buffer {
         size: u64,
         location: MemoryLocation,
     ) -> Result<Self, VulkanError> {
-        let size = size.max(1).next_multiple_of(Self::TEXEL);
-        let info = vk::BufferCreateInfo::default()
-            .size(size)
-            .usage(
-                vk::BufferUsageFlags::STORAGE_BUFFER
-                    | vk::BufferUsageFlags::UNIFORM_BUFFER
-                    | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
-                    | vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER
-                    | vk::BufferUsageFlags::VERTEX_BUFFER
-                    | vk::BufferUsageFlags::INDEX_BUFFER
-                    | vk::BufferUsageFlags::TRANSFER_SRC
-                    | vk::BufferUsageFlags::TRANSFER_DST,
-            )
-            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        let size = size.max(Self::TEXEL);
+        let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
+            | vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        if device.ray_queries().is_some() {
+            usage |= vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+                | vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
+        }
+        Self::with_usage(device, name, size, location, usage)
+    }
+
+    /// Memory for an acceleration structure or its scratch data. No shader binds it as a buffer.
+    pub(super) fn for_structure(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
+        let usage = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR
+            | vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        Self::with_usage(device, name, size, MemoryLocation::GpuOnly, usage)
+    }
+
+    fn with_usage(
+        device: &Arc<Device>,
+        name: &str,
+        size: u64,
+        location: MemoryLocation,
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Self, VulkanError> {
+        let info =
+            vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: `info` is complete; the buffer is destroyed in `drop`.
         let (raw, requirements) = unsafe {
             let raw = device
@@ -113,7 +132,7 @@ impl Buffer {
         let info = vk::BufferViewCreateInfo::default()
             .buffer(self.raw)
             .format(vk::Format::R32G32B32A32_UINT)
-            .range(self.size);
+            .range(self.size / Self::TEXEL * Self::TEXEL);
         // SAFETY: the buffer was made for such views; this one is destroyed before it, in `drop`.
         self.texels = unsafe { self.device.raw().create_buffer_view(&info, None) }
             .map_err(VulkanError::call("creation", format!("texels of buffer {}", self.name)))?;

@@ -7,6 +7,7 @@
 
 #![allow(unsafe_code)]
 
+mod acceleration;
 mod access;
 mod barrier;
 mod device;
@@ -17,8 +18,10 @@ mod instance;
 mod memory;
 mod meter;
 mod pass;
+mod physical;
 mod pipeline;
 mod present;
+mod ray_query;
 mod reflect;
 mod sampler;
 mod surface;
@@ -28,18 +31,29 @@ mod upload;
 
 /// The compiled shaders, one constant a file.
 pub mod shaders {
+    /// A shader that traces rays, compiled for each tracer.
+    #[derive(Clone, Copy, Debug)]
+    pub struct PerTracer {
+        /// With the BVH in storage buffers.
+        pub software: &'static [u8],
+        /// With ray queries.
+        pub hardware: &'static [u8],
+    }
+
     include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 }
 
+pub use acceleration::{BottomLevel, PlacedStructure, TopLevel, TriangleRun};
 pub use access::Access;
 pub use ash::vk;
-pub use device::{Device, DeviceInfo};
+pub use device::Device;
 pub use draw::{DrawList, Targets};
 pub use error::VulkanError;
 pub use frame::{Frame, FrameTimes, Frames, Upload};
 pub use instance::{Instance, InstanceOptions};
 pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
 pub use pass::{Pass, Resource};
+pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
 pub use present::{Presented, Presenter};
 pub use reflect::{BindingKind, Reflection};

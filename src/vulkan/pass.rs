@@ -9,7 +9,9 @@ use super::access::{Access, Barrier};
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
-use super::{BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, VulkanError};
+use super::{
+    BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
+};
 
 /// Something that can be bound.
 #[derive(Clone, Copy)]
@@ -18,11 +20,19 @@ pub enum Resource<'a> {
     Buffer(BufferSlice<'a>),
     /// A whole image.
     Image(&'a Image),
+    /// An acceleration structure.
+    TopLevel(&'a TopLevel),
 }
 
 impl<'a> From<&'a Image> for Resource<'a> {
     fn from(image: &'a Image) -> Self {
         Self::Image(image)
+    }
+}
+
+impl<'a> From<&'a TopLevel> for Resource<'a> {
+    fn from(structure: &'a TopLevel) -> Self {
+        Self::TopLevel(structure)
     }
 }
 
@@ -182,6 +192,9 @@ impl<'f> Pass<'f> {
                     let storage = binding.kind == BindingKind::StorageImage;
                     images.extend(image.tracker.use_image(access, storage).map(|barrier| (image, barrier)));
                 }
+                Resource::TopLevel(structure) => {
+                    buffers.extend(structure.tracker.use_buffer(Access::ComputeTrace));
+                }
             }
         }
         self.recorder.barriers(&images, &buffers);
@@ -217,6 +230,7 @@ impl<'f> Pass<'f> {
                 let what = match bound.resource {
                     Resource::Buffer(_) => "a buffer",
                     Resource::Image(_) => "an image",
+                    Resource::TopLevel(_) => "an acceleration structure",
                 };
                 return Err(wrong(name, format!("is {:?}, but {what} to {how} was given", binding.kind)));
             }
@@ -234,49 +248,70 @@ impl<'f> Pass<'f> {
     }
 
     fn write_descriptors(&self, set: vk::DescriptorSet) {
-        let mut buffer_infos = Vec::new();
-        let mut views = Vec::new();
-        let mut image_infos = Vec::new();
-        let mut order = Vec::new();
-        for (name, binding) in self.layout.pass_bindings() {
-            match self.bound[name].resource {
-                Resource::Buffer(slice) => {
-                    order.push((binding, true, buffer_infos.len()));
-                    views.push([slice.buffer.texels]);
-                    buffer_infos.push([vk::DescriptorBufferInfo {
-                        buffer: slice.buffer.raw,
-                        offset: slice.offset,
-                        range: slice.size,
-                    }]);
-                }
-                Resource::Image(image) => {
-                    order.push((binding, false, image_infos.len()));
-                    image_infos.push([vk::DescriptorImageInfo {
-                        sampler: vk::Sampler::null(),
-                        image_view: image.view,
-                        image_layout: image.tracker.layout(),
-                    }]);
-                }
-            }
-        }
-        let writes: Vec<_> = order
-            .into_iter()
-            .map(|(binding, is_buffer, index)| {
+        let bound: Vec<_> = self
+            .layout
+            .pass_bindings()
+            .map(|(name, binding)| (binding, Descriptor::of(binding.kind, &self.bound[name].resource)))
+            .collect();
+        // What writes point to must stay where it is while they are handed over.
+        let mut structures: Vec<_> = bound.iter().map(|(_, descriptor)| descriptor.structures()).collect();
+        let writes: Vec<_> = bound
+            .iter()
+            .zip(&mut structures)
+            .map(|((binding, descriptor), structures)| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(binding.binding)
                     .descriptor_type(binding.kind.descriptor_type());
-                if matches!(binding.kind, BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer) {
-                    write.texel_buffer_view(&views[index])
-                } else if is_buffer {
-                    write.buffer_info(&buffer_infos[index])
-                } else {
-                    write.image_info(&image_infos[index])
+                match descriptor {
+                    Descriptor::Buffer(info) => write.buffer_info(info),
+                    Descriptor::Texels(view) => write.texel_buffer_view(view),
+                    Descriptor::Image(info) => write.image_info(info),
+                    Descriptor::Structure(_) => write.descriptor_count(1).push_next(structures),
                 }
             })
             .collect();
         // SAFETY: the set was just allocated with this layout; the resources outlive the frame.
         unsafe { self.recorder.device().raw().update_descriptor_sets(&writes, &[]) };
+    }
+}
+
+/// What a descriptor is told of its resource.
+enum Descriptor {
+    Buffer([vk::DescriptorBufferInfo; 1]),
+    Texels([vk::BufferView; 1]),
+    Image([vk::DescriptorImageInfo; 1]),
+    Structure([vk::AccelerationStructureKHR; 1]),
+}
+
+impl Descriptor {
+    fn of(kind: BindingKind, resource: &Resource<'_>) -> Self {
+        match resource {
+            Resource::Buffer(slice)
+                if matches!(kind, BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer) =>
+            {
+                Self::Texels([slice.buffer.texels])
+            }
+            Resource::Buffer(slice) => Self::Buffer([vk::DescriptorBufferInfo {
+                buffer: slice.buffer.raw,
+                offset: slice.offset,
+                range: slice.size,
+            }]),
+            Resource::Image(image) => Self::Image([vk::DescriptorImageInfo {
+                sampler: vk::Sampler::null(),
+                image_view: image.view,
+                image_layout: image.tracker.layout(),
+            }]),
+            Resource::TopLevel(structure) => Self::Structure([structure.raw]),
+        }
+    }
+
+    fn structures(&self) -> vk::WriteDescriptorSetAccelerationStructureKHR<'_> {
+        let info = vk::WriteDescriptorSetAccelerationStructureKHR::default();
+        match self {
+            Self::Structure(structures) => info.acceleration_structures(structures),
+            _ => info,
+        }
     }
 }
 
@@ -287,7 +322,8 @@ fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
             bound.write == stored && slice.buffer.texels != vk::BufferView::null()
         }
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
-        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_)) => !bound.write,
+        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_))
+        | (BindingKind::AccelerationStructure, Resource::TopLevel(_)) => !bound.write,
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,
         _ => false,

@@ -22,6 +22,7 @@ impl BindingKind {
             Self::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::CombinedImageSampler => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            Self::AccelerationStructure => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         }
     }
 }

@@ -26,6 +26,8 @@ pub enum BindingKind {
     StorageImage,
     /// `sampler2D`: image with sampler.
     CombinedImageSampler,
+    /// `accelerationStructureEXT`.
+    AccelerationStructure,
 }
 
 /// One binding of a shader.
@@ -177,6 +179,7 @@ impl<'a> Reader<'a> {
                     });
                 }
                 match (instruction.class.opcode, instruction.operands.get(5)) {
+                    (Op::TypeAccelerationStructureKHR, _) => Some(BindingKind::AccelerationStructure),
                     (Op::TypeSampledImage, _) => Some(BindingKind::CombinedImageSampler),
                     (Op::TypeImage, Some(Operand::LiteralBit32(2))) => Some(BindingKind::StorageImage),
                     (Op::TypeImage, _) => Some(BindingKind::SampledImage),

@@ -131,12 +131,13 @@ fn all_tracers_answer_alike() {
     let settings = Settings { size: [128, 128], ..Settings::default() };
     let sets = ray_sets(&prepared, &pose, &settings, 20_000);
     let mut own = OwnTracer(prepared.bvh());
-    let mut shader = ShaderTracer::software(&lab.device, prepared.bvh()).unwrap();
+    let mut shaders = ShaderTracer::all(&lab.device, prepared.bvh()).unwrap();
     let mut obvhs = Obvhs::new(&scene, &pose).unwrap();
     for (set, query) in sets.iter().flat_map(|set| Query::ALL.map(|query| (set, query))) {
         let expected = own.cast(set, query).unwrap().answers;
         assert!(expected.len() > 5_000 && expected.iter().any(|answer| *answer >= 0.0));
-        let tracers: [&mut dyn Contender; 2] = [&mut shader, &mut obvhs];
+        let mut tracers: Vec<&mut dyn Contender> = vec![&mut obvhs];
+        tracers.extend(shaders.iter_mut().map(|tracer| tracer as &mut dyn Contender));
         for tracer in tracers {
             let cast = tracer.cast(set, query).unwrap();
             assert!(cast.seconds > 0.0);

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use glowworm::bench::{Bench, BenchError, Control, Folder, Plan, Report, Samples, Sweep};
 use glowworm::vulkan::Device;
 
-use super::program::{Run, assert_fails, stderr};
+use super::program::{CACHE, Run, assert_fails, stderr};
 use super::support::Lab;
 
 fn plan() -> Plan {
@@ -110,6 +110,7 @@ fn an_interrupted_program_keeps_what_it_has() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_glowworm"))
         .args([&["bench", "cornell-box", "--out", "a"], &options[..]].concat())
         .current_dir(run.folder.path())
+        .env("XDG_CACHE_HOME", CACHE)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -20,6 +20,9 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// Width of the panel, points; pixels here.
 pub const PANEL: u32 = 250;
 
+/// What a person's cache says of devices is none of a test's business, but drivers keep compiled shaders there too.
+pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+
 /// An X server without a screen, and a window manager on it.
 pub struct Desk {
     server: Child,
@@ -99,6 +102,7 @@ impl<'d> Demo<'d> {
             .args(arguments)
             .current_dir(folder.path())
             .env_remove("RUST_LOG")
+            .env("XDG_CACHE_HOME", CACHE)
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::{Demo, Desk, is_action};
+use crate::desk::{CACHE, Demo, Desk, is_action};
 
 const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
@@ -45,6 +45,7 @@ fn a_recording_renders_to_what_was_on_screen() {
     let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
         .args(["render", &file, "--out", "replayed.png"])
         .current_dir(demo.folder.path())
+        .env("XDG_CACHE_HOME", CACHE)
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -7,6 +7,10 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+/// The cache of all runs: what a person's says of devices is none of a test's business, but drivers keep compiled
+/// shaders there too.
+pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+
 /// A run of the program in a folder of its own.
 pub struct Run {
     pub folder: TempDir,
@@ -31,9 +35,10 @@ impl Run {
         Command::new(env!("CARGO_BIN_EXE_glowworm"))
             .args(arguments)
             .current_dir(self.folder.path())
-            .envs(self.environment.iter().map(|(variable, value)| (variable, value)))
+            .env("XDG_CACHE_HOME", CACHE)
             .env_remove("RUST_LOG")
             .env_remove("RUST_BACKTRACE")
+            .envs(self.environment.iter().map(|(variable, value)| (variable, value)))
             .stdin(Stdio::null())
             .output()
             .unwrap()

@@ -15,4 +15,5 @@ mod sphere;
 #[path = "../support/mod.rs"]
 mod support;
 mod temporal;
+mod tracers;
 mod views;

@@ -74,7 +74,7 @@ impl Micro {
         scenes.push(self.crowd(control)?);
         Ok(MicroReport {
             format: MICRO_FORMAT.to_owned(),
-            machine: Machine::new(self.device.info()),
+            machine: Machine::new(self.device.info(), None),
             turns: self.turns,
             scenes,
         })
@@ -92,14 +92,14 @@ impl Micro {
         let sets = ray_sets(&prepared, &pose, settings, self.most_rays);
         let mut notes = Vec::new();
         let mut own = OwnTracer(&prepared.bvh);
-        // What the shaders can trace with: another tracer is another row.
-        let mut shader = ShaderTracer::software(&self.device, &prepared.bvh)?;
+        let mut shaders = ShaderTracer::all(&self.device, &prepared.bvh)?;
         let mut obvhs = Obvhs::new(scene, &pose);
         if obvhs.is_none() {
             notes.push("other libraries are left out: they know nothing of alpha masks".to_owned());
         }
         let rays = with_yardstick(scene, &pose, |yardstick| {
-            let mut tracers: Vec<&mut dyn Contender> = vec![&mut own, &mut shader];
+            let mut tracers: Vec<&mut dyn Contender> = vec![&mut own];
+            tracers.extend(shaders.iter_mut().map(|tracer| tracer as &mut dyn Contender));
             tracers.extend(obvhs.as_mut().map(|tracer| tracer as &mut dyn Contender));
             tracers.extend(yardstick.map(|tracer| tracer as &mut dyn Contender));
             self.rays(&sets, &mut tracers, control)

@@ -8,7 +8,7 @@ use super::super::BenchError;
 use super::contender::{Cast, Contender, Query};
 use super::rays::{RayKind, RaySet};
 use crate::bvh::TwoLevelBvh;
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{RayTracer, Tracer};
 use crate::renderer::RenderError;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
@@ -36,17 +36,27 @@ pub struct ShaderTracer {
 }
 
 impl ShaderTracer {
-    /// The software tracer over `bvh`.
+    /// Each tracer that the device can do with, over `bvh`.
     ///
     /// # Errors
     /// Where the device fails.
-    pub fn software(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Self, BenchError> {
-        let tracer = Tracer::new(device, bvh).map_err(failed)?;
-        Self::new("glowworm, shader", device, tracer, shaders::CAST_RAYS_COMP).map_err(failed)
+    pub fn all(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Vec<Self>, BenchError> {
+        let tracer = |&kind: &RayTracer| Self::new(device, kind, bvh).map_err(failed);
+        RayTracer::offered(device).iter().map(tracer).collect()
     }
 
-    /// `shader` is shaders/cast_rays.comp, compiled for that tracer.
-    fn new(name: &str, device: &Arc<Device>, tracer: Tracer, shader: &[u8]) -> Result<Self, VulkanError> {
+    fn new(device: &Arc<Device>, kind: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
+        let name = match kind {
+            RayTracer::Software => "glowworm, shader",
+            RayTracer::Hardware => "ray queries",
+        };
+        let shader = kind.of(shaders::CAST_RAYS_COMP);
+        let mut tracer = Tracer::new(device, kind, bvh)?;
+        let mut frames = Frames::new(device)?;
+        let (mut frame, _) = frames.begin()?;
+        tracer.update(&mut frame, bvh)?;
+        frame.submit()?;
+        frames.finish()?;
         let pipeline = |any_hit| ComputePipeline::specialised(device, "cast_rays", shader, &[any_hit]);
         Ok(Self {
             name: name.to_owned(),
@@ -54,7 +64,7 @@ impl ShaderTracer {
             closest: pipeline(0)?,
             tracer,
             uploaded: None,
-            frames: Frames::new(device)?,
+            frames,
             device: Arc::clone(device),
         })
     }

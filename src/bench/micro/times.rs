@@ -13,7 +13,7 @@ use super::super::{BenchError, Control};
 use super::report::TimeRun;
 use super::shader::failed;
 use crate::bvh::TwoLevelBvh;
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{RayTracer, Tracer};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::report::PASS_NAMES;
 use crate::scene::{Pose, Scene};
@@ -33,12 +33,12 @@ pub(super) fn bvh_times(
     let [rest, other] = poses(scene);
     let moving = scene.instances.iter().filter(|instance| instance.dynamic).count();
     let mut bvh = TwoLevelBvh::build(scene, &rest.instances);
-    let mut tracer = Tracer::new(device, &bvh).map_err(failed)?;
+    let mut tracer = Tracer::new(device, RayTracer::Software, &bvh).map_err(failed)?;
     let mut frames = Frames::new(device).map_err(failed)?;
     let [mut build, mut upload, mut update, mut upload_update] = [const { Vec::new() }; 4];
     for turn in 0..turns {
         build.push(timed(|| TwoLevelBvh::build(scene, &rest.instances)).1);
-        let (uploaded, ms) = timed(|| Tracer::new(device, &bvh));
+        let (uploaded, ms) = timed(|| Tracer::new(device, RayTracer::Software, &bvh));
         uploaded.map_err(failed)?;
         upload.push(ms);
         let pose = if turn % 2 == 0 { &other } else { &rest };

@@ -172,7 +172,11 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             ui,
             name,
             &mut settings.tracer,
-            &[(TracerKind::Auto, "auto"), (TracerKind::Software, "software")],
+            &[
+                (TracerKind::Auto, "auto"),
+                (TracerKind::Software, "software"),
+                (TracerKind::Hardware, "hardware"),
+            ],
         ),
     }
 }

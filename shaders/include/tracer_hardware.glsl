@@ -1,0 +1,60 @@
+// Rays through the device's acceleration structures, by ray queries (GL_EXT_ray_query).
+//
+// In: a top level over the placed meshes and the tables of src/bvh/hardware.rs. Out: as in tracer.glsl; of surfaces
+// at the same t, any may be the closest, and whether the ends of the segment count is the device's affair.
+
+#ifndef TRACER_HARDWARE_GLSL
+#define TRACER_HARDWARE_GLSL
+
+layout(set = TRACER_SET, binding = TRACER_BINDING + 4) uniform accelerationStructureEXT bvh_top_level;
+// First triangle of run r (opaque, masked) of mesh m, at 2m + r.
+TRACER_BUFFER(5) bvh_runs_block { uint first_triangles[]; } bvh_runs;
+
+// Where a triangle lies in bvh_triangles. An instance's record offset is its mesh.
+uint tracer_triangle(int mesh, int run, int primitive) {
+    return bvh_runs.first_triangles[mesh * 2 + run] + uint(primitive);
+}
+
+// What lies on the segment; flags: which rays to stop early.
+bool tracer_query(vec3 origin, vec3 direction, float t_min, float t_max, uint flags, out TracerHit hit) {
+    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
+    rayQueryEXT query;
+    rayQueryInitializeEXT(query, bvh_top_level, flags, 0xffu, origin, t_min, direction, t_max);
+    while (rayQueryProceedEXT(query)) {
+        // Only triangles with an alpha mask ask.
+        uint triangle = tracer_triangle(
+            int(rayQueryGetIntersectionInstanceShaderBindingTableRecordOffsetEXT(query, false)),
+            rayQueryGetIntersectionGeometryIndexEXT(query, false),
+            rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+        uint masked = texelFetch(bvh_triangles, int(triangle * 3u + 1u)).w;
+        if (tracer_is_opaque(masked, rayQueryGetIntersectionBarycentricsEXT(query, false))) {
+            rayQueryConfirmIntersectionEXT(query);
+        }
+    }
+    if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) {
+        return false;
+    }
+    uint triangle = tracer_triangle(
+        int(rayQueryGetIntersectionInstanceShaderBindingTableRecordOffsetEXT(query, true)),
+        rayQueryGetIntersectionGeometryIndexEXT(query, true),
+        rayQueryGetIntersectionPrimitiveIndexEXT(query, true));
+    hit.t = rayQueryGetIntersectionTEXT(query, true);
+    hit.instance = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, true));
+    hit.triangle = texelFetch(bvh_triangles, int(triangle * 3u)).w;
+    hit.material = texelFetch(bvh_triangles, int(triangle * 3u + 2u)).w;
+    hit.barycentrics = rayQueryGetIntersectionBarycentricsEXT(query, true);
+    return true;
+}
+
+// Whether anything lies on the segment.
+bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    TracerHit hit;
+    return tracer_query(origin, direction, t_min, t_max, gl_RayFlagsTerminateOnFirstHitEXT, hit);
+}
+
+// The closest hit on the segment.
+bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
+    return tracer_query(origin, direction, t_min, t_max, gl_RayFlagsNoneEXT, hit);
+}
+
+#endif
