@@ -7,11 +7,7 @@ use super::support::{Lab, named_scene};
 /// Bytes that grow with the picture, as in ARCHITECTURE.md, "Numbers worth knowing".
 fn computed(settings: &Settings) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
-    let [slots, sets, interleave] =
-        [settings.vpls, settings.temporal_sets, settings.interleave].map(u64::from);
-    let words = slots.div_ceil(sets).div_ceil(interleave * interleave).div_ceil(32);
-    let words = words.min(2);
-    pixels * (112 + 8 * (sets + 1) + 4 * words)
+    pixels * (112 + 8 * (u64::from(settings.temporal_sets) + 1))
 }
 
 #[test]
