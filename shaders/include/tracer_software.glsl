@@ -1,4 +1,4 @@
-// Rays through the two-level BVH in plain storage buffers: no extension, no bindless, no subgroups.
+// Rays through the two-level BVH in plain buffers: no extension, no bindless, no subgroups.
 //
 // In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
 // t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
