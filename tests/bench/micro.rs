@@ -103,7 +103,10 @@ fn only_what_knows_masks_casts_rays_at_them() {
     let run = Run::new();
     let (text, report) = small(&run, "atrium-drapery");
     let tracers = report["scenes"][0]["rays"][0]["tracers"].as_array().unwrap();
-    assert_eq!(tracers.len(), 2, "{text}");
+    let names: Vec<_> = tracers.iter().filter_map(|tracer| tracer["tracer"].as_str()).collect();
+    // The last one where the device has ray queries.
+    let ours = ["glowworm, CPU", "glowworm, shader", "ray queries"];
+    assert!(names.len() >= 2 && ours.starts_with(&names), "{text}");
     assert!(report["scenes"][0]["notes"][0].as_str().unwrap().contains("alpha masks"));
 }
 
