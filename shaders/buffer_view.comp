@@ -40,10 +40,10 @@ layout(push_constant) uniform Push {
     uint instance_count;
     uint tile_size;      // texels across a shadow map
     uint tile_count;     // shadow maps
+    uint tile_columns;   // of them in a row
     float unfiltered;    // what the irradiance of one class and set stands for
     uint one_vpl;        // 1: irradiance is that of one VPL, and so is the picture; a: its visibility
     uint pad0;
-    uint pad1;
 } push;
 
 #include "reprojection.glsl"
@@ -91,15 +91,15 @@ vec3 share_colour(float share) {
     return mix(middle, vec3(1.0, 0.92, 0.2), clamp(share * 3.0 - 2.0, 0.0, 1.0));
 }
 
-// The atlas as large as it fits, in the middle; nearer is lighter.
+// What is used of the atlas as large as it fits, in the middle; nearer is lighter.
 vec3 shadow_maps(ivec2 pixel) {
-    vec2 atlas = vec2(textureSize(shadow_atlas, 0));
+    uint rows = (push.tile_count + push.tile_columns - 1u) / push.tile_columns;
+    vec2 atlas = vec2(push.tile_columns, rows) * float(push.tile_size);
     vec2 size = vec2(frame.size);
     float scale = max(atlas.x / size.x, atlas.y / size.y);
     ivec2 at = ivec2(floor((vec2(pixel) + 0.5 - 0.5 * size) * scale + 0.5 * atlas));
     if (push.tile_count == 0u || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(atlas)))) return vec3(0.1);
-    uint columns = uint(atlas.x) / push.tile_size;
-    uint tile = uint(at.y) / push.tile_size * columns + uint(at.x) / push.tile_size;
+    uint tile = uint(at.y) / push.tile_size * push.tile_columns + uint(at.x) / push.tile_size;
     if (tile >= push.tile_count) return vec3(0.1);
     float depth = texelFetch(shadow_atlas, at, 0).r;
     if (shadow_tiles.data[tile].texel.y != 1.0) return vec3(depth);

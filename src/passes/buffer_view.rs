@@ -162,9 +162,10 @@ struct Push {
     instance_count: u32,
     tile_size: u32,
     tile_count: u32,
+    tile_columns: u32,
     unfiltered: f32,
     one_vpl: u32,
-    pad: [u32; 2],
+    pad: u32,
 }
 
 /// The pass.
@@ -228,9 +229,10 @@ fn push(view: BufferView, inputs: &BufferViewInputs<'_>, set_drawn: bool) -> Pus
         instance_count: to_u32(inputs.pose.instances.len()),
         tile_size: inputs.shadows.tile_size,
         tile_count: inputs.shadows.tile_count,
+        tile_columns: inputs.shadows.tile_columns,
         unfiltered: (set_count * inputs.interleave * inputs.interleave) as f32,
         one_vpl: u32::from(inputs.one_vpl),
-        pad: [0; 2],
+        pad: 0,
     }
 }
 

@@ -46,6 +46,8 @@ pub struct Shadows<'a> {
     pub tiles: Upload,
     /// How many.
     pub tile_count: u32,
+    /// How many are in a row.
+    pub tile_columns: u32,
     /// Texels across each.
     pub tile_size: u32,
     /// Whether lights and maps are those of the frame before.
@@ -108,23 +110,25 @@ impl DirectShadowsPass {
         let lights = frame.upload(&plan.lights)?;
         let tiles = frame.upload(&plan.tiles)?;
         let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
+        let tile_columns = plan.extent[0] / tile_size;
         let current = plan.tiles.is_empty()
             || self.last.as_ref().is_some_and(|(last, instances)| {
                 last.tiles == plan.tiles && *instances == inputs.pose.instances
             });
         let unchanged = current && self.last.as_ref().is_some_and(|(last, _)| *last == plan);
         if !current {
-            if self.atlas.extent() != plan.extent {
+            let has = self.atlas.extent();
+            if (0..2).any(|side| has[side] < plan.extent[side]) {
                 // Frames on their way still read the old one.
                 self.device.wait_idle()?;
-                self.atlas = atlas(&self.device, plan.extent)?;
+                self.atlas = atlas(&self.device, plan.room)?;
             }
             self.draw(frame, inputs, &plan)?;
         }
         if !unchanged {
             self.last = Some((plan, inputs.pose.instances.clone()));
         }
-        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_size, unchanged })
+        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_columns, tile_size, unchanged })
     }
 
     fn draw(
@@ -134,7 +138,7 @@ impl DirectShadowsPass {
         plan: &ShadowPlan,
     ) -> Result<(), VulkanError> {
         let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
-        inputs.tracer.bind_masks(pass).draw(&Targets::Cleared { colors: &[], depth: &self.atlas }, |list| {
+        inputs.tracer.bind_masks(pass).draw(&Targets::DepthPart(&self.atlas, plan.extent), |list| {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
             for tile in &plan.tiles {
                 let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];

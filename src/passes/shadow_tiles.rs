@@ -23,8 +23,10 @@ pub struct ShadowPlan {
     pub lights: Vec<LightData>,
     /// Their tiles.
     pub tiles: Vec<ShadowTile>,
-    /// Width and height of the atlas.
+    /// Width and height of what is used of the atlas.
     pub extent: [u32; 2],
+    /// Width and height of an atlas with room for a few more: on CPU devices, memory costs most when it is first touched.
+    pub room: [u32; 2],
     /// Texels across a tile.
     pub tile_size: u32,
 }
@@ -48,7 +50,12 @@ impl ShadowPlan {
         let count: usize = lit.iter().map(|light| tile_count(light)).sum();
         let (tile_size, columns, rows) = arrange(count, view);
         let radius = (view.bounds.1 - view.bounds.0).length() * 0.5;
-        let mut plan = Self { extent: [columns * tile_size, rows * tile_size], tile_size, ..Self::default() };
+        let mut plan = Self {
+            extent: [columns * tile_size, rows * tile_size],
+            room: [COLUMNS.max(columns) * tile_size, rows * tile_size],
+            tile_size,
+            ..Self::default()
+        };
         for light in lit {
             let first_tile = plan.tiles.len();
             let matrices = match light.kind {
@@ -81,20 +88,23 @@ fn tile_count(light: &Light) -> usize {
     }
 }
 
+/// Tiles in the first row of an atlas, before there is a second one.
+const COLUMNS: u32 = 4;
+
 /// Tile size, columns and rows of an atlas for `count` tiles.
 fn arrange(count: usize, view: &View) -> (u32, u32, u32) {
     if count == 0 {
         return (1, 1, 1);
     }
     let count = u32::try_from(count).unwrap_or(u32::MAX);
-    let columns = f64::from(count).sqrt().ceil() as u32;
+    let columns = (f64::from(count).sqrt().ceil() as u32).max(COLUMNS.min(count));
     let rows = count.div_ceil(columns);
     let mut size = (2 * view.size[0].max(view.size[1]))
         .next_power_of_two()
         .clamp(*TILE_SIZES.start(), *TILE_SIZES.end());
     while size > 1
         && (u64::from(columns) * u64::from(rows) * u64::from(size) * u64::from(size) > MAX_TEXELS
-            || columns * size > view.max_extent)
+            || COLUMNS.max(columns) * size > view.max_extent)
     {
         size /= 2;
     }

@@ -14,6 +14,8 @@ pub enum Targets<'a> {
         /// Depth image.
         depth: &'a Image,
     },
+    /// Only depth, and only this much of it from the top left; cleared first.
+    DepthPart(&'a Image, [u32; 2]),
     /// Drawn over, without a depth image; for pipelines that blend.
     Over(&'a Image),
 }
@@ -22,13 +24,14 @@ impl<'a> Targets<'a> {
     pub(super) fn colors(&self) -> &[&'a Image] {
         match self {
             Self::Cleared { colors, .. } => colors,
+            Self::DepthPart(..) => &[],
             Self::Over(image) => std::slice::from_ref(image),
         }
     }
 
     pub(super) fn depth(&self) -> Option<&'a Image> {
         match self {
-            Self::Cleared { depth, .. } => Some(depth),
+            Self::Cleared { depth, .. } | Self::DepthPart(depth, _) => Some(depth),
             Self::Over(_) => None,
         }
     }
@@ -36,13 +39,14 @@ impl<'a> Targets<'a> {
     pub(super) fn extent(&self) -> [u32; 2] {
         match self {
             Self::Cleared { depth, .. } => depth.extent(),
+            Self::DepthPart(_, part) => *part,
             Self::Over(image) => image.extent(),
         }
     }
 
     pub(super) fn load_op(&self) -> vk::AttachmentLoadOp {
         match self {
-            Self::Cleared { .. } => vk::AttachmentLoadOp::CLEAR,
+            Self::Cleared { .. } | Self::DepthPart(..) => vk::AttachmentLoadOp::CLEAR,
             Self::Over(_) => vk::AttachmentLoadOp::LOAD,
         }
     }
