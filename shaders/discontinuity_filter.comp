@@ -1,10 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Sums the n x n classes around each pixel, from pixels whose normals agree and whose positions lie
-// near the centre's plane, scaled up by what the missing classes would have brought (the discontinuity
-// buffer of Wald et al. 2002). That share is taken over all temporal sets, so that it does not depend on
-// how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
+// Sums the n x n classes around each pixel, from the pixels that lie on its surface (discontinuities.comp), scaled up by
+// what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets, so that it
+// does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "class_pixel.glsl"
@@ -18,6 +17,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
+layout(set = 0, binding = 5) uniform utextureBuffer discontinuities;
 
 layout(push_constant) uniform Push {
     uint first_texel; // of the VPLs
@@ -25,150 +25,86 @@ layout(push_constant) uniform Push {
     uint layer;       // of the set buffers, for this set
 } push;
 
-const float MIN_NORMAL_COSINE = 0.9;
+#include "window.glsl"
+
 // Share of the flux that the window has to bring; else pixels farther away are asked as well.
 const float MIN_PRESENT = 0.25;
-
-// What a pixel must agree with to count, in scaled depths: plane distance is depth * dot(slope, (x, y, 1)) - offset, since
-// positions are linear in pixel coordinates and depth.
-struct Surface {
-    vec3 shading;
-    vec3 slope;
-    float offset;
-    float tolerance;
-};
-
-Surface surface_at(ivec2 pixel, float depth) {
-    vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
-    vec3 geometric = octahedral_decode(normals.zw);
-    vec2 step = 2.0 / vec2(frame.size);
-    vec3 slope = vec3(dot(geometric, frame.ray_x.xyz) * step.x, dot(geometric, frame.ray_y.xyz) * step.y, 0.0);
-    slope.z = dot(geometric, frame.ray.xyz - frame.ray_x.xyz - frame.ray_y.xyz) + 0.5 * (slope.x + slope.y);
-    float offset = depth * dot(slope, vec3(pixel, 1.0));
-    return Surface(octahedral_decode(normals.xy), slope, offset, 0.25 * frame.position_cutoff * depth);
-}
-
-// Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
-uvec4 texel_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));
-    return inside ? texelFetch(class_irradiance, at.y * int(frame.size.x) + at.x) : uvec4(0u);
-}
 
 // Luminous flux of a pixel's class.
 float flux_at(ivec2 at) { return vpl_class(push.first_texel, class_of(uvec2(at))).flux; }
 
-// The window is centred on its pixel: for even n it is one pixel wider, and both its ends, which are of the same
-// class, count for half. Off-centre by half a pixel, it would move steep gradients.
-const bool EVEN = INTERLEAVE % 2u == 0u;
-const int WIDTH = int(EVEN ? INTERLEAVE + 1u : INTERLEAVE);
-
-float weight_at(int place) { return EVEN && (place == 0 || place == WIDTH - 1) ? 0.5 : 1.0; }
-
-// First pixel of a window: moved inside at the borders, it still holds every class once.
-ivec2 corner_of(ivec2 pixel) { return clamp(pixel - WIDTH / 2, ivec2(0), max(ivec2(frame.size) - WIDTH, ivec2(0))); }
-
-// Four pixels, one below the other, of which each thread takes care: most of a texel's cost is to load and unpack it,
-// and one lies in the windows of several. Everything is by pixel in the components of vectors.
-const int ROWS = 4;
-
-struct Centres {
-    vec4 shading_x, shading_y, shading_z;
-    vec4 slope_x, slope_y, slope_z;
-    vec4 offset, tolerance;
-    vec4 depth; // 0 where no surface is
-    ivec4 corner_y;
-};
-
-Centres centres_at(ivec2 first) {
-    Centres centres;
-    for (int row = 0; row < ROWS; row++) {
-        ivec2 pixel = first + ivec2(0, row);
-        float depth = unpack_depth(texel_at(pixel).a);
-        Surface surface = surface_at(min(pixel, ivec2(frame.size) - 1), depth);
-        centres.shading_x[row] = surface.shading.x;
-        centres.shading_y[row] = surface.shading.y;
-        centres.shading_z[row] = surface.shading.z;
-        centres.slope_x[row] = surface.slope.x;
-        centres.slope_y[row] = surface.slope.y;
-        centres.slope_z[row] = surface.slope.z;
-        centres.offset[row] = surface.offset;
-        centres.tolerance[row] = surface.tolerance;
-        centres.depth[row] = depth;
-        centres.corner_y[row] = corner_of(pixel).y;
-    }
-    return centres;
-}
-
-// One for each of the centres that the texel lies on the surface of.
-bvec4 same_surfaces(Centres centres, uint packed, ivec2 at) {
-    vec3 normal = unpack_normal(packed);
-    float depth = unpack_depth(packed);
-    vec4 slope = centres.slope_x * float(at.x) + centres.slope_y * float(at.y) + centres.slope_z;
-    vec4 distance = depth * slope - centres.offset;
-    vec4 cosine = normal.x * centres.shading_x + normal.y * centres.shading_y + normal.z * centres.shading_z;
-    bvec4 near = lessThanEqual(abs(distance), centres.tolerance);
-    bvec4 alike = greaterThanEqual(cosine, vec4(MIN_NORMAL_COSINE * length(normal)));
-    return bvec4(uvec4(near) & uvec4(alike) & uint(is_surface(packed)));
-}
-
-// Words of a bit for each pixel of a window.
-const uint WORDS = uint(WIDTH * WIDTH + 31) / 32u;
-
+// By pixel of the thread.
 struct Sums {
     vec4 red, green, blue;
     vec4 present; // luminous flux of the classes that were found, each as often as it was
 };
 
-// Adds up the pixels of the windows that lie on the centres' surfaces; those of one window hold every class once.
-Sums window_sums(Centres centres, int corner_x) {
+// Bits of the pixels in one row of the windows that lie on their centres' surfaces; none outside of a window.
+uvec4 row_of(uvec4 words[WORDS], ivec4 places) {
+    uvec4 rows = uvec4(0u);
+    for (int word = 0; word < WORDS; word++) {
+        rows |= mix(uvec4(0u), words[word] >> (places % ROWS_IN_WORD * WIDTH), equal(places / ROWS_IN_WORD, ivec4(word)));
+    }
+    return mix(uvec4(0u), rows & ((1u << WIDTH) - 1u), lessThan(uvec4(places), uvec4(WIDTH)));
+}
+
+// Adds up the pixels of the windows that lie on the centres' surfaces.
+Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
     Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(push.total_flux));
-    // Those of a window that are not on the surface.
-    uvec4 missing[3] = uvec4[3](uvec4(0u), uvec4(0u), uvec4(0u));
+    // Below the picture nothing counts.
+    int last = int(frame.size.x * frame.size.y) - 1;
     for (int row = 0; row < WIDTH + ROWS - 1; row++) {
-        int y = centres.corner_y[0] + row;
-        ivec4 places = y - centres.corner_y;
+        int y = corner_y[0] + row;
+        ivec4 places = y - corner_y;
+        uvec4 same = row_of(words, places);
         bvec4 ends = bvec4(uvec4(equal(places, ivec4(0))) | uvec4(equal(places, ivec4(WIDTH - 1))));
-        bvec4 inside = lessThan(uvec4(places), uvec4(WIDTH));
-        vec4 weights = mix(vec4(0.0), EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0), inside);
+        vec4 weights = EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0);
+        int texel = y * int(frame.size.x) + corner_x;
         for (int column = 0; column < WIDTH; column++) {
-            ivec2 at = ivec2(corner_x + column, y);
-            uvec4 texel = texel_at(at);
-            bvec4 same = same_surfaces(centres, texel.a, at);
-            vec4 share = weight_at(column) * mix(vec4(0.0), weights, same);
-            vec3 irradiance = uintBitsToFloat(texel.rgb);
+            vec3 irradiance = uintBitsToFloat(texelFetch(class_irradiance, min(texel + column, last)).rgb);
+            bvec4 counts = notEqual(same & (1u << column), uvec4(0u));
+            vec4 share = mix(vec4(0.0), weight_at(column) * weights, counts);
             sums.red += share * irradiance.r;
             sums.green += share * irradiance.g;
             sums.blue += share * irradiance.b;
-            uvec4 bits = uvec4(places * WIDTH + column);
-            uvec4 lacks = uvec4(inside) & uvec4(not(same));
-            for (uint word = 0u; word < WORDS; word++) {
-                missing[word] |= (lacks & uvec4(equal(bits / 32u, uvec4(word)))) << (bits % 32u);
-            }
-        }
-    }
-    // Take off what the classes of those would have brought.
-    for (int row = 0; row < ROWS; row++) {
-        for (uint word = 0u; word < WORDS; word++) {
-            for (uint bits = missing[word][row]; bits != 0u; bits &= bits - 1u) {
-                int place = int(word * 32u) + findLSB(bits);
-                ivec2 within = ivec2(place % WIDTH, place / WIDTH);
-                float flux = flux_at(ivec2(corner_x, centres.corner_y[row]) + within);
-                sums.present[row] -= weight_at(within.x) * weight_at(within.y) * flux;
-            }
         }
     }
     return sums;
 }
 
+// Takes off what the classes of those that are not on a pixel's surface would have brought; a window holds each class once.
+float present_flux(uvec4 words[WORDS], ivec2 corner, int pixel) {
+    float present = push.total_flux;
+    for (int word = 0; word < WORDS; word++) {
+        int rows = min(WIDTH - word * ROWS_IN_WORD, ROWS_IN_WORD);
+        uint all = 0xffffffffu >> (32 - rows * WIDTH);
+        for (uint bits = ~words[word][pixel] & all; bits != 0u; bits &= bits - 1u) {
+            int place = findLSB(bits);
+            ivec2 within = ivec2(place % WIDTH, word * ROWS_IN_WORD + place / WIDTH);
+            present -= weight_at(within.x) * weight_at(within.y) * flux_at(corner + within);
+        }
+    }
+    // What is left of a difference of equal numbers is not light.
+    return present < 1e-5 * push.total_flux ? 0.0 : present;
+}
+
+bool same_surface(Surface surface, uint packed, ivec2 at) {
+    vec3 normal = unpack_normal(packed);
+    float distance = unpack_depth(packed) * dot(surface.slope, vec3(at, 1.0)) - surface.offset;
+    bool alike = dot(normal, surface.shading) >= MIN_NORMAL_COSINE * length(normal);
+    return is_surface(packed) && alike && abs(distance) <= surface.tolerance;
+}
+
 // Adds pixels farther away, one of each class again: every STEP-th, with no factor in common with n.
 const int STEP = INTERLEAVE % 3u != 0u ? 3 : INTERLEAVE == 6u ? 5 : 2;
 
-void add_farther(inout Sums sums, Centres centres, ivec2 first, int row) {
-    ivec2 corner = first + ivec2(0, row) - (int(INTERLEAVE - 1u) * STEP) / 2;
+void add_farther(inout Sums sums, ivec2 pixel, int row) {
+    Surface surface = surface_at(pixel, unpack_depth(texel_at(pixel).a));
+    ivec2 corner = pixel - (int(INTERLEAVE - 1u) * STEP) / 2;
     for (uint place = 0u; place < INTERLEAVE * INTERLEAVE; place++) {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         uvec4 texel = texel_at(at);
-        bool same = same_surfaces(centres, texel.a, at)[row];
+        bool same = same_surface(surface, texel.a, at);
         vec3 irradiance = same ? uintBitsToFloat(texel.rgb) : vec3(0.0);
         sums.red[row] += irradiance.r;
         sums.green[row] += irradiance.g;
@@ -178,29 +114,37 @@ void add_farther(inout Sums sums, Centres centres, ivec2 first, int row) {
 }
 
 void main() {
-    ivec2 first = ivec2(gl_GlobalInvocationID.xy) * ivec2(1, ROWS);
+    ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
-    Centres centres = centres_at(first);
-    Sums sums = window_sums(centres, corner_of(first).x);
-    // What is left of a difference of equal numbers is not light.
-    bvec4 nothing = lessThan(sums.present, vec4(1e-5 * push.total_flux));
+    uvec4 words[WORDS];
+    for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
+    int corner_x = corner_of(first).x;
+    ivec4 corner_y;
+    vec4 depth; // 0 where no surface is
+    for (int row = 0; row < ROWS; row++) {
+        corner_y[row] = corner_of(first + ivec2(0, row)).y;
+        depth[row] = unpack_depth(texel_at(first + ivec2(0, row)).a);
+    }
+    Sums sums = window_sums(words, corner_x, corner_y);
+    for (int row = 0; row < ROWS; row++) sums.present[row] = present_flux(words, ivec2(corner_x, corner_y[row]), row);
+    bvec4 nothing = equal(sums.present, vec4(0.0));
     sums.red = mix(sums.red, vec4(0.0), nothing);
     sums.green = mix(sums.green, vec4(0.0), nothing);
     sums.blue = mix(sums.blue, vec4(0.0), nothing);
-    sums.present = mix(sums.present, vec4(0.0), nothing);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     uint few = 0u;
     for (int row = 0; row < ROWS; row++) {
-        bool lacks = centres.depth[row] > 0.0 && sums.present[row] < MIN_PRESENT * push.total_flux;
+        bool lacks = depth[row] > 0.0 && sums.present[row] < MIN_PRESENT * push.total_flux;
         few |= lacks ? 1u << row : 0u;
     }
-    for (; few != 0u; few &= few - 1u) add_farther(sums, centres, first, findLSB(few));
+    for (; few != 0u; few &= few - 1u) add_farther(sums, first + ivec2(0, findLSB(few)), findLSB(few));
     for (int row = 0; row < ROWS; row++) {
         ivec2 pixel = first + ivec2(0, row);
         if (pixel.y >= int(frame.size.y)) break;
         vec3 irradiance = vec3(sums.red[row], sums.green[row], sums.blue[row]);
         float scale = sums.present[row] > 0.0 ? push.total_flux / sums.present[row] * frame.irradiance_scale : 0.0;
-        float depth = centres.depth[row];
-        imageStore(set_buffers, ivec3(pixel, int(push.layer)), depth > 0.0 ? vec4(irradiance * scale, depth) : vec4(0.0));
+        vec4 stored = depth[row] > 0.0 ? vec4(irradiance * scale, depth[row]) : vec4(0.0);
+        imageStore(set_buffers, ivec3(pixel, int(push.layer)), stored);
     }
 }

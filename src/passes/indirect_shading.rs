@@ -1,25 +1,30 @@
 //! `indirect_shading`: the discontinuity filter, which joins the classes of each pixel's neighbourhood and writes the set
-//! buffer.
+//! buffer. Which neighbours lie on a pixel's surface is worked out when the G-buffer has changed, and kept.
 
 use bytemuck::{Pod, Zeroable};
 
 use std::sync::Arc;
 
-use super::gbuffer::GBuffer;
+use super::gbuffer::Surfaces;
 use super::indirect_shadows::UploadedSet;
 use super::set_history::SetHistory;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
+
+/// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
+const ROWS: u32 = 4;
 
 /// What the pass reads.
 pub struct IndirectShadingInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
+    pub surfaces: Surfaces<'a>,
     /// The VPLs.
     pub set: &'a UploadedSet,
     /// Irradiance of each pixel from its class, and its surface.
     pub class_irradiance: &'a Buffer,
+    /// Fraction of view depth.
+    pub position_cutoff: f32,
 }
 
 #[repr(C)]
@@ -32,38 +37,88 @@ struct Push {
 
 /// The pass.
 pub struct IndirectShadingPass {
-    pipeline: ComputePipeline,
+    compare: Arc<ComputePipeline>,
+    filter: Arc<ComputePipeline>,
+    /// A bit for each pixel of a pixel's window; see shaders/include/window.glsl.
+    discontinuities: Buffer,
+    extent: [u32; 2],
+    interleave: u32,
+    /// The cut-off that they were worked out with; none before the first frame.
+    compared: Option<f32>,
 }
 
 impl IndirectShadingPass {
-    /// Makes the pipeline.
-    pub fn new(device: &Arc<Device>, interleave: u32) -> Result<Self, VulkanError> {
-        let spirv = shaders::DISCONTINUITY_FILTER_COMP;
+    /// Makes the pipelines, and the discontinuity buffer of `extent` texels.
+    pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
+        let pipeline = |name, spirv| {
+            ComputePipeline::specialised(device, name, spirv, &[interleave]).map(Arc::new)
+        };
         Ok(Self {
-            pipeline: ComputePipeline::specialised(device, "discontinuity_filter", spirv, &[interleave])?,
+            compare: pipeline("discontinuities", shaders::DISCONTINUITIES_COMP)?,
+            filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            discontinuities: discontinuities(device, extent, interleave)?,
+            extent,
+            interleave,
+            compared: None,
+        })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            compare: Arc::clone(&self.compare),
+            filter: Arc::clone(&self.filter),
+            discontinuities: discontinuities(device, extent, self.interleave)?,
+            extent,
+            interleave: self.interleave,
+            compared: None,
         })
     }
 
     /// Filters into the spare layer of the set buffers.
     pub fn record(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadingInputs<'_>,
         sets: &SetHistory,
     ) -> Result<(), VulkanError> {
-        // A thread for four pixels, one below the other.
-        let [width, height] = sets.buffers().extent();
+        let [width, height] = self.extent;
+        let threads = [width, height.div_ceil(ROWS)];
+        let normal = &inputs.surfaces.gbuffer.normal;
+        let compared = self.compared.replace(inputs.position_cutoff);
+        if !inputs.surfaces.unchanged || compared != Some(inputs.position_cutoff) {
+            frame
+                .pass("indirect_shading", &self.compare)
+                .read("frame", inputs.frame)
+                .read("gbuffer_normal", normal)
+                .read("class_irradiance", inputs.class_irradiance)
+                .write("discontinuities", &self.discontinuities)
+                .dispatch_over(threads)?;
+        }
         let set = inputs.set;
         let push =
             Push { first_texel: set.first_texel(), total_flux: set.total_flux, layer: sets.spare_layer() };
         frame
-            .pass("indirect_shading", &self.pipeline)
+            .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("gbuffer_normal", normal)
             .read("class_irradiance", inputs.class_irradiance)
+            .read("discontinuities", &self.discontinuities)
             .read("vpl_set", &inputs.set.texels)
             .write("set_buffers", sets.buffers())
             .push(&push)
-            .dispatch_over([width, height.div_ceil(4)])
+            .dispatch_over(threads)
     }
+}
+
+/// A texel for each word of the pixels of a thread.
+fn discontinuities(device: &Arc<Device>, [width, height]: [u32; 2], interleave: u32) -> Result<Buffer, VulkanError> {
+    let texels = u64::from(width) * u64::from(height.div_ceil(ROWS)) * u64::from(words(interleave));
+    Buffer::of_texels(device, "discontinuities", texels)
+}
+
+/// Words of 32 bits that hold the window's rows, each whole. Twin: `WORDS` in shaders/include/window.glsl.
+fn words(interleave: u32) -> u32 {
+    let width = if interleave.is_multiple_of(2) { interleave + 1 } else { interleave };
+    width.div_ceil(32 / width)
 }

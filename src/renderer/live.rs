@@ -98,8 +98,13 @@ impl Passes {
         } else {
             None
         };
-        let shading =
-            if interleaved { Some(IndirectShadingPass::new(device, new.interleave)?) } else { None };
+        let shading = if interleaved {
+            Some(IndirectShadingPass::new(device, size, new.interleave)?)
+        } else if resized {
+            Some(self.indirect_shading.resized(device, size)?)
+        } else {
+            None
+        };
         let sets = if resized || new.temporal_sets != old.temporal_sets {
             Some(SetHistory::new(device, size, new.temporal_sets, instances)?)
         } else {

@@ -71,7 +71,7 @@ impl Passes {
             direct_shadows: DirectShadowsPass::new(device)?,
             direct_shading: DirectShadingPass::new(device, size)?,
             indirect_shadows: IndirectShadowsPass::new(device, tracer, size, interleave)?,
-            indirect_shading: IndirectShadingPass::new(device, interleave)?,
+            indirect_shading: IndirectShadingPass::new(device, size, interleave)?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,
             views: ViewPasses::default(),
@@ -115,7 +115,14 @@ impl Passes {
 
         let rays = IndirectShadowsInputs { frame: uniforms, gbuffer, set: vpls, tracer };
         let class_irradiance = self.indirect_shadows.record(frame, &rays)?;
-        let shading = IndirectShadingInputs { frame: uniforms, gbuffer, set: vpls, class_irradiance };
+        let position_cutoff = inputs.settings.position_cutoff;
+        let shading = IndirectShadingInputs {
+            frame: uniforms,
+            surfaces,
+            set: vpls,
+            class_irradiance,
+            position_cutoff,
+        };
         self.indirect_shading.record(frame, &shading, &self.sets)?;
         let drawn = inputs.drawn;
         self.sets.note(frame, pose, &drawn, inputs.set_flux[drawn.set as usize])?;
@@ -132,7 +139,7 @@ impl Passes {
             instances,
             pose,
             drawn,
-            position_cutoff: inputs.settings.position_cutoff,
+            position_cutoff,
             scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
             set_flux: inputs.set_flux,
         };
