@@ -11,7 +11,7 @@
 #include "gbuffer.glsl"
 #include "scene.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 
 #include "set_parameters.glsl"
 
@@ -51,9 +51,23 @@ bool sees(vec4 stored, float depth) {
     return abs(stored.w / frame.depth_scale - depth) <= 0.25 * frame.position_cutoff * depth;
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+// Goes on with the sum of the last frame where every set is in it and nothing may move.
+bool goes_on(ivec2 pixel) {
+    if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
+    vec4 last = imageLoad(irradiance, pixel);
+    vec4 before = texelFetch(set_buffers, ivec3(pixel, int(push.layer_before)), 0);
+    vec4 now = texelFetch(set_buffers, ivec3(pixel, int(push.layer_now)), 0);
+    bool seen = !MOVES || sees(now, texelFetch(gbuffer_position, pixel, 0).w);
+    if (last.a != float(push.set_count) || !seen) return false;
+    vec3 rest = last.rgb - before.rgb * push.scale_before;
+    // What is left of a difference of equal numbers is not light.
+    rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
+    imageStore(irradiance, pixel, vec4(rest + now.rgb * push.scale_now, last.a));
+    return true;
+}
+
+// Sums up all sets.
+void sum_up(ivec2 pixel) {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     if (id.x == 0u) {
         imageStore(irradiance, pixel, vec4(0.0));
@@ -62,30 +76,13 @@ void main() {
     vec4 position = texelFetch(gbuffer_position, pixel, 0);
     vec3 p = position.xyz;
     vec3 n = octahedral_decode(texelFetch(gbuffer_normal, pixel, 0).zw);
-
+    uint may_move = MOVES && (id.y & MAY_MOVE) != 0u ? 1u : 0u;
     vec3 sum = vec3(0.0);
     float present = 0.0;
     uint count = 0u;
 
-    // The sums of the last frame, where every set was in them and nothing may move.
-    uint may_move = MOVES && (id.y & MAY_MOVE) != 0u ? 1u : 0u;
-    uint running = may_move == 0u && gl_WorkGroupID.y % push.set_count != push.refresh ? push.running : 0u;
-    for (uint i = running; i > 0u; i--) {
-        vec4 last = imageLoad(irradiance, pixel);
-        vec4 before = texelFetch(set_buffers, ivec3(pixel, int(push.layer_before)), 0);
-        vec4 now = texelFetch(set_buffers, ivec3(pixel, int(push.layer_now)), 0);
-        running = last.a == float(push.set_count) && sees(now, position.w) ? 1u : 0u;
-        vec3 rest = last.rgb - before.rgb * push.scale_before;
-        // What is left of a difference of equal numbers is not light.
-        rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
-        sum = rest + now.rgb * push.scale_now;
-        count = push.set_count;
-    }
-    sum = running == 1u ? sum : vec3(0.0);
-    count = running == 1u ? count : 0u;
-
     // What stands still under a camera that stands still is where it was, unless something else hid it.
-    uint same_view_count = may_move == 1u || running == 1u ? 0u : push.same_view_count;
+    uint same_view_count = may_move == 1u ? 0u : push.same_view_count;
     for (uint i = 0u; i < same_view_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec4 stored = texelFetch(set_buffers, ivec3(pixel, int(parameters.layer)), 0);
@@ -95,15 +92,13 @@ void main() {
         count += same ? 1u : 0u;
     }
 
-    // Loops of one turn, not branches: CPU drivers run both sides of a branch, but skip loops that no lane enters.
     vec3 p_os = p;
     vec3 tip_os = p + n;
     for (uint i = 0u; i < may_move; i++) {
         p_os = transform_point(instances.data[id.x - 1u].world_to_object, p);
         tip_os = transform_point(instances.data[id.x - 1u].world_to_object, p + n);
     }
-    uint first_other = running == 1u ? push.drawn_count : same_view_count;
-    for (uint i = first_other; MOVES && i < push.drawn_count; i++) {
+    for (uint i = same_view_count; MOVES && i < push.drawn_count; i++) {
         SetParameters parameters = set_parameters.data[i];
         vec3 p_then = p;
         vec3 n_then = n;
@@ -120,4 +115,15 @@ void main() {
     }
     if (push.scale_missing == 1u && present > 0.0 && count < push.set_count) sum *= push.total_flux / present;
     imageStore(irradiance, pixel, vec4(sum, may_move == 1u ? -float(count) : float(count)));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    // Loops of one turn, not branches, here and above: CPU drivers run both sides of a branch, but skip loops that no
+    // lane enters.
+    uint left = 1u;
+    uint running = gl_GlobalInvocationID.y % 256u != push.refresh ? push.running : 0u;
+    for (uint i = running; i > 0u; i--) left = goes_on(pixel) ? 0u : 1u;
+    for (; left > 0u; left--) sum_up(pixel);
 }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::storage_image;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
 };
 
 /// Bins of the luminance histogram.
 const BINS: u64 = 256;
+/// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/luminance.comp.
+const STEP: u32 = 4;
 
 /// What the pass reads.
 pub struct CombineInputs<'a> {
@@ -35,24 +36,22 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
-    combine: Arc<ComputePipeline>,
+    luminance: Arc<ComputePipeline>,
     exposure: Arc<ComputePipeline>,
-    tone_map: Arc<ComputePipeline>,
-    colour: Image,
+    combine: Arc<ComputePipeline>,
     display: Image,
     histogram: Buffer,
     factor: Buffer,
 }
 
 impl CombinePass {
-    /// Makes the pipelines and the images, of `extent` texels.
+    /// Makes the pipelines and the picture, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
         Ok(Self {
-            combine: pipeline("combine", shaders::COMBINE_COMP)?,
+            luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
-            tone_map: pipeline("tone_map", shaders::TONE_MAP_COMP)?,
-            colour: colour(device, extent)?,
+            combine: pipeline("combine", shaders::COMBINE_COMP)?,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -62,19 +61,13 @@ impl CombinePass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            combine: Arc::clone(&self.combine),
+            luminance: Arc::clone(&self.luminance),
             exposure: Arc::clone(&self.exposure),
-            tone_map: Arc::clone(&self.tone_map),
-            colour: colour(device, extent)?,
+            combine: Arc::clone(&self.combine),
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
         })
-    }
-
-    /// Linear radiance of the last frame.
-    pub fn colour(&self) -> &Image {
-        &self.colour
     }
 
     /// What the last frame shows: RGBA8, sRGB-encoded.
@@ -89,21 +82,20 @@ impl CombinePass {
 
     /// Makes the picture.
     pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<&Image, VulkanError> {
-        let extent = self.colour.extent();
-        frame.clear(&self.histogram);
-        frame
-            .pass("combine", &self.combine)
-            .read("frame", inputs.frame)
-            .read("direct", inputs.direct)
-            .read("irradiance", inputs.irradiance)
-            .read("gbuffer_albedo", inputs.albedo)
-            .write("colour", &self.colour)
-            .write("histogram", &self.histogram)
-            .dispatch_over(extent)?;
-        let push = ExposurePush {
-            stops: inputs.exposure.unwrap_or(0.0),
-            automatic: u32::from(inputs.exposure.is_none()),
-        };
+        let extent = self.display.extent();
+        let automatic = inputs.exposure.is_none();
+        if automatic {
+            frame.clear(&self.histogram);
+            frame
+                .pass("combine", &self.luminance)
+                .read("frame", inputs.frame)
+                .read("direct", inputs.direct)
+                .read("irradiance", inputs.irradiance)
+                .read("gbuffer_albedo", inputs.albedo)
+                .write("histogram", &self.histogram)
+                .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
+        }
+        let push = ExposurePush { stops: inputs.exposure.unwrap_or(0.0), automatic: u32::from(automatic) };
         frame
             .pass("combine", &self.exposure)
             .read("histogram", &self.histogram)
@@ -111,18 +103,16 @@ impl CombinePass {
             .push(&push)
             .dispatch_threads([1, 1, 1])?;
         frame
-            .pass("combine", &self.tone_map)
+            .pass("combine", &self.combine)
             .read("frame", inputs.frame)
-            .read("colour", &self.colour)
+            .read("direct", inputs.direct)
+            .read("irradiance", inputs.irradiance)
+            .read("gbuffer_albedo", inputs.albedo)
             .read("exposure", &self.factor)
             .write("display", &self.display)
             .dispatch_over(extent)?;
         Ok(&self.display)
     }
-}
-
-fn colour(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    storage_image(device, "colour", vk::Format::R32G32B32A32_SFLOAT, extent)
 }
 
 /// Views draw over it.

@@ -1,5 +1,7 @@
 //! From the device's images to a [`Picture`].
 
+use std::f32::consts::PI;
+
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{RenderError, Renderer};
@@ -17,11 +19,7 @@ impl Renderer {
         let mut picture = Picture {
             width,
             height,
-            colour: self
-                .read_floats(self.passes.combine.colour())?
-                .into_iter()
-                .map(|[r, g, b, _]| [r, g, b])
-                .collect(),
+            colour: self.read_colour()?,
             display: bytemuck::cast_slice(&display).to_vec(),
             ..Picture::default()
         };
@@ -29,6 +27,17 @@ impl Renderer {
             picture.layers = self.read_layers()?;
         }
         Ok(picture)
+    }
+
+    /// Linear radiance of each pixel of the last frame. Twin: `radiance_at` in shaders/include/radiance.glsl.
+    fn read_colour(&self) -> Result<Vec<[f32; 3]>, RenderError> {
+        let direct = self.read_floats(self.passes.direct_shading.output())?;
+        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
+        let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
+        let radiance = |((direct, irradiance), albedo): (([f32; 4], [f32; 4]), [f32; 4])| {
+            [0, 1, 2].map(|channel| direct[channel] + albedo[channel] / PI * irradiance[channel])
+        };
+        Ok(direct.into_iter().zip(irradiance).zip(albedo).map(radiance).collect())
     }
 
     /// How many set buffers have seen the surface of each pixel of the last frame.
