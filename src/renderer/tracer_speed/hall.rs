@@ -4,12 +4,11 @@
 //! small ones. Rays go from patches of the walls to a point of another wall, as those of neighbouring pixels to a VPL.
 
 use std::f32::consts::TAU;
-use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, vec3};
 
 use crate::bvh::Ray;
-use crate::scene::{Camera, Instance, Material, Mesh, Scene};
+use crate::scene::{Instance, Material, Mesh, Scene};
 
 /// Half of the hall's length, its height, half of its width.
 const SIZE: Vec3 = vec3(15.0, 10.0, 6.0);
@@ -25,35 +24,11 @@ const STEP: f32 = 0.003;
 
 /// The hall, one mesh.
 pub(super) fn scene() -> Scene {
-    let instance = Instance {
-        name: String::new(),
-        mesh: 0,
-        transform: Affine3A::IDENTITY,
-        animation: None,
-        dynamic: false,
-        visible: true,
-    };
     Scene {
-        recording: Arc::default(),
-        name: String::new(),
         meshes: vec![mesh()],
         materials: vec![Material::grey("")],
-        textures: Vec::new(),
-        alpha_masks: Vec::new(),
-        instances: vec![instance],
-        lights: Vec::new(),
-        camera: Camera {
-            eye: Vec3::ZERO,
-            target: Vec3::NEG_Z,
-            up: Vec3::Y,
-            vertical_fov: 1.0,
-            near: 0.1,
-            far: 100.0,
-        },
-        camera_animation: None,
-        background: Vec3::ZERO,
-        settings: toml::Table::new(),
-        warnings: Vec::new(),
+        instances: vec![Instance::fixed("", 0, Affine3A::IDENTITY)],
+        ..Scene::new("")
     }
 }
 
