@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Casts a list of rays, one a thread, for the benchmark of tracers.
+// Casts a list of rays, one a thread, and from its beginning again after the last, to measure how fast a tracer is.
 // Out: where each first meets a surface, as t, or whether it meets any, as 0; a negative number where it does not.
 #define TRACER_BINDING 2
+#include "ray.glsl"
 #include "tracer.glsl"
 
 layout(local_size_x = 64) in;
@@ -10,16 +11,15 @@ layout(local_size_x = 64) in;
 // Whether any hit will do.
 layout(constant_id = 0) const uint ANY_HIT = 0u;
 
-// Twin: DeviceRay in src/bench/micro/shader.rs.
-struct CastRay { vec3 origin; float t_min; vec3 direction; float t_max; };
-
-layout(set = 0, binding = 0, std430) readonly buffer RayBlock { CastRay data[]; } rays;
+layout(set = 0, binding = 0, std430) readonly buffer RayBlock { GpuRay data[]; } rays;
 layout(set = 0, binding = 1, std430) writeonly buffer AnswerBlock { float data[]; } answers;
 
+layout(push_constant) uniform Push { uint count; } push;
+
 void main() {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= rays.data.length()) return;
-    CastRay ray = rays.data[index];
+    if (gl_GlobalInvocationID.x >= push.count) return;
+    uint index = gl_GlobalInvocationID.x % uint(rays.data.length());
+    GpuRay ray = rays.data[index];
     float answer;
     if (ANY_HIT != 0u) {
         answer = trace_occluded(ray.origin, ray.direction, ray.t_min, ray.t_max) ? 0.0 : -1.0;

@@ -124,9 +124,9 @@ fn no_array_is_ever_empty() {
         let sizes = [
             layout.nodes.len(),
             layout.triangles.len(),
-            layout.triangle_uvs.len(),
-            layout.masks.len(),
-            layout.mask_bits.len(),
+            layout.alpha.triangle_uvs.len(),
+            layout.alpha.masks.len(),
+            layout.alpha.mask_bits.len(),
             layout.instances.len(),
         ];
         assert_eq!(sizes, [1; 6]);
@@ -143,7 +143,7 @@ fn elements_have_the_sizes_that_the_shader_reads() {
     assert_eq!(size_of_val(&layout.nodes[0]), 5 * 16);
     assert_eq!(size_of_val(&layout.triangles[0]), 3 * 16);
     assert_eq!(size_of_val(&layout.instances[0]), 4 * 16);
-    assert_eq!(size_of_val(&layout.triangle_uvs[0]), 2 * 16);
-    assert_eq!(size_of_val(&layout.masks[0]), 16);
+    assert_eq!(size_of_val(&layout.alpha.triangle_uvs[0]), 2 * 16);
+    assert_eq!(size_of_val(&layout.alpha.masks[0]), 16);
     assert_eq!(size_of_val(&layout.roots), 16);
 }

@@ -9,21 +9,12 @@ use bvh_support::*;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
+use glowworm::passes::cast_rays::GpuRay;
 use glowworm::passes::tracer::{RayTracer, Tracer};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use support::{Lab, assets, named_scene, skip};
 
-/// Twin of `TestRay` in shaders/test/trace_rays.comp.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct TestRay {
-    origin: [f32; 3],
-    t_min: f32,
-    direction: [f32; 3],
-    t_max: f32,
-}
-
-/// Twin of `TestAnswer`; `instance` is `u32::MAX` where nothing was hit.
+/// Twin of `TestAnswer` in shaders/test/trace_rays.comp; `instance` is `u32::MAX` where nothing was hit.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct TestAnswer {
@@ -95,20 +86,12 @@ impl Comparison {
 
     fn trace(&mut self, bvh: &TwoLevelBvh, rays: &[Ray]) -> Vec<TestAnswer> {
         let device = &self.lab.device;
-        let twins: Vec<TestRay> = rays
-            .iter()
-            .map(|ray| TestRay {
-                origin: ray.origin.to_array(),
-                t_min: ray.t_min,
-                direction: ray.direction.to_array(),
-                t_max: ray.t_max,
-            })
-            .collect();
+        let gpu_rays: Vec<GpuRay> = rays.iter().map(GpuRay::from).collect();
         let answers =
             Buffer::new(device, "answers", size_of::<TestAnswer>() as u64 * rays.len() as u64).unwrap();
         let (mut frame, _) = self.frames.begin().unwrap();
         self.tracer.update(&mut frame, bvh).unwrap();
-        let uploaded = frame.upload(&twins).unwrap();
+        let uploaded = frame.upload(&gpu_rays).unwrap();
         let pass =
             frame.pass("trace_rays", &self.pipeline).read("rays", &uploaded).write("answers", &answers);
         self.tracer.bind(pass).dispatch_threads([rays.len() as u32, 1, 1]).unwrap();

@@ -1,7 +1,7 @@
-// The tracer that shaders use. Whichever it is, it offers
-//   bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max)
-//   bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit)
-// on the segment t_min < t < t_max, t in units of the direction, which may have any length.
+// The tracer that shaders use: trace_occluded and trace_closest, at the end. Whichever it is, it offers
+//   bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit)
+// which finds the closest hit or, with any_hit, any, on the segment t_min < t < t_max, t in units of the direction, which
+// may have any length.
 //
 // Define TRACER_BINDING, the first of seven bindings in set TRACER_SET (0 by default), before including. The build
 // compiles what includes this file twice, once with TRACER_HARDWARE.
@@ -58,5 +58,16 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
 #else
 #include "tracer_software.glsl"
 #endif
+
+// Whether anything lies on the segment.
+bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    TracerHit hit;
+    return tracer_find(origin, direction, t_min, t_max, true, hit);
+}
+
+// The closest hit on the segment.
+bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
+    return tracer_find(origin, direction, t_min, t_max, false, hit);
+}
 
 #endif

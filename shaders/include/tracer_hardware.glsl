@@ -15,9 +15,9 @@ uint tracer_triangle(int mesh, int run, int primitive) {
     return bvh_runs.first_triangles[mesh * 2 + run] + uint(primitive);
 }
 
-// What lies on the segment; flags: which rays to stop early.
-bool tracer_query(vec3 origin, vec3 direction, float t_min, float t_max, uint flags, out TracerHit hit) {
+bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
+    uint flags = any_hit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT;
     rayQueryEXT query;
     rayQueryInitializeEXT(query, bvh_top_level, flags, 0xffu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query)) {
@@ -44,17 +44,6 @@ bool tracer_query(vec3 origin, vec3 direction, float t_min, float t_max, uint fl
     hit.material = texelFetch(bvh_triangles, int(triangle * 3u + 2u)).w;
     hit.barycentrics = rayQueryGetIntersectionBarycentricsEXT(query, true);
     return true;
-}
-
-// Whether anything lies on the segment.
-bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
-    TracerHit hit;
-    return tracer_query(origin, direction, t_min, t_max, gl_RayFlagsTerminateOnFirstHitEXT, hit);
-}
-
-// The closest hit on the segment.
-bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
-    return tracer_query(origin, direction, t_min, t_max, gl_RayFlagsNoneEXT, hit);
 }
 
 #endif

@@ -155,10 +155,10 @@ TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 enter
     return tracer_prepare(moved, turned);
 }
 
-// Depth first through both levels; any_hit ends at the first hit, whichever it is. What happens seldom, to enter and leave
-// instances and to look at alpha masks, is kept out of the inner loop: drivers for CPUs spend time on both sides of
-// every branch.
-bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
+// Depth first through both levels; of several at the same t, the closest hit is that of the lowest instance, then
+// triangle. What happens seldom, to enter and leave instances and to look at alpha masks, is kept out of the inner loop:
+// drivers for CPUs spend time on both sides of every branch.
+bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
     uvec2 stack[TRACER_STACK_SIZE];
     int height = 0;
@@ -268,17 +268,6 @@ bool tracer_traverse(vec3 origin, vec3 direction, float t_min, float t_max, bool
             return hit.instance != TRACER_NONE;
         }
     }
-}
-
-// Whether anything lies on the segment.
-bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
-    TracerHit hit;
-    return tracer_traverse(origin, direction, t_min, t_max, true, hit);
-}
-
-// The closest hit on the segment; of several at the same t, the one of the lowest instance, then triangle.
-bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
-    return tracer_traverse(origin, direction, t_min, t_max, false, hit);
 }
 
 #endif

@@ -2,20 +2,20 @@
 #extension GL_GOOGLE_include_directive : require
 // What trace_closest and trace_occluded answer, one ray a thread, for tests/tracer_gpu.rs.
 #define TRACER_BINDING 2
+#include "ray.glsl"
 #include "tracer.glsl"
 
 layout(local_size_x = 64) in;
 
-struct TestRay { vec3 origin; float t_min; vec3 direction; float t_max; };
 struct TestAnswer { uint instance; uint triangle; float t; uint occluded; vec2 barycentrics; };
 
-layout(set = 0, binding = 0, std430) readonly buffer RayBlock { TestRay data[]; } rays;
+layout(set = 0, binding = 0, std430) readonly buffer RayBlock { GpuRay data[]; } rays;
 layout(set = 0, binding = 1, std430) buffer AnswerBlock { TestAnswer data[]; } answers;
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= rays.data.length()) return;
-    TestRay ray = rays.data[index];
+    GpuRay ray = rays.data[index];
     TracerHit hit;
     bool met = trace_closest(ray.origin, ray.direction, ray.t_min, ray.t_max, hit);
     bool occluded = trace_occluded(ray.origin, ray.direction, ray.t_min, ray.t_max);

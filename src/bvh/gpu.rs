@@ -46,7 +46,7 @@ pub struct GpuMaskedTriangle {
     pub uv1: Vec2,
     /// Texture coordinates of the third corner.
     pub uv2: Vec2,
-    /// Index into [`GpuBvh::masks`].
+    /// Index into [`GpuAlphaMasks::masks`].
     pub mask: u32,
     /// Unused.
     pub pad: u32,
@@ -56,7 +56,7 @@ pub struct GpuMaskedTriangle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuMask {
-    /// Index of its first word in [`GpuBvh::mask_bits`].
+    /// Index of its first word in [`GpuAlphaMasks::mask_bits`].
     pub first_word: u32,
     /// Width in texels.
     pub width: u32,
@@ -92,6 +92,17 @@ pub struct GpuBvhRoots {
     pub pad: [u32; 2],
 }
 
+/// What alpha tests need, whichever tracer finds the triangles; no array is empty.
+#[derive(Clone, Debug)]
+pub struct GpuAlphaMasks {
+    /// Texture coordinates of those triangles that have an alpha mask.
+    pub triangle_uvs: Vec<GpuMaskedTriangle>,
+    /// The scene's alpha masks.
+    pub masks: Vec<GpuMask>,
+    /// Their bits: bit `y * width + x` from a mask's first word on, low bit first.
+    pub mask_bits: Vec<u32>,
+}
+
 /// The whole BVH, one array per storage buffer; none is empty.
 #[derive(Clone, Debug)]
 pub struct GpuBvh {
@@ -99,12 +110,8 @@ pub struct GpuBvh {
     pub nodes: Vec<CwBvhNode>,
     /// Triangles of all meshes, in the order of the leaves.
     pub triangles: Vec<GpuTriangle>,
-    /// Texture coordinates of those triangles that have an alpha mask.
-    pub triangle_uvs: Vec<GpuMaskedTriangle>,
-    /// The scene's alpha masks.
-    pub masks: Vec<GpuMask>,
-    /// Their bits: bit `y * width + x` from a mask's first word on, low bit first.
-    pub mask_bits: Vec<u32>,
+    /// What their alpha tests need.
+    pub alpha: GpuAlphaMasks,
     /// Static, then dynamic instances.
     pub instances: Vec<GpuInstance>,
     /// Where to start.
@@ -141,21 +148,27 @@ impl TwoLevelBvh {
     /// Everything that shaders traverse.
     pub fn gpu_layout(&self) -> GpuBvh {
         let regions = Regions::of(self);
-        let (masks, mask_bits) = pack_masks(&self.alpha_masks);
         let mut nodes = self.bottom.gpu_nodes.clone();
         nodes.resize(regions.node_end.max(1), CwBvhNode::default());
         let mut layout = GpuBvh {
             nodes,
             triangles: never_empty(self.bottom.gpu_triangles.clone()),
-            triangle_uvs: never_empty(self.bottom.masked.clone()),
-            masks: never_empty(masks),
-            mask_bits: never_empty(mask_bits),
+            alpha: self.gpu_alpha_masks(),
             instances: vec![GpuInstance::default(); regions.instance_end.max(1)],
             roots: self.roots(&regions),
         };
         layout.apply(&self.static_gpu_layout());
         layout.apply(&self.dynamic_gpu_layout());
         layout
+    }
+
+    pub(super) fn gpu_alpha_masks(&self) -> GpuAlphaMasks {
+        let (masks, mask_bits) = pack_masks(&self.alpha_masks);
+        GpuAlphaMasks {
+            triangle_uvs: never_empty(self.bottom.masked.clone()),
+            masks: never_empty(masks),
+            mask_bits: never_empty(mask_bits),
+        }
     }
 
     /// What changes when dynamic instances move.
@@ -253,7 +266,7 @@ pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     ]
 }
 
-pub(super) fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
+fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
     let mut bits = Vec::new();
     let table = masks
         .iter()

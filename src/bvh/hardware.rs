@@ -8,7 +8,7 @@ use glam::Affine3A;
 
 use super::{
     TwoLevelBvh,
-    gpu::{GpuMask, GpuMaskedTriangle, GpuTriangle, never_empty, pack_masks},
+    gpu::{GpuAlphaMasks, GpuTriangle, never_empty},
 };
 
 /// Triangles of one kind in one mesh.
@@ -41,12 +41,8 @@ impl MeshRuns {
 pub struct HardwareLayout {
     /// Triangles of all meshes: three vertices of 16 bytes each.
     pub triangles: Vec<GpuTriangle>,
-    /// Texture coordinates of those triangles that have an alpha mask.
-    pub triangle_uvs: Vec<GpuMaskedTriangle>,
-    /// The scene's alpha masks.
-    pub masks: Vec<GpuMask>,
-    /// Their bits.
-    pub mask_bits: Vec<u32>,
+    /// What their alpha tests need.
+    pub alpha: GpuAlphaMasks,
     /// The runs of each mesh.
     pub meshes: Vec<MeshRuns>,
 }
@@ -76,14 +72,7 @@ impl TwoLevelBvh {
                 append_runs(&mut triangles, &self.bottom.gpu_triangles[first..end])
             })
             .collect();
-        let (masks, mask_bits) = pack_masks(&self.alpha_masks);
-        HardwareLayout {
-            triangles: never_empty(triangles),
-            triangle_uvs: never_empty(self.bottom.masked.clone()),
-            masks: never_empty(masks),
-            mask_bits: never_empty(mask_bits),
-            meshes,
-        }
+        HardwareLayout { triangles: never_empty(triangles), alpha: self.gpu_alpha_masks(), meshes }
     }
 
     /// The instances that can be hit, as they stand now.

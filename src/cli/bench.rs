@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::micro::micro;
 use super::options::RunOptions;
-use super::progress::interruption;
-use super::{CliError, device, progress, say};
+use super::progress::controlled;
+use super::{CliError, device, say};
 use crate::bench::{
-    Bench, BenchError, Comparison, Control, Folder, Noise, Plan, Report, Sweep, Table, compare_reports,
-    lacks_models, read_report, tables,
+    Bench, BenchError, Comparison, Folder, Noise, Plan, Report, Sweep, Table, compare_reports, lacks_models,
+    read_report, tables,
 };
 use crate::output::OutputFile;
 use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
@@ -164,7 +164,7 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
         say::note(&format!("{}: nothing to go on with; beginning anew", options.out.display()));
     }
     device::note_slow(&device);
-    measure(&mut bench)?;
+    controlled(bench.work_left(), |control| bench.run(control))?;
     device::check_validation(&device.validation_messages())?;
     bench.write()?;
     let report = bench.report();
@@ -180,18 +180,6 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
         (Some(old), Some(path)) => say_changes(&compare_reports(old, report), path),
         _ => Ok(()),
     }
-}
-
-fn measure(bench: &mut Bench) -> Result<(), CliError> {
-    let stop = interruption();
-    let bar = progress::bar(bench.work_left(), "{bar:40} {msg}, {eta} left");
-    let mut advance = |task: &str, work: u64| {
-        bar.set_message(task.to_owned());
-        bar.inc(work);
-    };
-    let done = bench.run(&mut Control::new(&stop, &mut advance));
-    bar.finish_and_clear();
-    Ok(done?)
 }
 
 /// Checks every value of every setting by itself.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::bench::{BenchOptions, ON_CPU, models, text};
-use super::progress::{self, interruption};
+use super::progress::controlled;
 use super::{CliError, device, say};
 use crate::bench::micro::{Micro, micro_tables};
-use crate::bench::{Control, Folder, MICRO_FILE};
+use crate::bench::{Folder, MICRO_FILE};
 use crate::output::OutputFile;
 use crate::scene::{BENCH_SCENES, load_scene};
 use crate::settings::Settings;
@@ -44,15 +44,7 @@ pub(super) fn micro(
     }
     device::note_slow(device);
     let micro = Micro::new(device, scenes, options.rays as usize, options.rounds.unwrap_or(TURNS));
-    let stop = interruption();
-    let bar = progress::bar(micro.work(), "{bar:40} {msg}, {eta} left");
-    let mut advance = |task: &str, work: u64| {
-        bar.set_message(task.to_owned());
-        bar.inc(work);
-    };
-    let report = micro.run(&mut Control::new(&stop, &mut advance));
-    bar.finish_and_clear();
-    let report = report?;
+    let report = controlled(micro.work(), |control| micro.run(control))?;
     device::check_validation(&device.validation_messages())?;
     folder.write_micro(&report)?;
     if let Some(json) = json {

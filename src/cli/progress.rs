@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::bench::Control;
+
 /// A bar of that length, written as `template` says (indicatif's words), on a terminal; else nothing.
 pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
@@ -21,6 +23,19 @@ pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
 /// A bar over frames.
 pub(super) fn frames_bar(frames: u64) -> ProgressBar {
     bar(frames, "{bar:40} frame {pos} of {len}, {eta} left")
+}
+
+/// Has a benchmark of so much `work` run with a bar, until it is done or somebody interrupts it.
+pub(super) fn controlled<T>(work: u64, run: impl FnOnce(&mut Control<'_>) -> T) -> T {
+    let stop = interruption();
+    let bar = bar(work, "{bar:40} {msg}, {eta} left");
+    let mut advance = |task: &str, work: u64| {
+        bar.set_message(task.to_owned());
+        bar.inc(work);
+    };
+    let done = run(&mut Control::new(&stop, &mut advance));
+    bar.finish_and_clear();
+    done
 }
 
 /// What is set once somebody interrupts the program. A second interruption ends it at once.

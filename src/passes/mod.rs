@@ -4,6 +4,7 @@
 //! [`crate::vulkan::Frame`].
 
 pub mod buffer_view;
+pub mod cast_rays;
 pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
@@ -12,7 +13,6 @@ pub mod gbuffer;
 pub mod indirect_reprojection;
 pub mod indirect_shading;
 pub mod indirect_shadows;
-pub mod occlusion_rays;
 pub mod overlay;
 pub mod scene_buffers;
 pub mod set_history;

@@ -1,4 +1,4 @@
-//! The structs that shaders and Rust share (std140 and std430), besides those of `bvh` and `vpl`. A test
+//! The structs that shaders and Rust share (std140 and std430), besides those of `bvh`, `vpl` and `cast_rays`. A test
 //! compares every member's offset with the compiled shaders.
 
 use bytemuck::{Pod, Zeroable};
@@ -158,6 +158,7 @@ impl SetParameters {
 mod tests {
     use std::mem::{offset_of, size_of};
 
+    use super::super::cast_rays::GpuRay;
     use super::*;
     use crate::vpl::GpuVpl;
     use crate::vulkan::{Reflection, shaders};
@@ -240,5 +241,6 @@ mod tests {
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
         same_layout!(shaders::VPL_LIGHT_COMP.software, GpuVpl, position, slot, normal, bounce, flux, _pad);
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuRay, origin, t_min, direction, t_max);
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
-use crate::bvh::gpu::{GpuMask, GpuMaskedTriangle};
+use crate::bvh::gpu::GpuAlphaMasks;
 use crate::vulkan::shaders::PerTracer;
 use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
 
@@ -52,32 +52,22 @@ enum Structure {
 impl Tracer {
     /// Uploads everything and, for the hardware tracer, builds what does not move.
     pub fn new(device: &Arc<Device>, tracer: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
-        match tracer {
+        let (structure, alpha) = match tracer {
             RayTracer::Software => {
                 let layout = bvh.gpu_layout();
-                let structure = Structure::Software(SoftwareTracer::new(device, bvh, &layout)?);
-                Self::with(device, structure, &layout.triangle_uvs, &layout.masks, &layout.mask_bits)
+                (Structure::Software(SoftwareTracer::new(device, bvh, &layout)?), layout.alpha)
             }
             RayTracer::Hardware => {
                 let layout = bvh.hardware_layout();
-                let structure = Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?);
-                Self::with(device, structure, &layout.triangle_uvs, &layout.masks, &layout.mask_bits)
+                (Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?), layout.alpha)
             }
-        }
-    }
-
-    fn with(
-        device: &Arc<Device>,
-        structure: Structure,
-        triangle_uvs: &[GpuMaskedTriangle],
-        masks: &[GpuMask],
-        mask_bits: &[u32],
-    ) -> Result<Self, VulkanError> {
+        };
+        let GpuAlphaMasks { triangle_uvs, masks, mask_bits } = alpha;
         Ok(Self {
             structure,
-            triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", triangle_uvs)?,
-            masks: Buffer::with_data(device, "bvh_masks", masks)?,
-            mask_bits: Buffer::with_data(device, "bvh_mask_bits", mask_bits)?,
+            triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &triangle_uvs)?,
+            masks: Buffer::with_data(device, "bvh_masks", &masks)?,
+            mask_bits: Buffer::with_data(device, "bvh_mask_bits", &mask_bits)?,
         })
     }
 

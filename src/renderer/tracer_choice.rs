@@ -79,7 +79,7 @@ pub fn tracer_rates(device: &Arc<Device>) -> Option<TracerRates> {
 
 /// What rates depend on: device, driver, and the shaders that were measured.
 fn key(info: &DeviceInfo) -> String {
-    let shader = shaders::OCCLUSION_RAYS_COMP;
+    let shader = shaders::CAST_RAYS_COMP;
     // FNV-1a.
     let hash =
         shader.software.iter().chain(shader.hardware).fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {

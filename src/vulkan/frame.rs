@@ -4,22 +4,15 @@ use std::sync::Arc;
 
 use ash::vk;
 use bytemuck::Pod;
-use gpu_allocator::MemoryLocation;
 
 use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
+use super::frame_slot::{READBACK_SIZE, Slot};
 use super::pipeline::Layout;
-use super::upload::mapped;
 use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
 
 /// Frames that may be on their way at once: the CPU prepares one while the device does the other.
 const IN_FLIGHT: usize = 2;
-/// Timestamps a frame may write.
-const MAX_TIMESTAMPS: u32 = 4096;
-/// Smallest chunk of upload memory.
-const MIN_CHUNK: u64 = 1 << 20;
-/// Bytes that a frame may give back to the host.
-const READBACK_SIZE: u64 = 256;
 
 /// What a finished frame cost and gave back.
 #[derive(Clone, Debug, Default)]
@@ -67,133 +60,6 @@ impl Frames {
     }
 }
 
-struct Slot {
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
-    queries: vk::QueryPool,
-    descriptors: Vec<vk::DescriptorPool>,
-    descriptors_used: usize,
-    chunks: Vec<Arc<Buffer>>,
-    chunk_used: u64,
-    readback: Buffer,
-    timers: Vec<(&'static str, u32)>,
-    submitted: Option<u64>,
-    frame: u64,
-    device: Arc<Device>,
-}
-
-impl Slot {
-    fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
-        let error = |result| VulkanError::call("creation", "frame")(result);
-        let raw = device.raw();
-        let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
-        let query_info = vk::QueryPoolCreateInfo::default()
-            .query_type(vk::QueryType::TIMESTAMP)
-            .query_count(MAX_TIMESTAMPS);
-        let readback = Buffer::in_memory(device, "frame readback", READBACK_SIZE, MemoryLocation::GpuToCpu)?;
-        // SAFETY: the infos are complete; everything is destroyed in `drop`.
-        unsafe {
-            let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-            Ok(Self {
-                pool,
-                commands: raw.allocate_command_buffers(&info).map_err(error)?[0],
-                fence: raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(error)?,
-                queries: raw.create_query_pool(&query_info, None).map_err(error)?,
-                descriptors: Vec::new(),
-                descriptors_used: 0,
-                chunks: Vec::new(),
-                chunk_used: 0,
-                readback,
-                timers: Vec::new(),
-                submitted: None,
-                frame: 0,
-                device: Arc::clone(device),
-            })
-        }
-    }
-
-    /// Waits for the slot's frame, if one is on its way, and reads its results.
-    fn finish(&mut self) -> Result<Option<FrameTimes>, VulkanError> {
-        let Some(frame) = self.submitted.take() else { return Ok(None) };
-        let mut stamps = vec![0u64; self.timers.len() * 2];
-        // SAFETY: the fence was submitted with the frame; the queries were written by it.
-        unsafe {
-            let raw = self.device.raw();
-            let error = |result| VulkanError::call("waiting", "frame")(result);
-            raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(error)?;
-            if !stamps.is_empty() {
-                raw.get_query_pool_results(
-                    self.queries,
-                    0,
-                    &mut stamps,
-                    vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
-                )
-                .map_err(error)?;
-            }
-        }
-        let ms_per_tick = f64::from(self.device.limits().timestamp_period) * 1e-6;
-        let passes = self
-            .timers
-            .iter()
-            .map(|&(name, first)| {
-                let first = first as usize;
-                let ticks = stamps[first + 1].saturating_sub(stamps[first]);
-                (name, ticks as f64 * ms_per_tick)
-            })
-            .collect();
-        Ok(Some(FrameTimes { frame, passes, readback: mapped(&self.readback).to_vec() }))
-    }
-
-    fn begin(&mut self, frame: u64) -> Result<(), VulkanError> {
-        self.frame = frame;
-        self.timers.clear();
-        self.descriptors_used = 0;
-        // One chunk that holds all of the last frame's uploads replaces several smaller ones.
-        if self.chunks.len() > 1 {
-            let size = self.chunks.iter().map(|chunk| chunk.size).sum();
-            self.chunks = vec![Arc::new(self.new_chunk(size)?)];
-        }
-        self.chunk_used = 0;
-        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: `finish` waited, so nothing of the slot is in use.
-        unsafe {
-            let raw = self.device.raw();
-            let error = |result| VulkanError::call("beginning", "frame")(result);
-            raw.reset_fences(&[self.fence]).map_err(error)?;
-            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(error)?;
-            for pool in &self.descriptors {
-                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()).map_err(error)?;
-            }
-            raw.begin_command_buffer(self.commands, &info).map_err(error)?;
-        }
-        Ok(())
-    }
-
-    fn new_chunk(&self, size: u64) -> Result<Buffer, VulkanError> {
-        Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
-    }
-}
-
-impl Drop for Slot {
-    fn drop(&mut self) {
-        // SAFETY: waits for the slot's frame first.
-        unsafe {
-            let raw = self.device.raw();
-            if self.submitted.is_some() {
-                let _ = raw.wait_for_fences(&[self.fence], true, u64::MAX);
-            }
-            for pool in &self.descriptors {
-                raw.destroy_descriptor_pool(*pool, None);
-            }
-            raw.destroy_query_pool(self.queries, None);
-            raw.destroy_fence(self.fence, None);
-            raw.destroy_command_pool(self.pool, None);
-        }
-    }
-}
-
 /// Data of this frame in memory that the device reads.
 #[derive(Clone)]
 pub struct Upload {
@@ -226,30 +92,8 @@ impl Frame<'_> {
     pub fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Upload, VulkanError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let bytes = if bytes.is_empty() { &[0; 16] } else { bytes };
-        let size = bytes.len() as u64;
-        let limits = self.device.limits();
-        let alignment = limits
-            .min_storage_buffer_offset_alignment
-            .max(limits.min_uniform_buffer_offset_alignment)
-            .max(16);
-        let mut offset = self.slot.chunk_used.next_multiple_of(alignment);
-        let room = self.slot.chunks.last().map_or(0, |chunk| chunk.size);
-        if offset + size > room {
-            let chunk = self.slot.new_chunk(size.max(MIN_CHUNK))?;
-            self.slot.chunks.push(Arc::new(chunk));
-            offset = 0;
-        }
-        let buffer = Arc::clone(&self.slot.chunks[self.slot.chunks.len() - 1]);
-        self.slot.chunk_used = offset + size;
-        if let Some(target) = buffer.allocation.mapped_ptr() {
-            // SAFETY: the chunk is mapped, holds `offset + size` bytes, and this range is handed out once
-            // a frame, after the device is done with the slot's previous frame.
-            unsafe {
-                let target = target.as_ptr().cast::<u8>().add(usize::try_from(offset).unwrap_or(0));
-                std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
-            }
-        }
-        Ok(Upload { buffer, offset, size })
+        let (buffer, offset) = self.slot.put(bytes)?;
+        Ok(Upload { buffer, offset, size: bytes.len() as u64 })
     }
 
     /// Copies `source` to `target` at `offset`.
@@ -318,17 +162,7 @@ impl Frame<'_> {
                 new_layout: vk::ImageLayout::UNDEFINED,
             }],
         );
-        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.slot.commands)];
-        let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
-        let error = |result| VulkanError::call("submission", "frame")(result);
-        // SAFETY: recording is complete; what it uses is kept until the fence is signalled.
-        unsafe {
-            let raw = self.device.raw();
-            raw.end_command_buffer(self.slot.commands).map_err(error)?;
-            raw.queue_submit2(*self.device.queue(), &[submit], self.slot.fence).map_err(error)?;
-        }
-        self.slot.submitted = Some(self.slot.frame);
-        Ok(())
+        self.slot.submit()
     }
 
     fn barriers(&self, images: &[(&Image, Barrier)], buffers: &[Barrier]) {
@@ -368,40 +202,17 @@ impl Recorder<'_> {
             // SAFETY: the command buffer is being recorded; `end_scope` closes the label.
             unsafe { debug.cmd_begin_debug_utils_label(self.slot.commands, &label) };
         }
-        let first = u32::try_from(self.slot.timers.len() * 2).unwrap_or(MAX_TIMESTAMPS);
-        // A set in very many chunks has more dispatches than there are queries: the rest goes untimed.
-        self.open_timer = (first + 1 < MAX_TIMESTAMPS).then_some(first + 1);
-        if self.open_timer.is_some() {
-            self.slot.timers.push((name, first));
-            // These two alone: validation layers keep what they know of each query beyond the pool's end.
-            // SAFETY: passes open their scopes outside of rendering; the slot's last frame has been read.
-            unsafe {
-                self.device.raw().cmd_reset_query_pool(self.slot.commands, self.slot.queries, first, 2);
-            }
-            self.timestamp(first);
-        }
+        self.open_timer = self.slot.begin_timer(name);
     }
 
     /// Closes what `begin_scope` opened.
     pub(super) fn end_scope(&mut self) {
         if let Some(last) = self.open_timer.take() {
-            self.timestamp(last);
+            self.slot.timestamp(last);
         }
         if let Some(debug) = self.device.debug() {
             // SAFETY: `begin_scope` opened the label.
             unsafe { debug.cmd_end_debug_utils_label(self.slot.commands) };
-        }
-    }
-
-    fn timestamp(&self, query: u32) {
-        // SAFETY: `query` is below the pool's size and was reset when its scope began.
-        unsafe {
-            self.device.raw().cmd_write_timestamp2(
-                self.slot.commands,
-                vk::PipelineStageFlags2::ALL_COMMANDS,
-                self.slot.queries,
-                query,
-            );
         }
     }
 
@@ -411,46 +222,6 @@ impl Recorder<'_> {
         layout: &Layout,
         name: &str,
     ) -> Result<vk::DescriptorSet, VulkanError> {
-        loop {
-            if self.slot.descriptors_used == self.slot.descriptors.len() {
-                self.slot.descriptors.push(descriptor_pool(self.device)?);
-            }
-            let layouts = [layout.sets[super::pipeline::PASS_SET as usize]];
-            let info = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(self.slot.descriptors[self.slot.descriptors_used])
-                .set_layouts(&layouts);
-            // SAFETY: the pool belongs to this frame's slot and was reset when the frame began.
-            match unsafe { self.device.raw().allocate_descriptor_sets(&info) } {
-                Ok(sets) => return Ok(sets[0]),
-                Err(vk::Result::ERROR_OUT_OF_POOL_MEMORY | vk::Result::ERROR_FRAGMENTED_POOL) => {
-                    self.slot.descriptors_used += 1;
-                }
-                Err(result) => {
-                    return Err(VulkanError::call("allocation", format!("descriptors of {name}"))(result));
-                }
-            }
-        }
+        self.slot.descriptor_set(layout, name)
     }
-}
-
-fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
-    const SETS: u32 = 256;
-    let mut types = vec![
-        vk::DescriptorType::UNIFORM_BUFFER,
-        vk::DescriptorType::STORAGE_BUFFER,
-        vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
-        vk::DescriptorType::STORAGE_TEXEL_BUFFER,
-        vk::DescriptorType::SAMPLED_IMAGE,
-        vk::DescriptorType::STORAGE_IMAGE,
-        vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-    ];
-    if device.ray_queries().is_some() {
-        types.push(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR);
-    }
-    let size = |ty| vk::DescriptorPoolSize { ty, descriptor_count: SETS * 8 };
-    let sizes: Vec<_> = types.into_iter().map(size).collect();
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
-    // SAFETY: `info` is complete; the slot destroys the pool.
-    unsafe { device.raw().create_descriptor_pool(&info, None) }
-        .map_err(VulkanError::call("creation", "descriptor pool"))
 }

@@ -14,6 +14,7 @@ mod device;
 mod draw;
 mod error;
 mod frame;
+mod frame_slot;
 mod instance;
 mod memory;
 mod meter;

@@ -6,7 +6,7 @@ pub mod twin;
 
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::scene::{AlphaMask, Camera, Instance, Material, Mesh, Scene};
+use glowworm::scene::{AlphaMask, Instance, Material, Mesh, Scene};
 
 /// A scene with its instances at rest.
 pub struct World {
@@ -26,41 +26,12 @@ struct Crossing {
 
 impl World {
     pub fn new(meshes: Vec<Mesh>) -> Self {
-        let camera = Camera {
-            eye: Vec3::ZERO,
-            target: Vec3::NEG_Z,
-            up: Vec3::Y,
-            vertical_fov: 1.0,
-            near: 0.1,
-            far: 100.0,
-        };
-        let scene = Scene {
-            recording: Default::default(),
-            name: "test".into(),
-            meshes,
-            materials: vec![material(None)],
-            textures: Vec::new(),
-            alpha_masks: Vec::new(),
-            instances: Vec::new(),
-            lights: Vec::new(),
-            camera,
-            camera_animation: None,
-            background: Vec3::ZERO,
-            settings: toml::Table::new(),
-            warnings: Vec::new(),
-        };
+        let scene = Scene { meshes, materials: vec![material(None)], ..Scene::new("test") };
         Self { scene, tolerance: 1e-3 }
     }
 
     pub fn place(&mut self, mesh: usize, transform: Affine3A, dynamic: bool) {
-        self.scene.instances.push(Instance {
-            name: String::new(),
-            mesh,
-            transform,
-            animation: None,
-            dynamic,
-            visible: true,
-        });
+        self.scene.instances.push(Instance { dynamic, ..Instance::fixed("", mesh, transform) });
     }
 
     pub fn transforms(&self) -> Vec<Affine3A> {

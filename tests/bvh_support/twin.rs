@@ -56,9 +56,9 @@ impl<'a> Tracer<'a> {
             nodes: cast_slice(&layout.nodes),
             triangles: cast_slice(&layout.triangles),
             instances: cast_slice(&layout.instances),
-            triangle_uvs: cast_slice(&layout.triangle_uvs),
-            masks: cast_slice(&layout.masks),
-            mask_bits: &layout.mask_bits,
+            triangle_uvs: cast_slice(&layout.alpha.triangle_uvs),
+            masks: cast_slice(&layout.alpha.masks),
+            mask_bits: &layout.alpha.mask_bits,
             roots: [layout.roots.static_root, layout.roots.dynamic_root],
         }
     }

@@ -4,12 +4,11 @@
 //! small ones. Rays go from patches of the walls to a point of another wall, as those of neighbouring pixels to a VPL.
 
 use std::f32::consts::TAU;
-use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, vec3};
 
-use crate::passes::occlusion_rays::OcclusionRay;
-use crate::scene::{Camera, Instance, Material, Mesh, Scene};
+use crate::bvh::Ray;
+use crate::scene::{Instance, Material, Mesh, Scene};
 
 /// Half of the hall's length, its height, half of its width.
 const SIZE: Vec3 = vec3(15.0, 10.0, 6.0);
@@ -25,35 +24,11 @@ const STEP: f32 = 0.003;
 
 /// The hall, one mesh.
 pub(super) fn scene() -> Scene {
-    let instance = Instance {
-        name: String::new(),
-        mesh: 0,
-        transform: Affine3A::IDENTITY,
-        animation: None,
-        dynamic: false,
-        visible: true,
-    };
     Scene {
-        recording: Arc::default(),
-        name: String::new(),
         meshes: vec![mesh()],
         materials: vec![Material::grey("")],
-        textures: Vec::new(),
-        alpha_masks: Vec::new(),
-        instances: vec![instance],
-        lights: Vec::new(),
-        camera: Camera {
-            eye: Vec3::ZERO,
-            target: Vec3::NEG_Z,
-            up: Vec3::Y,
-            vertical_fov: 1.0,
-            near: 0.1,
-            far: 100.0,
-        },
-        camera_animation: None,
-        background: Vec3::ZERO,
-        settings: toml::Table::new(),
-        warnings: Vec::new(),
+        instances: vec![Instance::fixed("", 0, Affine3A::IDENTITY)],
+        ..Scene::new("")
     }
 }
 
@@ -122,8 +97,8 @@ fn push_grid(mesh: &mut Mesh, [across, up]: [u32; 2], point: impl Fn(f32, f32) -
     }
 }
 
-/// The rays, patch by patch.
-pub(super) fn rays() -> Vec<OcclusionRay> {
+/// The rays, patch by patch, without their ends, which lie on walls.
+pub(super) fn rays() -> Vec<Ray> {
     // Any well-spread numbers will do: a Weyl sequence.
     let spread = |index: u32, step: f64| (f64::from(index) * step).fract() as f32;
     (0..PATCHES)
@@ -134,7 +109,7 @@ pub(super) fn rays() -> Vec<OcclusionRay> {
             (0..PATCH * PATCH).map(move |ray| {
                 let [i, j] = [ray % PATCH, ray / PATCH].map(|step| step as f32 * STEP);
                 let start = on_wall(from, 0.95 * u + i, 0.95 * v + j);
-                OcclusionRay::between(start, end)
+                Ray { origin: start, direction: end - start, t_min: 0.001, t_max: 0.999 }
             })
         })
         .collect()
@@ -148,7 +123,7 @@ mod tests {
     #[test]
     fn some_rays_are_blocked_and_some_are_not() {
         let bvh = TwoLevelBvh::build(&scene(), &[Affine3A::IDENTITY]);
-        let rays: Vec<_> = rays().iter().map(OcclusionRay::as_ray).collect();
+        let rays = rays();
         assert_eq!(rays.len(), 65_536);
         let blocked = bvh.occluded_batch(&rays).into_iter().filter(|occluded| *occluded).count();
         let share = blocked as f64 / rays.len() as f64;

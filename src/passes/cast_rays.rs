@@ -1,0 +1,127 @@
+//! `cast_rays`: a list of rays by themselves, to measure how fast a tracer is and to compare what it answers.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::tracer::{RayTracer, Tracer};
+use crate::bvh::{Ray, TwoLevelBvh};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
+
+/// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuRay {
+    /// World-space start.
+    pub origin: Vec3,
+    /// Open lower bound of t.
+    pub t_min: f32,
+    /// World-space direction.
+    pub direction: Vec3,
+    /// Open upper bound of t.
+    pub t_max: f32,
+}
+
+impl From<&Ray> for GpuRay {
+    fn from(&Ray { origin, direction, t_min, t_max }: &Ray) -> Self {
+        Self { origin, t_min, direction, t_max }
+    }
+}
+
+/// A tracer and rays for it, outside of any renderer's frames.
+pub struct RayCaster {
+    // Dropped first: it waits for its frames, which use the others.
+    frames: Frames,
+    /// For the closest hit, and for any. Made when first used, since drivers take long to compile them.
+    pipelines: [Option<ComputePipeline>; 2],
+    tracer: Tracer,
+    rays: Option<UploadedRays>,
+    device: Arc<Device>,
+}
+
+/// Rays on the device, and room for their answers.
+struct UploadedRays {
+    count: usize,
+    rays: Buffer,
+    answers: Buffer,
+}
+
+impl RayCaster {
+    /// A tracer over `bvh` as it stands now, and no rays.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
+        let mut tracer = Tracer::new(device, tracer, bvh)?;
+        let mut frames = Frames::new(device)?;
+        let (mut frame, _) = frames.begin()?;
+        tracer.update(&mut frame, bvh)?;
+        frame.submit()?;
+        frames.finish()?;
+        Ok(Self { frames, pipelines: [None, None], tracer, rays: None, device: Arc::clone(device) })
+    }
+
+    /// Uploads rays in place of those that are there.
+    ///
+    /// # Errors
+    /// Where the device fails or cannot hold so many.
+    pub fn upload(&mut self, rays: &[Ray]) -> Result<(), VulkanError> {
+        let gpu_rays: Vec<GpuRay> = rays.iter().map(GpuRay::from).collect();
+        self.rays = Some(UploadedRays {
+            count: rays.len(),
+            rays: Buffer::with_data(&self.device, "rays", &gpu_rays)?,
+            answers: Buffer::new(&self.device, "answers", 4 * rays.len() as u64)?,
+        });
+        Ok(())
+    }
+
+    /// Asks whether rays meet anything: the first `count`, from the beginning again after the last. Waits, and gives the
+    /// milliseconds that the device took.
+    ///
+    /// # Errors
+    /// Where the device fails or cannot do with so many.
+    pub fn cast_occluded(&mut self, count: u32) -> Result<f64, VulkanError> {
+        self.cast(true, count)
+    }
+
+    /// Asks what rays meet first, else as [`Self::cast_occluded`].
+    ///
+    /// # Errors
+    /// Where the device fails or cannot do with so many.
+    pub fn cast_closest(&mut self, count: u32) -> Result<f64, VulkanError> {
+        self.cast(false, count)
+    }
+
+    fn cast(&mut self, any_hit: bool, count: u32) -> Result<f64, VulkanError> {
+        let Some(UploadedRays { rays, answers, count: 1.. }) = &self.rays else { return Ok(0.0) };
+        let pipeline = match &mut self.pipelines[usize::from(any_hit)] {
+            Some(pipeline) => pipeline,
+            missing => {
+                let shader = self.tracer.kind().of(shaders::CAST_RAYS_COMP);
+                let constants = [u32::from(any_hit)];
+                missing.insert(ComputePipeline::specialised(&self.device, "cast_rays", shader, &constants)?)
+            }
+        };
+        let (mut frame, _) = self.frames.begin()?;
+        let pass =
+            frame.pass("cast_rays", pipeline).read("rays", rays).write("answers", answers).push(&count);
+        self.tracer.bind(pass).dispatch_threads([count, 1, 1])?;
+        frame.submit()?;
+        let times = self.frames.finish()?;
+        Ok(times.iter().flat_map(|times| &times.passes).map(|(_, ms)| ms).sum())
+    }
+
+    /// A number for each ray, as it was last cast: negative where it meets nothing, else t of the closest hit, or 0
+    /// where any would do.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn answers(&self) -> Result<Vec<f32>, VulkanError> {
+        let Some(rays) = &self.rays else { return Ok(Vec::new()) };
+        let mut answers: Vec<f32> = bytemuck::pod_collect_to_vec(&rays.answers.read(&self.device)?);
+        // Buffers are never smaller than four numbers.
+        answers.truncate(rays.count);
+        Ok(answers)
+    }
+}

@@ -1,0 +1,272 @@
+//! The slots that frames in flight take in turns: what a frame records with, uploads through and is timed by.
+//!
+//! In: what [`super::Frame`] records. Out: a submission, and once the device is done with it, its times.
+
+use std::sync::Arc;
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use super::frame::FrameTimes;
+use super::pipeline::{Layout, PASS_SET};
+use super::upload::mapped;
+use super::{Buffer, Device, VulkanError};
+
+/// Timestamps a frame may write.
+const MAX_TIMESTAMPS: u32 = 4096;
+/// Smallest chunk of upload memory.
+const MIN_CHUNK: u64 = 1 << 20;
+/// Bytes that a frame may give back to the host.
+pub(super) const READBACK_SIZE: u64 = 256;
+
+/// What one frame at a time has to itself.
+pub(super) struct Slot {
+    pool: vk::CommandPool,
+    /// What records the frame.
+    pub(super) commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    queries: vk::QueryPool,
+    descriptors: Vec<vk::DescriptorPool>,
+    descriptors_used: usize,
+    chunks: Vec<Arc<Buffer>>,
+    chunk_used: u64,
+    /// What [`FrameTimes::readback`] comes from.
+    pub(super) readback: Buffer,
+    timers: Vec<(&'static str, u32)>,
+    submitted: Option<u64>,
+    frame: u64,
+    device: Arc<Device>,
+}
+
+impl Slot {
+    /// Makes command buffer, timers and readback memory.
+    pub(super) fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
+        let error = |result| VulkanError::call("creation", "frame")(result);
+        let raw = device.raw();
+        let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
+        let query_info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(MAX_TIMESTAMPS);
+        let readback = Buffer::in_memory(device, "frame readback", READBACK_SIZE, MemoryLocation::GpuToCpu)?;
+        // SAFETY: the infos are complete; everything is destroyed in `drop`.
+        unsafe {
+            let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            Ok(Self {
+                pool,
+                commands: raw.allocate_command_buffers(&info).map_err(error)?[0],
+                fence: raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(error)?,
+                queries: raw.create_query_pool(&query_info, None).map_err(error)?,
+                descriptors: Vec::new(),
+                descriptors_used: 0,
+                chunks: Vec::new(),
+                chunk_used: 0,
+                readback,
+                timers: Vec::new(),
+                submitted: None,
+                frame: 0,
+                device: Arc::clone(device),
+            })
+        }
+    }
+
+    /// Waits for the slot's frame, if one is on its way, and reads its results.
+    pub(super) fn finish(&mut self) -> Result<Option<FrameTimes>, VulkanError> {
+        let Some(frame) = self.submitted.take() else { return Ok(None) };
+        let mut stamps = vec![0u64; self.timers.len() * 2];
+        // SAFETY: the fence was submitted with the frame; the queries were written by it.
+        unsafe {
+            let raw = self.device.raw();
+            let error = |result| VulkanError::call("waiting", "frame")(result);
+            raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(error)?;
+            if !stamps.is_empty() {
+                raw.get_query_pool_results(
+                    self.queries,
+                    0,
+                    &mut stamps,
+                    vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
+                )
+                .map_err(error)?;
+            }
+        }
+        let ms_per_tick = f64::from(self.device.limits().timestamp_period) * 1e-6;
+        let passes = self
+            .timers
+            .iter()
+            .map(|&(name, first)| {
+                let first = first as usize;
+                let ticks = stamps[first + 1].saturating_sub(stamps[first]);
+                (name, ticks as f64 * ms_per_tick)
+            })
+            .collect();
+        Ok(Some(FrameTimes { frame, passes, readback: mapped(&self.readback).to_vec() }))
+    }
+
+    /// Starts recording the frame of that number; the slot's last one must be finished.
+    pub(super) fn begin(&mut self, frame: u64) -> Result<(), VulkanError> {
+        self.frame = frame;
+        self.timers.clear();
+        self.descriptors_used = 0;
+        // One chunk that holds all of the last frame's uploads replaces several smaller ones.
+        if self.chunks.len() > 1 {
+            let size = self.chunks.iter().map(|chunk| chunk.size).sum();
+            self.chunks = vec![Arc::new(self.new_chunk(size)?)];
+        }
+        self.chunk_used = 0;
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: `finish` waited, so nothing of the slot is in use.
+        unsafe {
+            let raw = self.device.raw();
+            let error = |result| VulkanError::call("beginning", "frame")(result);
+            raw.reset_fences(&[self.fence]).map_err(error)?;
+            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(error)?;
+            for pool in &self.descriptors {
+                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()).map_err(error)?;
+            }
+            raw.begin_command_buffer(self.commands, &info).map_err(error)?;
+        }
+        Ok(())
+    }
+
+    /// Copies `bytes` to where the device reads them until the frame is done; gives the buffer and the offset in it.
+    pub(super) fn put(&mut self, bytes: &[u8]) -> Result<(Arc<Buffer>, u64), VulkanError> {
+        let size = bytes.len() as u64;
+        let limits = self.device.limits();
+        let alignment = limits
+            .min_storage_buffer_offset_alignment
+            .max(limits.min_uniform_buffer_offset_alignment)
+            .max(16);
+        let mut offset = self.chunk_used.next_multiple_of(alignment);
+        let room = self.chunks.last().map_or(0, |chunk| chunk.size);
+        if offset + size > room {
+            let chunk = self.new_chunk(size.max(MIN_CHUNK))?;
+            self.chunks.push(Arc::new(chunk));
+            offset = 0;
+        }
+        let buffer = Arc::clone(&self.chunks[self.chunks.len() - 1]);
+        self.chunk_used = offset + size;
+        if let Some(target) = buffer.allocation.mapped_ptr() {
+            // SAFETY: the chunk is mapped, holds `offset + size` bytes, and this range is handed out once
+            // a frame, after the device is done with the slot's previous frame.
+            unsafe {
+                let target = target.as_ptr().cast::<u8>().add(usize::try_from(offset).unwrap_or(0));
+                std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
+            }
+        }
+        Ok((buffer, offset))
+    }
+
+    fn new_chunk(&self, size: u64) -> Result<Buffer, VulkanError> {
+        Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
+    }
+
+    /// Begins to time what is recorded next under `name`; gives the query that [`Self::timestamp`] ends it with.
+    pub(super) fn begin_timer(&mut self, name: &'static str) -> Option<u32> {
+        let first = u32::try_from(self.timers.len() * 2).unwrap_or(MAX_TIMESTAMPS);
+        // A set in very many chunks has more dispatches than there are queries: the rest goes untimed.
+        if first + 1 >= MAX_TIMESTAMPS {
+            return None;
+        }
+        self.timers.push((name, first));
+        // These two alone: validation layers keep what they know of each query beyond the pool's end.
+        // SAFETY: passes open their scopes outside of rendering; the slot's last frame has been read.
+        unsafe { self.device.raw().cmd_reset_query_pool(self.commands, self.queries, first, 2) };
+        self.timestamp(first);
+        Some(first + 1)
+    }
+
+    /// Writes the time at which all that is recorded so far is done.
+    pub(super) fn timestamp(&self, query: u32) {
+        // SAFETY: `begin_timer` gave `query`: it is below the pool's size and has been reset.
+        unsafe {
+            self.device.raw().cmd_write_timestamp2(
+                self.commands,
+                vk::PipelineStageFlags2::ALL_COMMANDS,
+                self.queries,
+                query,
+            );
+        }
+    }
+
+    /// A descriptor set for the frame that is being recorded.
+    pub(super) fn descriptor_set(
+        &mut self,
+        layout: &Layout,
+        name: &str,
+    ) -> Result<vk::DescriptorSet, VulkanError> {
+        loop {
+            if self.descriptors_used == self.descriptors.len() {
+                self.descriptors.push(descriptor_pool(&self.device)?);
+            }
+            let layouts = [layout.sets[PASS_SET as usize]];
+            let info = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(self.descriptors[self.descriptors_used])
+                .set_layouts(&layouts);
+            // SAFETY: the pool is the slot's own and was reset when the frame began.
+            match unsafe { self.device.raw().allocate_descriptor_sets(&info) } {
+                Ok(sets) => return Ok(sets[0]),
+                Err(vk::Result::ERROR_OUT_OF_POOL_MEMORY | vk::Result::ERROR_FRAGMENTED_POOL) => {
+                    self.descriptors_used += 1;
+                }
+                Err(result) => {
+                    return Err(VulkanError::call("allocation", format!("descriptors of {name}"))(result));
+                }
+            }
+        }
+    }
+
+    /// Ends and submits what is recorded.
+    pub(super) fn submit(&mut self) -> Result<(), VulkanError> {
+        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
+        let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
+        let error = |result| VulkanError::call("submission", "frame")(result);
+        // SAFETY: recording is complete; what it uses is kept until the fence is signalled.
+        unsafe {
+            let raw = self.device.raw();
+            raw.end_command_buffer(self.commands).map_err(error)?;
+            raw.queue_submit2(*self.device.queue(), &[submit], self.fence).map_err(error)?;
+        }
+        self.submitted = Some(self.frame);
+        Ok(())
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        // SAFETY: waits for the slot's frame first.
+        unsafe {
+            let raw = self.device.raw();
+            if self.submitted.is_some() {
+                let _ = raw.wait_for_fences(&[self.fence], true, u64::MAX);
+            }
+            for pool in &self.descriptors {
+                raw.destroy_descriptor_pool(*pool, None);
+            }
+            raw.destroy_query_pool(self.queries, None);
+            raw.destroy_fence(self.fence, None);
+            raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+fn descriptor_pool(device: &Device) -> Result<vk::DescriptorPool, VulkanError> {
+    const SETS: u32 = 256;
+    let mut types = vec![
+        vk::DescriptorType::UNIFORM_BUFFER,
+        vk::DescriptorType::STORAGE_BUFFER,
+        vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
+        vk::DescriptorType::STORAGE_TEXEL_BUFFER,
+        vk::DescriptorType::SAMPLED_IMAGE,
+        vk::DescriptorType::STORAGE_IMAGE,
+        vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+    ];
+    if device.ray_queries().is_some() {
+        types.push(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR);
+    }
+    let size = |ty| vk::DescriptorPoolSize { ty, descriptor_count: SETS * 8 };
+    let sizes: Vec<_> = types.into_iter().map(size).collect();
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
+    // SAFETY: `info` is complete; the slot destroys the pool.
+    unsafe { device.raw().create_descriptor_pool(&info, None) }
+        .map_err(VulkanError::call("creation", "descriptor pool"))
+}
