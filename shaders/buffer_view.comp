@@ -20,7 +20,7 @@ layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 7) uniform texture2D direct;
 layout(set = 0, binding = 8) uniform texture2D irradiance;
 layout(set = 0, binding = 9) uniform utextureBuffer class_irradiance;
-layout(set = 0, binding = 10) uniform texture2DArray set_buffers;
+layout(set = 0, binding = 10, rgba16f) uniform readonly image2DArray set_buffers;
 layout(set = 0, binding = 11, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 12, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
 layout(set = 0, binding = 13, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
@@ -111,7 +111,7 @@ vec3 set_buffer(ivec2 pixel) {
     if (push.set_drawn == 0u) return MISSING;
     SetParameters parameters = set_parameters.data[0];
     ivec2 at = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(push.set_size));
-    vec4 stored = texelFetch(set_buffers, ivec3(at, int(parameters.layer)), 0);
+    vec4 stored = imageLoad(set_buffers, ivec3(at, int(parameters.layer)));
     return lit(stored.rgb * parameters.eye.w * float(push.set_count));
 }
 

@@ -8,7 +8,7 @@
 #include "class_pixel.glsl"
 #include "interleave.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 32, local_size_y = 2) in;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;

@@ -12,7 +12,7 @@
 #define VPL_SET_BINDING 3
 #include "vpl_set.glsl"
 
-layout(local_size_x = 32, local_size_y = 2) in;
+layout(local_size_x = 64, local_size_y = 1) in;
 
 layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;

@@ -22,7 +22,7 @@ layout(constant_id = 0) const bool MOVES = true;
 layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 4) uniform texture2DArray set_buffers;
+layout(set = 0, binding = 4, rgba16f) uniform readonly image2DArray set_buffers;
 layout(set = 0, binding = 5, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
@@ -55,8 +55,8 @@ bool sees(vec4 stored, float depth) {
 bool goes_on(ivec2 pixel) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
     vec4 last = imageLoad(irradiance, pixel);
-    vec4 before = texelFetch(set_buffers, ivec3(pixel, int(push.layer_before)), 0);
-    vec4 now = texelFetch(set_buffers, ivec3(pixel, int(push.layer_now)), 0);
+    vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
+    vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
     bool seen = !MOVES || sees(now, texelFetch(gbuffer_position, pixel, 0).w);
     if (last.a != float(push.set_count) || !seen) return false;
     vec3 rest = last.rgb - before.rgb * push.scale_before;
@@ -85,7 +85,7 @@ void sum_up(ivec2 pixel) {
     uint same_view_count = may_move == 1u ? 0u : push.same_view_count;
     for (uint i = 0u; i < same_view_count; i++) {
         SetParameters parameters = set_parameters.data[i];
-        vec4 stored = texelFetch(set_buffers, ivec3(pixel, int(parameters.layer)), 0);
+        vec4 stored = imageLoad(set_buffers, ivec3(pixel, int(parameters.layer)));
         bool same = sees(stored, position.w);
         sum += same ? stored.rgb * parameters.eye.w : vec3(0.0);
         present += same ? parameters.ray.w : 0.0;

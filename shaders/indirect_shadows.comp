@@ -69,9 +69,11 @@ void main() {
     uint end = min(begin + 32u, of_pixels.end);
     // What faces away needs no ray, and what brings little gets one seldom.
     uvec4 chosen = uvec4(0u);
+    uvec4 packed;
     Surface surface;
     for (uint i = 0u; i < PIXELS; i++) {
         surface = surface_at(first + i * next);
+        packed[i] = surface.packed;
         for (uint v = begin; v < end && is_surface(surface.packed); v++) {
             vec3 light = chosen_contribution(vpl_at(push.first_texel, v), surface, first + i * next);
             chosen[i] |= light != vec3(0.0) ? 1u << (v - begin) : 0u;
@@ -99,7 +101,7 @@ void main() {
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
         if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, at).rgb);
-        imageStore(class_irradiance, at, uvec4(floatBitsToUint(sum), surface_at(pixel).packed));
+        imageStore(class_irradiance, at, uvec4(floatBitsToUint(sum), packed[i]));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

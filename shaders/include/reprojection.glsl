@@ -39,7 +39,7 @@ bool look_up(SetParameters parameters, vec3 p, vec3 n, out vec3 found) {
         float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
         ivec2 at = ivec2(base) + corner;
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(push.set_size)))) continue;
-        vec4 stored = texelFetch(set_buffers, ivec3(at, int(parameters.layer)), 0);
+        vec4 stored = imageLoad(set_buffers, ivec3(at, int(parameters.layer)));
         if (stored.w <= 0.0) continue;
         // The surface that was drawn there, from its depth.
         vec2 at_ndc = (vec2(at) + 0.5) / size * 2.0 - 1.0;
