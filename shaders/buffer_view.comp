@@ -12,13 +12,13 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
-layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 7) uniform texture2D direct;
-layout(set = 0, binding = 8) uniform texture2D irradiance;
+layout(set = 0, binding = 7, rgba32f) uniform readonly image2D direct;
+layout(set = 0, binding = 8, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 9) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2DArray set_buffers;
 layout(set = 0, binding = 11, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
@@ -144,14 +144,14 @@ bool whole_picture(ivec2 pixel, out vec3 colour) {
     switch (push.view) {
         case SHADOW_MAPS: colour = shadow_maps(pixel); return true;
         case SET_BUFFER: colour = set_buffer(pixel); return true;
-        case DIRECT: colour = shown(texelFetch(direct, pixel, 0).rgb * exposure.factor); return true;
+        case DIRECT: colour = shown(imageLoad(direct, pixel).rgb * exposure.factor); return true;
         default: return false;
     }
 }
 
 vec3 light_view(ivec2 pixel) {
-    vec3 e = texelFetch(irradiance, pixel, 0).rgb;
-    vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
+    vec3 e = imageLoad(irradiance, pixel).rgb;
+    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
     switch (push.view) {
         case UNFILTERED: return lit(uintBitsToFloat(texelFetch(class_irradiance, pixel.y * int(frame.size.x) + pixel.x).rgb) * push.unfiltered);
         case IRRADIANCE: return lit(e);
@@ -160,10 +160,10 @@ vec3 light_view(ivec2 pixel) {
 }
 
 vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
-    vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
+    vec4 normals = imageLoad(gbuffer_normal, pixel);
     vec4 specular = materials.data[id.y & MATERIAL].specular;
     vec3 geometric = octahedral_decode(normals.zw);
-    vec4 light = texelFetch(irradiance, pixel, 0);
+    vec4 light = imageLoad(irradiance, pixel);
     switch (push.view) {
         case SET_REPROJECTED: return set_reprojected(pixel, position.xyz, geometric, id);
         case SET_COUNT: return share_colour(abs(light.a) / float(push.set_count));
@@ -172,7 +172,7 @@ vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
         case DEPTH: return vec3((push.extent.w - position.w) / (push.extent.w - push.low.w));
         case NORMAL: return octahedral_decode(normals.xy) * 0.5 + 0.5;
         case GEOMETRIC_NORMAL: return geometric * 0.5 + 0.5;
-        case ALBEDO: return srgb(texelFetch(gbuffer_albedo, pixel, 0).rgb);
+        case ALBEDO: return srgb(imageLoad(gbuffer_albedo, pixel).rgb);
         case SPECULAR: return srgb(specular.rgb);
         case SHININESS: return vec3(log2(specular.a + 1.0) / 10.0);
         case INSTANCE: return number_colour(id.x - 1u);
@@ -191,7 +191,7 @@ void main() {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec3 colour;
     if (!whole_picture(pixel, colour) && id.x > 0u) {
-        colour = surface_view(pixel, texelFetch(gbuffer_position, pixel, 0), id);
+        colour = surface_view(pixel, imageLoad(gbuffer_position, pixel), id);
     }
     imageStore(display, pixel, vec4(clamp(colour, 0.0, 1.0), 1.0));
 }

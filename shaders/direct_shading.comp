@@ -10,9 +10,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
-layout(set = 0, binding = 3) uniform texture2D gbuffer_albedo;
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 6) uniform texture2D shadow_atlas;
 layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data[]; } lights;
@@ -101,11 +101,11 @@ void main() {
         imageStore(direct, pixel, vec4(frame.background.rgb, 0.0));
         return;
     }
-    vec3 p = texelFetch(gbuffer_position, pixel, 0).xyz;
-    vec4 packed_normals = texelFetch(gbuffer_normal, pixel, 0);
+    vec3 p = imageLoad(gbuffer_position, pixel).xyz;
+    vec4 packed_normals = imageLoad(gbuffer_normal, pixel);
     vec3 n = octahedral_decode(packed_normals.xy);
     vec3 geometric = octahedral_decode(packed_normals.zw);
-    vec3 albedo = texelFetch(gbuffer_albedo, pixel, 0).rgb;
+    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
     vec4 specular = materials.data[id.y & MATERIAL].specular;
     vec3 to_eye = normalize(frame.eye.xyz - p);
 

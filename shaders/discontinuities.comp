@@ -10,7 +10,7 @@
 
 layout(local_size_x = 32, local_size_y = 2) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer discontinuities;
 

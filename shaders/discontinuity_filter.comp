@@ -14,7 +14,7 @@
 
 layout(local_size_x = 64, local_size_y = 1) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
 layout(set = 0, binding = 5) uniform utextureBuffer discontinuities;

@@ -19,8 +19,8 @@ layout(local_size_x = 64, local_size_y = 1) in;
 // pixel needs too.
 layout(constant_id = 0) const bool MOVES = true;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 4, rgba16f) uniform readonly image2DArray set_buffers;
 layout(set = 0, binding = 5, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
@@ -57,7 +57,7 @@ bool goes_on(ivec2 pixel) {
     vec4 last = imageLoad(irradiance, pixel);
     vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
     vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
-    bool seen = !MOVES || sees(now, texelFetch(gbuffer_position, pixel, 0).w);
+    bool seen = !MOVES || sees(now, imageLoad(gbuffer_position, pixel).w);
     if (last.a != float(push.set_count) || !seen) return false;
     vec3 rest = last.rgb - before.rgb * push.scale_before;
     // What is left of a difference of equal numbers is not light.
@@ -73,9 +73,9 @@ void sum_up(ivec2 pixel) {
         imageStore(irradiance, pixel, vec4(0.0));
         return;
     }
-    vec4 position = texelFetch(gbuffer_position, pixel, 0);
+    vec4 position = imageLoad(gbuffer_position, pixel);
     vec3 p = position.xyz;
-    vec3 n = octahedral_decode(texelFetch(gbuffer_normal, pixel, 0).zw);
+    vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
     uint may_move = MOVES && (id.y & MAY_MOVE) != 0u ? 1u : 0u;
     vec3 sum = vec3(0.0);
     float present = 0.0;

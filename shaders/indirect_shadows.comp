@@ -16,8 +16,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 // rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
 layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
@@ -40,8 +40,8 @@ struct Surface {
 
 Surface surface_at(uvec2 pixel) {
     bool inside = all(lessThan(pixel, frame.size));
-    vec4 position = inside ? texelFetch(gbuffer_position, ivec2(pixel), 0) : vec4(0.0);
-    vec4 normals = texelFetch(gbuffer_normal, ivec2(min(pixel, frame.size - 1u)), 0);
+    vec4 position = inside ? imageLoad(gbuffer_position, ivec2(pixel)) : vec4(0.0);
+    vec4 normals = imageLoad(gbuffer_normal, ivec2(min(pixel, frame.size - 1u)));
     return Surface(
         position.xyz, octahedral_decode(normals.xy), octahedral_decode(normals.zw),
         pack_surface(position.w, normals.xy));

@@ -10,8 +10,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 2) uniform texture2D gbuffer_normal;
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D vpl_light;
 
@@ -21,10 +21,10 @@ layout(push_constant) uniform Push { float weight; } push;
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    vec4 position = texelFetch(gbuffer_position, pixel, 0);
+    vec4 position = imageLoad(gbuffer_position, pixel);
     vec4 light = vec4(0.0);
     if (position.w > 0.0 && push.weight > 0.0) {
-        vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
+        vec4 normals = imageLoad(gbuffer_normal, pixel);
         GpuVpl vpl = vpls.data[0];
         vec3 start = position.xyz + octahedral_decode(normals.zw) * ray_offset(position.xyz);
         vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;

@@ -38,7 +38,7 @@ struct Surface {
 };
 
 Surface surface_at(ivec2 pixel, float depth) {
-    vec4 normals = texelFetch(gbuffer_normal, pixel, 0);
+    vec4 normals = imageLoad(gbuffer_normal, pixel);
     vec3 geometric = octahedral_decode(normals.zw);
     vec2 step = 2.0 / vec2(frame.size);
     vec3 slope = vec3(dot(geometric, frame.ray_x.xyz) * step.x, dot(geometric, frame.ray_y.xyz) * step.y, 0.0);
