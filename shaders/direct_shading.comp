@@ -8,7 +8,7 @@
 #include "scene.glsl"
 #include "lights.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 32, local_size_y = 2) in;
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
