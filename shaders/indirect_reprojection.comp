@@ -37,7 +37,7 @@ layout(push_constant) uniform Push {
     uint set_count;       // sets in all
     uvec2 set_size;       // of the set buffers, texels
     uint running;         // 1: the last frame's sums hold where nothing may move
-    uint refresh;         // one of set_count rows of groups is summed up anew: rounding does not pile up
+    uint refresh;         // which of REFRESHED rows of pixels is summed up anew
     uint layer_before;    // of the set that was drawn again, before
     uint layer_now;       // and now
     float scale_before;   // what its irradiance is multiplied by, before
@@ -45,6 +45,10 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "reprojection.glsl"
+
+// Frames after which every sum has been made anew, so that rounding does not pile up. Twin: `REFRESHED` in
+// src/passes/indirect_reprojection.rs.
+const uint REFRESHED = 256u;
 
 // Whether a texel that a set has drawn from the same view shows what is now at this depth.
 bool sees(vec4 stored, float depth) {
@@ -123,7 +127,7 @@ void main() {
     // Loops of one turn, not branches, here and above: CPU drivers run both sides of a branch, but skip loops that no
     // lane enters.
     uint left = 1u;
-    uint running = gl_GlobalInvocationID.y % 256u != push.refresh ? push.running : 0u;
+    uint running = gl_GlobalInvocationID.y % REFRESHED != push.refresh ? push.running : 0u;
     for (uint i = running; i > 0u; i--) left = goes_on(pixel) ? 0u : 1u;
     for (; left > 0u; left--) sum_up(pixel);
 }

@@ -13,6 +13,9 @@ use super::structs::SetParameters;
 use crate::scene::Pose;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
+/// Frames after which all running sums have been made anew. Twin: `REFRESHED` in shaders/indirect_reprojection.comp.
+const REFRESHED: u64 = 256;
+
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
     /// Frame uniforms.
@@ -147,7 +150,7 @@ impl IndirectReprojectionPass {
             set_count,
             set_size,
             running: u32::from(redrawn.is_some()),
-            refresh: u32::try_from(sets.draws() % u64::from(set_count)).unwrap_or(0),
+            refresh: u32::try_from(sets.draws() % REFRESHED).unwrap_or(0),
             layer_before: before.layer,
             layer_now: after.layer,
             scale_before: before.eye.w,
