@@ -14,11 +14,16 @@ layout(constant_id = 0) const uint ANY_HIT = 0u;
 layout(set = 0, binding = 0, std430) readonly buffer RayBlock { GpuRay data[]; } rays;
 layout(set = 0, binding = 1, std430) writeonly buffer AnswerBlock { float data[]; } answers;
 
+// Threads in a row, since devices limit how many groups there may be in one dimension. Twin: `ROW` in
+// src/passes/cast_rays.rs.
+const uint ROW = 1u << 20;
+
 layout(push_constant) uniform Push { uint count; } push;
 
 void main() {
-    if (gl_GlobalInvocationID.x >= push.count) return;
-    uint index = gl_GlobalInvocationID.x % uint(rays.data.length());
+    uint thread = gl_GlobalInvocationID.y * ROW + gl_GlobalInvocationID.x;
+    if (thread >= push.count) return;
+    uint index = thread % uint(rays.data.length());
     GpuRay ray = rays.data[index];
     float answer;
     if (ANY_HIT != 0u) {

@@ -9,6 +9,9 @@ use super::tracer::{RayTracer, Tracer};
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
+/// Threads in a row of the dispatch. Twin: `ROW` in shaders/cast_rays.comp.
+const ROW: u32 = 1 << 20;
+
 /// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -106,7 +109,7 @@ impl RayCaster {
         let (mut frame, _) = self.frames.begin()?;
         let pass =
             frame.pass("cast_rays", pipeline).read("rays", rays).write("answers", answers).push(&count);
-        self.tracer.bind(pass).dispatch_threads([count, 1, 1])?;
+        self.tracer.bind(pass).dispatch_threads([count.min(ROW), count.div_ceil(ROW), 1])?;
         frame.submit()?;
         let times = self.frames.finish()?;
         Ok(times.iter().flat_map(|times| &times.passes).map(|(_, ms)| ms).sum())
