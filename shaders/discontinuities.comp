@@ -5,13 +5,13 @@
 // positions near the plane of its centre. It stands for as long as the G-buffer does.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "class_pixel.glsl"
+#include "packed_surface.glsl"
 #include "interleave.glsl"
 
 layout(local_size_x = 32, local_size_y = 2) in;
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
-layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
+layout(set = 0, binding = 2) uniform utextureBuffer packed_surfaces;
 layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer discontinuities;
 
 #include "window.glsl"
@@ -28,7 +28,7 @@ Centres centres_at(ivec2 first) {
     Centres centres;
     for (int row = 0; row < ROWS; row++) {
         ivec2 pixel = first + ivec2(0, row);
-        Surface surface = surface_at(min(pixel, ivec2(frame.size) - 1), unpack_depth(texel_at(pixel).a));
+        Surface surface = surface_at(min(pixel, ivec2(frame.size) - 1), unpack_depth(packed_at(pixel)));
         centres.shading_x[row] = surface.shading.x;
         centres.shading_y[row] = surface.shading.y;
         centres.shading_z[row] = surface.shading.z;
@@ -67,7 +67,7 @@ void main() {
         uvec4 same = uvec4(0u);
         for (int column = 0; column < WIDTH; column++) {
             ivec2 at = ivec2(corner_x + column, y);
-            same |= uvec4(same_surfaces(centres, texel_at(at).a, at)) << column;
+            same |= uvec4(same_surfaces(centres, packed_at(at), at)) << column;
         }
         ivec4 places = y - centres.corner_y;
         uvec4 placed = mix(uvec4(0u), same << (places % ROWS_IN_WORD * WIDTH), lessThan(uvec4(places), uvec4(WIDTH)));

@@ -6,21 +6,18 @@
 // does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "class_pixel.glsl"
-#include "vpls.glsl"
+#include "packed_surface.glsl"
 #include "interleave.glsl"
-#define VPL_SET_BINDING 3
-#include "vpl_set.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
-layout(set = 0, binding = 4, rgba16f) uniform writeonly image2DArray set_buffers;
-layout(set = 0, binding = 5) uniform utextureBuffer discontinuities;
+layout(set = 0, binding = 3) uniform utextureBuffer packed_surfaces;
+layout(set = 0, binding = 4) uniform utextureBuffer discontinuities;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2DArray set_buffers;
 
 layout(push_constant) uniform Push {
-    uint first_texel; // of the VPLs
     float total_flux; // of all classes
     uint layer;       // of the set buffers, for this set
 } push;
@@ -30,8 +27,8 @@ layout(push_constant) uniform Push {
 // Share of the flux that the window has to bring; else pixels farther away are asked as well.
 const float MIN_PRESENT = 0.25;
 
-// Luminous flux of a pixel's class.
-float flux_at(ivec2 at) { return vpl_class(push.first_texel, class_of(uvec2(at))).flux; }
+// rgb: irradiance from the VPLs of a pixel's class; a: luminous flux of that class over all sets.
+vec4 class_at(int texel) { return uintBitsToFloat(texelFetch(class_irradiance, texel)); }
 
 // By pixel of the thread.
 struct Sums {
@@ -50,7 +47,7 @@ uvec4 row_of(uvec4 words[WORDS], ivec4 places) {
 
 // Adds up the pixels of the windows that lie on the centres' surfaces.
 Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
-    Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(push.total_flux));
+    Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
     for (int row = 0; row < WIDTH + ROWS - 1; row++) {
@@ -61,31 +58,16 @@ Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
         vec4 weights = EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0);
         int texel = y * int(frame.size.x) + corner_x;
         for (int column = 0; column < WIDTH; column++) {
-            vec3 irradiance = uintBitsToFloat(texelFetch(class_irradiance, min(texel + column, last)).rgb);
+            vec4 of_class = class_at(min(texel + column, last));
             bvec4 counts = notEqual(same & (1u << column), uvec4(0u));
             vec4 share = mix(vec4(0.0), weight_at(column) * weights, counts);
-            sums.red += share * irradiance.r;
-            sums.green += share * irradiance.g;
-            sums.blue += share * irradiance.b;
+            sums.red += share * of_class.r;
+            sums.green += share * of_class.g;
+            sums.blue += share * of_class.b;
+            sums.present += share * of_class.a;
         }
     }
     return sums;
-}
-
-// Takes off what the classes of those that are not on a pixel's surface would have brought; a window holds each class once.
-float present_flux(uvec4 words[WORDS], ivec2 corner, int pixel) {
-    float present = push.total_flux;
-    for (int word = 0; word < WORDS; word++) {
-        int rows = min(WIDTH - word * ROWS_IN_WORD, ROWS_IN_WORD);
-        uint all = 0xffffffffu >> (32 - rows * WIDTH);
-        for (uint bits = ~words[word][pixel] & all; bits != 0u; bits &= bits - 1u) {
-            int place = findLSB(bits);
-            ivec2 within = ivec2(place % WIDTH, word * ROWS_IN_WORD + place / WIDTH);
-            present -= weight_at(within.x) * weight_at(within.y) * flux_at(corner + within);
-        }
-    }
-    // What is left of a difference of equal numbers is not light.
-    return present < 1e-5 * push.total_flux ? 0.0 : present;
 }
 
 bool same_surface(Surface surface, uint packed, ivec2 at) {
@@ -99,17 +81,16 @@ bool same_surface(Surface surface, uint packed, ivec2 at) {
 const int STEP = INTERLEAVE % 3u != 0u ? 3 : INTERLEAVE == 6u ? 5 : 2;
 
 void add_farther(inout Sums sums, ivec2 pixel, int row) {
-    Surface surface = surface_at(pixel, unpack_depth(texel_at(pixel).a));
+    Surface surface = surface_at(pixel, unpack_depth(packed_at(pixel)));
     ivec2 corner = pixel - (int(INTERLEAVE - 1u) * STEP) / 2;
     for (uint place = 0u; place < INTERLEAVE * INTERLEAVE; place++) {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
-        uvec4 texel = texel_at(at);
-        bool same = same_surface(surface, texel.a, at);
-        vec3 irradiance = same ? uintBitsToFloat(texel.rgb) : vec3(0.0);
-        sums.red[row] += irradiance.r;
-        sums.green[row] += irradiance.g;
-        sums.blue[row] += irradiance.b;
-        sums.present[row] += same ? flux_at(at) : 0.0;
+        bool same = same_surface(surface, packed_at(at), at);
+        vec4 of_class = same ? class_at(at.y * int(frame.size.x) + at.x) : vec4(0.0);
+        sums.red[row] += of_class.r;
+        sums.green[row] += of_class.g;
+        sums.blue[row] += of_class.b;
+        sums.present[row] += of_class.a;
     }
 }
 
@@ -124,14 +105,9 @@ void main() {
     vec4 depth; // 0 where no surface is
     for (int row = 0; row < ROWS; row++) {
         corner_y[row] = corner_of(first + ivec2(0, row)).y;
-        depth[row] = unpack_depth(texel_at(first + ivec2(0, row)).a);
+        depth[row] = unpack_depth(packed_at(first + ivec2(0, row)));
     }
     Sums sums = window_sums(words, corner_x, corner_y);
-    for (int row = 0; row < ROWS; row++) sums.present[row] = present_flux(words, ivec2(corner_x, corner_y[row]), row);
-    bvec4 nothing = equal(sums.present, vec4(0.0));
-    sums.red = mix(sums.red, vec4(0.0), nothing);
-    sums.green = mix(sums.green, vec4(0.0), nothing);
-    sums.blue = mix(sums.blue, vec4(0.0), nothing);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     uint few = 0u;
     for (int row = 0; row < ROWS; row++) {

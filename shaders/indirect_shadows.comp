@@ -7,7 +7,7 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
-#include "class_pixel.glsl"
+#include "packed_surface.glsl"
 #include "interleave.glsl"
 #define VPL_SET_BINDING 3
 #include "vpl_set.glsl"
@@ -18,15 +18,20 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-// rgb: irradiance, as bits of floats; a: surface, see class_pixel.glsl.
+// Bits of floats, rgb: irradiance; a: luminous flux of the pixel's class over all sets.
 layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
+layout(set = 0, binding = 7, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
 const uint COUNTERS = 4u;
 const uint COUNTER_STRIDE = 8u;
 
-layout(push_constant) uniform Push { uint first_texel; uint word; } push;
+layout(push_constant) uniform Push {
+    uint first_texel; // of the VPLs
+    uint word;        // which 32 VPLs of each class
+    uint surfaces;    // 1: the surfaces are others than in the frame before
+} push;
 
 // Pixels of a thread, 1 to 4: those of its class that follow one another down the picture.
 layout(constant_id = 1) const uint PIXELS = 1u;
@@ -35,7 +40,7 @@ struct Surface {
     vec3 position;
     vec3 shading;
     vec3 geometric;
-    uint packed; // see class_pixel.glsl
+    uint packed; // see packed_surface.glsl
 };
 
 Surface surface_at(uvec2 pixel) {
@@ -69,11 +74,9 @@ void main() {
     uint end = min(begin + 32u, of_pixels.end);
     // What faces away needs no ray, and what brings little gets one seldom.
     uvec4 chosen = uvec4(0u);
-    uvec4 packed;
     Surface surface;
     for (uint i = 0u; i < PIXELS; i++) {
         surface = surface_at(first + i * next);
-        packed[i] = surface.packed;
         for (uint v = begin; v < end && is_surface(surface.packed); v++) {
             vec3 light = chosen_contribution(vpl_at(push.first_texel, v), surface, first + i * next);
             chosen[i] |= light != vec3(0.0) ? 1u << (v - begin) : 0u;
@@ -101,7 +104,13 @@ void main() {
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
         if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, at).rgb);
-        imageStore(class_irradiance, at, uvec4(floatBitsToUint(sum), packed[i]));
+        imageStore(class_irradiance, at, floatBitsToUint(vec4(sum, of_pixels.flux)));
+    }
+    // A loop that no lane enters, not a branch, of which CPU drivers run both sides.
+    for (uint i = 0u; i < PIXELS * push.surfaces; i++) {
+        uvec2 pixel = first + i * next;
+        if (any(greaterThanEqual(pixel, frame.size))) break;
+        imageStore(packed_surfaces, int(pixel.y * frame.size.x + pixel.x), uvec4(surface_at(pixel).packed));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

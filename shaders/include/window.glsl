@@ -1,5 +1,5 @@
 // The window of pixels that the discontinuity filter joins, and which of them lie on the surface of its centre.
-// Needs frame.glsl, gbuffer.glsl, class_pixel.glsl, interleave.glsl, `gbuffer_normal` and `class_irradiance`.
+// Needs frame.glsl, gbuffer.glsl, packed_surface.glsl, interleave.glsl, `gbuffer_normal` and `packed_surfaces`.
 
 // The window is centred on its pixel: for even n it is one pixel wider than n, and both its ends, which are of the same
 // class, count for half. Off-centre by half a pixel, it would move steep gradients.
@@ -48,7 +48,7 @@ Surface surface_at(ivec2 pixel, float depth) {
 }
 
 // Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
-uvec4 texel_at(ivec2 at) {
+uint packed_at(ivec2 at) {
     bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));
-    return inside ? texelFetch(class_irradiance, at.y * int(frame.size.x) + at.x) : uvec4(0u);
+    return inside ? texelFetch(packed_surfaces, at.y * int(frame.size.x) + at.x).r : 0u;
 }

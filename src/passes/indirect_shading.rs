@@ -6,9 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 use super::gbuffer::Surfaces;
-use super::indirect_shadows::UploadedSet;
+use super::indirect_shadows::ClassPixels;
 use super::set_history::SetHistory;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
 const ROWS: u32 = 4;
@@ -19,10 +19,10 @@ pub struct IndirectShadingInputs<'a> {
     pub frame: &'a Upload,
     /// The visible surfaces.
     pub surfaces: Surfaces<'a>,
-    /// The VPLs.
-    pub set: &'a UploadedSet,
-    /// Irradiance of each pixel from its class, and its surface.
-    pub class_irradiance: &'a Buffer,
+    /// What each pixel has got from its class.
+    pub classes: ClassPixels<'a>,
+    /// Luminous flux of all classes over all sets.
+    pub total_flux: f32,
     /// Fraction of view depth.
     pub position_cutoff: f32,
 }
@@ -30,7 +30,6 @@ pub struct IndirectShadingInputs<'a> {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
-    first_texel: u32,
     total_flux: f32,
     layer: u32,
 }
@@ -91,20 +90,18 @@ impl IndirectShadingPass {
                 .pass("indirect_shading", &self.compare)
                 .read("frame", inputs.frame)
                 .read("gbuffer_normal", normal)
-                .read("class_irradiance", inputs.class_irradiance)
+                .read("packed_surfaces", inputs.classes.surfaces)
                 .write("discontinuities", &self.discontinuities)
                 .dispatch_over(threads)?;
         }
-        let set = inputs.set;
-        let push =
-            Push { first_texel: set.first_texel(), total_flux: set.total_flux, layer: sets.spare_layer() };
+        let push = Push { total_flux: inputs.total_flux, layer: sets.spare_layer() };
         frame
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
             .read("gbuffer_normal", normal)
-            .read("class_irradiance", inputs.class_irradiance)
+            .read("class_irradiance", inputs.classes.irradiance)
+            .read("packed_surfaces", inputs.classes.surfaces)
             .read("discontinuities", &self.discontinuities)
-            .read("vpl_set", &inputs.set.texels)
             .write("set_buffers", sets.buffers())
             .push(&push)
             .dispatch_over(threads)
@@ -114,7 +111,7 @@ impl IndirectShadingPass {
 /// A texel for each word of the pixels of a thread.
 fn discontinuities(device: &Arc<Device>, [width, height]: [u32; 2], interleave: u32) -> Result<Buffer, VulkanError> {
     let texels = u64::from(width) * u64::from(height.div_ceil(ROWS)) * u64::from(words(interleave));
-    Buffer::of_texels(device, "discontinuities", texels)
+    Buffer::of_texels(device, "discontinuities", texels, Texels::Rgba32)
 }
 
 /// Words of 32 bits that hold the window's rows, each whole. Twin: `WORDS` in shaders/include/window.glsl.

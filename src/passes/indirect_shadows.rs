@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::gbuffer::GBuffer;
+use super::gbuffer::Surfaces;
 use super::tracer::{RayTracer, Tracer};
 use crate::vpl::SetVpls;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Upload, VulkanError, shaders};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
 /// VPLs of each class that one dispatch does: llvmpipe leaves a shader's loops for good after 65,535 turns in all, and
 /// watchdogs of GPUs end long dispatches.
@@ -74,6 +74,17 @@ impl UploadedSet {
 struct Push {
     first_texel: u32,
     word: u32,
+    /// 1: the surfaces are others than in the frame before.
+    surfaces: u32,
+}
+
+/// What the discontinuity filter reads of pixels: a texel each, row by row.
+#[derive(Clone, Copy)]
+pub struct ClassPixels<'a> {
+    /// Bits of floats: irradiance from the VPLs of the pixel's class; a: luminous flux of the class over all sets.
+    pub irradiance: &'a Buffer,
+    /// Depth and normal; see shaders/include/packed_surface.glsl.
+    pub surfaces: &'a Buffer,
 }
 
 /// What the pass reads.
@@ -81,7 +92,7 @@ pub struct IndirectShadowsInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
+    pub surfaces: Surfaces<'a>,
     /// The VPLs.
     pub set: &'a UploadedSet,
     /// What casts the rays.
@@ -96,8 +107,10 @@ pub struct IndirectShadowsPass {
     /// With [`JOINED`] pixels a thread, on CPU devices: they run eight threads in step, and where each has hardly a ray most
     /// of them wait.
     joined: Option<Arc<ComputePipeline>>,
-    /// A texel a pixel, row by row.
-    class_irradiance: Buffer,
+    irradiance: Buffer,
+    packed_surfaces: Buffer,
+    /// Whether anything is in `packed_surfaces`.
+    packed: bool,
     extent: [u32; 2],
     counters: Buffer,
     interleave: u32,
@@ -121,7 +134,9 @@ impl IndirectShadowsPass {
             tracer,
             single: pipeline(1)?,
             joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
-            class_irradiance: class_irradiance(device, extent)?,
+            irradiance: texels(device, "class_irradiance", extent, Texels::Rgba32)?,
+            packed_surfaces: texels(device, "packed_surfaces", extent, Texels::R32)?,
+            packed: false,
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave,
@@ -134,7 +149,9 @@ impl IndirectShadowsPass {
             tracer: self.tracer,
             single: Arc::clone(&self.single),
             joined: self.joined.clone(),
-            class_irradiance: class_irradiance(device, extent)?,
+            irradiance: texels(device, "class_irradiance", extent, Texels::Rgba32)?,
+            packed_surfaces: texels(device, "packed_surfaces", extent, Texels::R32)?,
+            packed: false,
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave: self.interleave,
@@ -157,18 +174,15 @@ impl IndirectShadowsPass {
         counters.chunks_exact(8).step_by(COUNTER_STRIDE).take(COUNTERS).map(word).sum()
     }
 
-    /// Irradiance of each pixel from its class as bits of floats; a: its surface, packed.
-    pub fn class_irradiance(&self) -> &Buffer {
-        &self.class_irradiance
-    }
-
     /// Casts the rays of the set.
     pub fn record(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadowsInputs<'_>,
-    ) -> Result<&Buffer, VulkanError> {
+    ) -> Result<ClassPixels<'_>, VulkanError> {
         frame.clear(&self.counters);
+        let packed = std::mem::replace(&mut self.packed, true) && inputs.surfaces.unchanged;
+        let gbuffer = inputs.surfaces.gbuffer;
         let set = inputs.set;
         let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
         let (pipeline, pixels) = joined.map_or((&self.single, 1), |joined| (joined, JOINED));
@@ -177,15 +191,16 @@ impl IndirectShadowsPass {
             let pass = frame
                 .pass("indirect_shadows", pipeline)
                 .read("frame", inputs.frame)
-                .read("gbuffer_position", &inputs.gbuffer.position)
-                .read("gbuffer_normal", &inputs.gbuffer.normal)
+                .read("gbuffer_position", &gbuffer.position)
+                .read("gbuffer_normal", &gbuffer.normal)
                 .read("vpl_set", &set.texels)
-                .write("class_irradiance", &self.class_irradiance)
+                .write("class_irradiance", &self.irradiance)
+                .write("packed_surfaces", &self.packed_surfaces)
                 .write("counters", &self.counters)
-                .push(&Push { first_texel: set.first_texel(), word });
+                .push(&Push { first_texel: set.first_texel(), word, surfaces: u32::from(!packed && word == 0) });
             inputs.tracer.bind(pass).dispatch_threads(self.threads(pixels))?;
         }
-        Ok(&self.class_irradiance)
+        Ok(ClassPixels { irradiance: &self.irradiance, surfaces: &self.packed_surfaces })
     }
 
     /// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
@@ -199,7 +214,12 @@ impl IndirectShadowsPass {
     }
 }
 
-fn class_irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanError> {
+fn texels(
+    device: &Arc<Device>,
+    name: &str,
+    extent: [u32; 2],
+    texels: Texels,
+) -> Result<Buffer, VulkanError> {
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
-    Buffer::of_texels(device, "class_irradiance", pixels)
+    Buffer::of_texels(device, name, pixels, texels)
 }

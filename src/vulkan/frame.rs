@@ -9,7 +9,7 @@ use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
 use super::pipeline::Layout;
-use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
+use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError};
 
 /// Frames that may be on their way at once: the CPU prepares one while the device does the other.
 const IN_FLIGHT: usize = 2;
@@ -71,7 +71,7 @@ pub struct Upload {
 impl Upload {
     /// Where it begins in the buffer that `utextureBuffer` shows.
     pub fn first_texel(&self) -> u32 {
-        u32::try_from(self.offset / Buffer::TEXEL).unwrap_or(u32::MAX)
+        u32::try_from(self.offset / Texels::Rgba32.size()).unwrap_or(u32::MAX)
     }
 }
 

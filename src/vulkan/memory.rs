@@ -8,6 +8,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::access::Tracker;
+use super::texels::Texels;
 use super::{Device, VulkanError};
 
 /// A range of device memory.
@@ -19,18 +20,13 @@ pub struct Buffer {
     pub(super) name: String,
     /// All of it as texels; null where it was not asked for.
     pub(super) texels: vk::BufferView,
-    device: Arc<Device>,
+    pub(super) device: Arc<Device>,
 }
 
 impl Buffer {
     /// Memory of `size` bytes (at least 16 are made) that only the device reads and writes.
     pub fn new(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
         Self::storable(device, name, size, MemoryLocation::GpuOnly)
-    }
-
-    /// The same of `count` texels, for `utextureBuffer` and `uimageBuffer`, of which there may be more.
-    pub fn of_texels(device: &Arc<Device>, name: &str, count: u64) -> Result<Self, VulkanError> {
-        Self::in_memory(device, name, count * Self::TEXEL, MemoryLocation::GpuOnly)?.with_texels()
     }
 
     /// Memory that a storage buffer may show all of.
@@ -53,7 +49,7 @@ impl Buffer {
         size: u64,
         location: MemoryLocation,
     ) -> Result<Self, VulkanError> {
-        let size = size.max(Self::TEXEL);
+        let size = size.max(Texels::Rgba32.size());
         let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
@@ -114,29 +110,6 @@ impl Buffer {
         .map_err(VulkanError::call("binding memory", format!("buffer {name}")))?;
         device.set_name(raw, name);
         Ok(buffer)
-    }
-
-    /// Bytes of a texel: four words of 32 bits.
-    pub(super) const TEXEL: u64 = 16;
-
-    /// The same buffer, that `utextureBuffer` shows from its beginning, whatever part is bound.
-    ///
-    /// # Errors
-    /// If it has more texels than the device can address.
-    pub fn with_texels(mut self) -> Result<Self, VulkanError> {
-        let limit = u64::from(self.device.limits().max_texel_buffer_elements);
-        if self.size / Self::TEXEL > limit {
-            let what = format!("buffer {} of {} texels", self.name, self.size / Self::TEXEL);
-            return Err(VulkanError::Limit { what, limit });
-        }
-        let info = vk::BufferViewCreateInfo::default()
-            .buffer(self.raw)
-            .format(vk::Format::R32G32B32A32_UINT)
-            .range(self.size / Self::TEXEL * Self::TEXEL);
-        // SAFETY: the buffer was made for such views; this one is destroyed before it, in `drop`.
-        self.texels = unsafe { self.device.raw().create_buffer_view(&info, None) }
-            .map_err(VulkanError::call("creation", format!("texels of buffer {}", self.name)))?;
-        Ok(self)
     }
 
     /// Size in bytes.

@@ -27,6 +27,7 @@ mod reflect;
 mod sampler;
 mod surface;
 mod swapchain;
+mod texels;
 mod ui;
 mod upload;
 
@@ -53,6 +54,7 @@ pub use error::VulkanError;
 pub use frame::{Frame, FrameTimes, Frames, Upload};
 pub use instance::{Instance, InstanceOptions};
 pub use memory::{Buffer, BufferSlice, Image, ImageDescription};
+pub use texels::Texels;
 pub use pass::{Pass, Resource};
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline, MaterialSets};
