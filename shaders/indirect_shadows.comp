@@ -52,11 +52,11 @@ Surface surface_at(uvec2 pixel) {
         pack_surface(position.w, normals.xy));
 }
 
-// What the VPL would bring over the share of such rays that are cast; 0 where this is not one of them.
-vec3 chosen_contribution(GpuVpl vpl, Surface surface, uvec2 pixel) {
+// What the VPL brings to the surface if it sees it. share: of such rays that are cast, each of which stands for the others.
+vec3 weighted_contribution(GpuVpl vpl, Surface surface, out float share) {
     vec3 full = contribution(vpl, surface.position, surface.shading);
-    float share = ray_share(full);
-    return share > ray_chance(pixel, vpl.slot) ? full / share : vec3(0.0);
+    share = ray_share(full);
+    return share > 0.0 ? full / share : vec3(0.0);
 }
 
 void main() {
@@ -78,8 +78,10 @@ void main() {
     for (uint i = 0u; i < PIXELS; i++) {
         surface = surface_at(first + i * next);
         for (uint v = begin; v < end && is_surface(surface.packed); v++) {
-            vec3 light = chosen_contribution(vpl_at(push.first_texel, v), surface, first + i * next);
-            chosen[i] |= light != vec3(0.0) ? 1u << (v - begin) : 0u;
+            GpuVpl vpl = vpl_at(push.first_texel, v);
+            float share;
+            weighted_contribution(vpl, surface, share);
+            chosen[i] |= share > ray_chance(first + i * next, vpl.slot) ? 1u << (v - begin) : 0u;
         }
     }
     ivec4 counts = bitCount(chosen);
@@ -94,7 +96,8 @@ void main() {
         vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
         vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
         if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
-        irradiance[i] += chosen_contribution(vpl, surface, first + i * next);
+        float share;
+        irradiance[i] += weighted_contribution(vpl, surface, share);
     }
 
     for (uint i = 0u; i < PIXELS; i++) {

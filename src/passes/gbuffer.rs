@@ -43,8 +43,9 @@ impl GBuffer {
         let target = |name: &str, format, usage| {
             Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
         };
-        let color =
-            |name: &str, index: usize| target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE);
+        let color = |name: &str, index: usize| {
+            target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE)
+        };
         Ok(Self {
             position: color("gbuffer_position", 0)?,
             normal: color("gbuffer_normal", 1)?,

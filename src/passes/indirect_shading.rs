@@ -49,9 +49,8 @@ pub struct IndirectShadingPass {
 impl IndirectShadingPass {
     /// Makes the pipelines, and the discontinuity buffer of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
-        let pipeline = |name, spirv| {
-            ComputePipeline::specialised(device, name, spirv, &[interleave]).map(Arc::new)
-        };
+        let pipeline =
+            |name, spirv| ComputePipeline::specialised(device, name, spirv, &[interleave]).map(Arc::new);
         Ok(Self {
             compare: pipeline("discontinuities", shaders::DISCONTINUITIES_COMP)?,
             filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
@@ -109,7 +108,11 @@ impl IndirectShadingPass {
 }
 
 /// A texel for each word of the pixels of a thread.
-fn discontinuities(device: &Arc<Device>, [width, height]: [u32; 2], interleave: u32) -> Result<Buffer, VulkanError> {
+fn discontinuities(
+    device: &Arc<Device>,
+    [width, height]: [u32; 2],
+    interleave: u32,
+) -> Result<Buffer, VulkanError> {
     let texels = u64::from(width) * u64::from(height.div_ceil(ROWS)) * u64::from(words(interleave));
     Buffer::of_texels(device, "discontinuities", texels, Texels::Rgba32)
 }

@@ -197,7 +197,11 @@ impl IndirectShadowsPass {
                 .write("class_irradiance", &self.irradiance)
                 .write("packed_surfaces", &self.packed_surfaces)
                 .write("counters", &self.counters)
-                .push(&Push { first_texel: set.first_texel(), word, surfaces: u32::from(!packed && word == 0) });
+                .push(&Push {
+                    first_texel: set.first_texel(),
+                    word,
+                    surfaces: u32::from(!packed && word == 0),
+                });
             inputs.tracer.bind(pass).dispatch_threads(self.threads(pixels))?;
         }
         Ok(ClassPixels { irradiance: &self.irradiance, surfaces: &self.packed_surfaces })
@@ -214,12 +218,7 @@ impl IndirectShadowsPass {
     }
 }
 
-fn texels(
-    device: &Arc<Device>,
-    name: &str,
-    extent: [u32; 2],
-    texels: Texels,
-) -> Result<Buffer, VulkanError> {
+fn texels(device: &Arc<Device>, name: &str, extent: [u32; 2], texels: Texels) -> Result<Buffer, VulkanError> {
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
     Buffer::of_texels(device, name, pixels, texels)
 }

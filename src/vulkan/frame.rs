@@ -9,7 +9,9 @@ use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
 use super::pipeline::Layout;
-use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError};
+use super::{
+    Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError,
+};
 
 /// Frames that may be on their way at once: the CPU prepares one while the device does the other.
 const IN_FLIGHT: usize = 2;
