@@ -63,10 +63,14 @@ bool goes_on(ivec2 pixel) {
     vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
     bool seen = !MOVES || sees(now, imageLoad(gbuffer_position, pixel).w);
     if (last.a != float(push.set_count) || !seen) return false;
-    vec3 rest = last.rgb - before.rgb * push.scale_before;
+    vec3 was = before.rgb * push.scale_before;
+    vec3 is = now.rgb * push.scale_now;
+    vec3 rest = last.rgb - was;
     // What is left of a difference of equal numbers is not light.
     rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
-    imageStore(irradiance, pixel, vec4(rest + now.rgb * push.scale_now, last.a));
+    // What has not changed must not be rounded either: then the picture stands still.
+    vec3 sum = mix(rest + is, last.rgb, equal(was, is));
+    imageStore(irradiance, pixel, vec4(sum, last.a));
     return true;
 }
 

@@ -20,8 +20,8 @@ layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 // Bits of floats, rgb: irradiance; a: luminous flux of the pixel's class over all sets.
 layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
-layout(set = 0, binding = 7, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
+layout(set = 0, binding = 7, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
 const uint COUNTERS = 4u;

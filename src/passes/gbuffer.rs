@@ -43,14 +43,13 @@ impl GBuffer {
         let target = |name: &str, format, usage| {
             Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
         };
-        let color = |name: &str, index: usize| {
-            target(name, FORMATS[index], vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE)
-        };
+        let color = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let stored = color | vk::ImageUsageFlags::STORAGE;
         Ok(Self {
-            position: color("gbuffer_position", 0)?,
-            normal: color("gbuffer_normal", 1)?,
-            albedo: color("gbuffer_albedo", 2)?,
-            instance: color("gbuffer_instance", 3)?,
+            position: target("gbuffer_position", FORMATS[0], stored)?,
+            normal: target("gbuffer_normal", FORMATS[1], stored)?,
+            albedo: target("gbuffer_albedo", FORMATS[2], stored)?,
+            instance: target("gbuffer_instance", FORMATS[3], color)?,
             depth: target(
                 "gbuffer_depth",
                 vk::Format::D32_SFLOAT,
