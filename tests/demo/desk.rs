@@ -115,6 +115,8 @@ impl<'d> Demo<'d> {
         demo.wait("the scene", |event| event["event"] == "scene");
         demo.window = demo.find_window();
         demo.xdotool(&["windowactivate", "--sync", &demo.window.clone()]);
+        // The window manager may give it the keyboard later than it says.
+        demo.xdotool(&["windowfocus", "--sync", &demo.window.clone()]);
         demo
     }
 
