@@ -191,6 +191,10 @@ fn sizes_and_hiding(demo: &mut Demo<'_>) {
     assert_eq!(demo.last_frame(), frame, "a hidden window draws");
     demo.restore();
     demo.wait_after(seen, "coming back", |event| event["event"] == "seen");
-    demo.frames(4);
-    assert!(demo.screen().picture().colours() > 2000);
+    // The window manager maps the window when it likes; frames may be faster.
+    let is_back = |demo: &mut Demo<'_>| {
+        demo.frames(4);
+        demo.screen().picture().colours() > 2000
+    };
+    assert!((0..10).any(|_| is_back(demo)), "the window does not come back");
 }
