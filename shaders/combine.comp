@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 // Direct and indirect light together, exposure, filmic curve and sRGB transfer function.
 #include "frame.glsl"
 #include "radiance.glsl"

@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 // A histogram of log2 luminance, for the exposure. Every STEP-th pixel of every STEP-th row does: it is for an average.
 #include "frame.glsl"
 #include "radiance.glsl"

@@ -1,4 +1,4 @@
-// What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance. Needs frame.glsl. Twin: `read_colour`
+// What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance. Needs frame.glsl. Twin: `Light::radiance`
 // in src/renderer/picture.rs.
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D direct;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use crate::vulkan::{
-    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Upload, VulkanError, shaders, vk,
+    Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
 
 /// Bins of the luminance histogram.
@@ -25,6 +25,16 @@ pub struct CombineInputs<'a> {
     pub albedo: &'a Image,
     /// Stops, or none for automatic exposure.
     pub exposure: Option<f32>,
+}
+
+impl CombineInputs<'_> {
+    /// Binds everything that shaders/include/radiance.glsl names.
+    fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        pass.read("frame", self.frame)
+            .read("direct", self.direct)
+            .read("irradiance", self.irradiance)
+            .read("gbuffer_albedo", self.albedo)
+    }
 }
 
 #[repr(C)]
@@ -86,12 +96,9 @@ impl CombinePass {
         let automatic = inputs.exposure.is_none();
         if automatic {
             frame.clear(&self.histogram);
-            frame
-                .pass("combine", &self.luminance)
-                .read("frame", inputs.frame)
-                .read("direct", inputs.direct)
-                .read("irradiance", inputs.irradiance)
-                .read("gbuffer_albedo", inputs.albedo)
+            let pass = frame.pass("combine", &self.luminance);
+            inputs
+                .bind_radiance(pass)
                 .write("histogram", &self.histogram)
                 .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
         }
@@ -102,12 +109,9 @@ impl CombinePass {
             .write("exposure", &self.factor)
             .push(&push)
             .dispatch_threads([1, 1, 1])?;
-        frame
-            .pass("combine", &self.combine)
-            .read("frame", inputs.frame)
-            .read("direct", inputs.direct)
-            .read("irradiance", inputs.irradiance)
-            .read("gbuffer_albedo", inputs.albedo)
+        let pass = frame.pass("combine", &self.combine);
+        inputs
+            .bind_radiance(pass)
             .read("exposure", &self.factor)
             .write("display", &self.display)
             .dispatch_over(extent)?;

@@ -11,33 +11,48 @@ use crate::vulkan::Image;
 /// Twin of MATERIAL in shaders/include/gbuffer.glsl.
 const MATERIAL: u32 = 0x3fff_ffff;
 
+/// What the radiance of each pixel is made of.
+struct Light {
+    direct: Vec<[f32; 4]>,
+    irradiance: Vec<[f32; 4]>,
+    albedo: Vec<[f32; 4]>,
+}
+
+impl Light {
+    /// Twin: `radiance_at` in shaders/include/radiance.glsl.
+    fn radiance(&self) -> Vec<[f32; 3]> {
+        let radiance = |((direct, irradiance), albedo): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+            [0, 1, 2].map(|channel| direct[channel] + albedo[channel] / PI * irradiance[channel])
+        };
+        self.direct.iter().zip(&self.irradiance).zip(&self.albedo).map(radiance).collect()
+    }
+}
+
 impl Renderer {
     /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
         let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
+        let light = self.read_light()?;
         let mut picture = Picture {
             width,
             height,
-            colour: self.read_colour()?,
+            colour: light.radiance(),
             display: bytemuck::cast_slice(&display).to_vec(),
             ..Picture::default()
         };
         if layers {
-            picture.layers = self.read_layers()?;
+            picture.layers = self.read_layers(&light)?;
         }
         Ok(picture)
     }
 
-    /// Linear radiance of each pixel of the last frame. Twin: `radiance_at` in shaders/include/radiance.glsl.
-    fn read_colour(&self) -> Result<Vec<[f32; 3]>, RenderError> {
-        let direct = self.read_floats(self.passes.direct_shading.output())?;
-        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
-        let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
-        let radiance = |((direct, irradiance), albedo): (([f32; 4], [f32; 4]), [f32; 4])| {
-            [0, 1, 2].map(|channel| direct[channel] + albedo[channel] / PI * irradiance[channel])
-        };
-        Ok(direct.into_iter().zip(irradiance).zip(albedo).map(radiance).collect())
+    fn read_light(&self) -> Result<Light, RenderError> {
+        Ok(Light {
+            direct: self.read_floats(self.passes.direct_shading.output())?,
+            irradiance: self.read_floats(self.passes.indirect_reprojection.output())?,
+            albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
+        })
     }
 
     /// How many set buffers have seen the surface of each pixel of the last frame.
@@ -46,15 +61,12 @@ impl Renderer {
         Ok(irradiance.into_iter().map(|pixel| pixel[3].abs() as u32).collect())
     }
 
-    fn read_layers(&self) -> Result<Vec<Layer>, RenderError> {
+    fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {
         let gbuffer = self.passes.gbuffer.output();
         let position = self.read_floats(&gbuffer.position)?;
         let normal = self.read_halves(&gbuffer.normal, 4)?;
-        let albedo = self.read_halves(&gbuffer.albedo, 4)?;
         let ids = gbuffer.instance.read_layer(&self.device, 0, 8)?;
         let ids: Vec<[u32; 2]> = bytemuck::cast_slice(&ids).to_vec();
-        let direct = self.read_floats(self.passes.direct_shading.output())?;
-        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
         let seen = |index: usize| ids[index][0] > 0;
         let normals: Vec<[f32; 4]> = (0..normal.len())
             .map(|index| {
@@ -73,9 +85,9 @@ impl Renderer {
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
         let depth = position.iter().map(|pixel| pixel[3]).collect();
         Ok(vec![
-            Layer::of_channels("direct", &["R", "G", "B"], &direct),
-            Layer::of_channels("indirect", &["R", "G", "B"], &irradiance),
-            Layer::of_channels("albedo", &["R", "G", "B"], &albedo),
+            Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
+            Layer::of_channels("indirect", &["R", "G", "B"], &light.irradiance),
+            Layer::of_channels("albedo", &["R", "G", "B"], &light.albedo),
             Layer::of_channels("normal", &["X", "Y", "Z"], &normals),
             Layer::of_channels("position", &["X", "Y", "Z"], &position),
             Layer::single("depth", "Z", depth),
