@@ -6,7 +6,7 @@ use bvh_support::{twin::Tracer, *};
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::bvh::{
     TwoLevelBvh,
-    gpu::{GpuBvh, NO_ROOT},
+    gpu::{GpuBvh, GpuGroup},
 };
 
 /// Compares both answers of many rays, bit for bit.
@@ -119,8 +119,8 @@ fn no_array_is_ever_empty() {
     for world in [World::new(Vec::new()), hollow] {
         let bvh = world.build();
         let layout = bvh.gpu_layout();
-        assert_eq!(layout.roots.static_root, NO_ROOT);
-        assert_eq!(layout.roots.dynamic_root, NO_ROOT);
+        assert_eq!(layout.roots.fixed, GpuGroup::default());
+        assert_eq!(layout.roots.moving, GpuGroup::default());
         let sizes = [
             layout.nodes.len(),
             layout.triangles.len(),

@@ -11,8 +11,8 @@
 TRACER_TEXELS(4) bvh_nodes;
 // Four words an instance: three rows of world to object, then (root, instance).
 TRACER_TEXELS(5) bvh_instances;
-// (static root, dynamic root).
-TRACER_BUFFER(6) bvh_roots_block { uvec4 roots; } bvh_roots;
+// Groups to begin with, of the static and the dynamic instances: see tracer_find.
+TRACER_BUFFER(6) bvh_roots_block { uvec4 groups; } bvh_roots;
 
 // Both levels' greatest depth, and what entering an instance leaves behind.
 const int TRACER_STACK_SIZE = 40;
@@ -156,21 +156,21 @@ TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 enter
 }
 
 // Depth first through both levels; of several at the same t, the closest hit is that of the lowest instance, then
-// triangle. What happens seldom, to enter and leave instances and to look at alpha masks, is kept out of the inner loop:
-// drivers for CPUs spend time on both sides of every branch.
+// triangle. What happens seldom, to enter and leave instances and to look at alpha masks, is kept out of the inner loop, and
+// loops ask at their end whether to go on: drivers for CPUs spend time on both sides of every branch, and on the whole of a
+// turn in which every thread leaves the loop at its beginning.
 bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
     uvec2 stack[TRACER_STACK_SIZE];
     int height = 0;
     // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children),
     // or, without any of the high eight bits, (index of the first primitive, bits of primitives).
-    uvec2 roots = bvh_roots.roots.xy;
-    uvec2 group = roots.y == TRACER_NONE ? uvec2(0u) : uvec2(roots.y, 0x80000000u);
-    if (roots.x != TRACER_NONE) {
-        if (group.y != 0u) {
-            stack[height++] = group;
-        }
-        group = uvec2(roots.x, 0x80000000u);
+    uvec2 group = bvh_roots.groups.xy;
+    if (bvh_roots.groups.w != 0u) {
+        stack[height++] = bvh_roots.groups.zw;
+    }
+    if (group.y == 0u && height == 0) {
+        return false;
     }
     // Triangles or, outside of all instances, instances that are still to be met.
     uvec2 primitives = uvec2(0u);
@@ -178,96 +178,102 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
     uint instance = TRACER_NONE;
     // Height of the stack at which the instance, or everything, is done.
     int base = 0;
-    // Hit on a triangle with a mask.
-    TracerHit met;
-    uint masked = 0u;
 
-    while (true) {
-        while (true) {
-            while (primitives.y != 0u) {
-                uint first = uint(findMSB(primitives.y));
-                primitives.y &= ~(1u << first);
-                uint mask;
-                if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit, met, mask)) {
-                    masked = mask;
-                    if (mask != 0u) {
-                        break;
-                    }
-                    hit = met;
-                    if (any_hit) {
-                        return true;
-                    }
-                }
-            }
-            if (masked != 0u) {
-                break;
-            }
-
-            // Go on with what was left for later.
-            if (group.y == 0u) {
-                if (height == base) {
-                    break;
-                }
-                group = stack[--height];
-            }
-            primitives = group;
-            if (group.y > 0x00ffffffu) {
-                // Take the nearest child of the group, and leave the rest for later.
-                uint first = uint(findMSB(group.y));
-                uint slot = (first - 24u) ^ (ray.octant & 7u);
-                uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
-                group.y &= ~(1u << first);
-                if (group.y > 0x00ffffffu) {
-                    stack[height++] = group;
-                }
-
-                // Intersect its children.
-                uvec4 head = texelFetch(bvh_nodes, int(node));
-                uvec4 links = texelFetch(bvh_nodes, int(node + 1u));
-                uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
-                group = uvec2(links.x, hits > 0x00ffffffu ? (hits & 0xff000000u) | (head.w >> 24) : 0u);
-                primitives = uvec2(links.y, hits & 0x00ffffffu);
-            } else {
-                group.y = 0u;
-            }
-            if (instance == TRACER_NONE && primitives.y != 0u) {
-                break;
-            }
-        }
-
-        if (masked != 0u) {
-            if (tracer_is_opaque(masked, met.barycentrics)) {
-                hit = met;
-                if (any_hit) {
-                    return true;
-                }
-            }
-            masked = 0u;
-        } else if (instance != TRACER_NONE) {
+    do {
+        if (instance != TRACER_NONE && primitives.y == 0u && group.y == 0u && height == base) {
             // Back out of the instance.
             ray = tracer_prepare(origin, direction);
             instance = TRACER_NONE;
             base = 0;
-        } else if (primitives.y != 0u) {
-            // Enter one instance, and leave the others and this level's nodes for later.
-            uint first = uint(findMSB(primitives.y));
-            primitives.y &= ~(1u << first);
-            if (primitives.y != 0u) {
-                stack[height++] = primitives;
-            }
-            if (group.y != 0u) {
-                stack[height++] = group;
-            }
-            uvec2 entered;
-            ray = tracer_enter(primitives.x + first, origin, direction, entered);
-            instance = entered.y;
-            base = height;
-            group = uvec2(entered.x, 0x80000000u);
-            primitives = uvec2(0u);
-        } else {
-            return hit.instance != TRACER_NONE;
         }
-    }
+        if (instance == TRACER_NONE) {
+            if (group.y == 0u && primitives.y == 0u) {
+                group = stack[--height];
+            }
+            if (group.y <= 0x00ffffffu && group.y != 0u) {
+                primitives = group;
+                group.y = 0u;
+            }
+            if (primitives.y != 0u) {
+                // Enter one instance, and leave the others and this level's nodes for later.
+                uint first = uint(findMSB(primitives.y));
+                primitives.y &= ~(1u << first);
+                if (primitives.y != 0u) {
+                    stack[height++] = primitives;
+                }
+                if (group.y != 0u) {
+                    stack[height++] = group;
+                }
+                uvec2 entered;
+                ray = tracer_enter(primitives.x + first, origin, direction, entered);
+                instance = entered.y;
+                base = height;
+                group = uvec2(entered.x, 0x80000000u);
+                primitives = uvec2(0u);
+            }
+        }
+
+        // Hit on a triangle with a mask.
+        TracerHit met;
+        uint masked = 0u;
+        do {
+            if (primitives.y == 0u) {
+                // Go on with what was left for later.
+                if (group.y == 0u) {
+                    group = stack[--height];
+                }
+                primitives = group;
+                if (group.y > 0x00ffffffu) {
+                    // Take the nearest child of the group, and leave the rest for later.
+                    uint first = uint(findMSB(group.y));
+                    uint slot = (first - 24u) ^ (ray.octant & 7u);
+                    uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
+                    group.y &= ~(1u << first);
+                    if (group.y > 0x00ffffffu) {
+                        stack[height++] = group;
+                    }
+
+                    // Intersect its children.
+                    uvec4 head = texelFetch(bvh_nodes, int(node));
+                    uvec4 links = texelFetch(bvh_nodes, int(node + 1u));
+                    uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
+                    group = uvec2(links.x, hits > 0x00ffffffu ? (hits & 0xff000000u) | (head.w >> 24) : 0u);
+                    primitives = uvec2(links.y, hits & 0x00ffffffu);
+                } else {
+                    group.y = 0u;
+                }
+            }
+            if (instance != TRACER_NONE) {
+                do {
+                    if (primitives.y != 0u) {
+                        uint first = uint(findMSB(primitives.y));
+                        primitives.y &= ~(1u << first);
+                        uint mask;
+                        if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit, met, mask)) {
+                            masked = mask;
+                            if (mask == 0u) {
+                                hit = met;
+                                if (any_hit) {
+                                    primitives.y = 0u;
+                                    group.y = 0u;
+                                    height = 0;
+                                    base = 0;
+                                }
+                            }
+                        }
+                    }
+                } while (primitives.y != 0u && masked == 0u);
+            }
+        } while (masked == 0u && primitives.y == 0u && (group.y != 0u || height != base));
+
+        if (masked != 0u && tracer_is_opaque(masked, met.barycentrics)) {
+            hit = met;
+            if (any_hit) {
+                return true;
+            }
+        }
+    } while (primitives.y != 0u || group.y != 0u || height != 0);
+    return hit.instance != TRACER_NONE;
 }
 
 #endif

@@ -15,9 +15,6 @@ use super::{
 };
 use crate::scene::AlphaMask;
 
-/// A root that is not there.
-pub const NO_ROOT: u32 = u32::MAX;
-
 /// A triangle in leaf order. 48 bytes: three vec4.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -80,16 +77,29 @@ pub struct GpuInstance {
     pub pad: [u32; 2],
 }
 
-/// The roots of both top levels in [`GpuBvh::nodes`]. 16 bytes: one uvec4.
+/// Where rays begin. 16 bytes: one uvec4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuBvhRoots {
-    /// Root over the static instances, or [`NO_ROOT`].
-    pub static_root: u32,
-    /// Root over the dynamic instances, or [`NO_ROOT`].
-    pub dynamic_root: u32,
-    /// Unused.
-    pub pad: [u32; 2],
+    /// The static instances.
+    pub fixed: GpuGroup,
+    /// The dynamic instances.
+    pub moving: GpuGroup,
+}
+
+/// A top level as traversal takes it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuGroup {
+    /// Index of its root in [`GpuBvh::nodes`], or of its only instance in [`GpuBvh::instances`].
+    pub first: u32,
+    /// 0: nothing; 1: a single instance, whose box is not worth a test of its own; [`GpuGroup::NODE`]: a node.
+    pub bits: u32,
+}
+
+impl GpuGroup {
+    /// The bit of a lone node in a group of nodes.
+    pub const NODE: u32 = 1 << 31;
 }
 
 /// What alpha tests need, whichever tracer finds the triangles; no array is empty.
@@ -205,13 +215,14 @@ impl TwoLevelBvh {
     }
 
     fn roots(&self, regions: &Regions) -> GpuBvhRoots {
-        let root = |level: &TopLevel, first: usize| {
-            if level.gpu.nodes.is_empty() { NO_ROOT } else { first as u32 }
+        let group = |level: &TopLevel, node: usize, instance: usize| match level.placed.len() {
+            0 => GpuGroup::default(),
+            1 => GpuGroup { first: instance as u32, bits: 1 },
+            _ => GpuGroup { first: node as u32, bits: GpuGroup::NODE },
         };
         GpuBvhRoots {
-            static_root: root(&self.static_level, regions.static_node),
-            dynamic_root: root(&self.dynamic_level, regions.dynamic_node),
-            pad: [0; 2],
+            fixed: group(&self.static_level, regions.static_node, 0),
+            moving: group(&self.dynamic_level, regions.dynamic_node, regions.dynamic_instance),
         }
     }
 }

@@ -27,7 +27,7 @@ pub struct Tracer<'a> {
     triangle_uvs: &'a [UVec4],
     masks: &'a [UVec4],
     mask_bits: &'a [u32],
-    roots: [u32; 2],
+    groups: [UVec2; 2],
 }
 
 #[derive(Clone, Copy)]
@@ -48,6 +48,10 @@ impl Stack {
         assert!(self.0.len() < STACK_SIZE);
         self.0.push(group);
     }
+
+    fn pop(&mut self) -> UVec2 {
+        self.0.pop().expect("never empty when something is left")
+    }
 }
 
 impl<'a> Tracer<'a> {
@@ -59,7 +63,8 @@ impl<'a> Tracer<'a> {
             triangle_uvs: cast_slice(&layout.alpha.triangle_uvs),
             masks: cast_slice(&layout.alpha.masks),
             mask_bits: &layout.alpha.mask_bits,
-            roots: [layout.roots.static_root, layout.roots.dynamic_root],
+            groups: [layout.roots.fixed, layout.roots.moving]
+                .map(|group| UVec2::new(group.first, group.bits)),
         }
     }
 
@@ -81,74 +86,79 @@ impl<'a> Tracer<'a> {
             barycentrics: Vec2::ZERO,
         };
         let mut stack = Stack::default();
-        let mut group = UVec2::ZERO;
-        for root in [self.roots[1], self.roots[0]] {
-            if root != NONE {
-                if group.y != 0 {
-                    stack.push(group);
-                }
-                group = UVec2::new(root, 0x8000_0000);
-            }
+        let [mut group, moving] = self.groups;
+        if moving.y != 0 {
+            stack.push(moving);
         }
+        let mut primitives = UVec2::ZERO;
         let mut ray = prepare(world.origin, world.direction);
         let mut instance = NONE;
-        let mut instance_height = 0;
+        let mut base = 0;
 
-        while group.y != 0 {
-            let mut primitives = group;
-            if group.y > 0x00ff_ffff {
-                // Take the nearest child of the group, and leave the rest for later.
-                let first = 31 - group.y.leading_zeros();
-                let slot = (first - 24) ^ (ray.octant & 7);
-                let node = (group.x + (group.y & !(u32::MAX << slot)).count_ones()) as usize * 5;
-                group.y &= !(1 << first);
-                if group.y > 0x00ff_ffff {
-                    stack.push(group);
-                }
-
-                // Intersect its children.
-                let (head, links) = (self.nodes[node], self.nodes[node + 1]);
-                let hits = self.child_hits(node, &ray, world.t_min, hit.t);
-                group = UVec2::new(links.x, hits & 0xff00_0000 | head.w >> 24);
-                primitives = UVec2::new(links.y, hits & 0x00ff_ffff);
-            } else {
-                group.y = 0;
+        while primitives.y != 0 || group.y != 0 || !stack.0.is_empty() {
+            if instance != NONE && primitives.y == 0 && group.y == 0 && stack.0.len() == base {
+                // Back out of the instance.
+                ray = prepare(world.origin, world.direction);
+                instance = NONE;
+                base = 0;
             }
-
-            if instance == NONE && primitives.y != 0 {
-                // Enter one instance, and leave the others and this level's nodes for later.
-                let first = 31 - primitives.y.leading_zeros();
-                primitives.y &= !(1 << first);
+            if instance == NONE {
+                if group.y == 0 && primitives.y == 0 {
+                    group = stack.pop();
+                }
+                if group.y <= 0x00ff_ffff && group.y != 0 {
+                    (primitives, group.y) = (group, 0);
+                }
                 if primitives.y != 0 {
-                    stack.push(primitives);
+                    // Enter one instance, and leave the others and this level's nodes for later.
+                    let first = 31 - primitives.y.leading_zeros();
+                    primitives.y &= !(1 << first);
+                    for later in [primitives, group] {
+                        if later.y != 0 {
+                            stack.push(later);
+                        }
+                    }
+                    let root;
+                    (ray, root, instance) = self.enter(primitives.x + first, world);
+                    base = stack.0.len();
+                    group = UVec2::new(root, 0x8000_0000);
+                    primitives = UVec2::ZERO;
                 }
+            }
+
+            while primitives.y == 0 && (group.y != 0 || stack.0.len() != base) {
+                // Go on with what was left for later.
+                if group.y == 0 {
+                    group = stack.pop();
+                }
+                primitives = group;
                 if group.y > 0x00ff_ffff {
-                    stack.push(group);
-                }
-                let root;
-                (ray, root, instance) = self.enter(primitives.x + first, world);
-                instance_height = stack.0.len();
-                group = UVec2::new(root, 0x8000_0000);
-                continue;
-            }
+                    // Take the nearest child of the group, and leave the rest for later.
+                    let first = 31 - group.y.leading_zeros();
+                    let slot = (first - 24) ^ (ray.octant & 7);
+                    let node = (group.x + (group.y & !(u32::MAX << slot)).count_ones()) as usize * 5;
+                    group.y &= !(1 << first);
+                    if group.y > 0x00ff_ffff {
+                        stack.push(group);
+                    }
 
-            // Test the triangles.
-            while primitives.y != 0 {
-                let first = 31 - primitives.y.leading_zeros();
-                primitives.y &= !(1 << first);
-                let triangle = primitives.x + first;
-                if self.test_triangle(triangle, instance, &ray, world.t_min, &mut hit) && any_hit {
-                    return hit;
+                    // Intersect its children.
+                    let (head, links) = (self.nodes[node], self.nodes[node + 1]);
+                    let hits = self.child_hits(node, &ray, world.t_min, hit.t);
+                    let inner = if hits > 0x00ff_ffff { hits & 0xff00_0000 | head.w >> 24 } else { 0 };
+                    group = UVec2::new(links.x, inner);
+                    primitives = UVec2::new(links.y, hits & 0x00ff_ffff);
+                } else {
+                    group.y = 0;
                 }
-            }
-
-            // Go on with what was left for later; back out of the instance when none of that is its own.
-            if group.y <= 0x00ff_ffff {
-                if instance != NONE && stack.0.len() == instance_height {
-                    ray = prepare(world.origin, world.direction);
-                    instance = NONE;
+                while instance != NONE && primitives.y != 0 {
+                    let first = 31 - primitives.y.leading_zeros();
+                    primitives.y &= !(1 << first);
+                    let triangle = primitives.x + first;
+                    if self.test_triangle(triangle, instance, &ray, world.t_min, &mut hit) && any_hit {
+                        return hit;
+                    }
                 }
-                group = stack.0.pop().unwrap_or_default();
             }
         }
         hit
