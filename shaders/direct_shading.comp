@@ -67,14 +67,18 @@ float visibility(LightData light, vec3 p, vec3 n, vec3 to_light) {
     bool cube = light.tile_count == 6u;
     uint first = light.first_tile + (cube ? cube_face(p - light.position.xyz) : 0u);
     uint end = cube ? first + 1u : first + light.tile_count;
-    for (uint i = first; i < end; i++) {
-        ShadowTile tile = shadow_tiles.data[i];
-        // A cube has no outside; what the offset moves beyond its face is looked up at the face's edge.
-        if (!tile_coordinates(tile, p, n, cosine, coordinates) && !cube) continue;
-        return filtered_visibility(tile.rectangle, clamp(coordinates, vec3(0.0), vec3(1.0)));
+    // Of a spot or the sun, the first tile that has the receiver. A cube has no outside; what the offset moves beyond its
+    // face is looked up at the face's edge.
+    bool inside = false;
+    uint i = first;
+    if (first < end) {
+        do {
+            inside = tile_coordinates(shadow_tiles.data[i], p, n, cosine, coordinates) || cube;
+        } while (!inside && ++i < end);
     }
     // Beyond all cascades: the sun shines there unless we knew better. Outside a spot's tile nothing is lit.
-    return light.kind == LIGHT_DIRECTIONAL ? 1.0 : 0.0;
+    if (!inside) return light.kind == LIGHT_DIRECTIONAL ? 1.0 : 0.0;
+    return filtered_visibility(shadow_tiles.data[i].rectangle, clamp(coordinates, vec3(0.0), vec3(1.0)));
 }
 
 // Irradiance across the direction to the light, without shadow.
@@ -93,6 +97,29 @@ vec3 arriving(LightData light, vec3 p, out vec3 to_light) {
     return light.power.rgb * falloff / squared;
 }
 
+struct Surface {
+    vec3 position;
+    vec3 shading;
+    vec3 geometric;
+    vec3 albedo;
+    vec4 specular; // rgb: Ks; w: Ns
+    vec3 to_eye;
+};
+
+// What a light sends to the eye by way of the surface.
+vec3 reflected(LightData light, Surface surface) {
+    vec3 to_light;
+    vec3 irradiance = arriving(light, surface.position, to_light);
+    float cosine = dot(surface.shading, to_light);
+    if (cosine <= 0.0 || dot(surface.geometric, to_light) <= 0.0 || irradiance == vec3(0.0)) return vec3(0.0);
+    irradiance *= cosine * visibility(light, surface.position, surface.geometric, to_light);
+    float half_cosine = max(dot(surface.shading, normalize(to_light + surface.to_eye)), 0.0);
+    vec4 specular = surface.specular;
+    vec3 reflectance = surface.albedo / PI
+        + specular.rgb * (specular.w + 8.0) / (8.0 * PI) * pow(half_cosine, specular.w);
+    return reflectance * irradiance;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
@@ -101,29 +128,25 @@ void main() {
         imageStore(direct, pixel, vec4(frame.background.rgb, 0.0));
         return;
     }
-    vec3 p = imageLoad(gbuffer_position, pixel).xyz;
-    vec4 packed_normals = imageLoad(gbuffer_normal, pixel);
-    vec3 n = octahedral_decode(packed_normals.xy);
-    vec3 geometric = octahedral_decode(packed_normals.zw);
-    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
-    vec4 specular = materials.data[id.y & MATERIAL].specular;
-    vec3 to_eye = normalize(frame.eye.xyz - p);
+    vec4 normals = imageLoad(gbuffer_normal, pixel);
+    Surface surface;
+    surface.position = imageLoad(gbuffer_position, pixel).xyz;
+    surface.shading = octahedral_decode(normals.xy);
+    surface.geometric = octahedral_decode(normals.zw);
+    surface.albedo = imageLoad(gbuffer_albedo, pixel).rgb;
+    surface.specular = materials.data[id.y & MATERIAL].specular;
+    surface.to_eye = normalize(frame.eye.xyz - surface.position);
 
     vec3 radiance = vec3(0.0);
     if ((id.y & FRONT_FACING) != 0u) {
         radiance = materials.data[id.y & MATERIAL].emission.rgb * instances.data[id.x - 1u].emission.rgb;
     }
-    for (uint i = 0u; i < frame.light_count; i++) {
-        LightData light = lights.data[i];
-        vec3 to_light;
-        vec3 irradiance = arriving(light, p, to_light);
-        float cosine = dot(n, to_light);
-        if (cosine <= 0.0 || dot(geometric, to_light) <= 0.0 || irradiance == vec3(0.0)) continue;
-        irradiance *= cosine * visibility(light, p, geometric, to_light);
-        float half_cosine = max(dot(n, normalize(to_light + to_eye)), 0.0);
-        vec3 reflectance = albedo / PI
-            + specular.rgb * (specular.w + 8.0) / (8.0 * PI) * pow(half_cosine, specular.w);
-        radiance += reflectance * irradiance;
+    if (frame.light_count > 0u) {
+        // Asks at its end whether to go on: see tracer_find.
+        uint i = 0u;
+        do {
+            radiance += reflected(lights.data[i], surface);
+        } while (++i < frame.light_count);
     }
     imageStore(direct, pixel, vec4(radiance, 1.0));
 }

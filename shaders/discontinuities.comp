@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+#extension GL_EXT_control_flow_attributes : require
 // The discontinuity buffer (Wald et al. 2002): which pixels of the window around each pixel have normals that agree and
 // positions near the plane of its centre. It stands for as long as the G-buffer does.
 #include "frame.glsl"
@@ -26,7 +27,7 @@ struct Centres {
 
 Centres centres_at(ivec2 first) {
     Centres centres;
-    for (int row = 0; row < ROWS; row++) {
+    [[unroll]] for (int row = 0; row < ROWS; row++) {
         ivec2 pixel = first + ivec2(0, row);
         Surface surface = surface_at(min(pixel, ivec2(frame.size) - 1), unpack_depth(packed_at(pixel)));
         centres.shading_x[row] = surface.shading.x;
@@ -42,7 +43,7 @@ Centres centres_at(ivec2 first) {
     return centres;
 }
 
-// One for each of the centres that the texel lies on the surface of.
+// True for each of the centres that the texel lies on the surface of. Twin: `same_surface` in window.glsl.
 bvec4 same_surfaces(Centres centres, uint packed, ivec2 at) {
     vec3 normal = unpack_normal(packed);
     float depth = unpack_depth(packed);
@@ -61,19 +62,19 @@ void main() {
     Centres centres = centres_at(first);
     int corner_x = corner_of(first).x;
     uvec4 words[WORDS];
-    for (int word = 0; word < WORDS; word++) words[word] = uvec4(0u);
-    for (int row = 0; row < WIDTH + ROWS - 1; row++) {
+    [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = uvec4(0u);
+    [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
         int y = centres.corner_y[0] + row;
         uvec4 same = uvec4(0u);
-        for (int column = 0; column < WIDTH; column++) {
+        [[unroll]] for (int column = 0; column < WIDTH; column++) {
             ivec2 at = ivec2(corner_x + column, y);
             same |= uvec4(same_surfaces(centres, packed_at(at), at)) << column;
         }
         ivec4 places = y - centres.corner_y;
         uvec4 placed = mix(uvec4(0u), same << (places % ROWS_IN_WORD * WIDTH), lessThan(uvec4(places), uvec4(WIDTH)));
-        for (int word = 0; word < WORDS; word++) {
+        [[unroll]] for (int word = 0; word < WORDS; word++) {
             words[word] |= mix(uvec4(0u), placed, equal(places / ROWS_IN_WORD, ivec4(word)));
         }
     }
-    for (int word = 0; word < WORDS; word++) imageStore(discontinuities, word_texel(thread, word), words[word]);
+    [[unroll]] for (int word = 0; word < WORDS; word++) imageStore(discontinuities, word_texel(thread, word), words[word]);
 }

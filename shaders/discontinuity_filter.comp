@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+#extension GL_EXT_control_flow_attributes : require
 // Sums the n x n classes around each pixel, from the pixels that lie on its surface (discontinuities.comp), scaled up by
 // what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets, so that it
 // does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
@@ -39,7 +40,7 @@ struct Sums {
 // Bits of the pixels in one row of the windows that lie on their centres' surfaces; none outside of a window.
 uvec4 row_of(uvec4 words[WORDS], ivec4 places) {
     uvec4 rows = uvec4(0u);
-    for (int word = 0; word < WORDS; word++) {
+    [[unroll]] for (int word = 0; word < WORDS; word++) {
         rows |= mix(uvec4(0u), words[word] >> (places % ROWS_IN_WORD * WIDTH), equal(places / ROWS_IN_WORD, ivec4(word)));
     }
     return mix(uvec4(0u), rows & ((1u << WIDTH) - 1u), lessThan(uvec4(places), uvec4(WIDTH)));
@@ -50,14 +51,14 @@ Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
     Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
-    for (int row = 0; row < WIDTH + ROWS - 1; row++) {
+    [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
         int y = corner_y[0] + row;
         ivec4 places = y - corner_y;
         uvec4 same = row_of(words, places);
         bvec4 ends = bvec4(uvec4(equal(places, ivec4(0))) | uvec4(equal(places, ivec4(WIDTH - 1))));
         vec4 weights = EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0);
         int texel = y * int(frame.size.x) + corner_x;
-        for (int column = 0; column < WIDTH; column++) {
+        [[unroll]] for (int column = 0; column < WIDTH; column++) {
             vec4 of_class = class_at(min(texel + column, last));
             bvec4 counts = notEqual(same & (1u << column), uvec4(0u));
             vec4 share = mix(vec4(0.0), weight_at(column) * weights, counts);
@@ -70,20 +71,15 @@ Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
     return sums;
 }
 
-bool same_surface(Surface surface, uint packed, ivec2 at) {
-    vec3 normal = unpack_normal(packed);
-    float distance = unpack_depth(packed) * dot(surface.slope, vec3(at, 1.0)) - surface.offset;
-    bool alike = dot(normal, surface.shading) >= MIN_NORMAL_COSINE * length(normal);
-    return is_surface(packed) && alike && abs(distance) <= surface.tolerance;
-}
-
-// Adds pixels farther away, one of each class again: every STEP-th, with no factor in common with n.
+// Adds pixels farther away, one of each class again: every STEP-th, with no factor in common with n. Loops ask at their end
+// whether to go on: see tracer_find.
 const int STEP = INTERLEAVE % 3u != 0u ? 3 : INTERLEAVE == 6u ? 5 : 2;
 
 void add_farther(inout Sums sums, ivec2 pixel, int row) {
     Surface surface = surface_at(pixel, unpack_depth(packed_at(pixel)));
     ivec2 corner = pixel - (int(INTERLEAVE - 1u) * STEP) / 2;
-    for (uint place = 0u; place < INTERLEAVE * INTERLEAVE; place++) {
+    uint place = 0u;
+    do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
         vec4 of_class = same ? class_at(at.y * int(frame.size.x) + at.x) : vec4(0.0);
@@ -91,7 +87,7 @@ void add_farther(inout Sums sums, ivec2 pixel, int row) {
         sums.green[row] += of_class.g;
         sums.blue[row] += of_class.b;
         sums.present[row] += of_class.a;
-    }
+    } while (++place < INTERLEAVE * INTERLEAVE);
 }
 
 void main() {
@@ -99,25 +95,31 @@ void main() {
     ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
     uvec4 words[WORDS];
-    for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
+    [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
     int corner_x = corner_of(first).x;
     ivec4 corner_y;
     vec4 depth; // 0 where no surface is
-    for (int row = 0; row < ROWS; row++) {
+    [[unroll]] for (int row = 0; row < ROWS; row++) {
         corner_y[row] = corner_of(first + ivec2(0, row)).y;
         depth[row] = unpack_depth(packed_at(first + ivec2(0, row)));
     }
     Sums sums = window_sums(words, corner_x, corner_y);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     uint few = 0u;
-    for (int row = 0; row < ROWS; row++) {
+    [[unroll]] for (int row = 0; row < ROWS; row++) {
         bool lacks = depth[row] > 0.0 && sums.present[row] < MIN_PRESENT * push.total_flux;
         few |= lacks ? 1u << row : 0u;
     }
-    for (; few != 0u; few &= few - 1u) add_farther(sums, first + ivec2(0, findLSB(few)), findLSB(few));
-    for (int row = 0; row < ROWS; row++) {
+    if (few != 0u) {
+        do {
+            int row = findLSB(few);
+            add_farther(sums, first + ivec2(0, row), row);
+            few &= few - 1u;
+        } while (few != 0u);
+    }
+    [[unroll]] for (int row = 0; row < ROWS; row++) {
         ivec2 pixel = first + ivec2(0, row);
-        if (pixel.y >= int(frame.size.y)) break;
+        if (pixel.y >= int(frame.size.y)) continue;
         vec3 irradiance = vec3(sums.red[row], sums.green[row], sums.blue[row]);
         float scale = sums.present[row] > 0.0 ? push.total_flux / sums.present[row] * frame.irradiance_scale : 0.0;
         vec4 stored = depth[row] > 0.0 ? vec4(irradiance * scale, depth[row]) : vec4(0.0);

@@ -18,6 +18,8 @@ layout(local_size_x = 64, local_size_y = 1) in;
 // Whether anything that is seen may have moved since a set was drawn, or the camera. CPU drivers spend time on what no
 // pixel needs too.
 layout(constant_id = 0) const bool MOVES = true;
+// Whether every set has seen every surface that is seen now, where it is.
+layout(constant_id = 1) const bool SETTLED = false;
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -38,6 +40,8 @@ layout(push_constant) uniform Push {
     uvec2 set_size;       // of the set buffers, texels
     uint running;         // 1: the last frame's sums hold where nothing may move
     uint refresh;         // which of REFRESHED rows of pixels is summed up anew
+    uint first_row;       // of pixels
+    uint row_step;        // from one row to the next
     uint layer_before;    // of the set that was drawn again, before
     uint layer_now;       // and now
     float scale_before;   // what its irradiance is multiplied by, before
@@ -50,12 +54,15 @@ layout(push_constant) uniform Push {
 // src/passes/indirect_reprojection.rs.
 const uint REFRESHED = 256u;
 
+// Most that the set buffers' depths, half floats, are off.
+const float ROUNDING = 1.0 / 2048.0;
+
 // Whether a texel that a set has drawn from the same view shows what is now at this depth.
 bool sees(vec4 stored, float depth) {
-    return abs(stored.w / frame.depth_scale - depth) <= 0.25 * frame.position_cutoff * depth;
+    return abs(stored.w / frame.depth_scale - depth) <= max(0.25 * frame.position_cutoff, ROUNDING) * depth;
 }
 
-// Goes on with the sum of the last frame where every set is in it and nothing may move.
+// Goes on with the sum of the last frame where every set is in it and nothing may move; tells whether it did.
 bool goes_on(ivec2 pixel) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
     vec4 last = imageLoad(irradiance, pixel);
@@ -74,6 +81,53 @@ bool goes_on(ivec2 pixel) {
     return true;
 }
 
+// What the sets bring together.
+struct Sum {
+    vec3 irradiance;
+    float flux; // luminous, of the sets that saw the surface
+    uint count; // of those
+};
+
+// What stands still under a camera that stands still is where it was, unless something else hid it.
+void add_same_views(inout Sum sum, ivec2 pixel, float depth, uint sets) {
+    if (sets == 0u) return;
+    // Here and below, loops ask at their end whether to go on: see tracer_find.
+    uint i = 0u;
+    do {
+        SetParameters parameters = set_parameters.data[i];
+        vec4 stored = imageLoad(set_buffers, ivec3(pixel, int(parameters.layer)));
+        bool same = sees(stored, depth);
+        sum.irradiance += same ? stored.rgb * parameters.eye.w : vec3(0.0);
+        sum.flux += same ? parameters.ray.w : 0.0;
+        sum.count += same ? 1u : 0u;
+    } while (++i < sets);
+}
+
+// What each of the sets from `first` on saw where the surface at p was when it drew.
+void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, bool may_move, uint first) {
+    if (first >= push.drawn_count) return;
+    InstanceData now = instances.data[instance];
+    vec3 p_os = transform_point(now.world_to_object, p);
+    vec3 tip_os = transform_point(now.world_to_object, p + n);
+    uint i = first;
+    do {
+        SetParameters parameters = set_parameters.data[i];
+        uint row = (parameters.layer * push.instance_count + instance) * 3u;
+        vec3 p_then = p;
+        vec3 n_then = n;
+        if (may_move) {
+            p_then = from_rows(row, p_os);
+            n_then = normalize(from_rows(row, tip_os) - p_then);
+        }
+        vec3 found;
+        if (look_up(parameters, p_then, n_then, found)) {
+            sum.irradiance += found;
+            sum.flux += parameters.ray.w;
+            sum.count++;
+        }
+    } while (++i < push.drawn_count);
+}
+
 // Sums up all sets.
 void sum_up(ivec2 pixel) {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
@@ -82,56 +136,25 @@ void sum_up(ivec2 pixel) {
         return;
     }
     vec4 position = imageLoad(gbuffer_position, pixel);
-    vec3 p = position.xyz;
-    vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
-    uint may_move = MOVES && (id.y & MAY_MOVE) != 0u ? 1u : 0u;
-    vec3 sum = vec3(0.0);
-    float present = 0.0;
-    uint count = 0u;
-
-    // What stands still under a camera that stands still is where it was, unless something else hid it.
-    uint same_view_count = may_move == 1u ? 0u : push.same_view_count;
-    for (uint i = 0u; i < same_view_count; i++) {
-        SetParameters parameters = set_parameters.data[i];
-        vec4 stored = imageLoad(set_buffers, ivec3(pixel, int(parameters.layer)));
-        bool same = sees(stored, position.w);
-        sum += same ? stored.rgb * parameters.eye.w : vec3(0.0);
-        present += same ? parameters.ray.w : 0.0;
-        count += same ? 1u : 0u;
+    bool may_move = MOVES && (id.y & MAY_MOVE) != 0u;
+    uint same_view_count = may_move ? 0u : push.same_view_count;
+    Sum sum = Sum(vec3(0.0), 0.0, 0u);
+    add_same_views(sum, pixel, position.w, same_view_count);
+    if (MOVES) {
+        vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
+        add_other_views(sum, position.xyz, n, id.x - 1u, may_move, same_view_count);
     }
-
-    vec3 p_os = p;
-    vec3 tip_os = p + n;
-    for (uint i = 0u; i < may_move; i++) {
-        p_os = transform_point(instances.data[id.x - 1u].world_to_object, p);
-        tip_os = transform_point(instances.data[id.x - 1u].world_to_object, p + n);
+    if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
+        sum.irradiance *= push.total_flux / sum.flux;
     }
-    for (uint i = same_view_count; MOVES && i < push.drawn_count; i++) {
-        SetParameters parameters = set_parameters.data[i];
-        vec3 p_then = p;
-        vec3 n_then = n;
-        for (uint moved = 0u; moved < may_move; moved++) {
-            uint row = (parameters.layer * push.instance_count + id.x - 1u) * 3u;
-            p_then = from_rows(row, p_os);
-            n_then = normalize(from_rows(row, tip_os) - p_then);
-        }
-        vec3 found;
-        if (!look_up(parameters, p_then, n_then, found)) continue;
-        sum += found;
-        present += parameters.ray.w;
-        count++;
-    }
-    if (push.scale_missing == 1u && present > 0.0 && count < push.set_count) sum *= push.total_flux / present;
-    imageStore(irradiance, pixel, vec4(sum, may_move == 1u ? -float(count) : float(count)));
+    imageStore(irradiance, pixel, vec4(sum.irradiance, may_move ? -float(sum.count) : float(sum.count)));
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    // Loops of one turn, not branches, here and above: CPU drivers run both sides of a branch, but skip loops that no
-    // lane enters.
-    uint left = 1u;
-    uint running = gl_GlobalInvocationID.y % REFRESHED != push.refresh ? push.running : 0u;
-    for (uint i = running; i > 0u; i--) left = goes_on(pixel) ? 0u : 1u;
-    for (; left > 0u; left--) sum_up(pixel);
+    uvec2 thread = gl_GlobalInvocationID.xy;
+    ivec2 pixel = ivec2(thread.x, thread.y * push.row_step + push.first_row);
+    if (any(greaterThanEqual(uvec2(pixel), frame.size))) return;
+    bool running = SETTLED || (push.running == 1u && uint(pixel.y) % REFRESHED != push.refresh);
+    if (running) running = goes_on(pixel);
+    if (!SETTLED && !running) sum_up(pixel);
 }

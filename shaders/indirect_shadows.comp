@@ -1,17 +1,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+#extension GL_EXT_control_flow_attributes : require
 // One occlusion ray for each pixel and VPL of its class (interleaved sampling, Wald et al. 2002). Out: irradiance of the
 // pixel from those that it sees,
 //   E = sum phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V        (Keller 1997, with a bounded geometry term)
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
-#include "packed_surface.glsl"
 #include "interleave.glsl"
 #define VPL_SET_BINDING 3
 #include "vpl_set.glsl"
-#define TRACER_BINDING 8
+#define TRACER_BINDING 7
 #include "tracer.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -21,7 +21,6 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 // Bits of floats, rgb: irradiance; a: luminous flux of the pixel's class over all sets.
 layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
-layout(set = 0, binding = 7, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
 const uint COUNTERS = 4u;
@@ -30,7 +29,6 @@ const uint COUNTER_STRIDE = 8u;
 layout(push_constant) uniform Push {
     uint first_texel; // of the VPLs
     uint word;        // which 32 VPLs of each class
-    uint surfaces;    // 1: the surfaces are others than in the frame before
 } push;
 
 // Pixels of a thread, 1 to 4: those of its class that follow one another down the picture.
@@ -40,7 +38,7 @@ struct Surface {
     vec3 position;
     vec3 shading;
     vec3 geometric;
-    uint packed; // see packed_surface.glsl
+    bool exists;
 };
 
 Surface surface_at(uvec2 pixel) {
@@ -48,8 +46,7 @@ Surface surface_at(uvec2 pixel) {
     vec4 position = inside ? imageLoad(gbuffer_position, ivec2(pixel)) : vec4(0.0);
     vec4 normals = imageLoad(gbuffer_normal, ivec2(min(pixel, frame.size - 1u)));
     return Surface(
-        position.xyz, octahedral_decode(normals.xy), octahedral_decode(normals.zw),
-        pack_surface(position.w, normals.xy));
+        position.xyz, octahedral_decode(normals.xy), octahedral_decode(normals.zw), position.w > 0.0);
 }
 
 // What the VPL brings to the surface if it sees it. share: of such rays that are cast, each of which stands for the others.
@@ -74,46 +71,51 @@ void main() {
     uint end = min(begin + 32u, of_pixels.end);
     // What faces away needs no ray, and what brings little gets one seldom.
     uvec4 chosen = uvec4(0u);
-    Surface surface;
-    for (uint i = 0u; i < PIXELS; i++) {
-        surface = surface_at(first + i * next);
-        for (uint v = begin; v < end && is_surface(surface.packed); v++) {
+    Surface surfaces[4];
+    [[unroll]] for (uint i = 0u; i < PIXELS; i++) surfaces[i] = surface_at(first + i * next);
+    if (begin < end) {
+        // Loops that ask at their end whether to go on: see tracer_find.
+        uint v = begin;
+        do {
             GpuVpl vpl = vpl_at(push.first_texel, v);
-            float share;
-            weighted_contribution(vpl, surface, share);
-            chosen[i] |= share > ray_chance(first + i * next, vpl.slot) ? 1u << (v - begin) : 0u;
-        }
+            [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
+                float share;
+                weighted_contribution(vpl, surfaces[i], share);
+                bool casts = surfaces[i].exists && share > ray_chance(first + i * next, vpl.slot);
+                chosen[i] |= casts ? 1u << (v - begin) : 0u;
+            }
+        } while (++v < end);
     }
     ivec4 counts = bitCount(chosen);
     uint rays = uint(counts.x + counts.y + counts.z + counts.w);
 
     mat4x3 irradiance = mat4x3(0.0);
-    while (chosen != uvec4(0u)) {
-        uint i = PIXELS == 1u || chosen.x != 0u ? 0u : chosen.y != 0u ? 1u : chosen.z != 0u ? 2u : 3u;
-        if (PIXELS > 1u) surface = surface_at(first + i * next);
-        GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen[i])));
-        chosen[i] &= chosen[i] - 1u;
-        vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
-        vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
-        if (trace_occluded(start, to_vpl, 0.0, 1.0)) continue;
-        float share;
-        irradiance[i] += weighted_contribution(vpl, surface, share);
+    if (chosen != uvec4(0u)) {
+        do {
+            uint i = PIXELS == 1u || chosen.x != 0u ? 0u : chosen.y != 0u ? 1u : chosen.z != 0u ? 2u : 3u;
+            Surface surface = surfaces[0];
+            if (PIXELS > 1u && i == 1u) surface = surfaces[1];
+            if (PIXELS > 2u && i == 2u) surface = surfaces[2];
+            if (PIXELS > 3u && i == 3u) surface = surfaces[3];
+            GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen[i])));
+            chosen[i] &= chosen[i] - 1u;
+            vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
+            vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
+            if (!trace_occluded(start, to_vpl, 0.0, 1.0)) {
+                float share;
+                irradiance[i] += weighted_contribution(vpl, surface, share);
+            }
+        } while (chosen != uvec4(0u));
     }
 
-    for (uint i = 0u; i < PIXELS; i++) {
+    [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
         uvec2 pixel = first + i * next;
-        if (any(greaterThanEqual(pixel, frame.size))) break;
+        if (any(greaterThanEqual(pixel, frame.size))) continue;
         int at = int(pixel.y * frame.size.x + pixel.x);
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
         if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, at).rgb);
         imageStore(class_irradiance, at, floatBitsToUint(vec4(sum, of_pixels.flux)));
-    }
-    // A loop that no lane enters, not a branch, of which CPU drivers run both sides.
-    for (uint i = 0u; i < PIXELS * push.surfaces; i++) {
-        uvec2 pixel = first + i * next;
-        if (any(greaterThanEqual(pixel, frame.size))) break;
-        imageStore(packed_surfaces, int(pixel.y * frame.size.x + pixel.x), uvec4(surface_at(pixel).packed));
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

@@ -26,7 +26,6 @@ bool look_up(SetParameters parameters, vec3 p, vec3 n, out vec3 found) {
         base += round(part);
         part = vec2(0.0);
     }
-    int taps = centred ? 1 : 4;
     // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
     float cosine = abs(dot(n, v)) * inversesqrt(dot(v, v));
     float footprint = depth * 2.0 / size.y * inversesqrt(parameters.ray_y.w) / max(cosine, 0.05);
@@ -34,21 +33,22 @@ bool look_up(SetParameters parameters, vec3 p, vec3 n, out vec3 found) {
     float cutoff = max(4.0 * near, 1.5 * footprint);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
-    for (int i = 0; i < taps; i++) {
+    int taps = centred ? 1 : 4;
+    int i = 0;
+    do {
         ivec2 corner = ivec2(i & 1, i >> 1);
         float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
         ivec2 at = ivec2(base) + corner;
-        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(push.set_size)))) continue;
-        vec4 stored = imageLoad(set_buffers, ivec3(at, int(parameters.layer)));
-        if (stored.w <= 0.0) continue;
+        bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(push.set_size)));
+        vec4 stored = inside ? imageLoad(set_buffers, ivec3(at, int(parameters.layer))) : vec4(0.0);
         // The surface that was drawn there, from its depth.
         vec2 at_ndc = (vec2(at) + 0.5) / size * 2.0 - 1.0;
         vec3 ray = parameters.ray.xyz + at_ndc.x * parameters.ray_x.xyz + at_ndc.y * parameters.ray_y.xyz;
         vec3 offset = ray * (stored.w / frame.depth_scale) - v;
-        if (dot(offset, offset) > cutoff * cutoff || abs(dot(offset, n)) > near) continue;
-        sum += weight * stored.rgb;
-        weights += weight;
-    }
+        bool same = stored.w > 0.0 && dot(offset, offset) <= cutoff * cutoff && abs(dot(offset, n)) <= near;
+        sum += same ? weight * stored.rgb : vec3(0.0);
+        weights += same ? weight : 0.0;
+    } while (++i < taps);
     found = sum / max(weights, 1e-6) * parameters.eye.w;
     return weights > 0.0;
 }

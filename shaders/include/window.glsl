@@ -47,6 +47,14 @@ Surface surface_at(ivec2 pixel, float depth) {
     return Surface(octahedral_decode(normals.xy), slope, offset, 0.25 * frame.position_cutoff * depth);
 }
 
+// Twin: `same_surfaces` in discontinuities.comp, for four centres at once.
+bool same_surface(Surface surface, uint packed, ivec2 at) {
+    vec3 normal = unpack_normal(packed);
+    float distance = unpack_depth(packed) * dot(surface.slope, vec3(at, 1.0)) - surface.offset;
+    bool alike = dot(normal, surface.shading) >= MIN_NORMAL_COSINE * length(normal);
+    return is_surface(packed) && alike && abs(distance) <= surface.tolerance;
+}
+
 // Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
 uint packed_at(ivec2 at) {
     bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));

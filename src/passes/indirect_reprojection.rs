@@ -7,14 +7,14 @@ use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
 use super::scene_buffers::Instances;
-use super::set_history::{DrawnSet, Redrawn, SetHistory, parameters, upload_parameters};
+use super::set_history::{DrawnSet, SetHistory, parameters, upload_parameters};
 use super::storage_image;
 use super::structs::SetParameters;
 use crate::scene::Pose;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// Frames after which all running sums have been made anew. Twin: `REFRESHED` in shaders/indirect_reprojection.comp.
-const REFRESHED: u64 = 256;
+const REFRESHED: usize = 256;
 
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
@@ -50,6 +50,8 @@ struct Push {
     set_size: [u32; 2],
     running: u32,
     refresh: u32,
+    first_row: u32,
+    row_step: u32,
     layer_before: u32,
     layer_now: u32,
     scale_before: f32,
@@ -65,6 +67,8 @@ struct Summed {
     /// The camera.
     view: SetParameters,
     position_cutoff: f32,
+    /// Frames in a row, with this one, in which nothing moved and only one set was different.
+    still_frames: usize,
 }
 
 impl Summed {
@@ -77,10 +81,19 @@ impl Summed {
     }
 }
 
+/// What differs between frames is known when a pipeline is made: CPU devices spend time on what no pixel needs, too.
+struct Pipelines {
+    /// While something moves.
+    moving: ComputePipeline,
+    /// When nothing that is seen has moved since a set was drawn.
+    still: ComputePipeline,
+    /// When, moreover, the sums of all pixels can go on.
+    settled: ComputePipeline,
+}
+
 /// The pass.
 pub struct IndirectReprojectionPass {
-    /// For frames in which nothing has moved, and for all others.
-    pipelines: [Arc<ComputePipeline>; 2],
+    pipelines: Arc<Pipelines>,
     irradiance: Image,
     /// What is in `irradiance`; none before the first frame.
     summed: Option<Summed>,
@@ -89,12 +102,16 @@ pub struct IndirectReprojectionPass {
 impl IndirectReprojectionPass {
     /// Makes the pipeline and its image of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let spirv = shaders::INDIRECT_REPROJECTION_COMP;
-        let pipeline = |moves| {
-            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves]).map(Arc::new)
+        let pipeline = |moves, settled| {
+            let spirv = shaders::INDIRECT_REPROJECTION_COMP;
+            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves, settled])
         };
         Ok(Self {
-            pipelines: [pipeline(0)?, pipeline(1)?],
+            pipelines: Arc::new(Pipelines {
+                moving: pipeline(1, 0)?,
+                still: pipeline(0, 0)?,
+                settled: pipeline(0, 1)?,
+            }),
             irradiance: irradiance(device, extent)?,
             summed: None,
         })
@@ -102,7 +119,11 @@ impl IndirectReprojectionPass {
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipelines: self.pipelines.clone(), irradiance: irradiance(device, extent)?, summed: None })
+        Ok(Self {
+            pipelines: Arc::clone(&self.pipelines),
+            irradiance: irradiance(device, extent)?,
+            summed: None,
+        })
     }
 
     /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface, negative where that may
@@ -126,50 +147,70 @@ impl IndirectReprojectionPass {
         let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
             sets.parameters().iter().flatten().partition(|set| set_size == extent && set.same_view(&now));
-        let summed = Summed {
+        let moves = !other.is_empty() || inputs.instances.may_move;
+        let mut summed = Summed {
             sets: Arc::clone(sets.identity()),
             draws: sets.draws(),
             view: now,
             position_cutoff: inputs.position_cutoff,
+            still_frames: 0,
         };
-        let last = self.summed.replace(summed);
-        let goes_on = |redrawn: &&Redrawn| {
-            let Some((last, summed)) = last.as_ref().zip(self.summed.as_ref()) else { return false };
-            other.is_empty() && redrawn.before.same_view(&now) && summed.follows(last)
-        };
-        let redrawn = sets.redrawn().filter(goes_on);
-        let moves = !other.is_empty() || inputs.instances.may_move;
+        let last = self.summed.take().filter(|last| summed.follows(last));
+        let redrawn = sets
+            .redrawn()
+            .filter(|redrawn| last.is_some() && other.is_empty() && redrawn.before.same_view(&now));
+        if !moves {
+            summed.still_frames = last.map_or(0, |last| last.still_frames) + 1;
+        }
+        let set_count = sets.parameters().len();
+        // Every set has been drawn since, and every surface has been summed up with all of them.
+        let settled = redrawn.is_some() && summed.still_frames > set_count;
+        self.summed = Some(summed);
         let [before, after] = redrawn.map_or_else(Default::default, |redrawn| [redrawn.before, redrawn.now]);
-        let set_count = to_u32(sets.parameters().len());
         let push = Push {
             instance_count: to_u32(inputs.pose.instances.len()),
             scale_missing: u32::from(inputs.scale_missing),
             total_flux,
             drawn_count: to_u32(same_view.len() + other.len()),
             same_view_count: to_u32(same_view.len()),
-            set_count,
+            set_count: to_u32(set_count),
             set_size,
             running: u32::from(redrawn.is_some()),
-            refresh: u32::try_from(sets.draws() % REFRESHED).unwrap_or(0),
+            refresh: to_u32(sets.draws() as usize % REFRESHED),
+            first_row: 0,
+            row_step: 1,
             layer_before: before.layer,
             layer_now: after.layer,
             scale_before: before.eye.w,
             scale_now: after.eye.w,
         };
         let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
-        frame
-            .pass("indirect_reprojection", &self.pipelines[usize::from(moves)])
-            .read("frame", inputs.frame)
-            .read("gbuffer_position", &inputs.gbuffer.position)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
-            .read("gbuffer_instance", &inputs.gbuffer.instance)
-            .read("set_buffers", sets.buffers())
-            .read("set_parameters", &parameters)
-            .read("instances", &inputs.instances.data)
-            .read("instance_history", sets.transforms())
-            .write("irradiance", &self.irradiance)
-            .push(&push)
-            .dispatch_over(extent)?;
+        let mut dispatch = |pipeline, push: &Push| {
+            let rows = extent[1].saturating_sub(push.first_row).div_ceil(push.row_step);
+            frame
+                .pass("indirect_reprojection", pipeline)
+                .read("frame", inputs.frame)
+                .read("gbuffer_position", &inputs.gbuffer.position)
+                .read("gbuffer_normal", &inputs.gbuffer.normal)
+                .read("gbuffer_instance", &inputs.gbuffer.instance)
+                .read("set_buffers", sets.buffers())
+                .read("set_parameters", &parameters)
+                .read("instances", &inputs.instances.data)
+                .read("instance_history", sets.transforms())
+                .write("irradiance", &self.irradiance)
+                .push(push)
+                .dispatch_over([extent[0], rows])
+        };
+        let Pipelines { moving, still, settled: going_on } = &*self.pipelines;
+        if settled {
+            dispatch(going_on, &push)?;
+            let anew = Push { running: 0, first_row: push.refresh, row_step: to_u32(REFRESHED), ..push };
+            if anew.first_row < extent[1] {
+                dispatch(still, &anew)?;
+            }
+        } else {
+            dispatch(if moves { moving } else { still }, &push)?;
+        }
         Ok(&self.irradiance)
     }
 }

@@ -6,7 +6,6 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 use super::gbuffer::Surfaces;
-use super::indirect_shadows::ClassPixels;
 use super::set_history::SetHistory;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
@@ -19,8 +18,8 @@ pub struct IndirectShadingInputs<'a> {
     pub frame: &'a Upload,
     /// The visible surfaces.
     pub surfaces: Surfaces<'a>,
-    /// What each pixel has got from its class.
-    pub classes: ClassPixels<'a>,
+    /// What each pixel has got from its class; see `IndirectShadowsPass::record`.
+    pub class_irradiance: &'a Buffer,
     /// Luminous flux of all classes over all sets.
     pub total_flux: f32,
     /// Fraction of view depth.
@@ -36,8 +35,11 @@ struct Push {
 
 /// The pass.
 pub struct IndirectShadingPass {
+    pack: Arc<ComputePipeline>,
     compare: Arc<ComputePipeline>,
     filter: Arc<ComputePipeline>,
+    /// Depth and normal of each pixel, row by row; see shaders/include/packed_surface.glsl.
+    packed_surfaces: Buffer,
     /// A bit for each pixel of a pixel's window; see shaders/include/window.glsl.
     discontinuities: Buffer,
     extent: [u32; 2],
@@ -52,8 +54,10 @@ impl IndirectShadingPass {
         let pipeline =
             |name, spirv| ComputePipeline::specialised(device, name, spirv, &[interleave]).map(Arc::new);
         Ok(Self {
+            pack: pipeline("packed_surfaces", shaders::PACKED_SURFACES_COMP)?,
             compare: pipeline("discontinuities", shaders::DISCONTINUITIES_COMP)?,
             filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, interleave)?,
             extent,
             interleave,
@@ -64,8 +68,10 @@ impl IndirectShadingPass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
+            pack: Arc::clone(&self.pack),
             compare: Arc::clone(&self.compare),
             filter: Arc::clone(&self.filter),
+            packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, self.interleave)?,
             extent,
             interleave: self.interleave,
@@ -86,10 +92,17 @@ impl IndirectShadingPass {
         let compared = self.compared.replace(inputs.position_cutoff);
         if !inputs.surfaces.unchanged || compared != Some(inputs.position_cutoff) {
             frame
+                .pass("indirect_shading", &self.pack)
+                .read("frame", inputs.frame)
+                .read("gbuffer_position", &inputs.surfaces.gbuffer.position)
+                .read("gbuffer_normal", normal)
+                .write("packed_surfaces", &self.packed_surfaces)
+                .dispatch_over(self.extent)?;
+            frame
                 .pass("indirect_shading", &self.compare)
                 .read("frame", inputs.frame)
                 .read("gbuffer_normal", normal)
-                .read("packed_surfaces", inputs.classes.surfaces)
+                .read("packed_surfaces", &self.packed_surfaces)
                 .write("discontinuities", &self.discontinuities)
                 .dispatch_over(threads)?;
         }
@@ -98,13 +111,17 @@ impl IndirectShadingPass {
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
             .read("gbuffer_normal", normal)
-            .read("class_irradiance", inputs.classes.irradiance)
-            .read("packed_surfaces", inputs.classes.surfaces)
+            .read("class_irradiance", inputs.class_irradiance)
+            .read("packed_surfaces", &self.packed_surfaces)
             .read("discontinuities", &self.discontinuities)
             .write("set_buffers", sets.buffers())
             .push(&push)
             .dispatch_over(threads)
     }
+}
+
+fn packed_surfaces(device: &Arc<Device>, [width, height]: [u32; 2]) -> Result<Buffer, VulkanError> {
+    Buffer::of_texels(device, "packed_surfaces", u64::from(width) * u64::from(height), Texels::R32)
 }
 
 /// A texel for each word of the pixels of a thread.

@@ -74,17 +74,6 @@ impl UploadedSet {
 struct Push {
     first_texel: u32,
     word: u32,
-    /// 1: the surfaces are others than in the frame before.
-    surfaces: u32,
-}
-
-/// What the discontinuity filter reads of pixels: a texel each, row by row.
-#[derive(Clone, Copy)]
-pub struct ClassPixels<'a> {
-    /// Bits of floats: irradiance from the VPLs of the pixel's class; a: luminous flux of the class over all sets.
-    pub irradiance: &'a Buffer,
-    /// Depth and normal; see shaders/include/packed_surface.glsl.
-    pub surfaces: &'a Buffer,
 }
 
 /// What the pass reads.
@@ -108,9 +97,6 @@ pub struct IndirectShadowsPass {
     /// of them wait.
     joined: Option<Arc<ComputePipeline>>,
     irradiance: Buffer,
-    packed_surfaces: Buffer,
-    /// Whether anything is in `packed_surfaces`.
-    packed: bool,
     extent: [u32; 2],
     counters: Buffer,
     interleave: u32,
@@ -134,9 +120,7 @@ impl IndirectShadowsPass {
             tracer,
             single: pipeline(1)?,
             joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
-            irradiance: texels(device, "class_irradiance", extent, Texels::Rgba32)?,
-            packed_surfaces: texels(device, "packed_surfaces", extent, Texels::R32)?,
-            packed: false,
+            irradiance: irradiance(device, extent)?,
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave,
@@ -149,9 +133,7 @@ impl IndirectShadowsPass {
             tracer: self.tracer,
             single: Arc::clone(&self.single),
             joined: self.joined.clone(),
-            irradiance: texels(device, "class_irradiance", extent, Texels::Rgba32)?,
-            packed_surfaces: texels(device, "packed_surfaces", extent, Texels::R32)?,
-            packed: false,
+            irradiance: irradiance(device, extent)?,
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave: self.interleave,
@@ -174,14 +156,14 @@ impl IndirectShadowsPass {
         counters.chunks_exact(8).step_by(COUNTER_STRIDE).take(COUNTERS).map(word).sum()
     }
 
-    /// Casts the rays of the set.
+    /// Casts the rays of the set. Out: a texel for each pixel, row by row, bits of floats: irradiance from the VPLs of its
+    /// class; a: luminous flux of the class over all sets.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &IndirectShadowsInputs<'_>,
-    ) -> Result<ClassPixels<'_>, VulkanError> {
+    ) -> Result<&Buffer, VulkanError> {
         frame.clear(&self.counters);
-        let packed = std::mem::replace(&mut self.packed, true) && inputs.surfaces.unchanged;
         let gbuffer = inputs.surfaces.gbuffer;
         let set = inputs.set;
         let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
@@ -195,16 +177,11 @@ impl IndirectShadowsPass {
                 .read("gbuffer_normal", &gbuffer.normal)
                 .read("vpl_set", &set.texels)
                 .write("class_irradiance", &self.irradiance)
-                .write("packed_surfaces", &self.packed_surfaces)
                 .write("counters", &self.counters)
-                .push(&Push {
-                    first_texel: set.first_texel(),
-                    word,
-                    surfaces: u32::from(!packed && word == 0),
-                });
+                .push(&Push { first_texel: set.first_texel(), word });
             inputs.tracer.bind(pass).dispatch_threads(self.threads(pixels))?;
         }
-        Ok(ClassPixels { irradiance: &self.irradiance, surfaces: &self.packed_surfaces })
+        Ok(&self.irradiance)
     }
 
     /// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
@@ -218,7 +195,7 @@ impl IndirectShadowsPass {
     }
 }
 
-fn texels(device: &Arc<Device>, name: &str, extent: [u32; 2], texels: Texels) -> Result<Buffer, VulkanError> {
+fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanError> {
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
-    Buffer::of_texels(device, name, pixels, texels)
+    Buffer::of_texels(device, "class_irradiance", pixels, Texels::Rgba32)
 }

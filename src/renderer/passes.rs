@@ -114,12 +114,12 @@ impl Passes {
         let direct = self.direct_shading.record(frame, &lit)?;
 
         let rays = IndirectShadowsInputs { frame: uniforms, surfaces, set: vpls, tracer };
-        let classes = self.indirect_shadows.record(frame, &rays)?;
+        let class_irradiance = self.indirect_shadows.record(frame, &rays)?;
         let position_cutoff = inputs.settings.position_cutoff;
         let shading = IndirectShadingInputs {
             frame: uniforms,
             surfaces,
-            classes,
+            class_irradiance,
             total_flux: vpls.total_flux,
             position_cutoff,
         };
@@ -159,7 +159,7 @@ impl Passes {
                 shadows: &shadows,
                 direct,
                 irradiance,
-                class_irradiance: classes.irradiance,
+                class_irradiance,
                 drawn_sets: &self.sets,
                 shown_sets,
                 exposure: self.combine.exposure(),

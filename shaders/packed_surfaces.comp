@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What the discontinuity filter needs of each pixel's surface, in a word: depth and shading normal.
+#include "frame.glsl"
+#include "packed_surface.glsl"
+
+layout(local_size_x = 64, local_size_y = 1) in;
+
+layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 3, r32ui) uniform writeonly uimageBuffer packed_surfaces;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    float depth = imageLoad(gbuffer_position, pixel).w;
+    uint packed = pack_surface(depth, imageLoad(gbuffer_normal, pixel).xy);
+    imageStore(packed_surfaces, int(pixel.y * frame.size.x + pixel.x), uvec4(packed));
+}
