@@ -16,6 +16,9 @@ TRACER_BUFFER(6) bvh_roots_block { uvec4 groups; } bvh_roots;
 
 // Both levels' greatest depth, and what entering an instance leaves behind.
 const int TRACER_STACK_SIZE = 40;
+// Nodes at most before the triangles of those threads that have met some: of the threads that run in step, few wait long, and
+// few tests of triangles find none that has any (after Aila and Laine 2009).
+const uint TRACER_NODES = 3u;
 // Relative padding of the slab test: covers the rounding of the quantised boxes and of the test.
 const float TRACER_SLAB_PADDING = 1.0 / 524288.0;
 // A direction component below this share of the largest counts as this much.
@@ -217,32 +220,35 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
         TracerHit met;
         uint masked = 0u;
         do {
-            if (primitives.y == 0u) {
-                // Go on with what was left for later.
-                if (group.y == 0u) {
-                    group = stack[--height];
-                }
-                primitives = group;
-                if (group.y > 0x00ffffffu) {
-                    // Take the nearest child of the group, and leave the rest for later.
-                    uint first = uint(findMSB(group.y));
-                    uint slot = (first - 24u) ^ (ray.octant & 7u);
-                    uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
-                    group.y &= ~(1u << first);
-                    if (group.y > 0x00ffffffu) {
-                        stack[height++] = group;
+            uint turns = 0u;
+            do {
+                if (primitives.y == 0u) {
+                    // Go on with what was left for later.
+                    if (group.y == 0u) {
+                        group = stack[--height];
                     }
+                    primitives = group;
+                    if (group.y > 0x00ffffffu) {
+                        // Take the nearest child of the group, and leave the rest for later.
+                        uint first = uint(findMSB(group.y));
+                        uint slot = (first - 24u) ^ (ray.octant & 7u);
+                        uint node = (group.x + uint(bitCount(group.y & ~(0xffffffffu << slot)))) * 5u;
+                        group.y &= ~(1u << first);
+                        if (group.y > 0x00ffffffu) {
+                            stack[height++] = group;
+                        }
 
-                    // Intersect its children.
-                    uvec4 head = texelFetch(bvh_nodes, int(node));
-                    uvec4 links = texelFetch(bvh_nodes, int(node + 1u));
-                    uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
-                    group = uvec2(links.x, hits > 0x00ffffffu ? (hits & 0xff000000u) | (head.w >> 24) : 0u);
-                    primitives = uvec2(links.y, hits & 0x00ffffffu);
-                } else {
-                    group.y = 0u;
+                        // Intersect its children.
+                        uvec4 head = texelFetch(bvh_nodes, int(node));
+                        uvec4 links = texelFetch(bvh_nodes, int(node + 1u));
+                        uint hits = tracer_child_hits(node, head, links.zw, ray, t_min, hit.t);
+                        group = uvec2(links.x, hits > 0x00ffffffu ? (hits & 0xff000000u) | (head.w >> 24) : 0u);
+                        primitives = uvec2(links.y, hits & 0x00ffffffu);
+                    } else {
+                        group.y = 0u;
+                    }
                 }
-            }
+            } while (primitives.y == 0u && (group.y != 0u || height != base) && ++turns < TRACER_NODES);
             if (instance != TRACER_NONE) {
                 do {
                     if (primitives.y != 0u) {
