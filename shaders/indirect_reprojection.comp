@@ -19,7 +19,7 @@ layout(local_size_x = 64, local_size_y = 1) in;
 // pixel needs too.
 layout(constant_id = 0) const bool MOVES = true;
 // Whether every set has seen every surface that is seen now, where it is.
-layout(constant_id = 1) const bool SETTLED = false;
+layout(constant_id = 1) const bool STEADY = false;
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -154,7 +154,7 @@ void main() {
     uvec2 thread = gl_GlobalInvocationID.xy;
     ivec2 pixel = ivec2(thread.x, thread.y * push.row_step + push.first_row);
     if (any(greaterThanEqual(uvec2(pixel), frame.size))) return;
-    bool running = SETTLED || (push.running == 1u && uint(pixel.y) % REFRESHED != push.refresh);
+    bool running = STEADY || (push.running == 1u && uint(pixel.y) % REFRESHED != push.refresh);
     if (running) running = goes_on(pixel);
-    if (!SETTLED && !running) sum_up(pixel);
+    if (!STEADY && !running) sum_up(pixel);
 }

@@ -88,7 +88,7 @@ struct Pipelines {
     /// When nothing that is seen has moved since a set was drawn.
     still: ComputePipeline,
     /// When, moreover, the sums of all pixels can go on.
-    settled: ComputePipeline,
+    steady: ComputePipeline,
 }
 
 /// The pass.
@@ -102,15 +102,15 @@ pub struct IndirectReprojectionPass {
 impl IndirectReprojectionPass {
     /// Makes the pipeline and its image of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = |moves, settled| {
+        let pipeline = |moves, steady| {
             let spirv = shaders::INDIRECT_REPROJECTION_COMP;
-            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves, settled])
+            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves, steady])
         };
         Ok(Self {
             pipelines: Arc::new(Pipelines {
                 moving: pipeline(1, 0)?,
                 still: pipeline(0, 0)?,
-                settled: pipeline(0, 1)?,
+                steady: pipeline(0, 1)?,
             }),
             irradiance: irradiance(device, extent)?,
             summed: None,
@@ -164,7 +164,7 @@ impl IndirectReprojectionPass {
         }
         let set_count = sets.parameters().len();
         // Every set has been drawn since, and every surface has been summed up with all of them.
-        let settled = redrawn.is_some() && summed.still_frames > set_count;
+        let steady = redrawn.is_some() && summed.still_frames > set_count;
         self.summed = Some(summed);
         let [before, after] = redrawn.map_or_else(Default::default, |redrawn| [redrawn.before, redrawn.now]);
         let push = Push {
@@ -201,15 +201,15 @@ impl IndirectReprojectionPass {
                 .push(push)
                 .dispatch_over([extent[0], rows])
         };
-        let Pipelines { moving, still, settled: going_on } = &*self.pipelines;
-        if settled {
-            dispatch(going_on, &push)?;
+        let pipelines = &self.pipelines;
+        if steady {
+            dispatch(&pipelines.steady, &push)?;
             let anew = Push { running: 0, first_row: push.refresh, row_step: to_u32(REFRESHED), ..push };
             if anew.first_row < extent[1] {
-                dispatch(still, &anew)?;
+                dispatch(&pipelines.still, &anew)?;
             }
         } else {
-            dispatch(if moves { moving } else { still }, &push)?;
+            dispatch(if moves { &pipelines.moving } else { &pipelines.still }, &push)?;
         }
         Ok(&self.irradiance)
     }
