@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{MissingSets, Settings};
 
-use super::support::{Lab, channel, indirect, luminance, mean, scene};
+use super::support::{Lab, channel, indirect, luminance, mean, relative_differences, scene};
 
 const HALL: &str = r#"
 [[models]]
@@ -115,4 +115,37 @@ fn a_moving_object_keeps_its_history() {
     assert!(on_crate.len() > 100, "the crate covers {} pixels", on_crate.len());
     let whole = on_crate.iter().filter(|count| **count == SETS).count() as f32 / on_crate.len() as f32;
     assert!(whole > 0.9, "{whole} of its pixels have all sets");
+}
+
+#[test]
+fn sums_that_only_go_on_are_whole() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(&HALL.replace("dynamic = true\n", ""));
+    let rest = scene.pose(0.0);
+    let mut settings = settings(MissingSets::Scale);
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    // The camera moves, then a thing that is static by itself, and both come back to where they were.
+    for step in 0..8 {
+        renderer.render(&strafed(&rest, 0.06 * step as f32)).unwrap();
+    }
+    for step in 0..8 {
+        let mut pose = rest.clone();
+        let shift = Affine3A::from_translation(Vec3::new(0.1 * step as f32, 0.0, 0.0));
+        pose.instances[1] = shift * pose.instances[1];
+        renderer.render(&pose).unwrap();
+    }
+    for _ in 0..3 * SETS + 5 {
+        renderer.render(&rest).unwrap();
+    }
+    let counts = renderer.read_set_counts().unwrap();
+    assert!(counts.iter().all(|count| *count == SETS), "a pixel lacks a set");
+    let going_on = indirect(&renderer);
+
+    // With another cut-off everything is summed up anew.
+    settings.position_cutoff *= 1.01;
+    renderer.set_settings(&settings, &rest).unwrap();
+    renderer.render(&rest).unwrap();
+    let (average, worst) = relative_differences(&going_on, &indirect(&renderer));
+    assert!(average < 1e-4 && worst < 1e-2, "sums differ by {average}, {worst}");
+    assert!(mean(going_on.iter().map(luminance)) > 0.0);
 }
