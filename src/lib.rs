@@ -5,7 +5,7 @@
 //! - [`settings`]: every knob, one struct.
 //! - [`scene`]: what the world is; loading, animation, built-ins.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
-//! - [`vulkan`]: device, memory, pipelines, frames; the only unsafe code.
+//! - [`vulkan`]: device, memory, pipelines, frames; the only code that the compiler cannot check.
 //! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
 //! - [`statistics`]: what many measurements amount to.
 //! - [`report`]: what was measured of each frame.

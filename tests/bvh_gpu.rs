@@ -119,8 +119,8 @@ fn no_array_is_ever_empty() {
     for world in [World::new(Vec::new()), hollow] {
         let bvh = world.build();
         let layout = bvh.gpu_layout();
-        assert_eq!(layout.roots.fixed, GpuGroup::default());
-        assert_eq!(layout.roots.moving, GpuGroup::default());
+        assert_eq!(layout.roots.static_group, GpuGroup::default());
+        assert_eq!(layout.roots.dynamic_group, GpuGroup::default());
         let sizes = [
             layout.nodes.len(),
             layout.triangles.len(),

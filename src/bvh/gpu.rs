@@ -82,9 +82,9 @@ pub struct GpuInstance {
 #[repr(C)]
 pub struct GpuBvhRoots {
     /// The static instances.
-    pub fixed: GpuGroup,
+    pub static_group: GpuGroup,
     /// The dynamic instances.
-    pub moving: GpuGroup,
+    pub dynamic_group: GpuGroup,
 }
 
 /// A top level as traversal takes it.
@@ -221,8 +221,8 @@ impl TwoLevelBvh {
             _ => GpuGroup { first: node as u32, bits: GpuGroup::NODE },
         };
         GpuBvhRoots {
-            fixed: group(&self.static_level, regions.static_node, 0),
-            moving: group(&self.dynamic_level, regions.dynamic_node, regions.dynamic_instance),
+            static_group: group(&self.static_level, regions.static_node, 0),
+            dynamic_group: group(&self.dynamic_level, regions.dynamic_node, regions.dynamic_instance),
         }
     }
 }

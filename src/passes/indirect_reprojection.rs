@@ -186,7 +186,7 @@ impl IndirectReprojectionPass {
         };
         let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
         let mut dispatch = |pipeline, push: &Push| {
-            let rows = extent[1].saturating_sub(push.first_row).div_ceil(push.row_step);
+            let rows = (extent[1] - push.first_row).div_ceil(push.row_step);
             frame
                 .pass("indirect_reprojection", pipeline)
                 .read("frame", inputs.frame)

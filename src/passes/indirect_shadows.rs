@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::gbuffer::Surfaces;
+use super::gbuffer::GBuffer;
 use super::tracer::{RayTracer, Tracer};
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
@@ -81,7 +81,7 @@ pub struct IndirectShadowsInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// The visible surfaces.
-    pub surfaces: Surfaces<'a>,
+    pub gbuffer: &'a GBuffer,
     /// The VPLs.
     pub set: &'a UploadedSet,
     /// What casts the rays.
@@ -164,7 +164,7 @@ impl IndirectShadowsPass {
         inputs: &IndirectShadowsInputs<'_>,
     ) -> Result<&Buffer, VulkanError> {
         frame.clear(&self.counters);
-        let gbuffer = inputs.surfaces.gbuffer;
+        let gbuffer = inputs.gbuffer;
         let set = inputs.set;
         let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
         let (pipeline, pixels) = joined.map_or((&self.single, 1), |joined| (joined, JOINED));

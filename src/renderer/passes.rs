@@ -113,7 +113,7 @@ impl Passes {
         };
         let direct = self.direct_shading.record(frame, &lit)?;
 
-        let rays = IndirectShadowsInputs { frame: uniforms, surfaces, set: vpls, tracer };
+        let rays = IndirectShadowsInputs { frame: uniforms, gbuffer, set: vpls, tracer };
         let class_irradiance = self.indirect_shadows.record(frame, &rays)?;
         let position_cutoff = inputs.settings.position_cutoff;
         let shading = IndirectShadingInputs {

@@ -63,7 +63,7 @@ impl<'a> Tracer<'a> {
             triangle_uvs: cast_slice(&layout.alpha.triangle_uvs),
             masks: cast_slice(&layout.alpha.masks),
             mask_bits: &layout.alpha.mask_bits,
-            groups: [layout.roots.fixed, layout.roots.moving]
+            groups: [layout.roots.static_group, layout.roots.dynamic_group]
                 .map(|group| UVec2::new(group.first, group.bits)),
         }
     }
