@@ -21,7 +21,8 @@ const IN_FLIGHT: usize = 2;
 pub struct FrameTimes {
     /// Number of the frame, from 0.
     pub frame: u64,
-    /// Device time of each pass in ms, in the order of recording; a name may occur several times.
+    /// Device time of each pass in ms, in the order of recording, with what was recorded up to the next; a name may occur
+    /// several times.
     pub passes: Vec<(&'static str, f64)>,
     /// What [`Frame::read_back`] copied.
     pub readback: Vec<u8>,
@@ -172,7 +173,7 @@ impl Frame<'_> {
     }
 
     pub(super) fn recorder(&mut self) -> Recorder<'_> {
-        Recorder { slot: self.slot, device: self.device, open_timer: None }
+        Recorder { slot: self.slot, device: self.device }
     }
 }
 
@@ -180,8 +181,6 @@ impl Frame<'_> {
 pub(super) struct Recorder<'f> {
     slot: &'f mut Slot,
     device: &'f Arc<Device>,
-    /// The query that the open scope ends with.
-    open_timer: Option<u32>,
 }
 
 impl Recorder<'_> {
@@ -197,21 +196,18 @@ impl Recorder<'_> {
         record_barriers(self.device, self.slot.commands, images, buffers);
     }
 
-    /// Opens the debug label and timer of a pass.
+    /// Opens the debug label of a pass and begins to time it.
     pub(super) fn begin_scope(&mut self, name: &'static str) {
         if let (Some(debug), Ok(text)) = (self.device.debug(), std::ffi::CString::new(name)) {
             let label = vk::DebugUtilsLabelEXT::default().label_name(&text);
             // SAFETY: the command buffer is being recorded; `end_scope` closes the label.
             unsafe { debug.cmd_begin_debug_utils_label(self.slot.commands, &label) };
         }
-        self.open_timer = self.slot.begin_timer(name);
+        self.slot.time(name);
     }
 
-    /// Closes what `begin_scope` opened.
+    /// Closes the label; the pass is timed until the next begins.
     pub(super) fn end_scope(&mut self) {
-        if let Some(last) = self.open_timer.take() {
-            self.slot.timestamp(last);
-        }
         if let Some(debug) = self.device.debug() {
             // SAFETY: `begin_scope` opened the label.
             unsafe { debug.cmd_end_debug_utils_label(self.slot.commands) };

@@ -32,7 +32,8 @@ pub(super) struct Slot {
     chunk_used: u64,
     /// What [`FrameTimes::readback`] comes from.
     pub(super) readback: Buffer,
-    timers: Vec<(&'static str, u32)>,
+    /// What was timed, one after the other: timestamp i is the beginning of stretch i and the end of the one before.
+    stretches: Vec<&'static str>,
     submitted: Option<u64>,
     frame: u64,
     device: Arc<Device>,
@@ -62,7 +63,7 @@ impl Slot {
                 chunks: Vec::new(),
                 chunk_used: 0,
                 readback,
-                timers: Vec::new(),
+                stretches: Vec::new(),
                 submitted: None,
                 frame: 0,
                 device: Arc::clone(device),
@@ -73,7 +74,10 @@ impl Slot {
     /// Waits for the slot's frame, if one is on its way, and reads its results.
     pub(super) fn finish(&mut self) -> Result<Option<FrameTimes>, VulkanError> {
         let Some(frame) = self.submitted.take() else { return Ok(None) };
-        let mut stamps = vec![0u64; self.timers.len() * 2];
+        let mut stamps = match self.stretches.len() {
+            0 => Vec::new(),
+            stretches => vec![0u64; stretches + 1],
+        };
         // SAFETY: the fence was submitted with the frame; the queries were written by it.
         unsafe {
             let raw = self.device.raw();
@@ -90,22 +94,16 @@ impl Slot {
             }
         }
         let ms_per_tick = f64::from(self.device.limits().timestamp_period) * 1e-6;
-        let passes = self
-            .timers
-            .iter()
-            .map(|&(name, first)| {
-                let first = first as usize;
-                let ticks = stamps[first + 1].saturating_sub(stamps[first]);
-                (name, ticks as f64 * ms_per_tick)
-            })
-            .collect();
+        let ticks = stamps.windows(2).map(|ends| ends[1].saturating_sub(ends[0]));
+        let names = self.stretches.iter().copied();
+        let passes = names.zip(ticks.map(|ticks| ticks as f64 * ms_per_tick)).collect();
         Ok(Some(FrameTimes { frame, passes, readback: mapped(&self.readback).to_vec() }))
     }
 
     /// Starts recording the frame of that number; the slot's last one must be finished.
     pub(super) fn begin(&mut self, frame: u64) -> Result<(), VulkanError> {
         self.frame = frame;
-        self.timers.clear();
+        self.stretches.clear();
         self.descriptors_used = 0;
         // One chunk that holds all of the last frame's uploads replaces several smaller ones.
         if self.chunks.len() > 1 {
@@ -160,26 +158,28 @@ impl Slot {
         Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
     }
 
-    /// Begins to time what is recorded next under `name`; gives the query that [`Self::timestamp`] ends it with.
-    pub(super) fn begin_timer(&mut self, name: &'static str) -> Option<u32> {
-        let first = u32::try_from(self.timers.len() * 2).unwrap_or(MAX_TIMESTAMPS);
-        // A set in very many chunks has more dispatches than there are queries: the rest goes untimed.
-        if first + 1 >= MAX_TIMESTAMPS {
-            return None;
+    /// Times what is recorded from now on under `name`, and no longer what was recorded before.
+    ///
+    /// One timestamp both ends and begins, and none stands between passes of one name: CPU drivers wake their threads for
+    /// each.
+    pub(super) fn time(&mut self, name: &'static str) {
+        // There are more queries than this: `submit` ends the last stretch.
+        let room = self.stretches.len() + 1 < MAX_TIMESTAMPS as usize;
+        if self.stretches.last() != Some(&name) && room {
+            self.timestamp();
+            self.stretches.push(name);
         }
-        self.timers.push((name, first));
-        // These two alone: validation layers keep what they know of each query beyond the pool's end.
-        // SAFETY: passes open their scopes outside of rendering; the slot's last frame has been read.
-        unsafe { self.device.raw().cmd_reset_query_pool(self.commands, self.queries, first, 2) };
-        self.timestamp(first);
-        Some(first + 1)
     }
 
     /// Writes the time at which all that is recorded so far is done.
-    pub(super) fn timestamp(&self, query: u32) {
-        // SAFETY: `begin_timer` gave `query`: it is below the pool's size and has been reset.
+    fn timestamp(&self) {
+        let query = u32::try_from(self.stretches.len()).unwrap_or(MAX_TIMESTAMPS - 1);
+        // SAFETY: the query is below the pool's size; passes are timed from outside of rendering; the slot's last frame has
+        // been read. Only this query is reset: validation layers keep what they know of each beyond the pool's end.
         unsafe {
-            self.device.raw().cmd_write_timestamp2(
+            let raw = self.device.raw();
+            raw.cmd_reset_query_pool(self.commands, self.queries, query, 1);
+            raw.cmd_write_timestamp2(
                 self.commands,
                 vk::PipelineStageFlags2::ALL_COMMANDS,
                 self.queries,
@@ -217,6 +217,9 @@ impl Slot {
 
     /// Ends and submits what is recorded.
     pub(super) fn submit(&mut self) -> Result<(), VulkanError> {
+        if !self.stretches.is_empty() {
+            self.timestamp();
+        }
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
         let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
         let error = |result| VulkanError::call("submission", "frame")(result);
