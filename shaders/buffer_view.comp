@@ -6,6 +6,7 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "lights.glsl"
+#include "packed_irradiance.glsl"
 #include "scene.glsl"
 #include "set_parameters.glsl"
 #include "tone_map.glsl"
@@ -153,7 +154,7 @@ vec3 light_view(ivec2 pixel) {
     vec3 e = imageLoad(irradiance, pixel).rgb;
     vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
     switch (push.view) {
-        case UNFILTERED: return lit(uintBitsToFloat(texelFetch(class_irradiance, pixel.y * int(frame.size.x) + pixel.x).rgb) * push.unfiltered);
+        case UNFILTERED: return lit(unpack_irradiance(texelFetch(class_irradiance, pixel.y * int(frame.size.x) + pixel.x).rg) * push.unfiltered);
         case IRRADIANCE: return lit(e);
         default: return shown(albedo / PI * e * exposure.factor);
     }

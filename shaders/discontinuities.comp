@@ -15,6 +15,7 @@ layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer packed_surfaces;
 layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer discontinuities;
 
+#include "same_surface.glsl"
 #include "window.glsl"
 
 // Everything is by pixel of the thread in the components of vectors.
@@ -43,7 +44,7 @@ Centres centres_at(ivec2 first) {
     return centres;
 }
 
-// True for each of the centres that the texel lies on the surface of. Twin: `same_surface` in window.glsl.
+// True for each of the centres that the texel lies on the surface of. Twin: `same_surface` in same_surface.glsl.
 bvec4 same_surfaces(Centres centres, uint packed, ivec2 at) {
     vec3 normal = unpack_normal(packed);
     float depth = unpack_depth(packed);

@@ -3,12 +3,17 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_control_flow_attributes : require
 // Sums the n x n classes around each pixel, from the pixels that lie on its surface (discontinuities.comp), scaled up by
-// what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets, so that it
-// does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
+// what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets
+// (present_flux.comp), so that it does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer,
+// irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "packed_surface.glsl"
+#include "packed_irradiance.glsl"
 #include "interleave.glsl"
+#include "vpls.glsl"
+#define VPL_SET_BINDING 6
+#include "vpl_set.glsl"
 
 layout(local_size_x = 64, local_size_y = 1) in;
 
@@ -16,20 +21,23 @@ layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 3) uniform utextureBuffer packed_surfaces;
 layout(set = 0, binding = 4) uniform utextureBuffer discontinuities;
-layout(set = 0, binding = 5, rgba16f) uniform writeonly image2DArray set_buffers;
+layout(set = 0, binding = 5) uniform utextureBuffer present_flux;
+layout(set = 0, binding = 7, rgba16f) uniform writeonly image2DArray set_buffers;
 
 layout(push_constant) uniform Push {
     float total_flux; // of all classes
     uint layer;       // of the set buffers, for this set
+    uint first_texel; // of the VPLs
 } push;
 
+#include "same_surface.glsl"
 #include "window.glsl"
 
 // Share of the flux that the window has to bring; else pixels farther away are asked as well.
 const float MIN_PRESENT = 0.25;
 
-// rgb: irradiance from the VPLs of a pixel's class; a: luminous flux of that class over all sets.
-vec4 class_at(int texel) { return uintBitsToFloat(texelFetch(class_irradiance, texel)); }
+// Irradiance from the VPLs of a pixel's class.
+vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }
 
 // By pixel of the thread.
 struct Sums {
@@ -37,35 +45,24 @@ struct Sums {
     vec4 present; // luminous flux of the classes that were found, each as often as it was
 };
 
-// Bits of the pixels in one row of the windows that lie on their centres' surfaces; none outside of a window.
-uvec4 row_of(uvec4 words[WORDS], ivec4 places) {
-    uvec4 rows = uvec4(0u);
-    [[unroll]] for (int word = 0; word < WORDS; word++) {
-        rows |= mix(uvec4(0u), words[word] >> (places % ROWS_IN_WORD * WIDTH), equal(places / ROWS_IN_WORD, ivec4(word)));
-    }
-    return mix(uvec4(0u), rows & ((1u << WIDTH) - 1u), lessThan(uvec4(places), uvec4(WIDTH)));
-}
-
 // Adds up the pixels of the windows that lie on the centres' surfaces.
-Sums window_sums(uvec4 words[WORDS], int corner_x, ivec4 corner_y) {
-    Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+Sums window_sums(ivec2 thread, ivec2 corner, ivec4 corner_y) {
+    uvec4 words[WORDS];
+    [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
+    vec4 present = uintBitsToFloat(texelFetch(present_flux, word_texel(thread, 0)));
+    Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), present);
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
-        int y = corner_y[0] + row;
-        ivec4 places = y - corner_y;
-        uvec4 same = row_of(words, places);
-        bvec4 ends = bvec4(uvec4(equal(places, ivec4(0))) | uvec4(equal(places, ivec4(WIDTH - 1))));
-        vec4 weights = EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0);
-        int texel = y * int(frame.size.x) + corner_x;
+        int y = corner.y + row;
+        Row windows = row_at(words, corner_y, y);
+        int texel = y * int(frame.size.x) + corner.x;
         [[unroll]] for (int column = 0; column < WIDTH; column++) {
-            vec4 of_class = class_at(min(texel + column, last));
-            bvec4 counts = notEqual(same & (1u << column), uvec4(0u));
-            vec4 share = mix(vec4(0.0), weight_at(column) * weights, counts);
-            sums.red += share * of_class.r;
-            sums.green += share * of_class.g;
-            sums.blue += share * of_class.b;
-            sums.present += share * of_class.a;
+            vec3 of_class = class_at(min(texel + column, last));
+            vec4 shares = shares_at(windows, column);
+            sums.red += shares * of_class.r;
+            sums.green += shares * of_class.g;
+            sums.blue += shares * of_class.b;
         }
     }
     return sums;
@@ -82,11 +79,11 @@ void add_farther(inout Sums sums, ivec2 pixel, int row) {
     do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
-        vec4 of_class = same ? class_at(at.y * int(frame.size.x) + at.x) : vec4(0.0);
+        vec3 of_class = same ? class_at(at.y * int(frame.size.x) + at.x) : vec3(0.0);
         sums.red[row] += of_class.r;
         sums.green[row] += of_class.g;
         sums.blue[row] += of_class.b;
-        sums.present[row] += of_class.a;
+        sums.present[row] += same ? vpl_class(push.first_texel, class_of(uvec2(at))).flux : 0.0;
     } while (++place < INTERLEAVE * INTERLEAVE);
 }
 
@@ -94,16 +91,14 @@ void main() {
     ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
     ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
-    uvec4 words[WORDS];
-    [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
-    int corner_x = corner_of(first).x;
+    ivec2 corner = corner_of(first);
     ivec4 corner_y;
     vec4 depth; // 0 where no surface is
     [[unroll]] for (int row = 0; row < ROWS; row++) {
         corner_y[row] = corner_of(first + ivec2(0, row)).y;
         depth[row] = unpack_depth(packed_at(first + ivec2(0, row)));
     }
-    Sums sums = window_sums(words, corner_x, corner_y);
+    Sums sums = window_sums(thread, corner, corner_y);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     uint few = 0u;
     [[unroll]] for (int row = 0; row < ROWS; row++) {

@@ -75,9 +75,10 @@ bool goes_on(ivec2 pixel) {
     vec3 rest = last.rgb - was;
     // What is left of a difference of equal numbers is not light.
     rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
-    // What has not changed must not be rounded either: then the picture stands still.
+    // What has not changed must not be rounded either: then the picture stands still. Nor is it written, which is most of the
+    // work on CPU drivers.
     vec3 sum = mix(rest + is, last.rgb, equal(was, is));
-    imageStore(irradiance, pixel, vec4(sum, last.a));
+    if (sum != last.rgb) imageStore(irradiance, pixel, vec4(sum, last.a));
     return true;
 }
 

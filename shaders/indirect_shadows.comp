@@ -8,6 +8,7 @@
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "vpls.glsl"
+#include "packed_irradiance.glsl"
 #include "interleave.glsl"
 #define VPL_SET_BINDING 3
 #include "vpl_set.glsl"
@@ -18,8 +19,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-// Bits of floats, rgb: irradiance; a: luminous flux of the pixel's class over all sets.
-layout(set = 0, binding = 5, rgba32ui) uniform uimageBuffer class_irradiance;
+layout(set = 0, binding = 5, std430) buffer IrradianceBlock { uvec2 words[]; } class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
 
 // Twins: COUNTERS and COUNTER_STRIDE in src/passes/indirect_shadows.rs.
@@ -111,11 +111,11 @@ void main() {
     [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
         uvec2 pixel = first + i * next;
         if (any(greaterThanEqual(pixel, frame.size))) continue;
-        int at = int(pixel.y * frame.size.x + pixel.x);
+        uint at = pixel.y * frame.size.x + pixel.x;
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
-        if (push.word > 0u) sum += uintBitsToFloat(imageLoad(class_irradiance, at).rgb);
-        imageStore(class_irradiance, at, floatBitsToUint(vec4(sum, of_pixels.flux)));
+        if (push.word > 0u) sum += unpack_irradiance(class_irradiance.words[at]);
+        class_irradiance.words[at] = pack_irradiance(sum);
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;

@@ -237,6 +237,7 @@ impl Renderer {
             vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,
             drawn: lights.drawn,
             set_flux: &lights.flux.sets,
+            class_flux: &lights.flux.classes,
             view,
         };
         self.passes.record(&mut frame, &inputs)?;

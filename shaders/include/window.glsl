@@ -1,5 +1,4 @@
-// The window of pixels that the discontinuity filter joins, and which of them lie on the surface of its centre.
-// Needs frame.glsl, gbuffer.glsl, packed_surface.glsl, interleave.glsl, `gbuffer_normal` and `packed_surfaces`.
+// The window of pixels that the discontinuity filter joins. Needs frame.glsl and interleave.glsl.
 
 // The window is centred on its pixel: for even n it is one pixel wider than n, and both its ends, which are of the same
 // class, count for half. Off-centre by half a pixel, it would move steep gradients.
@@ -26,37 +25,26 @@ int word_texel(ivec2 thread, int word) {
     return (word * threads_down + thread.y) * int(frame.size.x) + thread.x;
 }
 
-const float MIN_NORMAL_COSINE = 0.9;
-
-// What a pixel must agree with to count, in scaled depths: plane distance is depth * dot(slope, (x, y, 1)) - offset, since
-// positions are linear in pixel coordinates and depth.
-struct Surface {
-    vec3 shading;
-    vec3 slope;
-    float offset;
-    float tolerance;
+// A row of texels, as the windows of a thread's pixels see it.
+struct Row {
+    uvec4 same;   // bits of the texels that lie on the surface of each centre; none outside of its window
+    vec4 weights; // of the whole row in each window
 };
 
-Surface surface_at(ivec2 pixel, float depth) {
-    vec4 normals = imageLoad(gbuffer_normal, pixel);
-    vec3 geometric = octahedral_decode(normals.zw);
-    vec2 step = 2.0 / vec2(frame.size);
-    vec3 slope = vec3(dot(geometric, frame.ray_x.xyz) * step.x, dot(geometric, frame.ray_y.xyz) * step.y, 0.0);
-    slope.z = dot(geometric, frame.ray.xyz - frame.ray_x.xyz - frame.ray_y.xyz) + 0.5 * (slope.x + slope.y);
-    float offset = depth * dot(slope, vec3(pixel, 1.0));
-    return Surface(octahedral_decode(normals.xy), slope, offset, 0.25 * frame.position_cutoff * depth);
+// words: of the pixels; corner_y: of their windows; y: of the row.
+Row row_at(uvec4 words[WORDS], ivec4 corner_y, int y) {
+    ivec4 places = y - corner_y;
+    uvec4 same = uvec4(0u);
+    [[unroll]] for (int word = 0; word < WORDS; word++) {
+        same |= mix(uvec4(0u), words[word] >> (places % ROWS_IN_WORD * WIDTH), equal(places / ROWS_IN_WORD, ivec4(word)));
+    }
+    same = mix(uvec4(0u), same & ((1u << WIDTH) - 1u), lessThan(uvec4(places), uvec4(WIDTH)));
+    bvec4 ends = bvec4(uvec4(equal(places, ivec4(0))) | uvec4(equal(places, ivec4(WIDTH - 1))));
+    return Row(same, EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0));
 }
 
-// Twin: `same_surfaces` in discontinuities.comp, for four centres at once.
-bool same_surface(Surface surface, uint packed, ivec2 at) {
-    vec3 normal = unpack_normal(packed);
-    float distance = unpack_depth(packed) * dot(surface.slope, vec3(at, 1.0)) - surface.offset;
-    bool alike = dot(normal, surface.shading) >= MIN_NORMAL_COSINE * length(normal);
-    return is_surface(packed) && alike && abs(distance) <= surface.tolerance;
-}
-
-// Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
-uint packed_at(ivec2 at) {
-    bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));
-    return inside ? texelFetch(packed_surfaces, at.y * int(frame.size.x) + at.x).r : 0u;
+// How much a texel of the row counts in each window.
+vec4 shares_at(Row row, int column) {
+    bvec4 counts = notEqual(row.same & (1u << column), uvec4(0u));
+    return mix(vec4(0.0), weight_at(column) * row.weights, counts);
 }

@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 use super::gbuffer::Surfaces;
+use super::indirect_shadows::UploadedSet;
 use super::set_history::SetHistory;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
@@ -20,8 +21,10 @@ pub struct IndirectShadingInputs<'a> {
     pub surfaces: Surfaces<'a>,
     /// What each pixel has got from its class; see `IndirectShadowsPass::record`.
     pub class_irradiance: &'a Buffer,
-    /// Luminous flux of all classes over all sets.
-    pub total_flux: f32,
+    /// The VPLs of the set.
+    pub vpls: &'a UploadedSet,
+    /// Luminous flux of each class over all sets.
+    pub class_flux: &'a [f32],
     /// Fraction of view depth.
     pub position_cutoff: f32,
 }
@@ -31,19 +34,25 @@ pub struct IndirectShadingInputs<'a> {
 struct Push {
     total_flux: f32,
     layer: u32,
+    first_texel: u32,
 }
 
 /// The pass.
 pub struct IndirectShadingPass {
     pack: Arc<ComputePipeline>,
     compare: Arc<ComputePipeline>,
+    weigh: Arc<ComputePipeline>,
     filter: Arc<ComputePipeline>,
     /// Depth and normal of each pixel, row by row; see shaders/include/packed_surface.glsl.
     packed_surfaces: Buffer,
     /// A bit for each pixel of a pixel's window; see shaders/include/window.glsl.
     discontinuities: Buffer,
+    /// Luminous flux of the classes that a pixel's window brings together; see shaders/present_flux.comp.
+    present_flux: Buffer,
     extent: [u32; 2],
     interleave: u32,
+    /// The flux of each class that it was worked out with.
+    weighed: Vec<f32>,
     /// The cut-off that they were worked out with; none before the first frame.
     compared: Option<f32>,
 }
@@ -56,9 +65,12 @@ impl IndirectShadingPass {
         Ok(Self {
             pack: pipeline("packed_surfaces", shaders::PACKED_SURFACES_COMP)?,
             compare: pipeline("discontinuities", shaders::DISCONTINUITIES_COMP)?,
+            weigh: pipeline("present_flux", shaders::PRESENT_FLUX_COMP)?,
             filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
             packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, interleave)?,
+            present_flux: texels_of_threads(device, "present_flux", extent, 1)?,
+            weighed: Vec::new(),
             extent,
             interleave,
             compared: None,
@@ -70,9 +82,12 @@ impl IndirectShadingPass {
         Ok(Self {
             pack: Arc::clone(&self.pack),
             compare: Arc::clone(&self.compare),
+            weigh: Arc::clone(&self.weigh),
             filter: Arc::clone(&self.filter),
             packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, self.interleave)?,
+            present_flux: texels_of_threads(device, "present_flux", extent, 1)?,
+            weighed: Vec::new(),
             extent,
             interleave: self.interleave,
             compared: None,
@@ -90,7 +105,9 @@ impl IndirectShadingPass {
         let threads = [width, height.div_ceil(ROWS)];
         let normal = &inputs.surfaces.gbuffer.normal;
         let compared = self.compared.replace(inputs.position_cutoff);
-        if !inputs.surfaces.unchanged || compared != Some(inputs.position_cutoff) {
+        let first_texel = inputs.vpls.first_texel();
+        let changed = !inputs.surfaces.unchanged || compared != Some(inputs.position_cutoff);
+        if changed {
             frame
                 .pass("indirect_shading", &self.pack)
                 .read("frame", inputs.frame)
@@ -106,7 +123,19 @@ impl IndirectShadingPass {
                 .write("discontinuities", &self.discontinuities)
                 .dispatch_over(threads)?;
         }
-        let push = Push { total_flux: inputs.total_flux, layer: sets.spare_layer() };
+        if changed || self.weighed != inputs.class_flux {
+            self.weighed.clear();
+            self.weighed.extend_from_slice(inputs.class_flux);
+            frame
+                .pass("indirect_shading", &self.weigh)
+                .read("frame", inputs.frame)
+                .read("vpl_set", &inputs.vpls.texels)
+                .read("discontinuities", &self.discontinuities)
+                .write("present_flux", &self.present_flux)
+                .push(&first_texel)
+                .dispatch_over(threads)?;
+        }
+        let push = Push { total_flux: inputs.vpls.total_flux, layer: sets.spare_layer(), first_texel };
         frame
             .pass("indirect_shading", &self.filter)
             .read("frame", inputs.frame)
@@ -114,6 +143,8 @@ impl IndirectShadingPass {
             .read("class_irradiance", inputs.class_irradiance)
             .read("packed_surfaces", &self.packed_surfaces)
             .read("discontinuities", &self.discontinuities)
+            .read("present_flux", &self.present_flux)
+            .read("vpl_set", &inputs.vpls.texels)
             .write("set_buffers", sets.buffers())
             .push(&push)
             .dispatch_over(threads)
@@ -124,14 +155,19 @@ fn packed_surfaces(device: &Arc<Device>, [width, height]: [u32; 2]) -> Result<Bu
     Buffer::of_texels(device, "packed_surfaces", u64::from(width) * u64::from(height), Texels::R32)
 }
 
-/// A texel for each word of the pixels of a thread.
-fn discontinuities(
+fn discontinuities(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Buffer, VulkanError> {
+    texels_of_threads(device, "discontinuities", extent, words(interleave))
+}
+
+/// Texels of which each has a word for each pixel of a thread.
+fn texels_of_threads(
     device: &Arc<Device>,
+    name: &str,
     [width, height]: [u32; 2],
-    interleave: u32,
+    texels: u32,
 ) -> Result<Buffer, VulkanError> {
-    let texels = u64::from(width) * u64::from(height.div_ceil(ROWS)) * u64::from(words(interleave));
-    Buffer::of_texels(device, "discontinuities", texels, Texels::Rgba32)
+    let threads = u64::from(width) * u64::from(height.div_ceil(ROWS));
+    Buffer::of_texels(device, name, threads * u64::from(texels), Texels::Rgba32)
 }
 
 /// Words of 32 bits that hold the window's rows, each whole. Twin: `WORDS` in shaders/include/window.glsl.

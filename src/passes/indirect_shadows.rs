@@ -156,8 +156,8 @@ impl IndirectShadowsPass {
         counters.chunks_exact(8).step_by(COUNTER_STRIDE).take(COUNTERS).map(word).sum()
     }
 
-    /// Casts the rays of the set. Out: a texel for each pixel, row by row, bits of floats: irradiance from the VPLs of its
-    /// class; a: luminous flux of the class over all sets.
+    /// Casts the rays of the set. Out: a texel for each pixel, row by row: irradiance from the VPLs of its class; see
+    /// shaders/include/packed_irradiance.glsl.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -197,5 +197,5 @@ impl IndirectShadowsPass {
 
 fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanError> {
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
-    Buffer::of_texels(device, "class_irradiance", pixels, Texels::Rgba32)
+    Buffer::of_texels(device, "class_irradiance", pixels, Texels::Rg32)
 }

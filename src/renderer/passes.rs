@@ -53,6 +53,8 @@ pub(super) struct PassInputs<'a> {
     pub drawn: DrawnSet,
     /// Luminous flux of each set.
     pub set_flux: &'a [f32],
+    /// Luminous flux of each class over all sets.
+    pub class_flux: &'a [f32],
     /// What to show other than the picture.
     pub view: Option<ViewOfFrame<'a>>,
 }
@@ -120,7 +122,8 @@ impl Passes {
             frame: uniforms,
             surfaces,
             class_irradiance,
-            total_flux: vpls.total_flux,
+            vpls,
+            class_flux: inputs.class_flux,
             position_cutoff,
         };
         self.indirect_shading.record(frame, &shading, &self.sets)?;

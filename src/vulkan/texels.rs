@@ -12,6 +12,8 @@ use super::{Buffer, Device, VulkanError};
 pub enum Texels {
     /// One of 32 bits.
     R32,
+    /// Two of 32 bits.
+    Rg32,
     /// Four of 32 bits.
     Rgba32,
 }
@@ -21,6 +23,7 @@ impl Texels {
     pub(super) const fn size(self) -> u64 {
         match self {
             Self::R32 => 4,
+            Self::Rg32 => 8,
             Self::Rgba32 => 16,
         }
     }
@@ -28,6 +31,7 @@ impl Texels {
     fn format(self) -> vk::Format {
         match self {
             Self::R32 => vk::Format::R32_UINT,
+            Self::Rg32 => vk::Format::R32G32_UINT,
             Self::Rgba32 => vk::Format::R32G32B32A32_UINT,
         }
     }
