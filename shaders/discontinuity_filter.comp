@@ -24,11 +24,13 @@ layout(set = 0, binding = 4) uniform utextureBuffer discontinuities;
 layout(set = 0, binding = 5) uniform utextureBuffer present_flux;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2DArray set_buffers;
 
-layout(push_constant) uniform Push {
+struct Push {
     float total_flux; // of all classes
     uint layer;       // of the set buffers, for this set
     uint first_texel; // of the VPLs
-} push;
+};
+layout(push_constant) uniform PushBlock { Push data; } pushed;
+Push push = pushed.data;
 
 #include "same_surface.glsl"
 #include "window.glsl"
@@ -39,30 +41,59 @@ const float MIN_PRESENT = 0.25;
 // Irradiance from the VPLs of a pixel's class.
 vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }
 
-// By pixel of the thread.
+// By pixel of a column.
 struct Sums {
     vec4 red, green, blue;
-    vec4 present; // luminous flux of the classes that were found, each as often as it was
 };
 
+// A column of pixels that a thread takes care of.
+struct Strip {
+    ivec2 first; // pixel
+    ivec2 corner; // of its window
+    ivec4 corner_y; // of each
+    vec4 depth; // 0 where no surface is
+    vec4 present; // luminous flux of the classes that were found, each as often as it was
+    uvec4 words[MOST_WORDS];
+};
+
+Strip strip_at(ivec2 place) {
+    Strip strip;
+    strip.first = place * ivec2(1, ROWS);
+    strip.corner = corner_of(strip.first);
+    [[unroll]] for (int row = 0; row < ROWS; row++) {
+        ivec2 pixel = strip.first + ivec2(0, row);
+        strip.corner_y[row] = corner_of(pixel).y;
+        strip.depth[row] = unpack_depth(packed_at(pixel));
+    }
+    strip.present = uintBitsToFloat(texelFetch(present_flux, word_texel(place, 0)));
+    [[unroll]] for (int word = 0; word < WORDS; word++) {
+        strip.words[word] = texelFetch(discontinuities, word_texel(place, word));
+    }
+    return strip;
+}
+
 // Adds up the pixels of the windows that lie on the centres' surfaces.
-Sums window_sums(ivec2 thread, ivec2 corner, ivec4 corner_y) {
-    uvec4 words[WORDS];
-    [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
-    vec4 present = uintBitsToFloat(texelFetch(present_flux, word_texel(thread, 0)));
-    Sums sums = Sums(vec4(0.0), vec4(0.0), vec4(0.0), present);
+Sums[COLUMNS] window_sums(Strip strips[COLUMNS]) {
+    Sums sums[COLUMNS];
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) sums[strip] = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
-        int y = corner.y + row;
-        Row windows = row_at(words, corner_y, y);
-        int texel = y * int(frame.size.x) + corner.x;
-        [[unroll]] for (int column = 0; column < WIDTH; column++) {
+        int y = strips[0].corner.y + row;
+        Row windows[COLUMNS];
+        [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+            windows[strip] = row_at(strips[strip].words, strips[strip].corner_y, y);
+        }
+        int texel = y * int(frame.size.x) + strips[0].corner.x;
+        [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
             vec3 of_class = class_at(min(texel + column, last));
-            vec4 shares = shares_at(windows, column);
-            sums.red += shares * of_class.r;
-            sums.green += shares * of_class.g;
-            sums.blue += shares * of_class.b;
+            [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+                if (column < strip || column >= strip + WIDTH) continue;
+                vec4 shares = shares_at(windows[strip], column - strip);
+                sums[strip].red += shares * of_class.r;
+                sums[strip].green += shares * of_class.g;
+                sums[strip].blue += shares * of_class.b;
+            }
         }
     }
     return sums;
@@ -72,52 +103,61 @@ Sums window_sums(ivec2 thread, ivec2 corner, ivec4 corner_y) {
 // whether to go on: see tracer_find.
 const int STEP = INTERLEAVE % 3u != 0u ? 3 : INTERLEAVE == 6u ? 5 : 2;
 
-void add_farther(inout Sums sums, ivec2 pixel, int row) {
+// a: luminous flux of their classes.
+vec4 farther_sum(ivec2 pixel) {
     Surface surface = surface_at(pixel, unpack_depth(packed_at(pixel)));
     ivec2 corner = pixel - (int(INTERLEAVE - 1u) * STEP) / 2;
+    vec4 sum = vec4(0.0);
     uint place = 0u;
     do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
-        vec3 of_class = same ? class_at(at.y * int(frame.size.x) + at.x) : vec3(0.0);
-        sums.red[row] += of_class.r;
-        sums.green[row] += of_class.g;
-        sums.blue[row] += of_class.b;
-        sums.present[row] += same ? vpl_class(push.first_texel, class_of(uvec2(at))).flux : 0.0;
+        vec3 irradiance = class_at(at.y * int(frame.size.x) + at.x);
+        vec4 of_class = vec4(irradiance, vpl_class(push.first_texel, class_of(uvec2(at))).flux);
+        sum += same ? of_class : vec4(0.0);
     } while (++place < INTERLEAVE * INTERLEAVE);
+    return sum;
 }
 
 void main() {
-    ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
-    ivec2 first = thread * ivec2(1, ROWS);
-    if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
-    ivec2 corner = corner_of(first);
-    ivec4 corner_y;
-    vec4 depth; // 0 where no surface is
-    [[unroll]] for (int row = 0; row < ROWS; row++) {
-        corner_y[row] = corner_of(first + ivec2(0, row)).y;
-        depth[row] = unpack_depth(packed_at(first + ivec2(0, row)));
-    }
-    Sums sums = window_sums(thread, corner, corner_y);
+    ivec2 first = ivec2(gl_GlobalInvocationID.xy) * ivec2(COLUMNS, 1);
+    if (any(greaterThanEqual(first * ivec2(1, ROWS), ivec2(frame.size)))) return;
+    Strip strips[COLUMNS];
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) strips[strip] = strip_at(first + ivec2(strip, 0));
+    Sums sums[COLUMNS] = window_sums(strips);
     // On thin and curved things few classes lie on the surface: without more of them it would be speckled.
     uint few = 0u;
-    [[unroll]] for (int row = 0; row < ROWS; row++) {
-        bool lacks = depth[row] > 0.0 && sums.present[row] < MIN_PRESENT * push.total_flux;
-        few |= lacks ? 1u << row : 0u;
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+        [[unroll]] for (int row = 0; row < ROWS; row++) {
+            bool lacks = strips[strip].depth[row] > 0.0
+                && strips[strip].present[row] < MIN_PRESENT * push.total_flux;
+            few |= lacks ? 1u << (strip * ROWS + row) : 0u;
+        }
     }
     if (few != 0u) {
         do {
-            int row = findLSB(few);
-            add_farther(sums, first + ivec2(0, row), row);
+            int lacking = findLSB(few);
+            vec4 found = farther_sum(strips[0].first + ivec2(lacking / ROWS, lacking % ROWS));
+            [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+                bvec4 here = equal(ivec4(lacking), ivec4(0, 1, 2, 3) + strip * ROWS);
+                sums[strip].red += mix(vec4(0.0), vec4(found.r), here);
+                sums[strip].green += mix(vec4(0.0), vec4(found.g), here);
+                sums[strip].blue += mix(vec4(0.0), vec4(found.b), here);
+                strips[strip].present += mix(vec4(0.0), vec4(found.a), here);
+            }
             few &= few - 1u;
         } while (few != 0u);
     }
-    [[unroll]] for (int row = 0; row < ROWS; row++) {
-        ivec2 pixel = first + ivec2(0, row);
-        if (pixel.y >= int(frame.size.y)) continue;
-        vec3 irradiance = vec3(sums.red[row], sums.green[row], sums.blue[row]);
-        float scale = sums.present[row] > 0.0 ? push.total_flux / sums.present[row] * frame.irradiance_scale : 0.0;
-        vec4 stored = depth[row] > 0.0 ? vec4(irradiance * scale, depth[row]) : vec4(0.0);
-        imageStore(set_buffers, ivec3(pixel, int(push.layer)), stored);
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+        [[unroll]] for (int row = 0; row < ROWS; row++) {
+            ivec2 pixel = strips[strip].first + ivec2(0, row);
+            if (any(greaterThanEqual(pixel, ivec2(frame.size)))) continue;
+            vec3 irradiance = vec3(sums[strip].red[row], sums[strip].green[row], sums[strip].blue[row]);
+            float present = strips[strip].present[row];
+            float depth = strips[strip].depth[row];
+            float scale = present > 0.0 ? push.total_flux / present * frame.irradiance_scale : 0.0;
+            vec4 stored = depth > 0.0 ? vec4(irradiance * scale, depth) : vec4(0.0);
+            imageStore(set_buffers, ivec3(pixel, int(push.layer)), stored);
+        }
     }
 }

@@ -30,7 +30,7 @@ layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceDat
 layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
 layout(set = 0, binding = 8, rgba32f) uniform image2D irradiance;
 
-layout(push_constant) uniform Push {
+struct Push {
     uint instance_count;
     uint scale_missing;
     float total_flux;
@@ -46,7 +46,9 @@ layout(push_constant) uniform Push {
     uint layer_now;       // and now
     float scale_before;   // what its irradiance is multiplied by, before
     float scale_now;      // and now
-} push;
+};
+layout(push_constant) uniform PushBlock { Push data; } pushed;
+Push push = pushed.data;
 
 #include "reprojection.glsl"
 

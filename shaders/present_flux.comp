@@ -23,7 +23,7 @@ void main() {
     ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
     ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
-    uvec4 words[WORDS];
+    uvec4 words[MOST_WORDS];
     [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = texelFetch(discontinuities, word_texel(thread, word));
     ivec2 corner = corner_of(first);
     ivec4 corner_y;

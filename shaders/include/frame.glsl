@@ -1,6 +1,6 @@
 // What every pass of a frame may want to know. Twin: FrameUniforms in src/passes/structs.rs.
 
-layout(set = 0, binding = 0, std140) uniform FrameUniforms {
+struct FrameUniforms {
     mat4 view_projection;          // world to clip, reversed depth
     mat4 previous_view_projection; // the same, one frame ago
     vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
@@ -15,7 +15,12 @@ layout(set = 0, binding = 0, std140) uniform FrameUniforms {
     float irradiance_scale;        // set buffers hold irradiance times this
     float depth_scale;             // packed depths are view depths times this
     float roulette;                // one over the irradiance below which a VPL gets only some of its rays
-} frame;
+};
+
+layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;
+
+// Loaded where a shader begins: once threads have parted, CPU drivers load even uniforms lane by lane.
+FrameUniforms frame = frame_uniforms.data;
 
 const float PI = 3.14159265358979;
 

@@ -7,8 +7,16 @@ const int WIDTH = int(EVEN ? INTERLEAVE + 1u : INTERLEAVE);
 
 float weight_at(int place) { return EVEN && (place == 0 || place == WIDTH - 1) ? 0.5 : 1.0; }
 
+// Neighbours whose windows lie side by side wherever they are, so that a thread can see to both.
+const int COLUMNS = 2;
+
 // First pixel of a window: moved inside at the borders, it still holds every class once.
-ivec2 corner_of(ivec2 pixel) { return clamp(pixel - WIDTH / 2, ivec2(0), max(ivec2(frame.size) - WIDTH, ivec2(0))); }
+ivec2 corner_of(ivec2 pixel) {
+    ivec2 first = ivec2(pixel.x / COLUMNS * COLUMNS, pixel.y);
+    ivec2 covered = ivec2(min(COLUMNS, int(frame.size.x) - first.x) - 1 + WIDTH, WIDTH);
+    ivec2 corner = clamp(first - WIDTH / 2, ivec2(0), max(ivec2(frame.size) - covered, ivec2(0)));
+    return corner + pixel - first;
+}
 
 // Pixels, one below the other, of which each thread takes care: a texel lies in the windows of several, and much of its
 // cost is to load and unpack it. Twin: `ROWS` in src/passes/indirect_shading.rs.
@@ -18,6 +26,8 @@ const int ROWS = 4;
 // src/passes/indirect_shading.rs.
 const int ROWS_IN_WORD = 32 / WIDTH;
 const int WORDS = (WIDTH + ROWS_IN_WORD - 1) / ROWS_IN_WORD;
+// For n up to 8: arrays in structures are not sized by what is known only when a pipeline is made.
+const int MOST_WORDS = 3;
 
 // The texel with a word of each of a thread's pixels.
 int word_texel(ivec2 thread, int word) {
@@ -32,14 +42,16 @@ struct Row {
 };
 
 // words: of the pixels; corner_y: of their windows; y: of the row.
-Row row_at(uvec4 words[WORDS], ivec4 corner_y, int y) {
-    ivec4 places = y - corner_y;
-    uvec4 same = uvec4(0u);
-    [[unroll]] for (int word = 0; word < WORDS; word++) {
-        same |= mix(uvec4(0u), words[word] >> (places % ROWS_IN_WORD * WIDTH), equal(places / ROWS_IN_WORD, ivec4(word)));
+Row row_at(uvec4 words[MOST_WORDS], ivec4 corner_y, int y) {
+    // Windows outside of which the row lies have their places before or after their rows: as unsigned, after them.
+    uvec4 places = uvec4(y - corner_y);
+    uvec4 same = words[0] >> (places * uint(WIDTH) & 31u);
+    [[unroll]] for (int word = 1; word < WORDS; word++) {
+        uvec4 in_word = words[word] >> ((places - uint(word * ROWS_IN_WORD)) * uint(WIDTH) & 31u);
+        same = mix(same, in_word, greaterThanEqual(places, uvec4(word * ROWS_IN_WORD)));
     }
-    same = mix(uvec4(0u), same & ((1u << WIDTH) - 1u), lessThan(uvec4(places), uvec4(WIDTH)));
-    bvec4 ends = bvec4(uvec4(equal(places, ivec4(0))) | uvec4(equal(places, ivec4(WIDTH - 1))));
+    same = mix(uvec4(0u), same & ((1u << WIDTH) - 1u), lessThan(places, uvec4(WIDTH)));
+    bvec4 ends = bvec4(uvec4(equal(places, uvec4(0u))) | uvec4(equal(places, uvec4(WIDTH - 1))));
     return Row(same, EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0));
 }
 

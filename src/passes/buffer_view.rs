@@ -192,7 +192,7 @@ impl BufferViewPass {
         let parameters = upload_parameters(frame, set)?;
         frame
             .pass("buffer_view", &self.pipeline)
-            .read("frame", inputs.frame)
+            .read("frame_uniforms", inputs.frame)
             .read("gbuffer_position", &gbuffer.position)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)

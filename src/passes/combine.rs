@@ -30,7 +30,7 @@ pub struct CombineInputs<'a> {
 impl CombineInputs<'_> {
     /// Binds everything that shaders/include/radiance.glsl names.
     fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("frame", self.frame)
+        pass.read("frame_uniforms", self.frame)
             .read("direct", self.direct)
             .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
@@ -58,10 +58,12 @@ impl CombinePass {
     /// Makes the pipelines and the picture, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
+        let keeps = u32::from(device.info().kind == "cpu");
+        let combine = ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &[keeps])?;
         Ok(Self {
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
-            combine: pipeline("combine", shaders::COMBINE_COMP)?,
+            combine: Arc::new(combine),
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,

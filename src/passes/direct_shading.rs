@@ -61,7 +61,7 @@ impl DirectShadingPass {
         let gbuffer = inputs.surfaces.gbuffer;
         frame
             .pass("direct_shading", &self.pipeline)
-            .read("frame", inputs.frame)
+            .read("frame_uniforms", inputs.frame)
             .read("gbuffer_position", &gbuffer.position)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)

@@ -166,7 +166,7 @@ impl GBufferPass {
         let colors = [&targets.position, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
-            .read("frame", inputs.frame)
+            .read("frame_uniforms", inputs.frame)
             .read("instances", &inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(

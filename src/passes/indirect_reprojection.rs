@@ -189,7 +189,7 @@ impl IndirectReprojectionPass {
             let rows = (extent[1] - push.first_row).div_ceil(push.row_step);
             frame
                 .pass("indirect_reprojection", pipeline)
-                .read("frame", inputs.frame)
+                .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_position", &inputs.gbuffer.position)
                 .read("gbuffer_normal", &inputs.gbuffer.normal)
                 .read("gbuffer_instance", &inputs.gbuffer.instance)

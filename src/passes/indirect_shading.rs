@@ -12,6 +12,8 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, Vulk
 
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
 const ROWS: u32 = 4;
+/// Columns of pixels of a thread of the filter. Twin: `COLUMNS` in shaders/include/window.glsl.
+const COLUMNS: u32 = 2;
 
 /// What the pass reads.
 pub struct IndirectShadingInputs<'a> {
@@ -110,14 +112,14 @@ impl IndirectShadingPass {
         if changed {
             frame
                 .pass("indirect_shading", &self.pack)
-                .read("frame", inputs.frame)
+                .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_position", &inputs.surfaces.gbuffer.position)
                 .read("gbuffer_normal", normal)
                 .write("packed_surfaces", &self.packed_surfaces)
                 .dispatch_over(self.extent)?;
             frame
                 .pass("indirect_shading", &self.compare)
-                .read("frame", inputs.frame)
+                .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_normal", normal)
                 .read("packed_surfaces", &self.packed_surfaces)
                 .write("discontinuities", &self.discontinuities)
@@ -128,7 +130,7 @@ impl IndirectShadingPass {
             self.weighed.extend_from_slice(inputs.class_flux);
             frame
                 .pass("indirect_shading", &self.weigh)
-                .read("frame", inputs.frame)
+                .read("frame_uniforms", inputs.frame)
                 .read("vpl_set", &inputs.vpls.texels)
                 .read("discontinuities", &self.discontinuities)
                 .write("present_flux", &self.present_flux)
@@ -138,7 +140,7 @@ impl IndirectShadingPass {
         let push = Push { total_flux: inputs.vpls.total_flux, layer: sets.spare_layer(), first_texel };
         frame
             .pass("indirect_shading", &self.filter)
-            .read("frame", inputs.frame)
+            .read("frame_uniforms", inputs.frame)
             .read("gbuffer_normal", normal)
             .read("class_irradiance", inputs.class_irradiance)
             .read("packed_surfaces", &self.packed_surfaces)
@@ -147,7 +149,7 @@ impl IndirectShadingPass {
             .read("vpl_set", &inputs.vpls.texels)
             .write("set_buffers", sets.buffers())
             .push(&push)
-            .dispatch_over(threads)
+            .dispatch_over([width.div_ceil(COLUMNS), threads[1]])
     }
 }
 

@@ -172,7 +172,7 @@ impl IndirectShadowsPass {
         for word in 0..set.largest_class.div_ceil(WORD).max(1) {
             let pass = frame
                 .pass("indirect_shadows", pipeline)
-                .read("frame", inputs.frame)
+                .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_position", &gbuffer.position)
                 .read("gbuffer_normal", &gbuffer.normal)
                 .read("vpl_set", &set.texels)

@@ -70,7 +70,7 @@ impl OverlayPass {
         let upload = frame.upload(&data)?;
         frame
             .draw_pass("overlay", &self.pipeline)
-            .read("frame", uniforms)
+            .read("frame_uniforms", uniforms)
             .read("lines", &upload)
             .read("gbuffer_position", position)
             .draw(&Targets::Over(display), |list| {

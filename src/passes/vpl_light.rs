@@ -45,7 +45,7 @@ impl VplLightPass {
         let vpls = frame.upload(&[inputs.vpl.unwrap_or_default()])?;
         let pass = frame
             .pass("vpl_light", &self.pipeline)
-            .read("frame", inputs.frame)
+            .read("frame_uniforms", inputs.frame)
             .read("gbuffer_position", &inputs.gbuffer.position)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("vpls", &vpls)

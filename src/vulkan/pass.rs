@@ -168,8 +168,15 @@ impl<'f> Pass<'f> {
         let mut list = DrawList { pass: &self };
         list.viewport([0, 0], [width, height]);
         draw(&mut list);
-        // SAFETY: closes what was begun above.
-        unsafe { self.recorder.device().raw().cmd_end_rendering(commands) };
+        // SAFETY: closes what was begun above; the second rendering has no attachments and draws nothing.
+        unsafe {
+            let raw = self.recorder.device().raw();
+            raw.cmd_end_rendering(commands);
+            // llvmpipe goes through all tiles of what was drawn into last at every timestamp that follows. Now it is one.
+            let area = vk::Rect2D { offset: area.offset, extent: vk::Extent2D { width: 1, height: 1 } };
+            raw.cmd_begin_rendering(commands, &vk::RenderingInfo::default().render_area(area).layer_count(1));
+            raw.cmd_end_rendering(commands);
+        }
         self.recorder.end_scope();
         Ok(())
     }
