@@ -154,7 +154,7 @@ vec3 light_view(ivec2 pixel) {
     vec3 e = imageLoad(irradiance, pixel).rgb;
     vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
     switch (push.view) {
-        case UNFILTERED: return lit(unpack_irradiance(texelFetch(class_irradiance, pixel.y * int(frame.size.x) + pixel.x).rg) * push.unfiltered);
+        case UNFILTERED: return lit(unpack_irradiance(texelFetch(class_irradiance, texel_of(pixel)).rg) * push.unfiltered);
         case IRRADIANCE: return lit(e);
         default: return shown(albedo / PI * e * exposure.factor);
     }

@@ -120,14 +120,7 @@ vec3 reflected(LightData light, Surface surface) {
     return reflectance * irradiance;
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    if (id.x == 0u) {
-        imageStore(direct, pixel, vec4(frame.background.rgb, 0.0));
-        return;
-    }
+vec3 radiance_of(uvec2 id, ivec2 pixel) {
     vec4 normals = imageLoad(gbuffer_normal, pixel);
     Surface surface;
     surface.position = imageLoad(gbuffer_position, pixel).xyz;
@@ -148,5 +141,14 @@ void main() {
             radiance += reflected(lights.data[i], surface);
         } while (++i < frame.light_count);
     }
-    imageStore(direct, pixel, vec4(radiance, 1.0));
+    return radiance;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    vec4 result = vec4(frame.background.rgb, 0.0);
+    if (id.x != 0u) result = vec4(radiance_of(id, pixel), 1.0);
+    imageStore(direct, pixel, result);
 }

@@ -41,6 +41,9 @@ const float MIN_PRESENT = 0.25;
 // Irradiance from the VPLs of a pixel's class.
 vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }
 
+// Columns of pixels of a thread, for the same reason as ROWS. Twin: `COLUMNS` in src/passes/indirect_shading.rs.
+const int COLUMNS = 2;
+
 // By pixel of a column.
 struct Sums {
     vec4 red, green, blue;
@@ -78,18 +81,21 @@ Sums[COLUMNS] window_sums(Strip strips[COLUMNS]) {
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) sums[strip] = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
+    int offsets[COLUMNS]; // of the windows; at the picture's borders they lie on one another
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) offsets[strip] = strips[strip].corner.x - strips[0].corner.x;
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
         int y = strips[0].corner.y + row;
         Row windows[COLUMNS];
         [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
             windows[strip] = row_at(strips[strip].words, strips[strip].corner_y, y);
+            windows[strip].same <<= offsets[strip];
         }
-        int texel = y * int(frame.size.x) + strips[0].corner.x;
+        int texel = texel_of(ivec2(strips[0].corner.x, y));
         [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
             vec3 of_class = class_at(min(texel + column, last));
             [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
-                if (column < strip || column >= strip + WIDTH) continue;
-                vec4 shares = shares_at(windows[strip], column - strip);
+                if (column >= strip + WIDTH) continue;
+                vec4 shares = shares_at(windows[strip], column, weight_at(column - offsets[strip]));
                 sums[strip].red += shares * of_class.r;
                 sums[strip].green += shares * of_class.g;
                 sums[strip].blue += shares * of_class.b;
@@ -112,7 +118,7 @@ vec4 farther_sum(ivec2 pixel) {
     do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
-        vec3 irradiance = class_at(at.y * int(frame.size.x) + at.x);
+        vec3 irradiance = class_at(texel_of(at));
         vec4 of_class = vec4(irradiance, vpl_class(push.first_texel, class_of(uvec2(at))).flux);
         sum += same ? of_class : vec4(0.0);
     } while (++place < INTERLEAVE * INTERLEAVE);

@@ -65,9 +65,8 @@ bool sees(vec4 stored, float depth) {
 }
 
 // Goes on with the sum of the last frame where every set is in it and nothing may move; tells whether it did.
-bool goes_on(ivec2 pixel) {
+bool goes_on(ivec2 pixel, vec4 last, inout vec4 sum) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
-    vec4 last = imageLoad(irradiance, pixel);
     vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
     vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
     bool seen = !MOVES || sees(now, imageLoad(gbuffer_position, pixel).w);
@@ -77,10 +76,8 @@ bool goes_on(ivec2 pixel) {
     vec3 rest = last.rgb - was;
     // What is left of a difference of equal numbers is not light.
     rest = mix(vec3(0.0), rest, greaterThan(rest, 1e-5 * last.rgb));
-    // What has not changed must not be rounded either: then the picture stands still. Nor is it written, which is most of the
-    // work on CPU drivers.
-    vec3 sum = mix(rest + is, last.rgb, equal(was, is));
-    if (sum != last.rgb) imageStore(irradiance, pixel, vec4(sum, last.a));
+    // What has not changed must not be rounded either: then the picture stands still.
+    sum = vec4(mix(rest + is, last.rgb, equal(was, is)), last.a);
     return true;
 }
 
@@ -131,13 +128,10 @@ void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, bool may_move
     } while (++i < push.drawn_count);
 }
 
-// Sums up all sets.
-void sum_up(ivec2 pixel) {
+// The sum of all sets.
+vec4 sum_of_all(ivec2 pixel) {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    if (id.x == 0u) {
-        imageStore(irradiance, pixel, vec4(0.0));
-        return;
-    }
+    if (id.x == 0u) return vec4(0.0);
     vec4 position = imageLoad(gbuffer_position, pixel);
     bool may_move = MOVES && (id.y & MAY_MOVE) != 0u;
     uint same_view_count = may_move ? 0u : push.same_view_count;
@@ -150,7 +144,7 @@ void sum_up(ivec2 pixel) {
     if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
         sum.irradiance *= push.total_flux / sum.flux;
     }
-    imageStore(irradiance, pixel, vec4(sum.irradiance, may_move ? -float(sum.count) : float(sum.count)));
+    return vec4(sum.irradiance, may_move ? -float(sum.count) : float(sum.count));
 }
 
 void main() {
@@ -158,6 +152,10 @@ void main() {
     ivec2 pixel = ivec2(thread.x, thread.y * push.row_step + push.first_row);
     if (any(greaterThanEqual(uvec2(pixel), frame.size))) return;
     bool running = STEADY || (push.running == 1u && uint(pixel.y) % REFRESHED != push.refresh);
-    if (running) running = goes_on(pixel);
-    if (!STEADY && !running) sum_up(pixel);
+    vec4 last = imageLoad(irradiance, pixel);
+    vec4 sum = last;
+    if (running) running = goes_on(pixel, last, sum);
+    if (!STEADY && !running) sum = sum_of_all(pixel);
+    // To write costs CPU drivers more than to compare.
+    if (sum != last) imageStore(irradiance, pixel, sum);
 }

@@ -29,6 +29,8 @@ const uint COUNTER_STRIDE = 8u;
 layout(push_constant) uniform Push {
     uint first_texel; // of the VPLs
     uint word;        // which 32 VPLs of each class
+    uint first_row;   // of blocks
+    uint first_pixel; // in class_irradiance: as much of it as a storage buffer may show
 } push;
 
 // Pixels of a thread, 1 to 4: those of its class that follow one another down the picture.
@@ -61,7 +63,7 @@ void main() {
     // groups of the n^2 classes of one block of the picture follow one another, which keeps the block in
     // the caches. Twin: `threads` in src/passes/indirect_shadows.rs.
     uint pixel_class = gl_WorkGroupID.x % (INTERLEAVE * INTERLEAVE);
-    uvec2 block = uvec2(gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE), gl_WorkGroupID.y);
+    uvec2 block = uvec2(gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE), gl_WorkGroupID.y + push.first_row);
     uvec2 place = uvec2(pixel_class % INTERLEAVE, pixel_class / INTERLEAVE);
     uvec2 first = (block * 8u + gl_LocalInvocationID.xy) * uvec2(1u, PIXELS) * INTERLEAVE + place;
     uvec2 next = uvec2(0u, INTERLEAVE);
@@ -111,7 +113,7 @@ void main() {
     [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
         uvec2 pixel = first + i * next;
         if (any(greaterThanEqual(pixel, frame.size))) continue;
-        uint at = pixel.y * frame.size.x + pixel.x;
+        int at = texel_of(ivec2(pixel)) - int(push.first_pixel);
         // Later words of the set's VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
         if (push.word > 0u) sum += unpack_irradiance(class_irradiance.words[at]);

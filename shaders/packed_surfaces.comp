@@ -15,5 +15,5 @@ void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     float depth = imageLoad(gbuffer_position, pixel).w;
     uint packed = pack_surface(depth, imageLoad(gbuffer_normal, pixel).xy);
-    imageStore(packed_surfaces, int(pixel.y * frame.size.x + pixel.x), uvec4(packed));
+    imageStore(packed_surfaces, texel_of(pixel), uvec4(packed));
 }

@@ -39,7 +39,7 @@ void main() {
                 uint class_there = class_of(uvec2(corner + ivec2(column, row)));
                 flux[row][column] = vpl_class(push.first_texel, class_there).flux;
             }
-            present += shares_at(windows, column) * flux[row % n][column % n];
+            present += shares_at(windows, column, weight_at(column)) * flux[row % n][column % n];
         }
     }
     imageStore(present_flux, word_texel(thread, 0), floatBitsToUint(present));

@@ -22,6 +22,9 @@ layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } 
 // Loaded where a shader begins: once threads have parted, CPU drivers load even uniforms lane by lane.
 FrameUniforms frame = frame_uniforms.data;
 
+// Where buffers with a texel a pixel have that of `pixel`: row by row.
+int texel_of(ivec2 pixel) { return pixel.y * int(frame.size.x) + pixel.x; }
+
 const float PI = 3.14159265358979;
 
 // How far ray ends are moved off their surfaces at world position p: far beyond the rounding of

@@ -33,5 +33,5 @@ bool same_surface(Surface surface, uint packed, ivec2 at) {
 // Pixels outside of the picture, which one that is smaller than the window has, lie on no surface.
 uint packed_at(ivec2 at) {
     bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(frame.size)));
-    return inside ? texelFetch(packed_surfaces, at.y * int(frame.size.x) + at.x).r : 0u;
+    return inside ? texelFetch(packed_surfaces, texel_of(at)).r : 0u;
 }

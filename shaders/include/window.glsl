@@ -7,16 +7,8 @@ const int WIDTH = int(EVEN ? INTERLEAVE + 1u : INTERLEAVE);
 
 float weight_at(int place) { return EVEN && (place == 0 || place == WIDTH - 1) ? 0.5 : 1.0; }
 
-// Neighbours whose windows lie side by side wherever they are, so that a thread can see to both.
-const int COLUMNS = 2;
-
 // First pixel of a window: moved inside at the borders, it still holds every class once.
-ivec2 corner_of(ivec2 pixel) {
-    ivec2 first = ivec2(pixel.x / COLUMNS * COLUMNS, pixel.y);
-    ivec2 covered = ivec2(min(COLUMNS, int(frame.size.x) - first.x) - 1 + WIDTH, WIDTH);
-    ivec2 corner = clamp(first - WIDTH / 2, ivec2(0), max(ivec2(frame.size) - covered, ivec2(0)));
-    return corner + pixel - first;
-}
+ivec2 corner_of(ivec2 pixel) { return clamp(pixel - WIDTH / 2, ivec2(0), max(ivec2(frame.size) - WIDTH, ivec2(0))); }
 
 // Pixels, one below the other, of which each thread takes care: a texel lies in the windows of several, and much of its
 // cost is to load and unpack it. Twin: `ROWS` in src/passes/indirect_shading.rs.
@@ -55,8 +47,8 @@ Row row_at(uvec4 words[MOST_WORDS], ivec4 corner_y, int y) {
     return Row(same, EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0));
 }
 
-// How much a texel of the row counts in each window.
-vec4 shares_at(Row row, int column) {
+// How much a texel of the row counts in each window. weight: of its column.
+vec4 shares_at(Row row, int column, float weight) {
     bvec4 counts = notEqual(row.same & (1u << column), uvec4(0u));
-    return mix(vec4(0.0), weight_at(column) * row.weights, counts);
+    return mix(vec4(0.0), weight * row.weights, counts);
 }

@@ -12,7 +12,7 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, Vulk
 
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
 const ROWS: u32 = 4;
-/// Columns of pixels of a thread of the filter. Twin: `COLUMNS` in shaders/include/window.glsl.
+/// Columns of pixels of a thread of the filter. Twin: `COLUMNS` in shaders/discontinuity_filter.comp.
 const COLUMNS: u32 = 2;
 
 /// What the pass reads.

@@ -68,12 +68,42 @@ impl UploadedSet {
     }
 }
 
-/// What one dispatch does: a word of every class.
+/// What one dispatch does: a word of every class, in a band of the picture.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 struct Push {
     first_texel: u32,
     word: u32,
+    first_row: u32,
+    first_pixel: u32,
+}
+
+/// Rows of workgroups' blocks whose irradiance one storage buffer can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Band {
+    /// Of blocks.
+    first_row: u32,
+    rows: u32,
+    /// In the irradiance.
+    first_pixel: u64,
+    pixels: u64,
+}
+
+/// The picture in bands of at most `limit` bytes of irradiance, at least 2²⁷ as for every device. `block` is the height of a
+/// block, a multiple of eight.
+fn bands([width, height]: [u32; 2], block: u32, limit: u64) -> impl Iterator<Item = Band> {
+    // So many begin where every device lets a storage buffer begin: at a multiple of 256 bytes.
+    const ALIGNED: u64 = 4;
+    let row = u64::from(block) * u64::from(width);
+    let fitting = limit / (row * Texels::Rg32.size()) / ALIGNED * ALIGNED;
+    let most = u32::try_from(fitting.max(ALIGNED)).unwrap_or(u32::MAX / 2);
+    let rows = height.div_ceil(block);
+    let picture = u64::from(width) * u64::from(height);
+    (0..rows).step_by(most as usize).map(move |first_row| {
+        let first_pixel = u64::from(first_row) * row;
+        let rows = most.min(rows - first_row);
+        Band { first_row, rows, first_pixel, pixels: (u64::from(rows) * row).min(picture - first_pixel) }
+    })
 }
 
 /// What the pass reads.
@@ -97,6 +127,8 @@ pub struct IndirectShadowsPass {
     /// of them wait.
     joined: Option<Arc<ComputePipeline>>,
     irradiance: Buffer,
+    /// Bytes of it that a storage buffer shows at most.
+    most_shown: u64,
     extent: [u32; 2],
     counters: Buffer,
     interleave: u32,
@@ -121,6 +153,7 @@ impl IndirectShadowsPass {
             single: pipeline(1)?,
             joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
             irradiance: irradiance(device, extent)?,
+            most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave,
@@ -134,6 +167,7 @@ impl IndirectShadowsPass {
             single: Arc::clone(&self.single),
             joined: self.joined.clone(),
             irradiance: irradiance(device, extent)?,
+            most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
             interleave: self.interleave,
@@ -168,34 +202,67 @@ impl IndirectShadowsPass {
         let set = inputs.set;
         let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
         let (pipeline, pixels) = joined.map_or((&self.single, 1), |joined| (joined, JOINED));
-        // At least one, so that an empty set gives black.
-        for word in 0..set.largest_class.div_ceil(WORD).max(1) {
-            let pass = frame
-                .pass("indirect_shadows", pipeline)
-                .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_position", &gbuffer.position)
-                .read("gbuffer_normal", &gbuffer.normal)
-                .read("vpl_set", &set.texels)
-                .write("class_irradiance", &self.irradiance)
-                .write("counters", &self.counters)
-                .push(&Push { first_texel: set.first_texel(), word });
-            inputs.tracer.bind(pass).dispatch_threads(self.threads(pixels))?;
+        // Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
+        // the pixels of a thread downwards.
+        const GROUP: u32 = 8;
+        let n = self.interleave;
+        let columns = self.extent[0].div_ceil(GROUP * n);
+        for band in bands(self.extent, GROUP * n * pixels, self.most_shown) {
+            let size = Texels::Rg32.size();
+            let irradiance = self.irradiance.slice(band.first_pixel * size, band.pixels * size);
+            // At least one, so that an empty set gives black.
+            for word in 0..set.largest_class.div_ceil(WORD).max(1) {
+                let pass = frame
+                    .pass("indirect_shadows", pipeline)
+                    .read("frame_uniforms", inputs.frame)
+                    .read("gbuffer_position", &gbuffer.position)
+                    .read("gbuffer_normal", &gbuffer.normal)
+                    .read("vpl_set", &set.texels)
+                    .write("class_irradiance", irradiance)
+                    .write("counters", &self.counters)
+                    .push(&Push {
+                        first_texel: set.first_texel(),
+                        word,
+                        first_row: band.first_row,
+                        first_pixel: u32::try_from(band.first_pixel).unwrap_or(u32::MAX),
+                    });
+                let threads = [columns * n * n * GROUP, band.rows * GROUP, 1];
+                inputs.tracer.bind(pass).dispatch_threads(threads)?;
+            }
         }
         Ok(&self.irradiance)
-    }
-
-    /// Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
-    /// the pixels of a thread downwards.
-    fn threads(&self, pixels: u32) -> [u32; 3] {
-        const GROUP: u32 = 8;
-        let [width, height] = self.extent;
-        let columns = width.div_ceil(GROUP * self.interleave);
-        let rows = height.div_ceil(GROUP * self.interleave * pixels);
-        [columns * self.interleave * self.interleave * GROUP, rows * GROUP, 1]
     }
 }
 
 fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanError> {
     let pixels = u64::from(extent[0]) * u64::from(extent[1]);
     Buffer::of_texels(device, "class_irradiance", pixels, Texels::Rg32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_the_picture_within_the_limit() {
+        let limit = 1 << 27;
+        for extent in [[1, 1], [512, 512], [1921, 1081], [7680, 4320], [16384, 16384], [16383, 16381]] {
+            for block in [8, 32, 64, 256] {
+                let bands: Vec<_> = bands(extent, block, limit).collect();
+                let [mut row, mut pixel] = [0, 0];
+                for band in &bands {
+                    assert_eq!((u64::from(band.first_row), band.first_pixel), (row, pixel));
+                    assert!(
+                        band.pixels * 8 <= limit && band.first_pixel * 8 % 256 == 0,
+                        "{extent:?} {band:?}"
+                    );
+                    row += u64::from(band.rows);
+                    pixel += band.pixels;
+                }
+                assert_eq!(row, u64::from(extent[1].div_ceil(block)));
+                assert_eq!(pixel, u64::from(extent[0]) * u64::from(extent[1]));
+            }
+        }
+        assert_eq!(bands([512, 512], 128, limit).count(), 1);
+    }
 }

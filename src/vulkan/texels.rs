@@ -20,7 +20,7 @@ pub enum Texels {
 
 impl Texels {
     /// Bytes of one.
-    pub(super) const fn size(self) -> u64 {
+    pub const fn size(self) -> u64 {
         match self {
             Self::R32 => 4,
             Self::Rg32 => 8,
