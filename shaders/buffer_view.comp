@@ -13,7 +13,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
@@ -160,17 +160,18 @@ vec3 light_view(ivec2 pixel) {
     }
 }
 
-vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
+vec3 surface_view(ivec2 pixel, float depth, uvec2 id) {
+    vec3 position = position_at(pixel, depth);
     vec4 normals = imageLoad(gbuffer_normal, pixel);
     vec4 specular = materials.data[id.y & MATERIAL].specular;
     vec3 geometric = octahedral_decode(normals.zw);
     vec4 light = imageLoad(irradiance, pixel);
     switch (push.view) {
-        case SET_REPROJECTED: return set_reprojected(pixel, position.xyz, geometric, id);
+        case SET_REPROJECTED: return set_reprojected(pixel, position, geometric, id);
         case SET_COUNT: return share_colour(abs(light.a) / float(push.set_count));
         case VPL_VISIBILITY: return vec3(push.one_vpl == 1u ? light.a : 0.0);
-        case POSITION: return (position.xyz - push.low.xyz) / push.extent.xyz;
-        case DEPTH: return vec3((push.extent.w - position.w) / (push.extent.w - push.low.w));
+        case POSITION: return (position - push.low.xyz) / push.extent.xyz;
+        case DEPTH: return vec3((push.extent.w - depth) / (push.extent.w - push.low.w));
         case NORMAL: return octahedral_decode(normals.xy) * 0.5 + 0.5;
         case GEOMETRIC_NORMAL: return geometric * 0.5 + 0.5;
         case ALBEDO: return srgb(imageLoad(gbuffer_albedo, pixel).rgb);
@@ -179,7 +180,7 @@ vec3 surface_view(ivec2 pixel, vec4 position, uvec2 id) {
         case INSTANCE: return number_colour(id.x - 1u);
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:
-            vec2 pixels = motion(pixel, position.xyz, id.x - 1u);
+            vec2 pixels = motion(pixel, position, id.x - 1u);
             // The root shows slow movement, too.
             return vec3(0.5 + 0.5 * sign(pixels) * sqrt(abs(pixels) / FULL_MOTION), 0.5);
         default: return light_view(pixel);
@@ -192,7 +193,7 @@ void main() {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec3 colour;
     if (!whole_picture(pixel, colour) && id.x > 0u) {
-        colour = surface_view(pixel, imageLoad(gbuffer_position, pixel), id);
+        colour = surface_view(pixel, imageLoad(gbuffer_depth, pixel).r, id);
     }
     imageStore(display, pixel, vec4(clamp(colour, 0.0, 1.0), 1.0));
 }

@@ -10,7 +10,7 @@
 
 layout(local_size_x = 32, local_size_y = 2) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_instance;
@@ -123,7 +123,7 @@ vec3 reflected(LightData light, Surface surface) {
 vec3 radiance_of(uvec2 id, ivec2 pixel) {
     vec4 normals = imageLoad(gbuffer_normal, pixel);
     Surface surface;
-    surface.position = imageLoad(gbuffer_position, pixel).xyz;
+    surface.position = position_at(pixel, imageLoad(gbuffer_depth, pixel).r);
     surface.shading = octahedral_decode(normals.xy);
     surface.geometric = octahedral_decode(normals.zw);
     surface.albedo = imageLoad(gbuffer_albedo, pixel).rgb;

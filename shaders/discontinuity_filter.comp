@@ -35,8 +35,9 @@ Push push = pushed.data;
 #include "same_surface.glsl"
 #include "window.glsl"
 
-// Share of the flux that the window has to bring; else pixels farther away are asked as well.
-const float MIN_PRESENT = 0.25;
+// Share of the flux that the window has to bring; else pixels farther away are asked as well. Not a quarter: that is what a
+// line of pixels brings, and rounding would decide.
+const float MIN_PRESENT = 0.27;
 
 // Irradiance from the VPLs of a pixel's class.
 vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }

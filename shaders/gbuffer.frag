@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// G-buffer, texels: position, normals, albedo and instance of the nearest surface; all else follows from these.
+// G-buffer, texels: view depth, normals, albedo and instance of the nearest surface; all else follows from these.
 #include "frame.glsl"
 #include "scene.glsl"
 #include "gbuffer.glsl"
@@ -17,7 +17,7 @@ layout(set = 1, binding = 0) uniform sampler2D albedo_texture;
 
 layout(push_constant) uniform Push { uint instance; uint material; } push;
 
-layout(location = 0) out vec4 out_position;
+layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_normal;
 layout(location = 2) out vec4 out_albedo;
 layout(location = 3) out uvec2 out_instance;
@@ -38,7 +38,7 @@ void main() {
     if (dot(shading, geometric) < 0.0) shading = -shading;
 
     bool front = gl_FrontFacing != (instances.data[push.instance].mirrored == 1u);
-    out_position = vec4(position_ws, 1.0 / gl_FragCoord.w);
+    out_depth = 1.0 / gl_FragCoord.w;
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(material.albedo.rgb * texel, 1.0);
     bool dynamic = instances.data[push.instance].dynamic == 1u;

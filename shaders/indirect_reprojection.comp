@@ -21,7 +21,7 @@ layout(constant_id = 0) const bool MOVES = true;
 // Whether every set has seen every surface that is seen now, where it is.
 layout(constant_id = 1) const bool STEADY = false;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 4, rgba16f) uniform readonly image2DArray set_buffers;
@@ -69,7 +69,7 @@ bool goes_on(ivec2 pixel, vec4 last, inout vec4 sum) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
     vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
     vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
-    bool seen = !MOVES || sees(now, imageLoad(gbuffer_position, pixel).w);
+    bool seen = !MOVES || sees(now, imageLoad(gbuffer_depth, pixel).r);
     if (last.a != float(push.set_count) || !seen) return false;
     vec3 was = before.rgb * push.scale_before;
     vec3 is = now.rgb * push.scale_now;
@@ -132,14 +132,14 @@ void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, bool may_move
 vec4 sum_of_all(ivec2 pixel) {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     if (id.x == 0u) return vec4(0.0);
-    vec4 position = imageLoad(gbuffer_position, pixel);
+    float depth = imageLoad(gbuffer_depth, pixel).r;
     bool may_move = MOVES && (id.y & MAY_MOVE) != 0u;
     uint same_view_count = may_move ? 0u : push.same_view_count;
     Sum sum = Sum(vec3(0.0), 0.0, 0u);
-    add_same_views(sum, pixel, position.w, same_view_count);
+    add_same_views(sum, pixel, depth, same_view_count);
     if (MOVES) {
         vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
-        add_other_views(sum, position.xyz, n, id.x - 1u, may_move, same_view_count);
+        add_other_views(sum, position_at(pixel, depth), n, id.x - 1u, may_move, same_view_count);
     }
     if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
         sum.irradiance *= push.total_flux / sum.flux;

@@ -17,7 +17,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 5, std430) buffer IrradianceBlock { uvec2 words[]; } class_irradiance;
 layout(set = 0, binding = 6, std430) buffer CounterBlock { uvec2 rays[]; } counters;
@@ -45,10 +45,10 @@ struct Surface {
 
 Surface surface_at(uvec2 pixel) {
     bool inside = all(lessThan(pixel, frame.size));
-    vec4 position = inside ? imageLoad(gbuffer_position, ivec2(pixel)) : vec4(0.0);
+    float depth = inside ? imageLoad(gbuffer_depth, ivec2(pixel)).r : 0.0;
     vec4 normals = imageLoad(gbuffer_normal, ivec2(min(pixel, frame.size - 1u)));
-    return Surface(
-        position.xyz, octahedral_decode(normals.xy), octahedral_decode(normals.zw), position.w > 0.0);
+    vec3 position = position_at(ivec2(pixel), depth);
+    return Surface(position, octahedral_decode(normals.xy), octahedral_decode(normals.zw), depth > 0.0);
 }
 
 // What the VPL brings to the surface if it sees it. share: of such rays that are cast, each of which stands for the others.

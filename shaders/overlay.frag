@@ -9,7 +9,7 @@ layout(location = 1) in flat vec2 inverse_depths;
 layout(location = 2) in flat vec4 colour;
 layout(location = 3) in flat vec2 radius_hidden;
 
-layout(set = 0, binding = 2) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_depth;
 
 layout(location = 0) out vec4 out_colour;
 
@@ -24,7 +24,7 @@ void main() {
     float cover = clamp(radius_hidden.x + 0.5 - distance(gl_FragCoord.xy, axis), 0.0, 1.0);
     float depth = 1.0 / mix(inverse_depths.x, inverse_depths.y, part);
     ivec2 pixel = clamp(ivec2(floor(axis)), ivec2(0), ivec2(frame.size) - 1);
-    float surface = texelFetch(gbuffer_position, pixel, 0).w;
+    float surface = texelFetch(gbuffer_depth, pixel, 0).r;
     bool hidden = surface > 0.0 && depth > surface * ON_SURFACE;
     out_colour = vec4(colour.rgb, colour.a * cover * (hidden ? radius_hidden.y : 1.0));
 }

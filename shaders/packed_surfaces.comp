@@ -6,14 +6,14 @@
 
 layout(local_size_x = 64, local_size_y = 1) in;
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D gbuffer_position;
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    float depth = imageLoad(gbuffer_position, pixel).w;
+    float depth = imageLoad(gbuffer_depth, pixel).r;
     uint packed = pack_surface(depth, imageLoad(gbuffer_normal, pixel).xy);
     imageStore(packed_surfaces, texel_of(pixel), uvec4(packed));
 }

@@ -22,6 +22,12 @@ layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } 
 // Loaded where a shader begins: once threads have parted, CPU drivers load even uniforms lane by lane.
 FrameUniforms frame = frame_uniforms.data;
 
+// World position of what a pixel sees at a view depth.
+vec3 position_at(ivec2 pixel, float depth) {
+    vec2 at = (vec2(pixel) + 0.5) * (2.0 / vec2(frame.size)) - 1.0;
+    return frame.eye.xyz + depth * (frame.ray.xyz + at.x * frame.ray_x.xyz + at.y * frame.ray_y.xyz);
+}
+
 // Where buffers with a texel a pixel have that of `pixel`: row by row.
 int texel_of(ivec2 pixel) { return pixel.y * int(frame.size.x) + pixel.x; }
 

@@ -193,7 +193,7 @@ impl BufferViewPass {
         frame
             .pass("buffer_view", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_position", &gbuffer.position)
+            .read("gbuffer_depth", &gbuffer.depth)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("materials", inputs.materials)

@@ -62,7 +62,7 @@ impl DirectShadingPass {
         frame
             .pass("direct_shading", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_position", &gbuffer.position)
+            .read("gbuffer_depth", &gbuffer.depth)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("gbuffer_instance", &gbuffer.instance)

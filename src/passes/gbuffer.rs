@@ -1,4 +1,4 @@
-//! `gbuffer`: position, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
+//! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
 //! for as long as neither the camera nor anything else moves.
 
 use std::mem::offset_of;
@@ -19,7 +19,7 @@ use crate::vulkan::{
 
 /// Formats of the colour targets, in the order of the shader's outputs.
 const FORMATS: [vk::Format; 4] = [
-    vk::Format::R32G32B32A32_SFLOAT,
+    vk::Format::R32_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R32G32_UINT,
@@ -27,15 +27,16 @@ const FORMATS: [vk::Format; 4] = [
 
 /// What the pass writes.
 pub struct GBuffer {
-    /// xyz: world position; w: view depth, 0 where no surface is.
-    pub position: Image,
+    /// View depth, 0 where no surface is.
+    pub depth: Image,
     /// xy: shading normal; zw: geometric normal; octahedral, both on the side that is seen.
     pub normal: Image,
     /// rgb: diffuse albedo, linear.
     pub albedo: Image,
     /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides, bit 30 where it may move.
     pub instance: Image,
-    depth: Image,
+    /// What raster compares by.
+    nearest: Image,
 }
 
 impl GBuffer {
@@ -46,12 +47,12 @@ impl GBuffer {
         let color = vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let stored = color | vk::ImageUsageFlags::STORAGE;
         Ok(Self {
-            position: target("gbuffer_position", FORMATS[0], stored)?,
+            depth: target("gbuffer_depth", FORMATS[0], stored)?,
             normal: target("gbuffer_normal", FORMATS[1], stored)?,
             albedo: target("gbuffer_albedo", FORMATS[2], stored)?,
             instance: target("gbuffer_instance", FORMATS[3], color)?,
-            depth: target(
-                "gbuffer_depth",
+            nearest: target(
+                "gbuffer_nearest",
                 vk::Format::D32_SFLOAT,
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             )?,
@@ -163,14 +164,14 @@ impl GBufferPass {
 
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
         let targets = &self.targets;
-        let colors = [&targets.position, &targets.normal, &targets.albedo, &targets.instance];
+        let colors = [&targets.depth, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
             .read("instances", &inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(
-            &Targets::Cleared { colors: &colors, depth: &targets.depth },
+            &Targets::Cleared { colors: &colors, depth: &targets.nearest },
             |list| {
                 list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
                 let draws =

@@ -190,7 +190,7 @@ impl IndirectReprojectionPass {
             frame
                 .pass("indirect_reprojection", pipeline)
                 .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_position", &inputs.gbuffer.position)
+                .read("gbuffer_depth", &inputs.gbuffer.depth)
                 .read("gbuffer_normal", &inputs.gbuffer.normal)
                 .read("gbuffer_instance", &inputs.gbuffer.instance)
                 .read("set_buffers", sets.buffers())

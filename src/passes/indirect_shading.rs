@@ -113,7 +113,7 @@ impl IndirectShadingPass {
             frame
                 .pass("indirect_shading", &self.pack)
                 .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_position", &inputs.surfaces.gbuffer.position)
+                .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
                 .read("gbuffer_normal", normal)
                 .write("packed_surfaces", &self.packed_surfaces)
                 .dispatch_over(self.extent)?;

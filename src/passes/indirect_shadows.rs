@@ -215,7 +215,7 @@ impl IndirectShadowsPass {
                 let pass = frame
                     .pass("indirect_shadows", pipeline)
                     .read("frame_uniforms", inputs.frame)
-                    .read("gbuffer_position", &gbuffer.position)
+                    .read("gbuffer_depth", &gbuffer.depth)
                     .read("gbuffer_normal", &gbuffer.normal)
                     .read("vpl_set", &set.texels)
                     .write("class_irradiance", irradiance)

@@ -54,13 +54,13 @@ impl OverlayPass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &description)? })
     }
 
-    /// Draws `lines` one after the other over `display`; `position` is that of the G-buffer.
+    /// Draws `lines` one after the other over `display`; `depth` is that of the G-buffer.
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
         uniforms: &Upload,
         lines: &[Line],
-        position: &Image,
+        depth: &Image,
         display: &Image,
     ) -> Result<(), VulkanError> {
         if lines.is_empty() {
@@ -72,7 +72,7 @@ impl OverlayPass {
             .draw_pass("overlay", &self.pipeline)
             .read("frame_uniforms", uniforms)
             .read("lines", &upload)
-            .read("gbuffer_position", position)
+            .read("gbuffer_depth", depth)
             .draw(&Targets::Over(display), |list| {
                 list.draw_made_up(6, u32::try_from(data.len()).unwrap_or(u32::MAX));
             })

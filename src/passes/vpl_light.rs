@@ -46,7 +46,7 @@ impl VplLightPass {
         let pass = frame
             .pass("vpl_light", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_position", &inputs.gbuffer.position)
+            .read("gbuffer_depth", &inputs.gbuffer.depth)
             .read("gbuffer_normal", &inputs.gbuffer.normal)
             .read("vpls", &vpls)
             .write("vpl_light", &self.light)

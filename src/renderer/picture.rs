@@ -63,7 +63,7 @@ impl Renderer {
 
     fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {
         let gbuffer = self.passes.gbuffer.output();
-        let position = self.read_floats(&gbuffer.position)?;
+        let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&gbuffer.depth.read_layer(&self.device, 0, 4)?);
         let normal = self.read_halves(&gbuffer.normal, 4)?;
         let ids = gbuffer.instance.read_layer(&self.device, 0, 8)?;
         let ids: Vec<[u32; 2]> = bytemuck::cast_slice(&ids).to_vec();
@@ -76,14 +76,15 @@ impl Renderer {
             })
             .collect();
         let specular: Vec<[f32; 4]> = ids.iter().map(|id| self.specular(*id)).collect();
-        let pixels = (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
-        let motion: Vec<[f32; 2]> = pixels
+        let pixels = || (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
+        let position: Vec<[f32; 4]> =
+            pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
+        let motion: Vec<[f32; 2]> = pixels()
             .zip(&position)
             .zip(&ids)
             .map(|((pixel, position), id)| self.motion(pixel, position, id[0]))
             .collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
-        let depth = position.iter().map(|pixel| pixel[3]).collect();
         Ok(vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
             Layer::of_channels("indirect", &["R", "G", "B"], &light.irradiance),
@@ -102,6 +103,16 @@ impl Renderer {
         let material = self.scene.materials.get((material & MATERIAL) as usize);
         let material = material.filter(|_| instance > 0);
         material.map_or([0.0; 4], |material| material.specular.extend(material.shininess).to_array())
+    }
+
+    /// Where a pixel sees a surface at a view depth, in the world; 0 where it sees none. Twin: `position_at` in
+    /// shaders/include/frame.glsl.
+    fn position(&self, pixel: [u32; 2], depth: f32) -> [f32; 4] {
+        let Some(uniforms) = self.uniforms.filter(|_| depth > 0.0) else { return [0.0; 4] };
+        let [pixel, size] = [pixel, self.settings.size].map(|of| Vec2::from(of.map(|side| side as f32)));
+        let at = (pixel + 0.5) * (2.0 / size) - 1.0;
+        let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
+        (uniforms.eye + depth * ray).to_array()
     }
 
     /// How far the surface at a world position has moved since the frame before, as a fraction of the picture.

@@ -203,7 +203,7 @@ impl ViewPasses {
             pass.record(frame, shown.view.buffer, &buffers, sources.display)?;
         }
         match &self.overlay {
-            Some(pass) => pass.record(frame, &inputs.frame, &shown.lines, &gbuffer.position, sources.display),
+            Some(pass) => pass.record(frame, &inputs.frame, &shown.lines, &gbuffer.depth, sources.display),
             None => Ok(()),
         }
     }

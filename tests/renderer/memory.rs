@@ -12,7 +12,7 @@ fn computed(settings: &Settings) -> u64 {
         6 | 7 => 8,
         _ => 4,
     };
-    pixels * (96 + discontinuities + 8 * (u64::from(settings.temporal_sets) + 1))
+    pixels * (84 + discontinuities + 8 * (u64::from(settings.temporal_sets) + 1))
 }
 
 #[test]
