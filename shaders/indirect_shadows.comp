@@ -28,12 +28,13 @@ const uint COUNTER_STRIDE = 8u;
 
 layout(push_constant) uniform Push {
     uint first_texel; // of the VPLs
-    uint word;        // which 32 VPLs of each class
+    uint first_vpl;   // of each class
+    uint vpls;        // from there on
     uint first_row;   // of blocks
     uint first_pixel; // in class_irradiance: as much of it as a storage buffer may show
 } push;
 
-// Pixels of a thread, 1 to 4: those of its class that follow one another down the picture.
+// Pixels of a thread: those of its class that follow one another down the picture.
 layout(constant_id = 1) const uint PIXELS = 1u;
 
 struct Surface {
@@ -69,54 +70,58 @@ void main() {
     uvec2 next = uvec2(0u, INTERLEAVE);
 
     VplClass of_pixels = vpl_class(push.first_texel, pixel_class);
-    uint begin = of_pixels.first + push.word * 32u;
-    uint end = min(begin + 32u, of_pixels.end);
-    // What faces away needs no ray, and what brings little gets one seldom.
-    uvec4 chosen = uvec4(0u);
-    Surface surfaces[4];
-    [[unroll]] for (uint i = 0u; i < PIXELS; i++) surfaces[i] = surface_at(first + i * next);
+    uint begin = of_pixels.first + push.first_vpl;
+    uint end = min(begin + push.vpls, of_pixels.end);
+    Surface surfaces[PIXELS];
+    vec3 irradiance[PIXELS];
+    [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
+        surfaces[i] = surface_at(first + i * next);
+        irradiance[i] = vec3(0.0);
+    }
+    uint rays = 0u;
     if (begin < end) {
-        // Loops that ask at their end whether to go on: see tracer_find.
+        // One VPL after the other: rays that are on their way together lead to one place. Loops ask at their end whether to
+        // go on: see tracer_find.
         uint v = begin;
         do {
             GpuVpl vpl = vpl_at(push.first_texel, v);
+            // What faces away needs no ray, and what brings little gets one seldom.
+            vec3 brought[PIXELS];
+            uint waiting = 0u; // pixels, as bits
             [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
                 float share;
-                weighted_contribution(vpl, surfaces[i], share);
+                brought[i] = weighted_contribution(vpl, surfaces[i], share);
                 bool casts = surfaces[i].exists && share > ray_chance(first + i * next, vpl.slot);
-                chosen[i] |= casts ? 1u << (v - begin) : 0u;
+                waiting |= casts ? 1u << i : 0u;
+            }
+            rays += uint(bitCount(waiting));
+            uint lit = waiting;
+            if (waiting != 0u) {
+                vec3 goal = vpl.position + vpl.normal * ray_offset(vpl.position);
+                do {
+                    uint i = uint(findLSB(waiting));
+                    waiting &= waiting - 1u;
+                    Surface surface = surfaces[0];
+                    [[unroll]] for (uint other = 1u; other < PIXELS; other++) {
+                        if (i == other) surface = surfaces[other];
+                    }
+                    vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
+                    lit ^= trace_occluded(start, goal - start, 0.0, 1.0) ? 1u << i : 0u;
+                } while (waiting != 0u);
+            }
+            [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
+                irradiance[i] += (lit & (1u << i)) != 0u ? brought[i] : vec3(0.0);
             }
         } while (++v < end);
-    }
-    ivec4 counts = bitCount(chosen);
-    uint rays = uint(counts.x + counts.y + counts.z + counts.w);
-
-    mat4x3 irradiance = mat4x3(0.0);
-    if (chosen != uvec4(0u)) {
-        do {
-            uint i = PIXELS == 1u || chosen.x != 0u ? 0u : chosen.y != 0u ? 1u : chosen.z != 0u ? 2u : 3u;
-            Surface surface = surfaces[0];
-            if (PIXELS > 1u && i == 1u) surface = surfaces[1];
-            if (PIXELS > 2u && i == 2u) surface = surfaces[2];
-            if (PIXELS > 3u && i == 3u) surface = surfaces[3];
-            GpuVpl vpl = vpl_at(push.first_texel, begin + uint(findLSB(chosen[i])));
-            chosen[i] &= chosen[i] - 1u;
-            vec3 start = surface.position + surface.geometric * ray_offset(surface.position);
-            vec3 to_vpl = vpl.position + vpl.normal * ray_offset(vpl.position) - start;
-            if (!trace_occluded(start, to_vpl, 0.0, 1.0)) {
-                float share;
-                irradiance[i] += weighted_contribution(vpl, surface, share);
-            }
-        } while (chosen != uvec4(0u));
     }
 
     [[unroll]] for (uint i = 0u; i < PIXELS; i++) {
         uvec2 pixel = first + i * next;
         if (any(greaterThanEqual(pixel, frame.size))) continue;
         int at = texel_of(ivec2(pixel)) - int(push.first_pixel);
-        // Later words of the set's VPLs add to the earlier ones.
+        // Later VPLs add to the earlier ones.
         vec3 sum = irradiance[i];
-        if (push.word > 0u) sum += unpack_irradiance(class_irradiance.words[at]);
+        if (push.first_vpl > 0u) sum += unpack_irradiance(class_irradiance.words[at]);
         class_irradiance.words[at] = pack_irradiance(sum);
     }
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.

@@ -10,15 +10,14 @@ use super::tracer::{RayTracer, Tracer};
 use crate::vpl::SetVpls;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
-/// VPLs of each class that one dispatch does: llvmpipe leaves a shader's loops for good after 65,535 turns in all, and
-/// watchdogs of GPUs end long dispatches.
-const WORD: u32 = 32;
-
-/// Pixels of a thread that takes care of several. Twin: `PIXELS` in shaders/indirect_shadows.comp.
+/// Pixels of a thread on CPU devices: they run eight threads in step, and where each has a ray or none most of them wait.
 const JOINED: u32 = 4;
 
-/// Up to this many VPLs of a class that pays.
-const FEW: u32 = 8;
+/// VPLs of each class that one dispatch does at most: watchdogs of GPUs end long ones.
+const MOST_VPLS: u32 = 32;
+
+/// Rays of a thread in one dispatch at most: llvmpipe leaves a shader's loops for good after 65,535 turns in all.
+const MOST_RAYS: u32 = 64;
 
 /// Counters that workgroups share the rays out to.
 const COUNTERS: usize = 4;
@@ -68,12 +67,13 @@ impl UploadedSet {
     }
 }
 
-/// What one dispatch does: a word of every class, in a band of the picture.
+/// What one dispatch does: some VPLs of every class, in a band of the picture.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 struct Push {
     first_texel: u32,
-    word: u32,
+    first_vpl: u32,
+    vpls: u32,
     first_row: u32,
     first_pixel: u32,
 }
@@ -121,11 +121,9 @@ pub struct IndirectShadowsInputs<'a> {
 /// The pass.
 pub struct IndirectShadowsPass {
     tracer: RayTracer,
-    /// With one pixel a thread.
-    single: Arc<ComputePipeline>,
-    /// With [`JOINED`] pixels a thread, on CPU devices: they run eight threads in step, and where each has hardly a ray most
-    /// of them wait.
-    joined: Option<Arc<ComputePipeline>>,
+    pipeline: Arc<ComputePipeline>,
+    /// Of a thread. Twin: `PIXELS` in shaders/indirect_shadows.comp.
+    pixels: u32,
     irradiance: Buffer,
     /// Bytes of it that a storage buffer shows at most.
     most_shown: u64,
@@ -142,16 +140,14 @@ impl IndirectShadowsPass {
         extent: [u32; 2],
         interleave: u32,
     ) -> Result<Self, VulkanError> {
-        let pipeline = |pixels| {
-            let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
-            ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave, pixels])
-                .map(Arc::new)
-        };
-        let is_cpu = device.info().kind == "cpu";
+        let pixels = if device.info().kind == "cpu" { JOINED } else { 1 };
+        let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
+        let pipeline =
+            ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave, pixels])?;
         Ok(Self {
             tracer,
-            single: pipeline(1)?,
-            joined: is_cpu.then(|| pipeline(JOINED)).transpose()?,
+            pipeline: Arc::new(pipeline),
+            pixels,
             irradiance: irradiance(device, extent)?,
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
@@ -164,8 +160,8 @@ impl IndirectShadowsPass {
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
             tracer: self.tracer,
-            single: Arc::clone(&self.single),
-            joined: self.joined.clone(),
+            pipeline: Arc::clone(&self.pipeline),
+            pixels: self.pixels,
             irradiance: irradiance(device, extent)?,
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
@@ -200,20 +196,19 @@ impl IndirectShadowsPass {
         frame.clear(&self.counters);
         let gbuffer = inputs.gbuffer;
         let set = inputs.set;
-        let joined = self.joined.as_ref().filter(|_| set.largest_class <= FEW);
-        let (pipeline, pixels) = joined.map_or((&self.single, 1), |joined| (joined, JOINED));
+        let vpls = MOST_VPLS.min(MOST_RAYS / self.pixels);
         // Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
         // the pixels of a thread downwards.
         const GROUP: u32 = 8;
         let n = self.interleave;
         let columns = self.extent[0].div_ceil(GROUP * n);
-        for band in bands(self.extent, GROUP * n * pixels, self.most_shown) {
+        for band in bands(self.extent, GROUP * n * self.pixels, self.most_shown) {
             let size = Texels::Rg32.size();
             let irradiance = self.irradiance.slice(band.first_pixel * size, band.pixels * size);
             // At least one, so that an empty set gives black.
-            for word in 0..set.largest_class.div_ceil(WORD).max(1) {
+            for first_vpl in (0..set.largest_class.max(1)).step_by(vpls as usize) {
                 let pass = frame
-                    .pass("indirect_shadows", pipeline)
+                    .pass("indirect_shadows", &self.pipeline)
                     .read("frame_uniforms", inputs.frame)
                     .read("gbuffer_depth", &gbuffer.depth)
                     .read("gbuffer_normal", &gbuffer.normal)
@@ -222,7 +217,8 @@ impl IndirectShadowsPass {
                     .write("counters", &self.counters)
                     .push(&Push {
                         first_texel: set.first_texel(),
-                        word,
+                        first_vpl,
+                        vpls,
                         first_row: band.first_row,
                         first_pixel: u32::try_from(band.first_pixel).unwrap_or(u32::MAX),
                     });
