@@ -69,9 +69,11 @@ Strip strip_at(ivec2 place) {
         strip.corner_y[row] = corner_of(pixel).y;
         strip.depth[row] = unpack_depth(packed_at(pixel));
     }
-    strip.present = uintBitsToFloat(texelFetch(present_flux, word_texel(place, 0)));
+    // Beside the picture there is nothing to fetch, and nothing is written.
+    ivec2 inside = ivec2(min(place.x, int(frame.size.x) - 1), place.y);
+    strip.present = uintBitsToFloat(texelFetch(present_flux, word_texel(inside, 0)));
     [[unroll]] for (int word = 0; word < WORDS; word++) {
-        strip.words[word] = texelFetch(discontinuities, word_texel(place, word));
+        strip.words[word] = texelFetch(discontinuities, word_texel(inside, word));
     }
     return strip;
 }
@@ -106,11 +108,11 @@ Sums[COLUMNS] window_sums(Strip strips[COLUMNS]) {
     return sums;
 }
 
-// Adds pixels farther away, one of each class again: every STEP-th, with no factor in common with n. Loops ask at their end
-// whether to go on: see tracer_find.
+// From one pixel to the next of those farther away: no factor in common with n, so that each class is there once.
 const int STEP = INTERLEAVE % 3u != 0u ? 3 : INTERLEAVE == 6u ? 5 : 2;
 
-// a: luminous flux of their classes.
+// What pixels farther away bring, one of each class again; a: luminous flux of those that lie on the surface. Loops ask at
+// their end whether to go on: see tracer_find.
 vec4 farther_sum(ivec2 pixel) {
     Surface surface = surface_at(pixel, unpack_depth(packed_at(pixel)));
     ivec2 corner = pixel - (int(INTERLEAVE - 1u) * STEP) / 2;
@@ -119,9 +121,7 @@ vec4 farther_sum(ivec2 pixel) {
     do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
-        vec3 irradiance = class_at(texel_of(at));
-        vec4 of_class = vec4(irradiance, vpl_class(push.first_texel, class_of(uvec2(at))).flux);
-        sum += same ? of_class : vec4(0.0);
+        if (same) sum += vec4(class_at(texel_of(at)), vpl_class(push.first_texel, class_of(uvec2(at))).flux);
     } while (++place < INTERLEAVE * INTERLEAVE);
     return sum;
 }

@@ -31,8 +31,12 @@ layout(push_constant) uniform Push {
     uint first_vpl;   // of each class
     uint vpls;        // from there on
     uint first_row;   // of blocks
+    uint stride;      // from one run of blocks to the next; no factor in common with their number
     uint first_pixel; // in class_irradiance: as much of it as a storage buffer may show
 } push;
+
+// Blocks, side by side. Twin: `RUN` in src/passes/indirect_shadows.rs.
+const uint RUN = 4u;
 
 // Pixels of a thread: those of its class that follow one another down the picture.
 layout(constant_id = 1) const uint PIXELS = 1u;
@@ -60,11 +64,14 @@ vec3 weighted_contribution(GpuVpl vpl, Surface surface, out float share) {
 }
 
 void main() {
-    // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The
-    // groups of the n^2 classes of one block of the picture follow one another, which keeps the block in
-    // the caches. Twin: `threads` in src/passes/indirect_shadows.rs.
+    // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The groups of the n^2
+    // classes of one block of the picture follow one another, which keeps the block in the caches. After a run of blocks the
+    // next run lies `stride` farther on. Twin: `record` in src/passes/indirect_shadows.rs.
     uint pixel_class = gl_WorkGroupID.x % (INTERLEAVE * INTERLEAVE);
-    uvec2 block = uvec2(gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE), gl_WorkGroupID.y + push.first_row);
+    uint columns = gl_NumWorkGroups.x / (INTERLEAVE * INTERLEAVE);
+    uint turn = gl_WorkGroupID.y * columns + gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE);
+    uint met = turn / RUN * push.stride % (columns * gl_NumWorkGroups.y / RUN) * RUN + turn % RUN;
+    uvec2 block = uvec2(met % columns, met / columns + push.first_row);
     uvec2 place = uvec2(pixel_class % INTERLEAVE, pixel_class / INTERLEAVE);
     uvec2 first = (block * 8u + gl_LocalInvocationID.xy) * uvec2(1u, PIXELS) * INTERLEAVE + place;
     uvec2 next = uvec2(0u, INTERLEAVE);

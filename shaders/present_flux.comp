@@ -18,7 +18,6 @@ layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer present_fl
 
 layout(push_constant) uniform Push { uint first_texel; /* of the VPLs */ } push;
 
-
 void main() {
     ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
     ivec2 first = thread * ivec2(1, ROWS);

@@ -75,6 +75,7 @@ struct Push {
     first_vpl: u32,
     vpls: u32,
     first_row: u32,
+    stride: u32,
     first_pixel: u32,
 }
 
@@ -87,6 +88,16 @@ struct Band {
     /// In the irradiance.
     first_pixel: u64,
     pixels: u64,
+}
+
+/// Blocks that follow one another side by side. Twin: `RUN` in shaders/indirect_shadows.comp.
+const RUN: u32 = 4;
+
+/// From one of `runs` to the next, so that all are met: llvmpipe gives each thread a part of the workgroups that follow one
+/// another, and waits for the last; apart, they are a sample of the picture.
+fn stride(runs: u32) -> u32 {
+    // No picture has so many runs that all of these divide their number.
+    [61, 59, 53, 47, 43].into_iter().find(|prime| !runs.is_multiple_of(*prime)).unwrap_or(1)
 }
 
 /// The picture in bands of at most `limit` bytes of irradiance, at least 2²⁷ as for every device. `block` is the height of a
@@ -124,6 +135,8 @@ pub struct IndirectShadowsPass {
     pipeline: Arc<ComputePipeline>,
     /// Of a thread. Twin: `PIXELS` in shaders/indirect_shadows.comp.
     pixels: u32,
+    /// Whether runs of blocks that follow one another lie apart, on CPU devices: see [`stride`].
+    scatters: bool,
     irradiance: Buffer,
     /// Bytes of it that a storage buffer shows at most.
     most_shown: u64,
@@ -140,7 +153,8 @@ impl IndirectShadowsPass {
         extent: [u32; 2],
         interleave: u32,
     ) -> Result<Self, VulkanError> {
-        let pixels = if device.info().kind == "cpu" { JOINED } else { 1 };
+        let is_cpu = device.info().kind == "cpu";
+        let pixels = if is_cpu { JOINED } else { 1 };
         let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
         let pipeline =
             ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave, pixels])?;
@@ -148,6 +162,7 @@ impl IndirectShadowsPass {
             tracer,
             pipeline: Arc::new(pipeline),
             pixels,
+            scatters: is_cpu,
             irradiance: irradiance(device, extent)?,
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
@@ -162,6 +177,7 @@ impl IndirectShadowsPass {
             tracer: self.tracer,
             pipeline: Arc::clone(&self.pipeline),
             pixels: self.pixels,
+            scatters: self.scatters,
             irradiance: irradiance(device, extent)?,
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
@@ -201,7 +217,7 @@ impl IndirectShadowsPass {
         // the pixels of a thread downwards.
         const GROUP: u32 = 8;
         let n = self.interleave;
-        let columns = self.extent[0].div_ceil(GROUP * n);
+        let columns = self.extent[0].div_ceil(GROUP * n).next_multiple_of(RUN);
         for band in bands(self.extent, GROUP * n * self.pixels, self.most_shown) {
             let size = Texels::Rg32.size();
             let irradiance = self.irradiance.slice(band.first_pixel * size, band.pixels * size);
@@ -220,6 +236,7 @@ impl IndirectShadowsPass {
                         first_vpl,
                         vpls,
                         first_row: band.first_row,
+                        stride: if self.scatters { stride(columns * band.rows / RUN) } else { 1 },
                         first_pixel: u32::try_from(band.first_pixel).unwrap_or(u32::MAX),
                     });
                 let threads = [columns * n * n * GROUP, band.rows * GROUP, 1];
@@ -238,6 +255,15 @@ fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Buffer, VulkanEr
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_run_is_met() {
+        for runs in [1, 2, 61, 64, 61 * 59, 61 * 59 * 53, 2_048 * 512] {
+            let mut met: Vec<_> = (0..runs).map(|turn| turn * stride(runs) % runs).collect();
+            met.sort_unstable();
+            assert!(met.into_iter().eq(0..runs), "{runs}");
+        }
+    }
 
     #[test]
     fn bands_cover_the_picture_within_the_limit() {
