@@ -1,5 +1,6 @@
 //! `indirect_shading`: the discontinuity filter, which joins the classes of each pixel's neighbourhood and writes the set
-//! buffer. Which neighbours lie on a pixel's surface is worked out when the G-buffer has changed, and kept.
+//! buffer. Which neighbours lie on a pixel's surface is worked out when the G-buffer has changed, what flux their classes have
+//! when that or the flux of a class has; both are kept.
 
 use bytemuck::{Pod, Zeroable};
 
