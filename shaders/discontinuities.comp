@@ -62,7 +62,7 @@ void main() {
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
     Centres centres = centres_at(first);
     int corner_x = corner_of(first).x;
-    uvec4 words[WORDS];
+    uvec4 words[MOST_WORDS];
     [[unroll]] for (int word = 0; word < WORDS; word++) words[word] = uvec4(0u);
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
         int y = centres.corner_y[0] + row;
@@ -71,11 +71,7 @@ void main() {
             ivec2 at = ivec2(corner_x + column, y);
             same |= uvec4(same_surfaces(centres, packed_at(at), at)) << column;
         }
-        ivec4 places = y - centres.corner_y;
-        uvec4 placed = mix(uvec4(0u), same << (places % ROWS_IN_WORD * WIDTH), lessThan(uvec4(places), uvec4(WIDTH)));
-        [[unroll]] for (int word = 0; word < WORDS; word++) {
-            words[word] |= mix(uvec4(0u), placed, equal(places / ROWS_IN_WORD, ivec4(word)));
-        }
+        note_row(words, centres.corner_y, y, same);
     }
     [[unroll]] for (int word = 0; word < WORDS; word++) imageStore(discontinuities, word_texel(thread, word), words[word]);
 }

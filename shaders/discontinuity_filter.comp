@@ -29,6 +29,7 @@ struct Push {
     uint layer;       // of the set buffers, for this set
     uint first_texel; // of the VPLs
 };
+// Loaded before threads part, as `frame` is.
 layout(push_constant) uniform PushBlock { Push data; } pushed;
 Push push = pushed.data;
 

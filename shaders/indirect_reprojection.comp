@@ -47,6 +47,7 @@ struct Push {
     float scale_before;   // what its irradiance is multiplied by, before
     float scale_now;      // and now
 };
+// Loaded before threads part, as `frame` is.
 layout(push_constant) uniform PushBlock { Push data; } pushed;
 Push push = pushed.data;
 

@@ -47,6 +47,16 @@ Row row_at(uvec4 words[MOST_WORDS], ivec4 corner_y, int y) {
     return Row(same, EVEN ? mix(vec4(1.0), vec4(0.5), ends) : vec4(1.0));
 }
 
+// Notes in the words which texels of a row lie on the surface of each centre, and so have a bit in `same`.
+void note_row(inout uvec4 words[MOST_WORDS], ivec4 corner_y, int y, uvec4 same) {
+    uvec4 places = uvec4(y - corner_y);
+    same = mix(uvec4(0u), same, lessThan(places, uvec4(WIDTH)));
+    [[unroll]] for (int word = 0; word < WORDS; word++) {
+        uvec4 in_word = places - uint(word * ROWS_IN_WORD);
+        words[word] |= mix(uvec4(0u), same << (in_word * uint(WIDTH) & 31u), lessThan(in_word, uvec4(ROWS_IN_WORD)));
+    }
+}
+
 // How much a texel of the row counts in each window. weight: of its column.
 vec4 shares_at(Row row, int column, float weight) {
     bvec4 counts = notEqual(row.same & (1u << column), uvec4(0u));
