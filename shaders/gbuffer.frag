@@ -15,6 +15,9 @@ layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceDat
 layout(set = 0, binding = 2, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 1, binding = 0) uniform sampler2D albedo_texture;
 
+// Whether the material has an alpha mask. What cannot be discarded is compared by depth before it is shaded.
+layout(constant_id = 0) const bool MASKED = false;
+
 layout(push_constant) uniform Push { uint instance; uint material; } push;
 
 layout(location = 0) out float out_depth;
@@ -27,7 +30,7 @@ void main() {
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
     vec3 texel = texture(albedo_texture, surface_uv).rgb;
     MaterialData material = materials.data[push.material];
-    if (material.mask != 0u && !mask_opaque(material.mask, surface_uv)) discard;
+    if (MASKED && !mask_opaque(material.mask, surface_uv)) discard;
 
     // Turn both normals to the side that is seen: surfaces are two-sided.
     vec3 to_eye = frame.eye.xyz - position_ws;

@@ -89,6 +89,7 @@ impl DirectShadowsPass {
                 colors: &[],
                 depth_bias: Some([0.0, SLOPE_BIAS]),
                 blend: false,
+                variants: &[0, 1],
             },
         )?;
         let atlas = atlas(device, [1, 1])?;
@@ -149,6 +150,7 @@ impl DirectShadowsPass {
                 let joins = |last: &Draw, next: &Draw| mask(last) == mask(next);
                 let view = &tile.view_projection;
                 for draw in &visible(&inputs.scene.shadow_draws, inputs.pose, view, joins) {
+                    list.variant(usize::from(mask(draw) != 0));
                     let push = Push {
                         view_projection: tile.view_projection,
                         instance: draw.instance,

@@ -120,6 +120,7 @@ impl GBufferPass {
                 colors: &FORMATS,
                 depth_bias: None,
                 blend: false,
+                variants: &[0, 1],
             },
         )?;
         let images: Vec<&Image> =
@@ -181,6 +182,7 @@ impl GBufferPass {
                 let mut bound = None;
                 for draw in &draws {
                     if bound != Some(draw.material) {
+                        list.variant(usize::from(inputs.scene.masks[draw.material as usize] != 0));
                         list.material(&self.materials, draw.material as usize);
                         bound = Some(draw.material);
                     }

@@ -50,6 +50,7 @@ impl OverlayPass {
             colors: &[vk::Format::R8G8B8A8_UNORM],
             depth_bias: None,
             blend: true,
+            variants: &[0],
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &description)? })
     }

@@ -83,6 +83,16 @@ impl DrawList<'_> {
         }
     }
 
+    /// Draws with this variant of the pipeline from now on; at first it is the first.
+    pub fn variant(&mut self, index: usize) {
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: all variants have the same layout and dynamic state, so what is bound and set stays.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            raw.cmd_bind_pipeline(self.pass.recorder.commands(), point, self.pass.pipelines[index]);
+        }
+    }
+
     /// Takes vertices and 32-bit indices from here on.
     pub fn geometry(&mut self, vertices: &Buffer, indices: &Buffer) {
         // SAFETY: both buffers live until the frame is done and were filled before it.

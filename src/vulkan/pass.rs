@@ -54,7 +54,8 @@ struct Bound<'a> {
 pub struct Pass<'f> {
     pub(super) recorder: Recorder<'f>,
     pub(super) name: &'static str,
-    pipeline: vk::Pipeline,
+    /// Its variants; a compute pipeline is the only one.
+    pub(super) pipelines: &'f [vk::Pipeline],
     pub(super) layout: &'f Layout,
     compute: bool,
     bound: BTreeMap<&'f str, Bound<'f>>,
@@ -63,7 +64,7 @@ pub struct Pass<'f> {
 
 impl<'f> Pass<'f> {
     pub(super) fn compute(recorder: Recorder<'f>, name: &'static str, pipeline: &'f ComputePipeline) -> Self {
-        Self::new(recorder, name, pipeline.raw, &pipeline.layout, true)
+        Self::new(recorder, name, std::slice::from_ref(&pipeline.raw), &pipeline.layout, true)
     }
 
     pub(super) fn graphics(
@@ -71,17 +72,17 @@ impl<'f> Pass<'f> {
         name: &'static str,
         pipeline: &'f GraphicsPipeline,
     ) -> Self {
-        Self::new(recorder, name, pipeline.raw, &pipeline.layout, false)
+        Self::new(recorder, name, &pipeline.variants, &pipeline.layout, false)
     }
 
     fn new(
         recorder: Recorder<'f>,
         name: &'static str,
-        pipeline: vk::Pipeline,
+        pipelines: &'f [vk::Pipeline],
         layout: &'f Layout,
         compute: bool,
     ) -> Self {
-        Self { recorder, name, pipeline, layout, compute, bound: BTreeMap::new(), push: Vec::new() }
+        Self { recorder, name, pipelines, layout, compute, bound: BTreeMap::new(), push: Vec::new() }
     }
 
     /// Binds what the shader reads under `name`.
@@ -213,7 +214,7 @@ impl<'f> Pass<'f> {
         // SAFETY: set and layout match; the pipeline outlives the frame (its owner waits before dropping it).
         unsafe {
             let raw = self.recorder.device().raw();
-            raw.cmd_bind_pipeline(commands, point, self.pipeline);
+            raw.cmd_bind_pipeline(commands, point, self.pipelines[0]);
             raw.cmd_bind_descriptor_sets(commands, point, self.layout.raw, 0, &[set], &[]);
             if !self.push.is_empty() {
                 raw.cmd_push_constants(commands, self.layout.raw, self.layout.stages, 0, &self.push);

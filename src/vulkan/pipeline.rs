@@ -130,16 +130,8 @@ impl ComputePipeline {
         let reflection = Reflection::new(name, spirv)?;
         let layout = Layout::new(device, name, reflection, vk::ShaderStageFlags::COMPUTE)?;
         let module = ShaderModule::new(device, name, spirv)?;
-        let entries: Vec<_> = (0u32..)
-            .zip(constants)
-            .map(|(constant_id, _)| vk::SpecializationMapEntry {
-                constant_id,
-                offset: constant_id * 4,
-                size: 4,
-            })
-            .collect();
-        let constants =
-            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let constants = Constants::new(constants);
+        let constants = constants.info();
         let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants);
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw);
         // SAFETY: the module is valid SPIR-V for the layout that was read from it.
@@ -181,12 +173,14 @@ pub struct GraphicsDescription<'a> {
     pub depth_bias: Option<[f32; 2]>,
     /// Blends by alpha over what is there, without a depth buffer.
     pub blend: bool,
+    /// Values of the fragment shader's specialisation constant 0, one for each variant; draws choose.
+    pub variants: &'a [u32],
 }
 
 /// Vertex and fragment shader with fixed state: triangles, both sides, reversed depth (greater is nearer) or
 /// none.
 pub struct GraphicsPipeline {
-    pub(super) raw: vk::Pipeline,
+    pub(super) variants: Vec<vk::Pipeline>,
     pub(super) layout: Layout,
 }
 
@@ -200,19 +194,29 @@ impl GraphicsPipeline {
         let layout = Layout::new(device, name, reflection, stages)?;
         let vertex = ShaderModule::new(device, name, description.vertex)?;
         let fragment = ShaderModule::new(device, name, description.fragment)?;
-        let shaders =
-            [vertex.stage(vk::ShaderStageFlags::VERTEX), fragment.stage(vk::ShaderStageFlags::FRAGMENT)];
-        let raw = create_graphics(device, description, &shaders, layout.raw)
-            .map_err(VulkanError::call("creation", format!("pipeline {name}")))?;
-        device.set_name(raw, name);
-        Ok(Self { raw, layout })
+        let mut pipeline = Self { variants: Vec::new(), layout };
+        for variant in description.variants {
+            let constants = Constants::new(std::slice::from_ref(variant));
+            let constants = constants.info();
+            let shaders = [
+                vertex.stage(vk::ShaderStageFlags::VERTEX),
+                fragment.stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
+            ];
+            let raw = create_graphics(device, description, &shaders, pipeline.layout.raw)
+                .map_err(VulkanError::call("creation", format!("pipeline {name}")))?;
+            device.set_name(raw, name);
+            pipeline.variants.push(raw);
+        }
+        Ok(pipeline)
     }
 }
 
 impl Drop for GraphicsPipeline {
     fn drop(&mut self) {
-        // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
-        unsafe { self.layout.device.raw().destroy_pipeline(self.raw, None) };
+        for variant in &self.variants {
+            // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
+            unsafe { self.layout.device.raw().destroy_pipeline(*variant, None) };
+        }
     }
 }
 
@@ -296,6 +300,32 @@ fn create_graphics(
     unsafe { device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) }
         .map(|pipelines| pipelines[0])
         .map_err(|(_, result)| result)
+}
+
+/// Values for a shader's specialisation constants 0, 1, ...
+struct Constants<'a> {
+    values: &'a [u32],
+    entries: Vec<vk::SpecializationMapEntry>,
+}
+
+impl<'a> Constants<'a> {
+    fn new(values: &'a [u32]) -> Self {
+        let entries = (0u32..)
+            .zip(values)
+            .map(|(constant_id, _)| vk::SpecializationMapEntry {
+                constant_id,
+                offset: constant_id * 4,
+                size: 4,
+            })
+            .collect();
+        Self { values, entries }
+    }
+
+    fn info(&self) -> vk::SpecializationInfo<'_> {
+        vk::SpecializationInfo::default()
+            .map_entries(&self.entries)
+            .data(bytemuck::cast_slice(self.values))
+    }
 }
 
 struct ShaderModule {
