@@ -1,11 +1,13 @@
 //! Runs of neighbouring triangles with their bounds, so that raster passes draw only what a view can see.
 //!
 //! In: meshes, instances and a view's matrix. Out: for the index buffer, an order of triangles in which
-//! neighbours in space are neighbours; for a view, the runs of indices that its frustum may touch.
+//! neighbours in space are neighbours; for a view, the runs of indices that its frustum may touch; for a part of a view, its
+//! own frustum; for a box, the part of a view that it may touch.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::scene::{Mesh, Pose};
+use crate::vulkan::Area;
 
 /// Most triangles of a cluster: few enough that culling pays, many enough that draws stay few.
 const MAX_TRIANGLES: usize = 256;
@@ -95,6 +97,66 @@ pub fn visible(
         }
     }
     seen
+}
+
+/// From object space to the clip space of a part of a view: `matrix` leads to that of the whole view, of `extent` texels.
+/// What touches the area, or nearly, lies in the part's frustum.
+pub fn part_of_view(matrix: &Mat4, area: Area, extent: [u32; 2]) -> Mat4 {
+    // Rounding must not cull what covers a texel at the edge.
+    let area = area.grown(1, extent);
+    let end = area.end();
+    let [x, y] = [0, 1].map(|axis| {
+        let ndc = |texel: u32| 2.0 * texel as f32 / extent[axis] as f32 - 1.0;
+        let (low, high) = (ndc(area.offset[axis]), ndc(end[axis]));
+        (2.0 / (high - low), -(low + high) / (high - low))
+    });
+    let crop = Mat4::from_cols(
+        Vec4::new(x.0, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, y.0, 0.0, 0.0),
+        Vec4::Z,
+        Vec4::new(x.1, y.1, 0.0, 1.0),
+    );
+    crop * *matrix
+}
+
+/// The part of a view of `extent` texels that a box may touch; `matrix` leads from the box's space to the view's clip space.
+pub fn area_of_box(matrix: &Mat4, bounds: (Vec3, Vec3), extent: [u32; 2]) -> Area {
+    if !touches(&frustum_planes(matrix), bounds) {
+        return Area::default();
+    }
+    let corners = box_corners(bounds).map(|corner| *matrix * corner.extend(1.0));
+    let nearest = corners.iter().map(|corner| corner.w).fold(f32::INFINITY, f32::min);
+    let farthest = corners.iter().map(|corner| corner.w).fold(0.0, f32::max);
+    // What reaches behind the eye has no bounds in the picture; NaNs have none either.
+    if !(nearest > 1e-6 * farthest) {
+        return Area::whole(extent);
+    }
+    let texels = corners.map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));
+    let low = texels.into_iter().fold(Vec2::INFINITY, Vec2::min);
+    let high = texels.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
+    // As numbers saturate, so do these at 0.
+    let first = (low.floor() - 1.0).min(vec2(extent));
+    let end = (high.ceil() + 1.0).min(vec2(extent));
+    let first = [first.x as u32, first.y as u32];
+    Area {
+        offset: first,
+        extent: [(end.x as u32).saturating_sub(first[0]), (end.y as u32).saturating_sub(first[1])],
+    }
+}
+
+fn vec2(extent: [u32; 2]) -> Vec2 {
+    Vec2::from(extent.map(|side| side as f32))
+}
+
+/// The corners of a box.
+pub fn box_corners((low, high): (Vec3, Vec3)) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        Vec3::new(
+            if corner & 1 == 0 { low.x } else { high.x },
+            if corner & 2 == 0 { low.y } else { high.y },
+            if corner & 4 == 0 { low.z } else { high.z },
+        )
+    })
 }
 
 /// The planes of the clip volume -w <= x, y <= w, 0 <= z <= w in the space that `matrix` comes from; inside

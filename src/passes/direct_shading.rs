@@ -54,7 +54,9 @@ impl DirectShadingPass {
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
     ) -> Result<&Image, VulkanError> {
-        if std::mem::replace(&mut self.shaded, true) && inputs.surfaces.unchanged && inputs.shadows.unchanged
+        if std::mem::replace(&mut self.shaded, true)
+            && inputs.surfaces.changed.is_empty()
+            && inputs.shadows.unchanged
         {
             return Ok(&self.direct);
         }

@@ -13,7 +13,7 @@ use super::shadow_tiles::{ShadowPlan, View};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload,
+    Area, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload,
     VulkanError, shaders, vk,
 };
 
@@ -139,11 +139,12 @@ impl DirectShadowsPass {
         plan: &ShadowPlan,
     ) -> Result<(), VulkanError> {
         let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
-        inputs.tracer.bind_masks(pass).draw(&Targets::DepthPart(&self.atlas, plan.extent), |list| {
+        inputs.tracer.bind_masks(pass).draw(&Targets::Depth(&self.atlas, Area::whole(plan.extent)), |list| {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
             for tile in &plan.tiles {
                 let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];
-                list.viewport(corner, [plan.tile_size; 2]);
+                let rectangle = Area { offset: corner, extent: [plan.tile_size; 2] };
+                list.viewport(rectangle, rectangle);
                 let masks = &inputs.scene.masks;
                 let mask = |draw: &Draw| masks[draw.material as usize];
                 // Materials without a mask cast the same shadow, so one draw does for many.

@@ -1,5 +1,5 @@
 //! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
-//! for as long as neither the camera nor anything else moves.
+//! for as long as the camera does, but for the part of the picture where something has moved.
 
 use std::mem::offset_of;
 
@@ -8,13 +8,13 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use super::clusters::visible;
+use super::clusters::{part_of_view, visible};
 use super::scene_buffers::{Instances, SceneBuffers, Vertex};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
-    Upload, VulkanError, shaders, vk,
+    Area, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets,
+    Targets, Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -65,8 +65,8 @@ impl GBuffer {
 pub struct Surfaces<'a> {
     /// Their images.
     pub gbuffer: &'a GBuffer,
-    /// Whether they are those of the frame before.
-    pub unchanged: bool,
+    /// Where they may not be those of the frame before.
+    pub changed: Area,
 }
 
 /// What the pass reads.
@@ -149,21 +149,25 @@ impl GBufferPass {
         &self.targets
     }
 
-    /// Draws the scene, unless what was drawn last still stands.
+    /// Draws the scene where what was drawn last does not stand.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
     ) -> Result<Surfaces<'_>, VulkanError> {
-        let stands = inputs.instances.unchanged && self.drawn == Some(inputs.view_projection);
-        if !stands {
-            self.draw(frame, inputs)?;
-            self.drawn = Some(inputs.view_projection);
+        let extent = self.targets.depth.extent();
+        let changed = if self.drawn.replace(inputs.view_projection) == Some(inputs.view_projection) {
+            inputs.scene.area_of(&inputs.instances.moved, &inputs.view_projection, extent)
+        } else {
+            Area::whole(extent)
+        };
+        if !changed.is_empty() {
+            self.draw(frame, inputs, changed)?;
         }
-        Ok(Surfaces { gbuffer: &self.targets, unchanged: stands })
+        Ok(Surfaces { gbuffer: &self.targets, changed })
     }
 
-    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
+    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>, area: Area) -> Result<(), VulkanError> {
         let targets = &self.targets;
         let colors = [&targets.depth, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
@@ -172,13 +176,13 @@ impl GBufferPass {
             .read("instances", &inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(
-            &Targets::Cleared { colors: &colors, depth: &targets.nearest },
+            &Targets::Cleared { colors: &colors, depth: &targets.nearest, area },
             |list| {
                 list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-                let draws =
-                    visible(&inputs.scene.draws, inputs.pose, &inputs.view_projection, |last, next| {
-                        last.material == next.material
-                    });
+                let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
+                let draws = visible(&inputs.scene.draws, inputs.pose, &part, |last, next| {
+                    last.material == next.material
+                });
                 let mut bound = None;
                 for draw in &draws {
                     if bound != Some(draw.material) {

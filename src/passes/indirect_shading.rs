@@ -109,7 +109,7 @@ impl IndirectShadingPass {
         let normal = &inputs.surfaces.gbuffer.normal;
         let compared = self.compared.replace(inputs.position_cutoff);
         let first_texel = inputs.vpls.first_texel();
-        let changed = !inputs.surfaces.unchanged || compared != Some(inputs.position_cutoff);
+        let changed = !inputs.surfaces.changed.is_empty() || compared != Some(inputs.position_cutoff);
         if changed {
             frame
                 .pass("indirect_shading", &self.pack)

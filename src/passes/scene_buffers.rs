@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 
-use super::clusters::{Cluster, Draw, cluster};
+use super::clusters::{Cluster, Draw, area_of_box, cluster};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene};
-use crate::vulkan::{Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
+use crate::vulkan::{Area, Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
 
 /// One vertex, 32 bytes.
 #[repr(C)]
@@ -43,17 +43,30 @@ pub struct SceneBuffers {
     pub shadow_draws: Vec<Draw>,
     /// Alpha mask plus one of each material.
     pub masks: Vec<u32>,
+    /// Object-space bounds of each instance; none of those that cannot be seen.
+    bounds: Vec<Option<(Vec3, Vec3)>>,
     /// What was uploaded last, and where everything stood then.
     uploaded: Vec<InstanceData>,
     previous: Vec<Affine3A>,
+}
+
+/// An instance that is not as it was in the frame before.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    /// Its index.
+    pub instance: usize,
+    /// Where it stood.
+    pub from: Affine3A,
+    /// Where it stands.
+    pub to: Affine3A,
 }
 
 /// The instances of one frame.
 pub struct Instances {
     /// [`InstanceData`] of all.
     pub data: Upload,
-    /// Whether they are, and move, as in the frame before.
-    pub unchanged: bool,
+    /// Those that are not as in the frame before; in the first frame, all.
+    pub moved: Vec<Moved>,
     /// Whether any of them may move.
     pub may_move: bool,
 }
@@ -85,6 +98,7 @@ impl SceneBuffers {
                 .collect(),
             textures,
             sampler: Sampler::for_textures(device)?,
+            bounds: bounds_of_instances(scene.instances.len(), &shadow_draws),
             draws,
             shadow_draws,
             masks,
@@ -122,12 +136,30 @@ impl SceneBuffers {
                 pad1: 0,
             })
             .collect();
+        let mut moved = Vec::new();
+        for (instance, now) in data.iter().enumerate() {
+            // How it moves shows in no picture of a single frame.
+            let seen =
+                |data: &InstanceData| InstanceData { previous_object_to_world: [Vec4::ZERO; 3], ..*data };
+            if self.uploaded.get(instance).map(seen) != Some(seen(now)) {
+                moved.push(Moved { instance, from: self.previous[instance], to: pose.instances[instance] });
+            }
+        }
         self.previous.clone_from(&pose.instances);
-        let unchanged = data == self.uploaded;
         let may_move = data.iter().any(|instance| instance.dynamic == 1);
         let upload = frame.upload(&data)?;
         self.uploaded = data;
-        Ok(Instances { data: upload, unchanged, may_move })
+        Ok(Instances { data: upload, moved, may_move })
+    }
+
+    /// The part of a view of `extent` texels that instances may have touched where they stood or may touch where they stand.
+    pub fn area_of(&self, moved: &[Moved], view_projection: &Mat4, extent: [u32; 2]) -> Area {
+        let places =
+            moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
+        places
+            .filter_map(|(instance, at)| Some((self.bounds[instance]?, *view_projection * Mat4::from(at))))
+            .map(|(bounds, matrix)| area_of_box(&matrix, bounds, extent))
+            .fold(Area::default(), Area::union)
     }
 
     /// What was uploaded last.
@@ -179,6 +211,15 @@ impl Geometry {
             })
             .collect()
     }
+}
+
+fn bounds_of_instances(instances: usize, draws: &[Draw]) -> Vec<Option<(Vec3, Vec3)>> {
+    let mut bounds = vec![None; instances];
+    for draw in draws {
+        let (low, high) = bounds[draw.instance as usize].unwrap_or(draw.bounds);
+        bounds[draw.instance as usize] = Some((low.min(draw.bounds.0), high.max(draw.bounds.1)));
+    }
+    bounds
 }
 
 fn material_data(material: &Material) -> MaterialData {

@@ -2,6 +2,7 @@
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
+use super::clusters::box_corners;
 use super::structs::{LightData, ShadowTile};
 use crate::scene::{Camera, Light, LightKind, Pose};
 
@@ -216,14 +217,4 @@ fn cascades(direction: Vec3, camera: &Camera, view: &View, size: u32) -> Vec<(Ma
             (matrix, Vec4::new(texel, 0.0, 0.0, 0.0))
         })
         .collect()
-}
-
-fn box_corners((low, high): (Vec3, Vec3)) -> [Vec3; 8] {
-    std::array::from_fn(|corner| {
-        Vec3::new(
-            if corner & 1 == 0 { low.x } else { high.x },
-            if corner & 2 == 0 { low.y } else { high.y },
-            if corner & 4 == 0 { low.z } else { high.z },
-        )
-    })
 }

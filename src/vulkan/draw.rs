@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::Pod;
 
-use super::{Buffer, Image, MaterialSets, Pass};
+use super::{Area, Buffer, Image, MaterialSets, Pass};
 
 /// Images that a graphics pass draws into.
 pub enum Targets<'a> {
@@ -13,9 +13,13 @@ pub enum Targets<'a> {
         colors: &'a [&'a Image],
         /// Depth image.
         depth: &'a Image,
+        /// The only part of them that is cleared and drawn into.
+        area: Area,
     },
-    /// Only depth, and only this much of it from the top left; cleared first.
-    DepthPart(&'a Image, [u32; 2]),
+    /// Only depth, and only this part of it; cleared first.
+    Depth(&'a Image, Area),
+    /// The same over what is there.
+    DepthOver(&'a Image, Area),
     /// Drawn over, without a depth image; for pipelines that blend.
     Over(&'a Image),
 }
@@ -24,14 +28,14 @@ impl<'a> Targets<'a> {
     pub(super) fn colors(&self) -> &[&'a Image] {
         match self {
             Self::Cleared { colors, .. } => colors,
-            Self::DepthPart(..) => &[],
+            Self::Depth(..) | Self::DepthOver(..) => &[],
             Self::Over(image) => std::slice::from_ref(image),
         }
     }
 
     pub(super) fn depth(&self) -> Option<&'a Image> {
         match self {
-            Self::Cleared { depth, .. } | Self::DepthPart(depth, _) => Some(depth),
+            Self::Cleared { depth, .. } | Self::Depth(depth, _) | Self::DepthOver(depth, _) => Some(depth),
             Self::Over(_) => None,
         }
     }
@@ -39,15 +43,21 @@ impl<'a> Targets<'a> {
     pub(super) fn extent(&self) -> [u32; 2] {
         match self {
             Self::Cleared { depth, .. } => depth.extent(),
-            Self::DepthPart(_, part) => *part,
-            Self::Over(image) => image.extent(),
+            Self::Depth(image, _) | Self::DepthOver(image, _) | Self::Over(image) => image.extent(),
+        }
+    }
+
+    pub(super) fn area(&self) -> Area {
+        match self {
+            Self::Cleared { area, .. } | Self::Depth(_, area) | Self::DepthOver(_, area) => *area,
+            Self::Over(image) => Area::whole(image.extent()),
         }
     }
 
     pub(super) fn load_op(&self) -> vk::AttachmentLoadOp {
         match self {
-            Self::Cleared { .. } | Self::DepthPart(..) => vk::AttachmentLoadOp::CLEAR,
-            Self::Over(_) => vk::AttachmentLoadOp::LOAD,
+            Self::Cleared { .. } | Self::Depth(..) => vk::AttachmentLoadOp::CLEAR,
+            Self::DepthOver(..) | Self::Over(_) => vk::AttachmentLoadOp::LOAD,
         }
     }
 }
@@ -58,28 +68,16 @@ pub struct DrawList<'p> {
 }
 
 impl DrawList<'_> {
-    /// Draws into a part of the targets from now on.
-    pub fn viewport(&mut self, offset: [u32; 2], extent: [u32; 2]) {
-        let viewport = vk::Viewport {
-            x: offset[0] as f32,
-            y: offset[1] as f32,
-            width: extent[0] as f32,
-            height: extent[1] as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
-        let scissor = vk::Rect2D {
-            offset: vk::Offset2D {
-                x: i32::try_from(offset[0]).unwrap_or(0),
-                y: i32::try_from(offset[1]).unwrap_or(0),
-            },
-            extent: vk::Extent2D { width: extent[0], height: extent[1] },
-        };
+    /// Fills this rectangle of the targets with clip space from now on; of what lies there, only what lies in `area` is drawn.
+    pub fn viewport(&mut self, rectangle: Area, area: Area) {
+        let [[x, y], [width, height]] =
+            [rectangle.offset, rectangle.extent].map(|sides| sides.map(|side| side as f32));
+        let viewport = vk::Viewport { x, y, width, height, min_depth: 0.0, max_depth: 1.0 };
         // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
         unsafe {
             let raw = self.pass.recorder.device().raw();
             raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
-            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
+            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[area.raw()]);
         }
     }
 

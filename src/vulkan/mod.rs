@@ -9,6 +9,7 @@
 
 mod acceleration;
 mod access;
+mod area;
 mod barrier;
 mod device;
 mod draw;
@@ -47,6 +48,7 @@ pub mod shaders {
 
 pub use acceleration::{BottomLevel, PlacedStructure, TopLevel, TriangleRun};
 pub use access::Access;
+pub use area::Area;
 pub use ash::vk;
 pub use device::Device;
 pub use draw::{DrawList, Targets};

@@ -10,7 +10,7 @@ use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
 use super::{
-    BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
+    Area, BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
 };
 
 /// Something that can be bound.
@@ -156,10 +156,9 @@ impl<'f> Pass<'f> {
         let colors: Vec<_> = targets.colors().iter().map(|image| attachment(image, color)).collect();
         let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         let depth = targets.depth().map(|image| attachment(image, depth));
-        let [width, height] = targets.extent();
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let area = targets.area();
         let mut info =
-            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+            vk::RenderingInfo::default().render_area(area.raw()).layer_count(1).color_attachments(&colors);
         if let Some(depth) = &depth {
             info = info.depth_attachment(depth);
         }
@@ -167,15 +166,15 @@ impl<'f> Pass<'f> {
         // SAFETY: the targets are in attachment layout and live until the frame is done.
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
         let mut list = DrawList { pass: &self };
-        list.viewport([0, 0], [width, height]);
+        list.viewport(Area::whole(targets.extent()), area);
         draw(&mut list);
         // SAFETY: closes what was begun above; the second rendering has no attachments and draws nothing.
         unsafe {
             let raw = self.recorder.device().raw();
             raw.cmd_end_rendering(commands);
             // llvmpipe goes through all tiles of what was drawn into last at every timestamp that follows. Now it is one.
-            let area = vk::Rect2D { offset: area.offset, extent: vk::Extent2D { width: 1, height: 1 } };
-            raw.cmd_begin_rendering(commands, &vk::RenderingInfo::default().render_area(area).layer_count(1));
+            let tile = Area::whole([1, 1]).raw();
+            raw.cmd_begin_rendering(commands, &vk::RenderingInfo::default().render_area(tile).layer_count(1));
             raw.cmd_end_rendering(commands);
         }
         self.recorder.end_scope();

@@ -322,9 +322,7 @@ impl<'a> Constants<'a> {
     }
 
     fn info(&self) -> vk::SpecializationInfo<'_> {
-        vk::SpecializationInfo::default()
-            .map_entries(&self.entries)
-            .data(bytemuck::cast_slice(self.values))
+        vk::SpecializationInfo::default().map_entries(&self.entries).data(bytemuck::cast_slice(self.values))
     }
 }
 

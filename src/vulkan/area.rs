@@ -1,0 +1,74 @@
+//! Rectangles of texels.
+
+use ash::vk;
+
+/// A rectangle of an image, in texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Area {
+    /// Its first texel.
+    pub offset: [u32; 2],
+    /// Its width and height; nothing is in it where one of them is 0.
+    pub extent: [u32; 2],
+}
+
+impl Area {
+    /// All of an image of that width and height.
+    pub fn whole(extent: [u32; 2]) -> Self {
+        Self { offset: [0, 0], extent }
+    }
+
+    /// Whether no texel lies in it.
+    pub fn is_empty(&self) -> bool {
+        self.extent.contains(&0)
+    }
+
+    /// Behind the last texel.
+    pub fn end(&self) -> [u32; 2] {
+        [0, 1].map(|axis| self.offset[axis] + self.extent[axis])
+    }
+
+    /// The least area with both in it.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        if self.is_empty() {
+            return other;
+        }
+        if other.is_empty() {
+            return self;
+        }
+        let (ends, others) = (self.end(), other.end());
+        Self::between(
+            [0, 1].map(|axis| self.offset[axis].min(other.offset[axis])),
+            [0, 1].map(|axis| ends[axis].max(others[axis])),
+        )
+    }
+
+    /// Larger by so many texels on all sides, as far as the image, of the extent `within`, goes; what is empty stays empty.
+    #[must_use]
+    pub fn grown(self, by: u32, within: [u32; 2]) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        let end = self.end();
+        Self::between(
+            self.offset.map(|first| first.saturating_sub(by)),
+            [0, 1].map(|axis| end[axis].saturating_add(by).min(within[axis])),
+        )
+    }
+
+    /// Moved right and down.
+    #[must_use]
+    pub fn moved(self, by: [u32; 2]) -> Self {
+        Self { offset: [0, 1].map(|axis| self.offset[axis] + by[axis]), ..self }
+    }
+
+    fn between(first: [u32; 2], end: [u32; 2]) -> Self {
+        Self { offset: first, extent: [0, 1].map(|axis| end[axis].saturating_sub(first[axis])) }
+    }
+
+    pub(super) fn raw(&self) -> vk::Rect2D {
+        let [x, y] = self.offset.map(|first| i32::try_from(first).unwrap_or(i32::MAX));
+        let [width, height] = self.extent;
+        vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
+    }
+}
