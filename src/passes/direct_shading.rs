@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::direct_shadows::Shadows;
+use super::direct_shadows::{Change, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
 use super::storage_image;
@@ -56,7 +56,7 @@ impl DirectShadingPass {
     ) -> Result<&Image, VulkanError> {
         if std::mem::replace(&mut self.shaded, true)
             && inputs.surfaces.changed.is_empty()
-            && inputs.shadows.unchanged
+            && matches!(inputs.shadows.change, Change::Nothing)
         {
             return Ok(&self.direct);
         }

@@ -1,15 +1,17 @@
-//! `direct_shadows`: a shadow map for each light, as tiles of one atlas. Drawn again only when a light,
-//! an instance or (for directional lights) the camera has moved.
+//! `direct_shadows`: a shadow map for each light, as tiles of one atlas. Drawn again when a light or (for directional lights)
+//! the camera has moved; when an instance has, only where it casts its shadow, over what all others cast.
 
 use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 
-use super::clusters::{Draw, visible};
-use super::scene_buffers::{SceneBuffers, Vertex};
+use super::clusters::{Draw, part_of_view, visible};
+use super::scene_buffers::{Moved, SceneBuffers, Vertex};
 use super::shadow_tiles::{ShadowPlan, View};
+use super::still::Still;
+use super::structs::ShadowTile;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -28,6 +30,8 @@ pub struct ShadowInputs<'a> {
     pub scene: &'a SceneBuffers,
     /// For its alpha masks.
     pub tracer: &'a Tracer,
+    /// The instances that are not as in the frame before.
+    pub moved: &'a [Moved],
     /// Lights, camera and transforms.
     pub pose: &'a Pose,
     /// World-space bounds of what casts shadows.
@@ -50,8 +54,18 @@ pub struct Shadows<'a> {
     pub tile_columns: u32,
     /// Texels across each.
     pub tile_size: u32,
-    /// Whether lights and maps are those of the frame before.
-    pub unchanged: bool,
+    /// How they differ from those of the frame before.
+    pub change: Change,
+}
+
+/// How lights and shadow maps differ from those of the frame before.
+pub enum Change {
+    /// Not at all.
+    Nothing,
+    /// In a part of each tile: the first texel of each, counted from the tile's, and that behind the last.
+    Parts(Vec<[u32; 4]>),
+    /// Altogether.
+    Everything,
 }
 
 #[repr(C)]
@@ -67,8 +81,11 @@ struct Push {
 pub struct DirectShadowsPass {
     pipeline: GraphicsPipeline,
     atlas: Image,
-    /// What the last frame saw, which is what is in the atlas; none before the first.
-    last: Option<(ShadowPlan, Vec<Affine3A>)>,
+    /// What is in the atlas; none before the first frame.
+    drawn: Option<ShadowPlan>,
+    /// What stands still, as large as the atlas; nothing before anything moves.
+    still_atlas: Option<Image>,
+    still: Still,
     device: Arc<Device>,
 }
 
@@ -92,11 +109,18 @@ impl DirectShadowsPass {
                 variants: &[0, 1],
             },
         )?;
-        let atlas = atlas(device, [1, 1])?;
-        Ok(Self { pipeline, atlas, last: None, device: Arc::clone(device) })
+        let atlas = atlas(device, "shadow_atlas", [1, 1])?;
+        Ok(Self {
+            pipeline,
+            atlas,
+            drawn: None,
+            still_atlas: None,
+            still: Still::default(),
+            device: Arc::clone(device),
+        })
     }
 
-    /// Draws the tiles that are out of date.
+    /// Draws the tiles, or parts of tiles, that are out of date.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -112,45 +136,104 @@ impl DirectShadowsPass {
         let tiles = frame.upload(&plan.tiles)?;
         let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
         let tile_columns = plan.extent[0] / tile_size;
-        let current = plan.tiles.is_empty()
-            || self.last.as_ref().is_some_and(|(last, instances)| {
-                last.tiles == plan.tiles && *instances == inputs.pose.instances
-            });
-        let unchanged = current && self.last.as_ref().is_some_and(|(last, _)| *last == plan);
-        if !current {
-            let has = self.atlas.extent();
-            if (0..2).any(|side| has[side] < plan.extent[side]) {
-                // Frames on their way still read the old one.
-                self.device.wait_idle()?;
-                self.atlas = atlas(&self.device, plan.room)?;
+        let last = self.drawn.take();
+        let mut change = match &last {
+            Some(last) if *last == plan => Change::Nothing,
+            _ => Change::Everything,
+        };
+        if last.is_none_or(|last| last.tiles != plan.tiles) {
+            self.still.forget();
+            self.make_room(&plan)?;
+            if !plan.tiles.is_empty() {
+                let targets = Targets::Depth(&self.atlas, Area::whole(plan.extent));
+                self.draw(frame, inputs, &targets, &whole_tiles(&plan), |_| true)?;
             }
-            self.draw(frame, inputs, &plan)?;
+        } else if !inputs.moved.is_empty() && !plan.tiles.is_empty() {
+            let parts = self.draw_moved(frame, inputs, &plan)?;
+            if matches!(change, Change::Nothing) {
+                change = Change::Parts(parts);
+            }
         }
-        if !unchanged {
-            self.last = Some((plan, inputs.pose.instances.clone()));
-        }
-        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_columns, tile_size, unchanged })
+        self.drawn = Some(plan);
+        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_columns, tile_size, change })
     }
 
+    fn make_room(&mut self, plan: &ShadowPlan) -> Result<(), VulkanError> {
+        let has = self.atlas.extent();
+        if (0..2).any(|side| has[side] < plan.extent[side]) {
+            // Frames on their way still read the old one.
+            self.device.wait_idle()?;
+            self.atlas = atlas(&self.device, "shadow_atlas", plan.room)?;
+            self.still_atlas = None;
+        }
+        Ok(())
+    }
+
+    /// Draws what moves over what stands still, where that has changed. Out: where, as in [`Change::Parts`].
+    fn draw_moved(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &ShadowInputs<'_>,
+        plan: &ShadowPlan,
+    ) -> Result<Vec<[u32; 4]>, VulkanError> {
+        let extent = [plan.tile_size; 2];
+        let parts: Vec<TilePart<'_>> = whole_tiles(plan)
+            .into_iter()
+            .map(|part| TilePart {
+                area: inputs.scene.area_of(inputs.moved, &part.tile.view_projection, extent),
+                ..part
+            })
+            .collect();
+        let (touched, _): (Vec<TilePart<'_>>, Vec<_>) = parts.iter().partition(|part| !part.area.is_empty());
+        if !touched.is_empty() {
+            if self.still_atlas.is_none() {
+                self.still_atlas = Some(atlas(&self.device, "still_shadow_atlas", self.atlas.extent())?);
+                self.still.forget();
+            }
+            let anew = self.still.must_draw(inputs.moved);
+            if let Some(still_atlas) = self.still_atlas.as_ref() {
+                if anew {
+                    let targets = Targets::Depth(still_atlas, Area::whole(plan.extent));
+                    self.draw(frame, inputs, &targets, &whole_tiles(plan), |draw| {
+                        !self.still.lacks(draw.instance)
+                    })?;
+                }
+                let areas: Vec<Area> = touched.iter().map(|part| part.area.moved(part.corner())).collect();
+                frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
+                let targets =
+                    Targets::DepthOver(&self.atlas, areas.into_iter().fold(Area::default(), Area::union));
+                self.draw(frame, inputs, &targets, &touched, |draw| self.still.lacks(draw.instance))?;
+            }
+        }
+        Ok(parts
+            .iter()
+            .map(|part| [part.area.offset, part.area.end()].as_flattened().try_into().unwrap_or_default())
+            .collect())
+    }
+
+    /// Draws what is `wanted` into parts of tiles.
     fn draw(
         &self,
         frame: &mut Frame<'_>,
         inputs: &ShadowInputs<'_>,
-        plan: &ShadowPlan,
+        targets: &Targets<'_>,
+        parts: &[TilePart<'_>],
+        wanted: impl Fn(&Draw) -> bool,
     ) -> Result<(), VulkanError> {
+        let draws: Vec<Draw> =
+            inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw)).copied().collect();
+        let masks = &inputs.scene.masks;
+        let mask = |draw: &Draw| masks[draw.material as usize];
+        // Materials without a mask cast the same shadow, so one draw does for many.
+        let joins = |last: &Draw, next: &Draw| mask(last) == mask(next);
         let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
-        inputs.tracer.bind_masks(pass).draw(&Targets::Depth(&self.atlas, Area::whole(plan.extent)), |list| {
+        inputs.tracer.bind_masks(pass).draw(targets, |list| {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-            for tile in &plan.tiles {
-                let corner = [tile.rectangle.x as u32, tile.rectangle.y as u32];
-                let rectangle = Area { offset: corner, extent: [plan.tile_size; 2] };
-                list.viewport(rectangle, rectangle);
-                let masks = &inputs.scene.masks;
-                let mask = |draw: &Draw| masks[draw.material as usize];
-                // Materials without a mask cast the same shadow, so one draw does for many.
-                let joins = |last: &Draw, next: &Draw| mask(last) == mask(next);
-                let view = &tile.view_projection;
-                for draw in &visible(&inputs.scene.shadow_draws, inputs.pose, view, joins) {
+            for part in parts {
+                let TilePart { tile, area, extent } = *part;
+                list.viewport(Area { offset: part.corner(), extent }, area.moved(part.corner()));
+                let view = part_of_view(&tile.view_projection, area, extent);
+                for draw in &visible(&draws, inputs.pose, &view, joins) {
                     list.variant(usize::from(mask(draw) != 0));
                     let push = Push {
                         view_projection: tile.view_projection,
@@ -165,11 +248,33 @@ impl DirectShadowsPass {
     }
 }
 
-fn atlas(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+/// A part of a tile.
+#[derive(Clone, Copy)]
+struct TilePart<'a> {
+    tile: &'a ShadowTile,
+    /// Texels across all of it.
+    extent: [u32; 2],
+    /// The part, counted from the tile's first texel.
+    area: Area,
+}
+
+impl TilePart<'_> {
+    /// The tile's first texel in the atlas.
+    fn corner(&self) -> [u32; 2] {
+        [self.tile.rectangle.x as u32, self.tile.rectangle.y as u32]
+    }
+}
+
+fn whole_tiles(plan: &ShadowPlan) -> Vec<TilePart<'_>> {
+    let extent = [plan.tile_size; 2];
+    plan.tiles.iter().map(|tile| TilePart { tile, extent, area: Area::whole(extent) }).collect()
+}
+
+fn atlas(device: &Arc<Device>, name: &str, extent: [u32; 2]) -> Result<Image, VulkanError> {
     Image::new(
         device,
         &ImageDescription {
-            name: "shadow_atlas",
+            name,
             format: vk::Format::D32_SFLOAT,
             extent,
             layers: None,

@@ -17,6 +17,7 @@ pub mod overlay;
 pub mod scene_buffers;
 pub mod set_history;
 pub mod shadow_tiles;
+pub mod still;
 pub mod structs;
 pub mod tracer;
 mod tracer_hardware;

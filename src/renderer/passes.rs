@@ -99,6 +99,7 @@ impl Passes {
         let gbuffer = surfaces.gbuffer;
         let shadows = ShadowInputs {
             instances: &instances.data,
+            moved: &instances.moved,
             scene,
             tracer,
             pose,

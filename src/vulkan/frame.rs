@@ -10,7 +10,7 @@ use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
 use super::pipeline::Layout;
 use super::{
-    Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError,
+    Area, Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError,
 };
 
 /// Frames that may be on their way at once: the CPU prepares one while the device does the other.
@@ -113,6 +113,46 @@ impl Frame<'_> {
         unsafe {
             self.device.raw().cmd_copy_buffer(self.slot.commands, source.buffer.raw, target.raw, &region);
         }
+    }
+
+    /// Copies these areas of `source` to `target`, of the same format, as a part of pass `pass`.
+    pub fn copy_areas(&mut self, pass: &'static str, source: &Image, target: &Image, areas: &[Area]) {
+        if areas.is_empty() {
+            return;
+        }
+        let mut recorder = self.recorder();
+        recorder.begin_scope(pass);
+        let barriers = [
+            source.tracker.use_image(Access::TransferRead, false).map(|barrier| (source, barrier)),
+            target.tracker.use_image(Access::TransferWrite, false).map(|barrier| (target, barrier)),
+        ];
+        recorder.barriers(&barriers.into_iter().flatten().collect::<Vec<_>>(), &[]);
+        let layer = vk::ImageSubresourceLayers::default().aspect_mask(source.aspect()).layer_count(1);
+        let regions: Vec<_> = areas
+            .iter()
+            .map(|area| {
+                let vk::Rect2D { offset, extent } = area.raw();
+                let offset = vk::Offset3D { x: offset.x, y: offset.y, z: 0 };
+                vk::ImageCopy::default()
+                    .src_subresource(layer)
+                    .src_offset(offset)
+                    .dst_subresource(layer)
+                    .dst_offset(offset)
+                    .extent(extent.into())
+            })
+            .collect();
+        // SAFETY: the areas lie within both images, whose formats are the same; both are in transfer layouts.
+        unsafe {
+            recorder.device().raw().cmd_copy_image(
+                recorder.commands(),
+                source.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                target.raw,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &regions,
+            );
+        }
+        recorder.end_scope();
     }
 
     /// Sets all of `target` to zero.
