@@ -145,7 +145,8 @@ impl DirectShadowsPass {
             self.still.forget();
             self.make_room(&plan)?;
             if !plan.tiles.is_empty() {
-                let targets = Targets::Depth(&self.atlas, Area::whole(plan.extent));
+                let targets =
+                    Targets::Depth { depth: &self.atlas, area: Area::whole(plan.extent), clear: true };
                 self.draw(frame, inputs, &targets, &whole_tiles(&plan), |_| true)?;
             }
         } else if !inputs.moved.is_empty() && !plan.tiles.is_empty() {
@@ -193,15 +194,16 @@ impl DirectShadowsPass {
             let anew = self.still.must_draw(inputs.moved);
             if let Some(still_atlas) = self.still_atlas.as_ref() {
                 if anew {
-                    let targets = Targets::Depth(still_atlas, Area::whole(plan.extent));
+                    let targets =
+                        Targets::Depth { depth: still_atlas, area: Area::whole(plan.extent), clear: true };
                     self.draw(frame, inputs, &targets, &whole_tiles(plan), |draw| {
                         !self.still.lacks(draw.instance)
                     })?;
                 }
                 let areas: Vec<Area> = touched.iter().map(|part| part.area.moved(part.corner())).collect();
                 frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
-                let targets =
-                    Targets::DepthOver(&self.atlas, areas.into_iter().fold(Area::default(), Area::union));
+                let area = areas.into_iter().fold(Area::default(), Area::union);
+                let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
                 self.draw(frame, inputs, &targets, &touched, |draw| self.still.lacks(draw.instance))?;
             }
         }

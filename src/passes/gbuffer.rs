@@ -1,5 +1,6 @@
 //! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
-//! for as long as the camera does, but for the part of the picture where something has moved.
+//! for as long as the camera does, but for the part of the picture where something has moved: there, that is drawn over what
+//! stands still.
 
 use std::mem::offset_of;
 
@@ -8,8 +9,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use super::clusters::{part_of_view, visible};
+use super::clusters::{Draw, part_of_view, visible};
 use super::scene_buffers::{Instances, SceneBuffers, Vertex};
+use super::still::Still;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -58,6 +60,10 @@ impl GBuffer {
             )?,
         })
     }
+
+    fn images(&self) -> [&Image; 5] {
+        [&self.depth, &self.normal, &self.albedo, &self.instance, &self.nearest]
+    }
 }
 
 /// The visible surfaces of a frame.
@@ -99,6 +105,10 @@ pub struct GBufferPass {
     targets: GBuffer,
     /// The view that the targets show; none before the first frame.
     drawn: Option<Mat4>,
+    /// The same view of what stands still; nothing before anything moves.
+    still_targets: Option<GBuffer>,
+    still: Still,
+    device: Arc<Device>,
 }
 
 impl GBufferPass {
@@ -131,6 +141,9 @@ impl GBufferPass {
             materials: Arc::new(materials),
             targets: GBuffer::new(device, extent)?,
             drawn: None,
+            still_targets: None,
+            still: Still::default(),
+            device: Arc::clone(device),
         })
     }
 
@@ -141,6 +154,9 @@ impl GBufferPass {
             materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
             drawn: None,
+            still_targets: None,
+            still: Still::default(),
+            device: Arc::clone(device),
         })
     }
 
@@ -156,19 +172,60 @@ impl GBufferPass {
         inputs: &GBufferInputs<'_>,
     ) -> Result<Surfaces<'_>, VulkanError> {
         let extent = self.targets.depth.extent();
-        let changed = if self.drawn.replace(inputs.view_projection) == Some(inputs.view_projection) {
-            inputs.scene.area_of(&inputs.instances.moved, &inputs.view_projection, extent)
+        let whole = Area::whole(extent);
+        let moved = &inputs.instances.moved;
+        let changed = if self.drawn.take() == Some(inputs.view_projection) {
+            let changed = inputs.scene.area_of(moved, &inputs.view_projection, extent);
+            if !changed.is_empty() {
+                self.draw_moved(frame, inputs, changed)?;
+            }
+            changed
         } else {
-            Area::whole(extent)
+            self.still.forget();
+            self.draw(frame, inputs, &self.targets, whole, true, |_| true)?;
+            whole
         };
-        if !changed.is_empty() {
-            self.draw(frame, inputs, changed)?;
-        }
+        self.drawn = Some(inputs.view_projection);
         Ok(Surfaces { gbuffer: &self.targets, changed })
     }
 
-    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>, area: Area) -> Result<(), VulkanError> {
-        let targets = &self.targets;
+    /// Draws what moves over what stands still, in a part of the picture.
+    fn draw_moved(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &GBufferInputs<'_>,
+        area: Area,
+    ) -> Result<(), VulkanError> {
+        let extent = self.targets.depth.extent();
+        if self.still_targets.is_none() {
+            self.still_targets = Some(GBuffer::new(&self.device, extent)?);
+            self.still.forget();
+        }
+        let anew = self.still.must_draw(&inputs.instances.moved);
+        let Some(still_targets) = &self.still_targets else { return Ok(()) };
+        if anew {
+            let stands = |draw: &Draw| !self.still.lacks(draw.instance);
+            self.draw(frame, inputs, still_targets, Area::whole(extent), true, stands)?;
+        }
+        for (source, target) in still_targets.images().into_iter().zip(self.targets.images()) {
+            frame.copy_areas("gbuffer", source, target, &[area]);
+        }
+        self.draw(frame, inputs, &self.targets, area, false, |draw| self.still.lacks(draw.instance))
+    }
+
+    /// Draws what is `wanted` into a part of the targets, after clearing it or over what is there.
+    fn draw(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &GBufferInputs<'_>,
+        targets: &GBuffer,
+        area: Area,
+        clear: bool,
+        wanted: impl Fn(&Draw) -> bool,
+    ) -> Result<(), VulkanError> {
+        let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
+        let draws: Vec<Draw> = inputs.scene.draws.iter().filter(|draw| wanted(draw)).copied().collect();
+        let draws = visible(&draws, inputs.pose, &part, |last, next| last.material == next.material);
         let colors = [&targets.depth, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
@@ -176,13 +233,9 @@ impl GBufferPass {
             .read("instances", &inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(
-            &Targets::Cleared { colors: &colors, depth: &targets.nearest, area },
+            &Targets::Surfaces { colors: &colors, depth: &targets.nearest, area, clear },
             |list| {
                 list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-                let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
-                let draws = visible(&inputs.scene.draws, inputs.pose, &part, |last, next| {
-                    last.material == next.material
-                });
                 let mut bound = None;
                 for draw in &draws {
                     if bound != Some(draw.material) {

@@ -7,19 +7,26 @@ use super::{Area, Buffer, Image, MaterialSets, Pass};
 
 /// Images that a graphics pass draws into.
 pub enum Targets<'a> {
-    /// Cleared to zero first; depth 0 is infinitely far away.
-    Cleared {
+    /// Colour and depth.
+    Surfaces {
         /// Colour images.
         colors: &'a [&'a Image],
         /// Depth image.
         depth: &'a Image,
-        /// The only part of them that is cleared and drawn into.
+        /// The only part of them that is drawn into.
         area: Area,
+        /// Whether it is set to zero first; depth 0 is infinitely far away.
+        clear: bool,
     },
-    /// Only depth, and only this part of it; cleared first.
-    Depth(&'a Image, Area),
-    /// The same over what is there.
-    DepthOver(&'a Image, Area),
+    /// Only depth.
+    Depth {
+        /// Its image.
+        depth: &'a Image,
+        /// The only part of it that is drawn into.
+        area: Area,
+        /// Whether it is set to zero first.
+        clear: bool,
+    },
     /// Drawn over, without a depth image; for pipelines that blend.
     Over(&'a Image),
 }
@@ -27,37 +34,40 @@ pub enum Targets<'a> {
 impl<'a> Targets<'a> {
     pub(super) fn colors(&self) -> &[&'a Image] {
         match self {
-            Self::Cleared { colors, .. } => colors,
-            Self::Depth(..) | Self::DepthOver(..) => &[],
+            Self::Surfaces { colors, .. } => colors,
+            Self::Depth { .. } => &[],
             Self::Over(image) => std::slice::from_ref(image),
         }
     }
 
     pub(super) fn depth(&self) -> Option<&'a Image> {
         match self {
-            Self::Cleared { depth, .. } | Self::Depth(depth, _) | Self::DepthOver(depth, _) => Some(depth),
+            Self::Surfaces { depth, .. } | Self::Depth { depth, .. } => Some(depth),
             Self::Over(_) => None,
         }
     }
 
     pub(super) fn extent(&self) -> [u32; 2] {
         match self {
-            Self::Cleared { depth, .. } => depth.extent(),
-            Self::Depth(image, _) | Self::DepthOver(image, _) | Self::Over(image) => image.extent(),
+            Self::Surfaces { depth: image, .. } | Self::Depth { depth: image, .. } | Self::Over(image) => {
+                image.extent()
+            }
         }
     }
 
     pub(super) fn area(&self) -> Area {
         match self {
-            Self::Cleared { area, .. } | Self::Depth(_, area) | Self::DepthOver(_, area) => *area,
+            Self::Surfaces { area, .. } | Self::Depth { area, .. } => *area,
             Self::Over(image) => Area::whole(image.extent()),
         }
     }
 
     pub(super) fn load_op(&self) -> vk::AttachmentLoadOp {
         match self {
-            Self::Cleared { .. } | Self::Depth(..) => vk::AttachmentLoadOp::CLEAR,
-            Self::DepthOver(..) | Self::Over(_) => vk::AttachmentLoadOp::LOAD,
+            Self::Surfaces { clear: true, .. } | Self::Depth { clear: true, .. } => {
+                vk::AttachmentLoadOp::CLEAR
+            }
+            _ => vk::AttachmentLoadOp::LOAD,
         }
     }
 }
