@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_control_flow_attributes : require
 // The discontinuity buffer (Wald et al. 2002): which pixels of the window around each pixel have normals that agree and
-// positions near the plane of its centre. It stands for as long as the G-buffer does.
+// positions near the plane of its centre. It stands where the G-buffer does.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "packed_surface.glsl"
@@ -14,6 +14,8 @@ layout(local_size_x = 32, local_size_y = 2) in;
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer packed_surfaces;
 layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer discontinuities;
+
+layout(push_constant) uniform Push { uvec2 first; /* thread with anything to do */ } push;
 
 #include "same_surface.glsl"
 #include "window.glsl"
@@ -57,7 +59,7 @@ bvec4 same_surfaces(Centres centres, uint packed, ivec2 at) {
 }
 
 void main() {
-    ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 thread = ivec2(gl_GlobalInvocationID.xy + push.first);
     ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
     Centres centres = centres_at(first);

@@ -10,9 +10,11 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, r32ui) uniform writeonly uimageBuffer packed_surfaces;
 
+layout(push_constant) uniform Push { uvec2 first; /* pixel that may have changed */ } push;
+
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy + push.first);
+    if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;
     float depth = imageLoad(gbuffer_depth, pixel).r;
     uint packed = pack_surface(depth, imageLoad(gbuffer_normal, pixel).xy);
     imageStore(packed_surfaces, texel_of(pixel), uvec4(packed));

@@ -16,10 +16,14 @@ layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 2) uniform utextureBuffer discontinuities;
 layout(set = 0, binding = 3, rgba32ui) uniform writeonly uimageBuffer present_flux;
 
-layout(push_constant) uniform Push { uint first_texel; /* of the VPLs */ } push;
+layout(push_constant) uniform Push {
+    uvec2 first;      // thread with anything to do
+    uint first_texel; // of the VPLs
+    uint pad0;
+} push;
 
 void main() {
-    ivec2 thread = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 thread = ivec2(gl_GlobalInvocationID.xy + push.first);
     ivec2 first = thread * ivec2(1, ROWS);
     if (any(greaterThanEqual(first, ivec2(frame.size)))) return;
     uvec4 words[MOST_WORDS];

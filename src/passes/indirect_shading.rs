@@ -1,6 +1,6 @@
 //! `indirect_shading`: the discontinuity filter, which joins the classes of each pixel's neighbourhood and writes the set
-//! buffer. Which neighbours lie on a pixel's surface is worked out when the G-buffer has changed, what flux their classes have
-//! when that or the flux of a class has; both are kept.
+//! buffer. Which neighbours lie on a pixel's surface is worked out where the G-buffer has changed, what flux their classes have
+//! where that has or when the flux of a class has; both are kept.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::gbuffer::Surfaces;
 use super::indirect_shadows::UploadedSet;
 use super::set_history::SetHistory;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
+use crate::vulkan::{Area, Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
 const ROWS: u32 = 4;
@@ -38,6 +38,14 @@ struct Push {
     total_flux: f32,
     layer: u32,
     first_texel: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct WeighPush {
+    first: [u32; 2],
+    first_texel: u32,
+    pad: u32,
 }
 
 /// The pass.
@@ -107,26 +115,35 @@ impl IndirectShadingPass {
         let [width, height] = self.extent;
         let threads = [width, height.div_ceil(ROWS)];
         let normal = &inputs.surfaces.gbuffer.normal;
-        let compared = self.compared.replace(inputs.position_cutoff);
         let first_texel = inputs.vpls.first_texel();
-        let changed = !inputs.surfaces.changed.is_empty() || compared != Some(inputs.position_cutoff);
-        if changed {
+        let compared = self.compared.replace(inputs.position_cutoff);
+        let changed = if compared == Some(inputs.position_cutoff) {
+            inputs.surfaces.changed
+        } else {
+            Area::whole(self.extent)
+        };
+        // Windows reach as far as n texels beyond their pixels, those at the borders included.
+        let touched = threads_of(changed.grown(self.interleave, self.extent));
+        if !changed.is_empty() {
             frame
                 .pass("indirect_shading", &self.pack)
                 .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
                 .read("gbuffer_normal", normal)
                 .write("packed_surfaces", &self.packed_surfaces)
-                .dispatch_over(self.extent)?;
+                .push(&changed.offset)
+                .dispatch_over(changed.extent)?;
             frame
                 .pass("indirect_shading", &self.compare)
                 .read("frame_uniforms", inputs.frame)
                 .read("gbuffer_normal", normal)
                 .read("packed_surfaces", &self.packed_surfaces)
                 .write("discontinuities", &self.discontinuities)
-                .dispatch_over(threads)?;
+                .push(&touched.offset)
+                .dispatch_over(touched.extent)?;
         }
-        if changed || self.weighed != inputs.class_flux {
+        let weighed = if self.weighed == inputs.class_flux { touched } else { Area::whole(threads) };
+        if !weighed.is_empty() {
             self.weighed.clear();
             self.weighed.extend_from_slice(inputs.class_flux);
             frame
@@ -135,8 +152,8 @@ impl IndirectShadingPass {
                 .read("vpl_set", &inputs.vpls.texels)
                 .read("discontinuities", &self.discontinuities)
                 .write("present_flux", &self.present_flux)
-                .push(&first_texel)
-                .dispatch_over(threads)?;
+                .push(&WeighPush { first: weighed.offset, first_texel, pad: 0 })
+                .dispatch_over(weighed.extent)?;
         }
         let push = Push { total_flux: inputs.vpls.total_flux, layer: sets.spare_layer(), first_texel };
         frame
@@ -152,6 +169,13 @@ impl IndirectShadingPass {
             .push(&push)
             .dispatch_over([width.div_ceil(COLUMNS), threads[1]])
     }
+}
+
+/// The threads, of [`ROWS`] pixels each, that take care of the pixels of an area.
+fn threads_of(area: Area) -> Area {
+    let [x, y] = area.offset;
+    let rows = if area.is_empty() { 0 } else { area.end()[1].div_ceil(ROWS) - y / ROWS };
+    Area { offset: [x, y / ROWS], extent: [area.extent[0], rows] }
 }
 
 fn packed_surfaces(device: &Arc<Device>, [width, height]: [u32; 2]) -> Result<Buffer, VulkanError> {
