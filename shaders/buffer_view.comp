@@ -8,7 +8,8 @@
 #include "lights.glsl"
 #include "packed_irradiance.glsl"
 #include "scene.glsl"
-#include "set_parameters.glsl"
+#define DRAWN_SETS_BINDING 11
+#include "drawn_sets.glsl"
 #include "tone_map.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -22,8 +23,7 @@ layout(set = 0, binding = 7, rgba32f) uniform readonly image2D direct;
 layout(set = 0, binding = 8, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 9) uniform utextureBuffer class_irradiance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2DArray set_buffers;
-layout(set = 0, binding = 11, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
-layout(set = 0, binding = 12, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
+layout(set = 0, binding = 12) uniform utextureBuffer view_history; // see seen_by
 layout(set = 0, binding = 13, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 14) uniform texture2D shadow_atlas;
 layout(set = 0, binding = 15, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
@@ -37,14 +37,14 @@ layout(push_constant) uniform Push {
     uvec2 set_size;      // of the set buffers, texels
     uint view;           // one of those below
     uint set_count;      // sets in all
-    uint set_drawn;      // 1: the set to show has been drawn; it is the first of set_parameters
+    uint set_drawn;      // 1: the set to show has been drawn
     uint instance_count;
     uint tile_size;      // texels across a shadow map
     uint tile_count;     // shadow maps
     uint tile_columns;   // of them in a row
     float unfiltered;    // what the irradiance of one class and set stands for
     uint one_vpl;        // 1: irradiance is that of one VPL, and so is the picture; a: its visibility
-    uint pad0;
+    uint first_texel;    // of what is known of that set
 } push;
 
 #include "reprojection.glsl"
@@ -110,25 +110,21 @@ vec3 shadow_maps(ivec2 pixel) {
 
 vec3 set_buffer(ivec2 pixel) {
     if (push.set_drawn == 0u) return MISSING;
-    SetParameters parameters = set_parameters.data[0];
+    SetParameters set = set_at(push.first_texel, 0u);
     ivec2 at = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(push.set_size));
-    vec4 stored = imageLoad(set_buffers, ivec3(at, int(parameters.layer)));
-    return lit(stored.rgb * parameters.eye.w * float(push.set_count));
+    vec4 stored = imageLoad(set_buffers, ivec3(at, int(set.layer)));
+    return lit(stored.rgb * set.scale * float(push.set_count));
 }
 
 // What the set knows of the surface of this pixel; what it does not know is marked.
 vec3 set_reprojected(ivec2 pixel, vec3 p, vec3 n, uvec2 id) {
     if (push.set_drawn == 0u) return MISSING;
-    SetParameters parameters = set_parameters.data[0];
-    if ((id.y & MAY_MOVE) != 0u) {
-        uint row = (parameters.layer * push.instance_count + id.x - 1u) * 3u;
-        InstanceData instance = instances.data[id.x - 1u];
-        vec3 tip = from_rows(row, transform_point(instance.world_to_object, p + n));
-        p = from_rows(row, transform_point(instance.world_to_object, p));
-        n = normalize(tip - p);
-    }
+    SetParameters set = set_at(push.first_texel, 0u);
+    InstanceData instance = instances.data[id.x - 1u];
+    vec3 p_os = transform_point(instance.world_to_object, p);
+    vec3 n_os = transform_point(instance.world_to_object, p + n) - p_os;
     vec3 found;
-    return look_up(parameters, p, n, found) ? lit(found * float(push.set_count)) : MISSING;
+    return look_up(set, seen_by(set, id.x - 1u, p_os, n_os), found) ? lit(found * float(push.set_count)) : MISSING;
 }
 
 // How far the surface has moved in the picture since the last frame, in pixels.

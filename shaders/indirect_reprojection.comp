@@ -13,7 +13,8 @@
 
 layout(local_size_x = 64, local_size_y = 1) in;
 
-#include "set_parameters.glsl"
+#define DRAWN_SETS_BINDING 5
+#include "drawn_sets.glsl"
 
 // Whether anything that is seen may have moved since a set was drawn, or the camera. CPU drivers spend time on what no
 // pixel needs too.
@@ -25,9 +26,9 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 4, rgba16f) uniform readonly image2DArray set_buffers;
-layout(set = 0, binding = 5, std140) uniform SetBlock { SetParameters data[MAX_SETS]; } set_parameters;
 layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
-layout(set = 0, binding = 7, std430) readonly buffer HistoryBlock { vec4 rows[]; } instance_history;
+// Rows that lead from object space to what the camera of each layer saw: see seen_by.
+layout(set = 0, binding = 7) uniform utextureBuffer view_history;
 layout(set = 0, binding = 8, rgba32f) uniform image2D irradiance;
 
 struct Push {
@@ -46,6 +47,8 @@ struct Push {
     uint layer_now;       // and now
     float scale_before;   // what its irradiance is multiplied by, before
     float scale_now;      // and now
+    uint first_texel;     // of the list of sets
+    uint pad0;
 };
 // Loaded before threads part, as `frame` is.
 layout(push_constant) uniform PushBlock { Push data; } pushed;
@@ -95,35 +98,28 @@ void add_same_views(inout Sum sum, ivec2 pixel, float depth, uint sets) {
     // Here and below, loops ask at their end whether to go on: see tracer_find.
     uint i = 0u;
     do {
-        SetParameters parameters = set_parameters.data[i];
-        vec4 stored = imageLoad(set_buffers, ivec3(pixel, int(parameters.layer)));
+        SetParameters set = set_at(push.first_texel, i);
+        vec4 stored = imageLoad(set_buffers, ivec3(pixel, int(set.layer)));
         bool same = sees(stored, depth);
-        sum.irradiance += same ? stored.rgb * parameters.eye.w : vec3(0.0);
-        sum.flux += same ? parameters.ray.w : 0.0;
+        sum.irradiance += same ? stored.rgb * set.scale : vec3(0.0);
+        sum.flux += same ? set.flux : 0.0;
         sum.count += same ? 1u : 0u;
     } while (++i < sets);
 }
 
 // What each of the sets from `first` on saw where the surface at p was when it drew.
-void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, bool may_move, uint first) {
+void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, uint first) {
     if (first >= push.drawn_count) return;
     InstanceData now = instances.data[instance];
     vec3 p_os = transform_point(now.world_to_object, p);
-    vec3 tip_os = transform_point(now.world_to_object, p + n);
+    vec3 n_os = transform_point(now.world_to_object, p + n) - p_os;
     uint i = first;
     do {
-        SetParameters parameters = set_parameters.data[i];
-        uint row = (parameters.layer * push.instance_count + instance) * 3u;
-        vec3 p_then = p;
-        vec3 n_then = n;
-        if (may_move) {
-            p_then = from_rows(row, p_os);
-            n_then = normalize(from_rows(row, tip_os) - p_then);
-        }
+        SetParameters set = set_at(push.first_texel, i);
         vec3 found;
-        if (look_up(parameters, p_then, n_then, found)) {
+        if (look_up(set, seen_by(set, instance, p_os, n_os), found)) {
             sum.irradiance += found;
-            sum.flux += parameters.ray.w;
+            sum.flux += set.flux;
             sum.count++;
         }
     } while (++i < push.drawn_count);
@@ -140,7 +136,7 @@ vec4 sum_of_all(ivec2 pixel) {
     add_same_views(sum, pixel, depth, same_view_count);
     if (MOVES) {
         vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
-        add_other_views(sum, position_at(pixel, depth), n, id.x - 1u, may_move, same_view_count);
+        add_other_views(sum, position_at(pixel, depth), n, id.x - 1u, same_view_count);
     }
     if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
         sum.irradiance *= push.total_flux / sum.flux;

@@ -165,7 +165,7 @@ struct Push {
     tile_columns: u32,
     unfiltered: f32,
     one_vpl: u32,
-    pad: u32,
+    first_texel: u32,
 }
 
 /// The pass.
@@ -202,14 +202,14 @@ impl BufferViewPass {
             .read("irradiance", inputs.irradiance)
             .read("class_irradiance", inputs.class_irradiance)
             .read("set_buffers", sets.buffers())
-            .read("set_parameters", &parameters)
-            .read("instance_history", sets.transforms())
+            .read("drawn_sets", &parameters)
+            .read("view_history", sets.views())
             .read("instances", inputs.instances)
             .read("shadow_atlas", shadows.atlas)
             .read("shadow_tiles", &shadows.tiles)
             .read("exposure", inputs.exposure)
             .write("display", display)
-            .push(&push(view, inputs, set.is_some()))
+            .push(&Push { first_texel: parameters.first_texel(), ..push(view, inputs, set.is_some()) })
             .dispatch_over(display.extent())
     }
 }
@@ -232,7 +232,7 @@ fn push(view: BufferView, inputs: &BufferViewInputs<'_>, set_drawn: bool) -> Pus
         tile_columns: inputs.shadows.tile_columns,
         unfiltered: (set_count * inputs.interleave * inputs.interleave) as f32,
         one_vpl: u32::from(inputs.one_vpl),
-        pad: 0,
+        first_texel: 0,
     }
 }
 

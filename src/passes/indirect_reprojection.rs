@@ -7,9 +7,8 @@ use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
 use super::scene_buffers::Instances;
-use super::set_history::{DrawnSet, SetHistory, parameters, upload_parameters};
+use super::set_history::{Redrawn, SetHistory, SetParameters, SetView, upload_parameters};
 use super::storage_image;
-use super::structs::SetParameters;
 use crate::scene::Pose;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -28,8 +27,6 @@ pub struct ReprojectionInputs<'a> {
     pub instances: &'a Instances,
     /// Where everything stands.
     pub pose: &'a Pose,
-    /// What this frame drew.
-    pub drawn: DrawnSet,
     /// Fraction of view depth.
     pub position_cutoff: f32,
     /// Scale up what is there by total flux over present flux.
@@ -56,6 +53,8 @@ struct Push {
     layer_now: u32,
     scale_before: f32,
     scale_now: f32,
+    first_texel: u32,
+    pad: u32,
 }
 
 /// What the sums of a frame were made of.
@@ -65,7 +64,7 @@ struct Summed {
     /// How often sets had been drawn.
     draws: u64,
     /// The camera.
-    view: SetParameters,
+    view: SetView,
     position_cutoff: f32,
     /// Frames in a row, with this one, in which nothing moved and only one set was different.
     still_frames: usize,
@@ -76,7 +75,7 @@ impl Summed {
     fn follows(&self, last: &Self) -> bool {
         Arc::ptr_eq(&self.sets, &last.sets)
             && self.draws == last.draws + 1
-            && self.view.same_view(&last.view)
+            && self.view == last.view
             && self.position_cutoff == last.position_cutoff
     }
 }
@@ -140,13 +139,13 @@ impl IndirectReprojectionPass {
     ) -> Result<&Image, VulkanError> {
         let (sets, extent) = (inputs.sets, self.irradiance.extent());
         let flux = |(set, drawn): (usize, &Option<SetParameters>)| {
-            drawn.map_or(inputs.set_flux.get(set).copied().unwrap_or(0.0), |set| set.ray.w)
+            drawn.map_or(inputs.set_flux.get(set).copied().unwrap_or(0.0), |set| set.flux)
         };
         let total_flux = sets.parameters().iter().enumerate().map(flux).sum();
-        let now = parameters(&inputs.pose.camera, extent, &inputs.drawn, 0.0);
+        let now = SetView::new(&inputs.pose.camera, extent);
         let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
-            sets.parameters().iter().flatten().partition(|set| set_size == extent && set.same_view(&now));
+            sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == now);
         let moves = !other.is_empty() || inputs.instances.may_move;
         let mut summed = Summed {
             sets: Arc::clone(sets.identity()),
@@ -156,9 +155,8 @@ impl IndirectReprojectionPass {
             still_frames: 0,
         };
         let last = self.summed.take().filter(|last| summed.follows(last));
-        let redrawn = sets
-            .redrawn()
-            .filter(|redrawn| last.is_some() && other.is_empty() && redrawn.before.same_view(&now));
+        let redrawn =
+            sets.redrawn().filter(|redrawn| last.is_some() && other.is_empty() && redrawn.before.view == now);
         if !moves {
             summed.still_frames = last.map_or(0, |last| last.still_frames) + 1;
         }
@@ -166,7 +164,9 @@ impl IndirectReprojectionPass {
         // Every set has been drawn since, and every surface has been summed up with all of them.
         let steady = redrawn.is_some() && summed.still_frames > set_count;
         self.summed = Some(summed);
-        let [before, after] = redrawn.map_or_else(Default::default, |redrawn| [redrawn.before, redrawn.now]);
+        let layer = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0, |redrawn| of(redrawn).layer);
+        let scale = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0.0, |redrawn| of(redrawn).scale);
+        let parameters = upload_parameters(frame, same_view.iter().chain(&other).copied())?;
         let push = Push {
             instance_count: to_u32(inputs.pose.instances.len()),
             scale_missing: u32::from(inputs.scale_missing),
@@ -179,12 +179,13 @@ impl IndirectReprojectionPass {
             refresh: to_u32(sets.draws() as usize % REFRESHED),
             first_row: 0,
             row_step: 1,
-            layer_before: before.layer,
-            layer_now: after.layer,
-            scale_before: before.eye.w,
-            scale_now: after.eye.w,
+            layer_before: layer(|redrawn| redrawn.before),
+            layer_now: layer(|redrawn| redrawn.now),
+            scale_before: scale(|redrawn| redrawn.before),
+            scale_now: scale(|redrawn| redrawn.now),
+            first_texel: parameters.first_texel(),
+            pad: 0,
         };
-        let parameters = upload_parameters(frame, same_view.into_iter().chain(other))?;
         let mut dispatch = |pipeline, push: &Push| {
             let rows = (extent[1] - push.first_row).div_ceil(push.row_step);
             frame
@@ -194,9 +195,9 @@ impl IndirectReprojectionPass {
                 .read("gbuffer_normal", &inputs.gbuffer.normal)
                 .read("gbuffer_instance", &inputs.gbuffer.instance)
                 .read("set_buffers", sets.buffers())
-                .read("set_parameters", &parameters)
+                .read("drawn_sets", &parameters)
                 .read("instances", &inputs.instances.data)
-                .read("instance_history", sets.transforms())
+                .read("view_history", sets.views())
                 .write("irradiance", &self.irradiance)
                 .push(push)
                 .dispatch_over([extent[0], rows])

@@ -258,11 +258,6 @@ fn emission_factors(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
     factors
 }
 
-/// The rows of all instances' transforms, for the history that reprojection follows.
-pub fn transform_rows(pose: &Pose) -> Vec<[Vec4; 3]> {
-    pose.instances.iter().map(rows).collect()
-}
-
 fn to_u32(count: usize) -> u32 {
     u32::try_from(count).expect("scenes are checked to have fewer than 2^32 vertices and indices")
 }

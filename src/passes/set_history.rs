@@ -3,15 +3,11 @@
 
 use std::sync::Arc;
 
-use glam::Vec4;
+use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
 
-use super::scene_buffers::transform_rows;
-use super::structs::SetParameters;
+use crate::bvh::gpu::rows;
 use crate::scene::{Camera, Pose};
-use crate::vulkan::{Buffer, Device, Frame, Image, ImageDescription, Upload, VulkanError, vk};
-
-/// Room for sets in the shaders' uniform block: the most temporal sets that settings allow.
-const MAX_SETS: usize = 64;
+use crate::vulkan::{Buffer, Device, Frame, Image, ImageDescription, Texels, Upload, VulkanError, vk};
 
 /// The set that this frame drew.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +16,52 @@ pub struct DrawnSet {
     pub set: u32,
     /// What its buffer's irradiance is multiplied by.
     pub irradiance_scale: f32,
+}
+
+/// A camera, as what its pixels see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetView {
+    eye: Vec3,
+    /// [`Camera::pixel_rays`].
+    rays: [Vec3; 3],
+}
+
+impl SetView {
+    /// That of a picture of `extent` texels.
+    pub fn new(camera: &Camera, extent: [u32; 2]) -> Self {
+        Self { eye: camera.eye, rays: camera.pixel_rays(extent[0] as f32 / extent[1] as f32) }
+    }
+
+    /// Rows of what leads from an instance's object space to where the camera sees it: x to the right, y down, z along the
+    /// view, world units.
+    fn rows(&self, object_to_world: &Affine3A) -> [Vec4; 3] {
+        let [z, x, y] = self.rays.map(|ray| Vec3A::from(ray.normalize()));
+        let turned = Mat3A::from_cols(x, y, z).transpose();
+        rows(&Affine3A {
+            matrix3: turned * object_to_world.matrix3,
+            translation: turned * (object_to_world.translation - Vec3A::from(self.eye)),
+        })
+    }
+}
+
+/// What is known of a set that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct SetParameters {
+    /// The camera that drew it.
+    pub view: SetView,
+    /// Irradiance over what its buffer holds.
+    pub scale: f32,
+    /// Luminous flux.
+    pub flux: f32,
+    /// Layer of the set buffers.
+    pub layer: u32,
+}
+
+impl SetParameters {
+    /// Twin: `SetParameters` in shaders/include/drawn_sets.glsl.
+    fn texel(&self) -> [u32; 4] {
+        [self.scale.to_bits(), self.flux.to_bits(), self.view.rays[2].length().to_bits(), self.layer]
+    }
 }
 
 /// A set that has just been drawn again.
@@ -36,8 +78,8 @@ pub struct SetHistory {
     /// One layer a set, and a spare one, so that what a set was before it was drawn last is still there. rgb: scaled
     /// irradiance; a: scaled view depth.
     buffers: Image,
-    /// Rows of the transforms of all instances, layer by layer.
-    transforms: Buffer,
+    /// Where the camera saw all instances, layer by layer, in texels: [`SetView::rows`].
+    views: Buffer,
     /// One for each set, none before it was first drawn.
     parameters: Vec<Option<SetParameters>>,
     /// The layer that the next set goes to.
@@ -58,7 +100,7 @@ impl SetHistory {
         instances: usize,
     ) -> Result<Self, VulkanError> {
         let layers = sets + 1;
-        let transforms = u64::from(layers) * instances as u64 * size_of::<[Vec4; 3]>() as u64;
+        let rows = u64::from(layers) * instances.max(1) as u64 * 3;
         Ok(Self {
             buffers: Image::new(
                 device,
@@ -71,7 +113,7 @@ impl SetHistory {
                     usage: vk::ImageUsageFlags::STORAGE,
                 },
             )?,
-            transforms: Buffer::new(device, "instance_history", transforms)?,
+            views: Buffer::of_texels(device, "view_history", rows, Texels::Rgba32)?,
             parameters: vec![None; sets as usize],
             spare: 0,
             redrawn: None,
@@ -85,9 +127,9 @@ impl SetHistory {
         &self.buffers
     }
 
-    /// The transforms.
-    pub fn transforms(&self) -> &Buffer {
-        &self.transforms
+    /// Where the camera of each layer saw all instances: see `seen_by` in shaders/include/reprojection.glsl.
+    pub fn views(&self) -> &Buffer {
+        &self.views
     }
 
     /// What is known of each set; none before it was first drawn.
@@ -130,45 +172,31 @@ impl SetHistory {
         flux: f32,
     ) -> Result<(), VulkanError> {
         let layer = self.spare;
-        let now = SetParameters { layer, ..parameters(&pose.camera, self.buffers.extent(), drawn, flux) };
+        let view = SetView::new(&pose.camera, self.buffers.extent());
+        let now = SetParameters { view, scale: 1.0 / drawn.irradiance_scale, flux, layer };
         let drawn_sets = self.parameters.iter().flatten().count();
         let before = self.parameters[drawn.set as usize].replace(now);
         // Layers that no set has had yet are taken in order.
         self.spare = before.map_or(to_u32(drawn_sets) + 1, |before| before.layer);
         self.redrawn = before.map(|before| Redrawn { before, now });
         self.draws += 1;
-        let rows = transform_rows(pose);
+        let rows: Vec<[Vec4; 3]> = pose.instances.iter().map(|instance| view.rows(instance)).collect();
         if !rows.is_empty() {
             let upload = frame.upload(&rows)?;
             let offset = layer as usize * size_of_val(rows.as_slice());
-            frame.copy(&upload, &self.transforms, offset as u64);
+            frame.copy(&upload, &self.views, offset as u64);
         }
         Ok(())
     }
 }
 
-/// Uploads what is known of `sets`, at most as many as settings allow.
+/// Uploads what is known of `sets`, as texels.
 pub fn upload_parameters(
     frame: &mut Frame<'_>,
     sets: impl IntoIterator<Item = SetParameters>,
 ) -> Result<Upload, VulkanError> {
-    let mut all = [SetParameters::default(); MAX_SETS];
-    for (target, set) in all.iter_mut().zip(sets) {
-        *target = set;
-    }
-    frame.upload(&all)
-}
-
-/// What a set drawn by `camera` is looked up with.
-pub fn parameters(camera: &Camera, extent: [u32; 2], drawn: &DrawnSet, flux: f32) -> SetParameters {
-    let [ray, ray_x, ray_y] = camera.pixel_rays(extent[0] as f32 / extent[1] as f32);
-    SetParameters {
-        eye: camera.eye.extend(1.0 / drawn.irradiance_scale),
-        ray: ray.extend(flux),
-        ray_x: ray_x.extend(1.0 / ray_x.length_squared()),
-        ray_y: ray_y.extend(1.0 / ray_y.length_squared()),
-        ..SetParameters::default()
-    }
+    let texels: Vec<[u32; 4]> = sets.into_iter().map(|set| set.texel()).collect();
+    frame.upload(&texels)
 }
 
 fn to_u32(count: usize) -> u32 {

@@ -112,28 +112,6 @@ pub struct ShadowTile {
     pub texel: Vec4,
 }
 
-/// Camera and light of the frame that drew a set; `SetParameters` in shaders/indirect_reprojection.comp.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct SetParameters {
-    /// xyz: world position; w: 1 / irradiance scale.
-    pub eye: Vec4,
-    /// xyz: `Camera::pixel_rays`' first; w: luminous flux of the set.
-    pub ray: Vec4,
-    /// xyz: its second; w: one over its squared length.
-    pub ray_x: Vec4,
-    /// xyz: its third; w: one over its squared length.
-    pub ray_y: Vec4,
-    /// Layer of the set buffers.
-    pub layer: u32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
-}
-
 /// A line over the picture; `OverlayLine` in shaders/include/overlay.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -144,14 +122,6 @@ pub struct OverlayLine {
     pub to_hidden: Vec4,
     /// Display values, opacity.
     pub colour: Vec4,
-}
-
-impl SetParameters {
-    /// Whether both were seen by the same camera.
-    pub fn same_view(&self, other: &Self) -> bool {
-        let view = |set: &Self| [set.eye, set.ray, set.ray_x, set.ray_y].map(|row| row.truncate());
-        view(self) == view(other)
-    }
 }
 
 #[cfg(test)]
@@ -227,18 +197,6 @@ mod tests {
             pad0
         );
         same_layout!(shaders::DIRECT_SHADING_COMP, ShadowTile, view_projection, rectangle, texel);
-        same_layout!(
-            shaders::INDIRECT_REPROJECTION_COMP,
-            SetParameters,
-            eye,
-            ray,
-            ray_x,
-            ray_y,
-            layer,
-            pad0,
-            pad1,
-            pad2
-        );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
         same_layout!(shaders::VPL_LIGHT_COMP.software, GpuVpl, position, slot, normal, bounce, flux, _pad);
         same_layout!(shaders::CAST_RAYS_COMP.software, GpuRay, origin, t_min, direction, t_max);

@@ -142,7 +142,6 @@ impl Passes {
             sets: shown_sets,
             instances,
             pose,
-            drawn,
             position_cutoff,
             scale_missing: inputs.settings.missing_sets == MissingSets::Scale,
             set_flux: inputs.set_flux,
