@@ -164,7 +164,7 @@ vec3 surface_view(ivec2 pixel, float depth, uvec2 id) {
     vec4 light = imageLoad(irradiance, pixel);
     switch (push.view) {
         case SET_REPROJECTED: return set_reprojected(pixel, position, geometric, id);
-        case SET_COUNT: return share_colour(abs(light.a) / float(push.set_count));
+        case SET_COUNT: return share_colour(light.a / float(push.set_count));
         case VPL_VISIBILITY: return vec3(push.one_vpl == 1u ? light.a : 0.0);
         case POSITION: return (position - push.low.xyz) / push.extent.xyz;
         case DEPTH: return vec3((push.extent.w - depth) / (push.extent.w - push.low.w));

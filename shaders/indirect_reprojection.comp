@@ -6,7 +6,7 @@
 // time, then by that time's camera. Sets that have not seen the surface are made up for by the others,
 // in proportion to flux. Where nothing has moved since the last frame, its sum goes on: less what the set that
 // was drawn again was before, plus what it is now.
-// Out: irradiance; a: how many sets saw the surface, negative where that may move.
+// Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -32,23 +32,25 @@ layout(set = 0, binding = 7) uniform utextureBuffer view_history;
 layout(set = 0, binding = 8, rgba32f) uniform image2D irradiance;
 
 struct Push {
+    uvec2 first;          // pixel
+    uvec2 end;            // behind the last
+    uvec2 changed_first;  // pixel that may show another surface than in the last frame
+    uvec2 changed_end;    // behind the last
+    uvec2 set_size;       // of the set buffers, texels
+    uint row_step;        // from one row of pixels to the next
+    uint running;         // 1: the last frame's sums hold where nothing has changed
+    uint refresh;         // which of REFRESHED rows of pixels is summed up anew
     uint instance_count;
     uint scale_missing;
     float total_flux;
+    uint set_count;       // sets in all
     uint drawn_count;     // sets that have been drawn at all
     uint same_view_count; // those of them, at the beginning, that the current camera drew
-    uint set_count;       // sets in all
-    uvec2 set_size;       // of the set buffers, texels
-    uint running;         // 1: the last frame's sums hold where nothing may move
-    uint refresh;         // which of REFRESHED rows of pixels is summed up anew
-    uint first_row;       // of pixels
-    uint row_step;        // from one row to the next
+    uint first_texel;     // of the list of sets
     uint layer_before;    // of the set that was drawn again, before
     uint layer_now;       // and now
     float scale_before;   // what its irradiance is multiplied by, before
     float scale_now;      // and now
-    uint first_texel;     // of the list of sets
-    uint pad0;
 };
 // Loaded before threads part, as `frame` is.
 layout(push_constant) uniform PushBlock { Push data; } pushed;
@@ -73,8 +75,7 @@ bool goes_on(ivec2 pixel, vec4 last, inout vec4 sum) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
     vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
     vec4 now = imageLoad(set_buffers, ivec3(pixel, int(push.layer_now)));
-    bool seen = !MOVES || sees(now, imageLoad(gbuffer_depth, pixel).r);
-    if (last.a != float(push.set_count) || !seen) return false;
+    if (last.a != float(push.set_count)) return false;
     vec3 was = before.rgb * push.scale_before;
     vec3 is = now.rgb * push.scale_now;
     vec3 rest = last.rgb - was;
@@ -141,14 +142,15 @@ vec4 sum_of_all(ivec2 pixel) {
     if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
         sum.irradiance *= push.total_flux / sum.flux;
     }
-    return vec4(sum.irradiance, may_move ? -float(sum.count) : float(sum.count));
+    return vec4(sum.irradiance, float(sum.count));
 }
 
 void main() {
-    uvec2 thread = gl_GlobalInvocationID.xy;
-    ivec2 pixel = ivec2(thread.x, thread.y * push.row_step + push.first_row);
-    if (any(greaterThanEqual(uvec2(pixel), frame.size))) return;
-    bool running = STEADY || (push.running == 1u && uint(pixel.y) % REFRESHED != push.refresh);
+    uvec2 pixel_there = push.first + gl_GlobalInvocationID.xy * uvec2(1u, push.row_step);
+    if (any(greaterThanEqual(pixel_there, push.end))) return;
+    ivec2 pixel = ivec2(pixel_there);
+    bool changed = all(greaterThanEqual(pixel_there, push.changed_first)) && all(lessThan(pixel_there, push.changed_end));
+    bool running = STEADY || (push.running == 1u && !changed && pixel_there.y % REFRESHED != push.refresh);
     vec4 last = imageLoad(irradiance, pixel);
     vec4 sum = last;
     if (running) running = goes_on(pixel, last, sum);

@@ -1,16 +1,17 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::gbuffer::GBuffer;
+use super::gbuffer::Surfaces;
 use super::scene_buffers::Instances;
 use super::set_history::{Redrawn, SetHistory, SetParameters, SetView, upload_parameters};
 use super::storage_image;
 use crate::scene::Pose;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{Area, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// Frames after which all running sums have been made anew. Twin: `REFRESHED` in shaders/indirect_reprojection.comp.
 const REFRESHED: usize = 256;
@@ -20,7 +21,7 @@ pub struct ReprojectionInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
     /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
+    pub surfaces: Surfaces<'a>,
     /// What the sets have drawn.
     pub sets: &'a SetHistory,
     /// Instances of this frame.
@@ -38,23 +39,25 @@ pub struct ReprojectionInputs<'a> {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
+    first: [u32; 2],
+    end: [u32; 2],
+    changed_first: [u32; 2],
+    changed_end: [u32; 2],
+    set_size: [u32; 2],
+    row_step: u32,
+    running: u32,
+    refresh: u32,
     instance_count: u32,
     scale_missing: u32,
     total_flux: f32,
+    set_count: u32,
     drawn_count: u32,
     same_view_count: u32,
-    set_count: u32,
-    set_size: [u32; 2],
-    running: u32,
-    refresh: u32,
-    first_row: u32,
-    row_step: u32,
+    first_texel: u32,
     layer_before: u32,
     layer_now: u32,
     scale_before: f32,
     scale_now: f32,
-    first_texel: u32,
-    pad: u32,
 }
 
 /// What the sums of a frame were made of.
@@ -66,8 +69,9 @@ struct Summed {
     /// The camera.
     view: SetView,
     position_cutoff: f32,
-    /// Frames in a row, with this one, in which nothing moved and only one set was different.
-    still_frames: usize,
+    /// Where surfaces, or how they are summed up, have changed in this frame and those before, as long as not every set has
+    /// been drawn since; the latest last.
+    changes: VecDeque<Area>,
 }
 
 impl Summed {
@@ -78,15 +82,20 @@ impl Summed {
             && self.view == last.view
             && self.position_cutoff == last.position_cutoff
     }
+
+    /// Where not every set has been drawn since the last change.
+    fn unsettled(&self) -> Area {
+        self.changes.iter().copied().fold(Area::default(), Area::union)
+    }
 }
 
-/// What differs between frames is known when a pipeline is made: CPU devices spend time on what no pixel needs, too.
+/// What differs between pixels is known when a pipeline is made: CPU devices spend time on what no pixel needs, too.
 struct Pipelines {
-    /// While something moves.
+    /// Where something may have moved since a set was drawn.
     moving: ComputePipeline,
-    /// When nothing that is seen has moved since a set was drawn.
+    /// Where nothing has.
     still: ComputePipeline,
-    /// When, moreover, the sums of all pixels can go on.
+    /// Where, moreover, all sums can go on.
     steady: ComputePipeline,
 }
 
@@ -125,8 +134,7 @@ impl IndirectReprojectionPass {
         })
     }
 
-    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface, negative where that may
-    /// move.
+    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.
     pub fn output(&self) -> &Image {
         &self.irradiance
     }
@@ -146,71 +154,92 @@ impl IndirectReprojectionPass {
         let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
             sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == now);
-        let moves = !other.is_empty() || inputs.instances.may_move;
+        let may_move = !other.is_empty() || inputs.instances.may_move;
+        let set_count = sets.parameters().len();
+        let whole = Area::whole(extent);
         let mut summed = Summed {
             sets: Arc::clone(sets.identity()),
             draws: sets.draws(),
             view: now,
             position_cutoff: inputs.position_cutoff,
-            still_frames: 0,
+            changes: VecDeque::new(),
         };
         let last = self.summed.take().filter(|last| summed.follows(last));
-        let redrawn =
-            sets.redrawn().filter(|redrawn| last.is_some() && other.is_empty() && redrawn.before.view == now);
-        if !moves {
-            summed.still_frames = last.map_or(0, |last| last.still_frames) + 1;
+        let redrawn = sets.redrawn().filter(|redrawn| last.is_some() && redrawn.before.view == now);
+        let unsettled_before = last.as_ref().map_or(whole, Summed::unsettled);
+        if let (Some(last), Some(_)) = (last, redrawn) {
+            summed.changes = last.changes;
+            summed.changes.push_back(inputs.surfaces.changed);
+            while summed.changes.len() > set_count {
+                summed.changes.pop_front();
+            }
+        } else {
+            summed.changes.push_back(whole);
         }
-        let set_count = sets.parameters().len();
-        // Every set has been drawn since, and every surface has been summed up with all of them.
-        let steady = redrawn.is_some() && summed.still_frames > set_count;
+        let unsettled = summed.unsettled();
+        let changed = inputs.surfaces.changed;
         self.summed = Some(summed);
+
         let layer = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0, |redrawn| of(redrawn).layer);
         let scale = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0.0, |redrawn| of(redrawn).scale);
         let parameters = upload_parameters(frame, same_view.iter().chain(&other).copied())?;
+        let gbuffer = inputs.surfaces.gbuffer;
+        let refresh = to_u32(sets.draws() as usize % REFRESHED);
         let push = Push {
+            first: [0, 0],
+            end: extent,
+            changed_first: changed.offset,
+            changed_end: changed.end(),
+            set_size,
+            row_step: 1,
+            running: u32::from(redrawn.is_some() && other.is_empty()),
+            refresh,
             instance_count: to_u32(inputs.pose.instances.len()),
             scale_missing: u32::from(inputs.scale_missing),
             total_flux,
+            set_count: to_u32(set_count),
             drawn_count: to_u32(same_view.len() + other.len()),
             same_view_count: to_u32(same_view.len()),
-            set_count: to_u32(set_count),
-            set_size,
-            running: u32::from(redrawn.is_some()),
-            refresh: to_u32(sets.draws() as usize % REFRESHED),
-            first_row: 0,
-            row_step: 1,
+            first_texel: parameters.first_texel(),
             layer_before: layer(|redrawn| redrawn.before),
             layer_now: layer(|redrawn| redrawn.now),
             scale_before: scale(|redrawn| redrawn.before),
             scale_now: scale(|redrawn| redrawn.now),
-            first_texel: parameters.first_texel(),
-            pad: 0,
         };
-        let mut dispatch = |pipeline, push: &Push| {
-            let rows = (extent[1] - push.first_row).div_ceil(push.row_step);
+        let mut dispatch = |pipeline, area: Area, push: Push| {
+            let [width, height] = area.extent;
             frame
                 .pass("indirect_reprojection", pipeline)
                 .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_depth", &inputs.gbuffer.depth)
-                .read("gbuffer_normal", &inputs.gbuffer.normal)
-                .read("gbuffer_instance", &inputs.gbuffer.instance)
+                .read("gbuffer_depth", &gbuffer.depth)
+                .read("gbuffer_normal", &gbuffer.normal)
+                .read("gbuffer_instance", &gbuffer.instance)
                 .read("set_buffers", sets.buffers())
                 .read("drawn_sets", &parameters)
                 .read("instances", &inputs.instances.data)
                 .read("view_history", sets.views())
                 .write("irradiance", &self.irradiance)
-                .push(push)
-                .dispatch_over([extent[0], rows])
+                .push(&Push { first: area.offset, end: area.end(), ..push })
+                .dispatch_over([width, height.div_ceil(push.row_step)])
         };
-        let pipelines = &self.pipelines;
-        if steady {
-            dispatch(&pipelines.steady, &push)?;
-            let anew = Push { running: 0, first_row: push.refresh, row_step: to_u32(REFRESHED), ..push };
-            if anew.first_row < extent[1] {
-                dispatch(&pipelines.still, &anew)?;
+        let Pipelines { moving, still, steady } = &*self.pipelines;
+        for settled in whole.minus(unsettled) {
+            dispatch(steady, settled, push)?;
+            // Every one of REFRESHED rows in turn.
+            let skipped =
+                (refresh + to_u32(REFRESHED) - settled.offset[1] % to_u32(REFRESHED)) % to_u32(REFRESHED);
+            let rows = Area { offset: [settled.offset[0], settled.offset[1] + skipped], ..settled };
+            let rows = rows.within(settled);
+            if !rows.is_empty() {
+                dispatch(still, rows, Push { running: 0, row_step: to_u32(REFRESHED), ..push })?;
             }
-        } else {
-            dispatch(if moves { &pipelines.moving } else { &pipelines.still }, &push)?;
+        }
+        // Now every set has seen them where they are.
+        for settled in unsettled_before.minus(unsettled) {
+            dispatch(still, settled, Push { running: 0, ..push })?;
+        }
+        if !unsettled.is_empty() {
+            dispatch(if may_move { moving } else { still }, unsettled, push)?;
         }
         Ok(&self.irradiance)
     }

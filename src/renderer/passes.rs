@@ -138,7 +138,7 @@ impl Passes {
         let shown_sets = self.settled.as_ref().unwrap_or(&self.sets);
         let reprojection = ReprojectionInputs {
             frame: uniforms,
-            gbuffer,
+            surfaces,
             sets: shown_sets,
             instances,
             pose,

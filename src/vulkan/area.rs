@@ -56,10 +56,38 @@ impl Area {
         )
     }
 
+    /// What of it lies outside of `other`, as areas that do not overlap.
+    pub fn minus(self, other: Self) -> impl Iterator<Item = Self> {
+        let ([left, top], [right, bottom]) = (self.offset, self.end());
+        let within = |at: [u32; 2]| [at[0].clamp(left, right), at[1].clamp(top, bottom)];
+        let [first, end] = [within(other.offset), within(other.end())];
+        let parts = if first[0] < end[0] && first[1] < end[1] {
+            [
+                Self::between([left, top], [right, first[1]]),
+                Self::between([left, first[1]], [first[0], end[1]]),
+                Self::between([end[0], first[1]], [right, end[1]]),
+                Self::between([left, end[1]], [right, bottom]),
+            ]
+        } else {
+            [self, Self::default(), Self::default(), Self::default()]
+        };
+        parts.into_iter().filter(|part| !part.is_empty())
+    }
+
     /// Moved right and down.
     #[must_use]
     pub fn moved(self, by: [u32; 2]) -> Self {
         Self { offset: [0, 1].map(|axis| self.offset[axis] + by[axis]), ..self }
+    }
+
+    /// The part of it that lies in `other`.
+    #[must_use]
+    pub fn within(self, other: Self) -> Self {
+        let (ends, others) = (self.end(), other.end());
+        Self::between(
+            [0, 1].map(|axis| self.offset[axis].max(other.offset[axis])),
+            [0, 1].map(|axis| ends[axis].min(others[axis])),
+        )
     }
 
     fn between(first: [u32; 2], end: [u32; 2]) -> Self {
