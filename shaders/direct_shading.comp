@@ -7,8 +7,13 @@
 #include "gbuffer.glsl"
 #include "scene.glsl"
 #include "lights.glsl"
+#include "picture_tiles.glsl"
 
-layout(local_size_x = 32, local_size_y = 2) in;
+// A workgroup has a tile of the picture.
+layout(local_size_x = PICTURE_TILE, local_size_y = PICTURE_TILE) in;
+
+// Whether only the tiles of a list are lit, or all.
+layout(constant_id = 0) const bool LISTED = false;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -19,6 +24,7 @@ layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data
 layout(set = 0, binding = 8, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
 layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
+layout(set = 0, binding = 4, std430) readonly buffer ListBlock { TileList data; uint tiles[]; } tile_list;
 layout(set = 0, binding = 11, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 
 // Mean of the bilinear comparisons at the corners of a texel: a tent over 3x3 texels.
@@ -145,8 +151,15 @@ vec3 radiance_of(uvec2 id, ivec2 pixel) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 tile = gl_WorkGroupID.xy;
+    if (LISTED) {
+        uint place = gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x;
+        if (place >= tile_list.data.count) return;
+        uint columns = (frame.size.x + PICTURE_TILE - 1u) / PICTURE_TILE;
+        tile = uvec2(tile_list.tiles[place] % columns, tile_list.tiles[place] / columns);
+    }
+    ivec2 pixel = ivec2(tile * PICTURE_TILE + gl_LocalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec4 result = vec4(frame.background.rgb, 0.0);
     if (id.x != 0u) result = vec4(radiance_of(id, pixel), 1.0);

@@ -1,13 +1,17 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
-//! specular; what surfaces emit; the background.
+//! specular; what surfaces emit; the background. Where neither surfaces nor shadows have changed, what was there stands.
 
 use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
 
 use super::direct_shadows::{Change, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
 use super::storage_image;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{
+    Area, Buffer, ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk,
+};
 
 /// What the pass reads.
 pub struct DirectShadingInputs<'a> {
@@ -23,24 +27,62 @@ pub struct DirectShadingInputs<'a> {
     pub instances: &'a Upload,
 }
 
+/// Pixels across a tile of the picture. Twin: `PICTURE_TILE` in shaders/include/picture_tiles.glsl.
+const TILE: u32 = 8;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct StalePush {
+    changed_first: [u32; 2],
+    changed_end: [u32; 2],
+    shadow_tile_count: u32,
+    pad: u32,
+}
+
 /// The pass.
 pub struct DirectShadingPass {
-    pipeline: Arc<ComputePipeline>,
+    pipelines: Arc<Pipelines>,
     direct: Image,
+    /// Tiles of the picture: see shaders/include/picture_tiles.glsl.
+    stale_tiles: Buffer,
     /// Whether anything is in `direct`.
     shaded: bool,
 }
 
+struct Pipelines {
+    find_stale: ComputePipeline,
+    shade_all: ComputePipeline,
+    shade_listed: ComputePipeline,
+}
+
 impl DirectShadingPass {
-    /// Makes the pipeline and its image, of `extent` texels.
+    /// Makes the pipelines and the image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
-        Ok(Self { pipeline: Arc::new(pipeline), direct: direct(device, extent)?, shaded: false })
+        let shade = |listed| {
+            let spirv = shaders::DIRECT_SHADING_COMP;
+            ComputePipeline::specialised(device, "direct_shading", spirv, &[listed])
+        };
+        let pipelines = Pipelines {
+            find_stale: ComputePipeline::new(device, "stale_tiles", shaders::STALE_TILES_COMP)?,
+            shade_all: shade(0)?,
+            shade_listed: shade(1)?,
+        };
+        Self::of(device, Arc::new(pipelines), extent)
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Arc::clone(&self.pipeline), direct: direct(device, extent)?, shaded: false })
+        Self::of(device, Arc::clone(&self.pipelines), extent)
+    }
+
+    fn of(device: &Arc<Device>, pipelines: Arc<Pipelines>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let words = 4 + u64::from(tiles_of(extent));
+        Ok(Self {
+            pipelines,
+            direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
+            stale_tiles: Buffer::new(device, "stale_tiles", words * 4)?,
+            shaded: false,
+        })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -48,21 +90,60 @@ impl DirectShadingPass {
         &self.direct
     }
 
-    /// Shades every pixel, unless neither surfaces nor lights have changed.
+    /// Shades every pixel whose surface, lights or shadows may have changed.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
     ) -> Result<&Image, VulkanError> {
-        if std::mem::replace(&mut self.shaded, true)
-            && inputs.surfaces.changed.is_empty()
-            && matches!(inputs.shadows.change, Change::Nothing)
-        {
-            return Ok(&self.direct);
+        let changed = inputs.surfaces.changed;
+        let whole = Area::whole(self.direct.extent());
+        let first = !std::mem::replace(&mut self.shaded, true);
+        match &inputs.shadows.change {
+            Change::Nothing if changed.is_empty() && !first => {}
+            Change::Nothing if changed != whole && !first => self.shade_stale(frame, inputs, &[])?,
+            Change::Parts(parts) if changed != whole && !first => self.shade_stale(frame, inputs, parts)?,
+            _ => self.bind(frame, &self.pipelines.shade_all, inputs).dispatch_over(whole.extent)?,
         }
+        Ok(&self.direct)
+    }
+
+    fn shade_stale(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &DirectShadingInputs<'_>,
+        changed_parts: &[[u32; 4]],
+    ) -> Result<(), VulkanError> {
+        let changed = inputs.surfaces.changed;
+        let push = StalePush {
+            changed_first: changed.offset,
+            changed_end: changed.end(),
+            shadow_tile_count: u32::try_from(changed_parts.len()).unwrap_or(u32::MAX),
+            pad: 0,
+        };
+        let changed_parts = frame.upload(changed_parts)?;
+        frame.clear(&self.stale_tiles);
+        frame
+            .pass("direct_shading", &self.pipelines.find_stale)
+            .read("frame_uniforms", inputs.frame)
+            .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
+            .read("shadow_tiles", &inputs.shadows.tiles)
+            .read("changed_parts", &changed_parts)
+            .write("tile_list", &self.stale_tiles)
+            .push(&push)
+            .dispatch_threads([tiles_of(self.direct.extent()), 1, 1])?;
+        self.bind(frame, &self.pipelines.shade_listed, inputs).dispatch_indirect(&self.stale_tiles)
+    }
+
+    fn bind<'f>(
+        &'f self,
+        frame: &'f mut Frame<'_>,
+        pipeline: &'f ComputePipeline,
+        inputs: &'f DirectShadingInputs<'_>,
+    ) -> Pass<'f> {
         let gbuffer = inputs.surfaces.gbuffer;
         frame
-            .pass("direct_shading", &self.pipeline)
+            .pass("direct_shading", pipeline)
             .read("frame_uniforms", inputs.frame)
             .read("gbuffer_depth", &gbuffer.depth)
             .read("gbuffer_normal", &gbuffer.normal)
@@ -71,14 +152,15 @@ impl DirectShadingPass {
             .read("shadow_atlas", inputs.shadows.atlas)
             .read("lights", &inputs.shadows.lights)
             .read("shadow_tiles", &inputs.shadows.tiles)
+            .read("tile_list", &self.stale_tiles)
             .read("materials", &inputs.scene.materials)
             .read("instances", inputs.instances)
             .write("direct", &self.direct)
-            .dispatch_over(self.direct.extent())?;
-        Ok(&self.direct)
     }
 }
 
-fn direct(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)
+/// How many tiles a picture has.
+fn tiles_of(extent: [u32; 2]) -> u32 {
+    let [across, down] = extent.map(|side| side.div_ceil(TILE));
+    across * down
 }

@@ -19,6 +19,8 @@ pub enum Access {
     GraphicsRead,
     /// Vertex or index buffer.
     VertexRead,
+    /// Says how many workgroups a dispatch has.
+    IndirectRead,
     /// Rays are traced through it by a compute shader: an acceleration structure.
     ComputeTrace,
     /// An acceleration structure is built there, or scratch memory of that.
@@ -57,6 +59,7 @@ impl Access {
             Self::VertexRead => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false)
             }
+            Self::IndirectRead => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false),
             Self::ComputeTrace => {
                 (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false)
             }

@@ -10,7 +10,8 @@ use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
 use super::{
-    Area, BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
+    Area, Buffer, BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel,
+    VulkanError,
 };
 
 /// Something that can be bound.
@@ -121,11 +122,25 @@ impl<'f> Pass<'f> {
             return Err(VulkanError::Limit { what, limit: u64::from(limits[axis]) });
         }
         self.recorder.begin_scope(self.name);
-        self.bind(&[])?;
+        self.bind(&[], &[])?;
         // SAFETY: pipeline, descriptors and push constants are bound and checked against the shader.
         unsafe {
             let raw = self.recorder.device().raw();
             raw.cmd_dispatch(self.recorder.commands(), groups[0], groups[1], groups[2]);
+        }
+        self.recorder.end_scope();
+        Ok(())
+    }
+
+    /// Runs the shader with as many workgroups in each dimension as the first three words of `groups` say. They must be within
+    /// the device's limits.
+    pub fn dispatch_indirect(mut self, groups: &Buffer) -> Result<(), VulkanError> {
+        self.recorder.begin_scope(self.name);
+        let counts = groups.tracker.use_buffer(Access::IndirectRead);
+        self.bind(&[], &counts.into_iter().collect::<Vec<_>>())?;
+        // SAFETY: as for any dispatch; the buffer can be read so, and buffers have room for four words at least.
+        unsafe {
+            self.recorder.device().raw().cmd_dispatch_indirect(self.recorder.commands(), groups.raw, 0);
         }
         self.recorder.end_scope();
         Ok(())
@@ -144,7 +159,7 @@ impl<'f> Pass<'f> {
             .chain(depth)
             .filter_map(|(image, access)| Some((image, image.tracker.use_image(access, false)?)))
             .collect();
-        self.bind(&images)?;
+        self.bind(&images, &[])?;
         let attachment = |image: &Image, layout| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(image.view)
@@ -182,10 +197,10 @@ impl<'f> Pass<'f> {
     }
 
     /// Checks the bindings, records barriers, binds pipeline, descriptors and push constants.
-    fn bind(&mut self, targets: &[(&Image, Barrier)]) -> Result<(), VulkanError> {
+    fn bind(&mut self, targets: &[(&Image, Barrier)], counts: &[Barrier]) -> Result<(), VulkanError> {
         self.check_bindings()?;
         let mut images = targets.to_vec();
-        let mut buffers = Vec::new();
+        let mut buffers = counts.to_vec();
         for (name, binding) in self.layout.pass_bindings() {
             let bound = &self.bound[name];
             let access = match (self.compute, bound.write) {
