@@ -23,7 +23,7 @@ layout(set = 0, binding = 6) uniform texture2D shadow_atlas;
 layout(set = 0, binding = 7, std430) readonly buffer LightBlock { LightData data[]; } lights;
 layout(set = 0, binding = 8, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
 layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
-layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D direct;
+layout(set = 0, binding = 10, rgba32f) uniform image2D direct;
 layout(set = 0, binding = 4, std430) readonly buffer ListBlock { TileList data; uint tiles[]; } tile_list;
 layout(set = 0, binding = 11, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 
@@ -163,5 +163,7 @@ void main() {
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec4 result = vec4(frame.background.rgb, 0.0);
     if (id.x != 0u) result = vec4(radiance_of(id, pixel), 1.0);
+    // What a list holds is mostly as it was, and to write costs CPU drivers more than to compare.
+    if (LISTED && result == imageLoad(direct, pixel)) return;
     imageStore(direct, pixel, result);
 }

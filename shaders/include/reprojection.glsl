@@ -33,8 +33,7 @@ bool look_up(SetParameters set, Seen seen, out vec3 found) {
     vec2 texel = (p.xy / (depth * tangents) * 0.5 + 0.5) * size - 0.5;
     vec2 base = floor(texel);
     vec2 part = texel - base;
-    bool centred = all(lessThan(abs(part - round(part)), vec2(CENTRED)));
-    if (centred) {
+    if (all(lessThan(abs(part - round(part)), vec2(CENTRED)))) {
         base += round(part);
         part = vec2(0.0);
     }
@@ -43,23 +42,32 @@ bool look_up(SetParameters set, Seen seen, out vec3 found) {
     float footprint = depth * 2.0 / size.y * set.tan_y / max(cosine, 0.05);
     float near = 0.25 * frame.position_cutoff * depth;
     float cutoff = max(4.0 * near, 1.5 * footprint);
+    // The four texels around, all at once: left and right above, left and right below.
+    ivec2 last = ivec2(push.set_size) - 1;
+    ivec2 low = clamp(ivec2(base), ivec2(0), last);
+    ivec2 high = clamp(ivec2(base) + 1, ivec2(0), last);
+    vec2 low_weight = mix(vec2(0.0), 1.0 - part, equal(vec2(low), base));
+    vec2 high_weight = mix(vec2(0.0), part, equal(vec2(high), base + 1.0));
+    vec4 weight = vec4(low_weight.x, high_weight.x, low_weight.x, high_weight.x)
+        * vec4(low_weight.yy, high_weight.yy);
+    int layer = int(set.layer);
+    vec4 stored[4] = vec4[](
+        imageLoad(set_buffers, ivec3(low, layer)), imageLoad(set_buffers, ivec3(high.x, low.y, layer)),
+        imageLoad(set_buffers, ivec3(low.x, high.y, layer)), imageLoad(set_buffers, ivec3(high, layer)));
+    // The surfaces that were drawn there, from their depths.
+    vec4 depths = vec4(stored[0].w, stored[1].w, stored[2].w, stored[3].w) / frame.depth_scale;
+    vec2 ray_low = ((vec2(low) + 0.5) / size * 2.0 - 1.0) * tangents;
+    vec2 ray_high = ((vec2(high) + 0.5) / size * 2.0 - 1.0) * tangents;
+    vec4 x = depths * vec4(ray_low.x, ray_high.x, ray_low.x, ray_high.x) - p.x;
+    vec4 y = depths * vec4(ray_low.yy, ray_high.yy) - p.y;
+    vec4 z = depths - p.z;
+    vec4 distance = abs(x * seen.normal.x + y * seen.normal.y + z * seen.normal.z);
+    weight = mix(vec4(0.0), weight, lessThanEqual(distance, vec4(near)));
+    weight = mix(vec4(0.0), weight, lessThanEqual(x * x + y * y + z * z, vec4(cutoff * cutoff)));
+    weight = mix(vec4(0.0), weight, greaterThan(depths, vec4(0.0)));
     vec3 sum = vec3(0.0);
-    float weights = 0.0;
-    int taps = centred ? 1 : 4;
-    int i = 0;
-    do {
-        ivec2 corner = ivec2(i & 1, i >> 1);
-        float weight = (corner.x == 1 ? part.x : 1.0 - part.x) * (corner.y == 1 ? part.y : 1.0 - part.y);
-        ivec2 at = ivec2(base) + corner;
-        bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(push.set_size)));
-        vec4 stored = inside ? imageLoad(set_buffers, ivec3(at, int(set.layer))) : vec4(0.0);
-        // The surface that was drawn there, from its depth.
-        vec2 ndc = (vec2(at) + 0.5) / size * 2.0 - 1.0;
-        vec3 offset = vec3(ndc * tangents, 1.0) * (stored.w / frame.depth_scale) - p;
-        bool same = stored.w > 0.0 && dot(offset, offset) <= cutoff * cutoff && abs(dot(offset, seen.normal)) <= near;
-        sum += same ? weight * stored.rgb : vec3(0.0);
-        weights += same ? weight : 0.0;
-    } while (++i < taps);
+    for (int i = 0; i < 4; i++) sum += weight[i] > 0.0 ? weight[i] * stored[i].rgb : vec3(0.0);
+    float weights = weight.x + weight.y + weight.z + weight.w;
     found = sum / max(weights, 1e-6) * set.scale;
     return weights > 0.0;
 }
