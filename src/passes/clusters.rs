@@ -128,7 +128,8 @@ pub fn area_of_box(matrix: &Mat4, bounds: (Vec3, Vec3), extent: [u32; 2]) -> Are
     let nearest = corners.iter().map(|corner| corner.w).fold(f32::INFINITY, f32::min);
     let farthest = corners.iter().map(|corner| corner.w).fold(0.0, f32::max);
     // What reaches behind the eye has no bounds in the picture; NaNs have none either.
-    if !(nearest > 1e-6 * farthest) {
+    let in_front = nearest > 1e-6 * farthest;
+    if !in_front {
         return Area::whole(extent);
     }
     let texels = corners.map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));

@@ -98,6 +98,13 @@ struct Push {
     material: u32,
 }
 
+/// A part of targets, and whether what is there goes first.
+struct DrawnInto<'a> {
+    targets: &'a GBuffer,
+    area: Area,
+    clear: bool,
+}
+
 /// The pass.
 pub struct GBufferPass {
     pipeline: Arc<GraphicsPipeline>,
@@ -182,7 +189,8 @@ impl GBufferPass {
             changed
         } else {
             self.still.forget();
-            self.draw(frame, inputs, &self.targets, whole, true, |_| true)?;
+            let into = DrawnInto { targets: &self.targets, area: whole, clear: true };
+            self.draw(frame, inputs, &into, |_| true)?;
             whole
         };
         self.drawn = Some(inputs.view_projection);
@@ -204,25 +212,25 @@ impl GBufferPass {
         let anew = self.still.must_draw(&inputs.instances.moved);
         let Some(still_targets) = &self.still_targets else { return Ok(()) };
         if anew {
-            let stands = |draw: &Draw| !self.still.lacks(draw.instance);
-            self.draw(frame, inputs, still_targets, Area::whole(extent), true, stands)?;
+            let into = DrawnInto { targets: still_targets, area: Area::whole(extent), clear: true };
+            self.draw(frame, inputs, &into, |draw| !self.still.lacks(draw.instance))?;
         }
         for (source, target) in still_targets.images().into_iter().zip(self.targets.images()) {
             frame.copy_areas("gbuffer", source, target, &[area]);
         }
-        self.draw(frame, inputs, &self.targets, area, false, |draw| self.still.lacks(draw.instance))
+        let into = DrawnInto { targets: &self.targets, area, clear: false };
+        self.draw(frame, inputs, &into, |draw| self.still.lacks(draw.instance))
     }
 
-    /// Draws what is `wanted` into a part of the targets, after clearing it or over what is there.
+    /// Draws what is `wanted`.
     fn draw(
         &self,
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
-        targets: &GBuffer,
-        area: Area,
-        clear: bool,
+        into: &DrawnInto<'_>,
         wanted: impl Fn(&Draw) -> bool,
     ) -> Result<(), VulkanError> {
+        let DrawnInto { targets, area, clear } = *into;
         let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
         let draws: Vec<Draw> = inputs.scene.draws.iter().filter(|draw| wanted(draw)).copied().collect();
         let draws = visible(&draws, inputs.pose, &part, |last, next| last.material == next.material);

@@ -146,74 +146,28 @@ impl IndirectReprojectionPass {
         inputs: &ReprojectionInputs<'_>,
     ) -> Result<&Image, VulkanError> {
         let (sets, extent) = (inputs.sets, self.irradiance.extent());
-        let flux = |(set, drawn): (usize, &Option<SetParameters>)| {
-            drawn.map_or(inputs.set_flux.get(set).copied().unwrap_or(0.0), |set| set.flux)
-        };
-        let total_flux = sets.parameters().iter().enumerate().map(flux).sum();
-        let now = SetView::new(&inputs.pose.camera, extent);
+        let view = SetView::new(&inputs.pose.camera, extent);
         let set_size = sets.buffers().extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
-            sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == now);
+            sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == view);
         let may_move = !other.is_empty() || inputs.instances.may_move;
-        let set_count = sets.parameters().len();
-        let whole = Area::whole(extent);
-        let mut summed = Summed {
-            sets: Arc::clone(sets.identity()),
-            draws: sets.draws(),
-            view: now,
-            position_cutoff: inputs.position_cutoff,
-            changes: VecDeque::new(),
-        };
-        let last = self.summed.take().filter(|last| summed.follows(last));
-        let redrawn = sets.redrawn().filter(|redrawn| last.is_some() && redrawn.before.view == now);
-        let unsettled_before = last.as_ref().map_or(whole, Summed::unsettled);
-        if let (Some(last), Some(_)) = (last, redrawn) {
-            summed.changes = last.changes;
-            summed.changes.push_back(inputs.surfaces.changed);
-            while summed.changes.len() > set_count {
-                summed.changes.pop_front();
-            }
-        } else {
-            summed.changes.push_back(whole);
-        }
-        let unsettled = summed.unsettled();
-        let changed = inputs.surfaces.changed;
-        self.summed = Some(summed);
-
-        let layer = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0, |redrawn| of(redrawn).layer);
-        let scale = |of: fn(&Redrawn) -> SetParameters| redrawn.map_or(0.0, |redrawn| of(redrawn).scale);
+        let step = self.step(inputs, view);
         let parameters = upload_parameters(frame, same_view.iter().chain(&other).copied())?;
-        let gbuffer = inputs.surfaces.gbuffer;
-        let refresh = to_u32(sets.draws() as usize % REFRESHED);
         let push = Push {
-            first: [0, 0],
-            end: extent,
-            changed_first: changed.offset,
-            changed_end: changed.end(),
-            set_size,
-            row_step: 1,
-            running: u32::from(redrawn.is_some() && other.is_empty()),
-            refresh,
-            instance_count: to_u32(inputs.pose.instances.len()),
-            scale_missing: u32::from(inputs.scale_missing),
-            total_flux,
-            set_count: to_u32(set_count),
+            running: u32::from(step.redrawn.is_some() && other.is_empty()),
             drawn_count: to_u32(same_view.len() + other.len()),
             same_view_count: to_u32(same_view.len()),
             first_texel: parameters.first_texel(),
-            layer_before: layer(|redrawn| redrawn.before),
-            layer_now: layer(|redrawn| redrawn.now),
-            scale_before: scale(|redrawn| redrawn.before),
-            scale_now: scale(|redrawn| redrawn.now),
+            ..push(inputs, &step)
         };
         let mut dispatch = |pipeline, area: Area, push: Push| {
             let [width, height] = area.extent;
             frame
                 .pass("indirect_reprojection", pipeline)
                 .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_depth", &gbuffer.depth)
-                .read("gbuffer_normal", &gbuffer.normal)
-                .read("gbuffer_instance", &gbuffer.instance)
+                .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
+                .read("gbuffer_normal", &inputs.surfaces.gbuffer.normal)
+                .read("gbuffer_instance", &inputs.surfaces.gbuffer.instance)
                 .read("set_buffers", sets.buffers())
                 .read("drawn_sets", &parameters)
                 .read("instances", &inputs.instances.data)
@@ -223,26 +177,96 @@ impl IndirectReprojectionPass {
                 .dispatch_over([width, height.div_ceil(push.row_step)])
         };
         let Pipelines { moving, still, steady } = &*self.pipelines;
-        for settled in whole.minus(unsettled) {
+        let anew = Push { running: 0, ..push };
+        for settled in Area::whole(extent).minus(step.unsettled) {
             dispatch(steady, settled, push)?;
-            // Every one of REFRESHED rows in turn.
-            let skipped =
-                (refresh + to_u32(REFRESHED) - settled.offset[1] % to_u32(REFRESHED)) % to_u32(REFRESHED);
-            let rows = Area { offset: [settled.offset[0], settled.offset[1] + skipped], ..settled };
-            let rows = rows.within(settled);
+            let rows = refreshed_rows(settled, push.refresh);
             if !rows.is_empty() {
-                dispatch(still, rows, Push { running: 0, row_step: to_u32(REFRESHED), ..push })?;
+                dispatch(still, rows, Push { row_step: to_u32(REFRESHED), ..anew })?;
             }
         }
-        // Now every set has seen them where they are.
-        for settled in unsettled_before.minus(unsettled) {
-            dispatch(still, settled, Push { running: 0, ..push })?;
+        // By now every set has seen them where they are.
+        for settled in step.unsettled_before.minus(step.unsettled) {
+            dispatch(still, settled, anew)?;
         }
-        if !unsettled.is_empty() {
-            dispatch(if may_move { moving } else { still }, unsettled, push)?;
+        if !step.unsettled.is_empty() {
+            dispatch(if may_move { moving } else { still }, step.unsettled, push)?;
         }
         Ok(&self.irradiance)
     }
+
+    /// What is different from the frame before, in which the sums were those of `self.summed`.
+    fn step(&mut self, inputs: &ReprojectionInputs<'_>, view: SetView) -> Step {
+        let sets = inputs.sets;
+        let whole = Area::whole(self.irradiance.extent());
+        let mut summed = Summed {
+            sets: Arc::clone(sets.identity()),
+            draws: sets.draws(),
+            view,
+            position_cutoff: inputs.position_cutoff,
+            changes: VecDeque::new(),
+        };
+        let last = self.summed.take().filter(|last| summed.follows(last));
+        let redrawn = sets.redrawn().filter(|redrawn| last.is_some() && redrawn.before.view == view).copied();
+        let unsettled_before = last.as_ref().map_or(whole, Summed::unsettled);
+        if let (Some(last), Some(_)) = (last, redrawn) {
+            summed.changes = last.changes;
+            summed.changes.push_back(inputs.surfaces.changed);
+            while summed.changes.len() > sets.parameters().len() {
+                summed.changes.pop_front();
+            }
+        } else {
+            summed.changes.push_back(whole);
+        }
+        let unsettled = summed.unsettled();
+        self.summed = Some(summed);
+        Step { redrawn, unsettled_before, unsettled }
+    }
+}
+
+/// What a frame adds to the sums of the one before.
+struct Step {
+    /// The set that was drawn again; none where sums cannot go on.
+    redrawn: Option<Redrawn>,
+    /// Where not every set had been drawn since the last change, in the frame before.
+    unsettled_before: Area,
+    /// The same in this one.
+    unsettled: Area,
+}
+
+/// The push constants of whole pictures, less what is known of the list of sets.
+fn push(inputs: &ReprojectionInputs<'_>, step: &Step) -> Push {
+    let sets = inputs.sets;
+    let flux = |(set, drawn): (usize, &Option<SetParameters>)| {
+        drawn.map_or(inputs.set_flux.get(set).copied().unwrap_or(0.0), |set| set.flux)
+    };
+    let layer =
+        |of: fn(&Redrawn) -> SetParameters| step.redrawn.as_ref().map_or(0, |redrawn| of(redrawn).layer);
+    let scale =
+        |of: fn(&Redrawn) -> SetParameters| step.redrawn.as_ref().map_or(0.0, |redrawn| of(redrawn).scale);
+    let changed = inputs.surfaces.changed;
+    Push {
+        changed_first: changed.offset,
+        changed_end: changed.end(),
+        set_size: sets.buffers().extent(),
+        row_step: 1,
+        refresh: to_u32(sets.draws() as usize % REFRESHED),
+        instance_count: to_u32(inputs.pose.instances.len()),
+        scale_missing: u32::from(inputs.scale_missing),
+        total_flux: sets.parameters().iter().enumerate().map(flux).sum(),
+        set_count: to_u32(sets.parameters().len()),
+        layer_before: layer(|redrawn| redrawn.before),
+        layer_now: layer(|redrawn| redrawn.now),
+        scale_before: scale(|redrawn| redrawn.before),
+        scale_now: scale(|redrawn| redrawn.now),
+        ..Push::zeroed()
+    }
+}
+
+/// From the first of an area's rows that are summed up anew, each of [`REFRESHED`] rows in turn, to its end.
+fn refreshed_rows(area: Area, refresh: u32) -> Area {
+    let skipped = (i64::from(refresh) - i64::from(area.offset[1])).rem_euclid(REFRESHED as i64);
+    area.within(area.moved([0, u32::try_from(skipped).unwrap_or(0)]))
 }
 
 fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+use super::instance::one_at_a_time;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
 use super::ray_query::RayQueries;
@@ -56,6 +57,8 @@ impl Device {
         let (physical, info) = choose(devices, wanted)?;
         let queue_family = queue_family(instance.raw(), physical)
             .ok_or_else(|| VulkanError::NoDevice(format!("{} has no graphics queue", info.name)))?;
+        // Until all functions are loaded.
+        let _guard = one_at_a_time();
         let raw = create_device(instance.raw(), physical, &info, queue_family, surface.is_some())?;
         let ray_queries = info.ray_query.then(|| RayQueries::new(instance.raw(), physical, &raw));
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -237,6 +240,7 @@ impl Drop for Device {
         unsafe {
             let _ = self.raw.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
+            let _guard = one_at_a_time();
             self.raw.destroy_device(None);
         }
     }

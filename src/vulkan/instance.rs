@@ -1,7 +1,7 @@
 //! The Vulkan instance and its validation messages.
 
 use std::ffi::{CStr, c_char, c_void};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, vk};
 use raw_window_handle::RawDisplayHandle;
@@ -20,6 +20,13 @@ pub struct InstanceOptions {
 }
 
 type Messages = Mutex<Vec<String>>;
+
+/// Held while instances and devices come and go: loaders and layers look functions up in lists that another thread may be
+/// changing then (Vulkan-Loader issue 200).
+pub(super) fn one_at_a_time() -> MutexGuard<'static, ()> {
+    static COMING_OR_GOING: Mutex<()> = Mutex::new(());
+    COMING_OR_GOING.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A loaded Vulkan loader with an instance.
 pub struct Instance {
@@ -90,6 +97,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
+        let _guard = one_at_a_time();
         // SAFETY: devices hold an `Arc` of the instance, so none is left; the messenger goes first.
         unsafe {
             if let Some((functions, messenger)) = self.debug.take() {
@@ -133,6 +141,7 @@ fn create_instance(
     if has_features {
         info = info.push_next(&mut features);
     }
+    let _guard = one_at_a_time();
     // SAFETY: every pointer in `info` outlives the call.
     unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
