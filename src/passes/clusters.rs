@@ -238,4 +238,32 @@ mod tests {
         let runs: Vec<_> = seen.iter().map(|draw| (draw.first, draw.count)).collect();
         assert_eq!(runs, [(0, 6), (12, 3)]);
     }
+
+    #[test]
+    fn boxes_lie_within_their_part_of_the_view() {
+        let camera = Camera::looking(Vec3::ZERO, Vec3::NEG_Z);
+        let reversed = Camera { near: 100.0, far: 0.1, ..camera };
+        let matrix = reversed.projection_matrix(1.5) * camera.view_matrix();
+        let extent = [90, 60];
+        let texel = |p: Vec3| {
+            let clip = matrix * p.extend(1.0);
+            (clip.truncate().truncate() / clip.w * 0.5 + 0.5) * vec2(extent)
+        };
+        let seen = |centre: Vec3, half: f32| area_of_box(&matrix, (centre - half, centre + half), extent);
+        let area = seen(Vec3::new(0.5, -0.3, -4.0), 0.4);
+        for corner in box_corners((Vec3::new(0.1, -0.7, -4.4), Vec3::new(0.9, 0.1, -3.6))) {
+            let (at, [first, end]) = (texel(corner), [area.offset, area.end()].map(vec2));
+            assert!(at.cmpge(first).all() && at.cmple(end).all(), "{at} is not in {area:?}");
+        }
+        assert!(area.extent[0] < 40 && area.extent[1] < 40, "{area:?} is larger than it need be");
+        assert!(seen(Vec3::new(90.0, 0.0, -4.0), 0.4).is_empty(), "beside the view");
+        assert!(seen(Vec3::new(0.0, 0.0, 4.0), 0.4).is_empty(), "behind the eye");
+        assert_eq!(seen(Vec3::new(0.0, 0.0, -0.2), 0.4), Area::whole(extent), "around the eye");
+        // What lies in the area lies in the frustum of that part, and little else does.
+        let part = part_of_view(&matrix, area, extent);
+        let planes = frustum_planes(&part);
+        let inside = |p: Vec3| touches(&planes, (p, p));
+        assert!(inside(Vec3::new(0.5, -0.3, -4.0)) && inside(Vec3::new(0.1, 0.1, -4.4)));
+        assert!(!inside(Vec3::new(-0.5, -0.3, -4.0)) && !inside(Vec3::new(0.5, 1.2, -4.0)));
+    }
 }

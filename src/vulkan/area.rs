@@ -100,3 +100,65 @@ impl Area {
         vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXTENT: [u32; 2] = [7, 6];
+
+    /// Every area within [`EXTENT`], empty ones too.
+    fn all() -> impl Iterator<Item = Area> {
+        let sides =
+            |of: u32| (0..of).flat_map(move |first| (0..=of - first).map(move |extent| (first, extent)));
+        sides(EXTENT[0]).flat_map(move |(x, width)| {
+            sides(EXTENT[1]).map(move |(y, height)| Area { offset: [x, y], extent: [width, height] })
+        })
+    }
+
+    fn has(area: &Area, x: u32, y: u32) -> bool {
+        let end = area.end();
+        (area.offset[0]..end[0]).contains(&x) && (area.offset[1]..end[1]).contains(&y)
+    }
+
+    fn texels() -> impl Iterator<Item = (u32, u32)> {
+        (0..EXTENT[0]).flat_map(|x| (0..EXTENT[1]).map(move |y| (x, y)))
+    }
+
+    #[test]
+    fn differences_have_every_texel_once() {
+        let from = Area { offset: [1, 1], extent: [5, 4] };
+        for other in all() {
+            let parts: Vec<Area> = from.minus(other).collect();
+            for (x, y) in texels() {
+                let times = parts.iter().filter(|part| has(part, x, y)).count();
+                assert_eq!(
+                    times,
+                    usize::from(has(&from, x, y) && !has(&other, x, y)),
+                    "{other:?} at {x}, {y}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn unions_and_intersections_have_what_they_should() {
+        let one = Area { offset: [2, 1], extent: [3, 2] };
+        for other in all() {
+            let (union, common) = (one.union(other), one.within(other));
+            for (x, y) in texels() {
+                let (in_one, in_other) = (has(&one, x, y), has(&other, x, y));
+                assert!(has(&union, x, y) || !(in_one || in_other), "{other:?} at {x}, {y}");
+                assert_eq!(has(&common, x, y), in_one && in_other, "{other:?} at {x}, {y}");
+            }
+        }
+        assert_eq!(one.union(Area::default()), one);
+    }
+
+    #[test]
+    fn areas_grow_as_far_as_the_image_goes() {
+        let area = Area { offset: [1, 4], extent: [2, 1] };
+        assert_eq!(area.grown(2, EXTENT), Area { offset: [0, 2], extent: [5, 4] });
+        assert!(Area::default().grown(2, EXTENT).is_empty());
+    }
+}

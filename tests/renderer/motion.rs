@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{MissingSets, Settings};
 
-use super::support::{Lab, channel, indirect, luminance, mean, relative_differences, scene};
+use super::support::{Lab, channel, indirect, layer, luminance, mean, relative_differences, scene};
 
 const HALL: &str = r#"
 [[models]]
@@ -148,4 +148,80 @@ fn sums_that_only_go_on_are_whole() {
     let (average, worst) = relative_differences(&going_on, &indirect(&renderer));
     assert!(average < 1e-4 && worst < 1e-2, "sums differ by {average}, {worst}");
     assert!(mean(going_on.iter().map(luminance)) > 0.0);
+}
+
+/// The crate goes to and fro, then the pillar, static by itself, is moved by hand, then the crate's turn comes again.
+fn stirred(rest: &Pose, frame: u32) -> Pose {
+    let mut pose = rest.clone();
+    let (instance, step) = match frame {
+        0..12 => (2, frame),
+        12..20 => (1, frame - 12),
+        20..26 => (1, 8),
+        _ => (2, frame - 20),
+    };
+    let shift = Vec3::new(0.03, 0.0, -0.02) * step as f32;
+    pose.instances[instance] = Affine3A::from_translation(shift) * pose.instances[instance];
+    pose
+}
+
+#[test]
+fn what_moves_is_drawn_as_in_a_first_frame() {
+    let Some(lab) = Lab::open() else { return };
+    let lights = r#"
+[[lights]]
+type = "spot"
+position = [-1.5, 1.9, 0.5]
+direction = [0, -1, -0.1]
+intensity = [30, 25, 20]
+inner_deg = 25
+outer_deg = 40
+[[lights]]
+type = "directional"
+direction = [0.3, -1, -0.4]
+irradiance = [2, 2, 3]
+[camera]"#;
+    let scene = scene(&HALL.replace("[camera]", lights));
+    let rest = scene.pose(0.0);
+    let settings = settings(MissingSets::Scale);
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    for frame in 0..32 {
+        let pose = stirred(&rest, frame);
+        renderer.render(&pose).unwrap();
+        if ![0, 1, 11, 12, 13, 19, 21, 26, 31].contains(&frame) {
+            continue;
+        }
+        let mut fresh = lab.renderer(&scene, &settings, &pose);
+        fresh.render(&pose).unwrap();
+        let [ours, expected] = [&renderer, &fresh].map(|renderer| renderer.read_picture(true).unwrap());
+        for name in ["depth", "instance"] {
+            assert_eq!(channel(&ours, name), channel(&expected, name), "{name} of frame {frame}");
+        }
+        for name in ["normal", "albedo"] {
+            assert_eq!(layer(&ours, name), layer(&expected, name), "{name} of frame {frame}");
+        }
+        let [ours, expected] = [ours, expected].map(|picture| layer(&picture, "direct"));
+        let (_, worst) = relative_differences(&ours, &expected);
+        assert!(worst < 1e-4, "direct light of frame {frame} is off by {worst}");
+    }
+}
+
+#[test]
+fn sums_that_go_on_beside_what_moves_are_those_of_all_sets() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(HALL);
+    let rest = scene.pose(0.0);
+    let settings = Settings { temporal_sets: 4, ..settings(MissingSets::Scale) };
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    // With another cut-off in each frame everything is summed up anew.
+    let mut anew = lab.renderer(&scene, &settings, &rest);
+    for frame in 0..40 {
+        let pose = stirred(&rest, frame);
+        let wider = f32::from_bits(settings.position_cutoff.to_bits() + frame % 2);
+        anew.set_settings(&Settings { position_cutoff: wider, ..settings.clone() }, &pose).unwrap();
+        renderer.render(&pose).unwrap();
+        anew.render(&pose).unwrap();
+        let (average, worst) = relative_differences(&indirect(&renderer), &indirect(&anew));
+        assert!(average < 1e-4 && worst < 1e-2, "in frame {frame}, sums differ by {average}, {worst}");
+        assert_eq!(renderer.read_set_counts().unwrap(), anew.read_set_counts().unwrap(), "frame {frame}");
+    }
 }
