@@ -69,8 +69,8 @@ pub fn cluster(mesh: &Mesh) -> (Vec<Cluster>, Vec<[u32; 3]>) {
 
 /// The draws that the frustum of `view_projection` (world to clip space) may touch. Draws that follow one
 /// another in the index buffer become one where `joins` allows it.
-pub fn visible(
-    draws: &[Draw],
+pub fn visible<'a>(
+    draws: impl IntoIterator<Item = &'a Draw>,
     pose: &Pose,
     view_projection: &Mat4,
     joins: impl Fn(&Draw, &Draw) -> bool,

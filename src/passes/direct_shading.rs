@@ -32,7 +32,7 @@ const TILE: u32 = 8;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct StalePush {
+struct ChangedPush {
     changed_first: [u32; 2],
     changed_end: [u32; 2],
     shadow_tile_count: u32,
@@ -44,13 +44,13 @@ pub struct DirectShadingPass {
     pipelines: Arc<Pipelines>,
     direct: Image,
     /// Tiles of the picture: see shaders/include/picture_tiles.glsl.
-    stale_tiles: Buffer,
+    changed_tiles: Buffer,
     /// Whether anything is in `direct`.
     shaded: bool,
 }
 
 struct Pipelines {
-    find_stale: ComputePipeline,
+    find_changed: ComputePipeline,
     shade_all: ComputePipeline,
     shade_listed: ComputePipeline,
 }
@@ -63,7 +63,7 @@ impl DirectShadingPass {
             ComputePipeline::specialised(device, "direct_shading", spirv, &[listed])
         };
         let pipelines = Pipelines {
-            find_stale: ComputePipeline::new(device, "stale_tiles", shaders::STALE_TILES_COMP)?,
+            find_changed: ComputePipeline::new(device, "changed_tiles", shaders::CHANGED_TILES_COMP)?,
             shade_all: shade(0)?,
             shade_listed: shade(1)?,
         };
@@ -80,7 +80,7 @@ impl DirectShadingPass {
         Ok(Self {
             pipelines,
             direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            stale_tiles: Buffer::new(device, "stale_tiles", words * 4)?,
+            changed_tiles: Buffer::new(device, "changed_tiles", words * 4)?,
             shaded: false,
         })
     }
@@ -101,38 +101,38 @@ impl DirectShadingPass {
         let first = !std::mem::replace(&mut self.shaded, true);
         match &inputs.shadows.change {
             Change::Nothing if changed.is_empty() && !first => {}
-            Change::Nothing if changed != whole && !first => self.shade_stale(frame, inputs, &[])?,
-            Change::Parts(parts) if changed != whole && !first => self.shade_stale(frame, inputs, parts)?,
+            Change::Nothing if changed != whole && !first => self.shade_changed(frame, inputs, &[])?,
+            Change::Parts(parts) if changed != whole && !first => self.shade_changed(frame, inputs, parts)?,
             _ => self.bind(frame, &self.pipelines.shade_all, inputs).dispatch_over(whole.extent)?,
         }
         Ok(&self.direct)
     }
 
-    fn shade_stale(
+    fn shade_changed(
         &self,
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
         changed_parts: &[[u32; 4]],
     ) -> Result<(), VulkanError> {
         let changed = inputs.surfaces.changed;
-        let push = StalePush {
+        let push = ChangedPush {
             changed_first: changed.offset,
             changed_end: changed.end(),
             shadow_tile_count: u32::try_from(changed_parts.len()).unwrap_or(u32::MAX),
             pad: 0,
         };
         let changed_parts = frame.upload(changed_parts)?;
-        frame.clear(&self.stale_tiles);
+        frame.clear(&self.changed_tiles);
         frame
-            .pass("direct_shading", &self.pipelines.find_stale)
+            .pass("direct_shading", &self.pipelines.find_changed)
             .read("frame_uniforms", inputs.frame)
             .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
             .read("shadow_tiles", &inputs.shadows.tiles)
             .read("changed_parts", &changed_parts)
-            .write("tile_list", &self.stale_tiles)
+            .write("tile_list", &self.changed_tiles)
             .push(&push)
             .dispatch_threads([tiles_of(self.direct.extent()), 1, 1])?;
-        self.bind(frame, &self.pipelines.shade_listed, inputs).dispatch_indirect(&self.stale_tiles)
+        self.bind(frame, &self.pipelines.shade_listed, inputs).dispatch_indirect(&self.changed_tiles)
     }
 
     fn bind<'f>(
@@ -152,7 +152,7 @@ impl DirectShadingPass {
             .read("shadow_atlas", inputs.shadows.atlas)
             .read("lights", &inputs.shadows.lights)
             .read("shadow_tiles", &inputs.shadows.tiles)
-            .read("tile_list", &self.stale_tiles)
+            .read("tile_list", &self.changed_tiles)
             .read("materials", &inputs.scene.materials)
             .read("instances", inputs.instances)
             .write("direct", &self.direct)

@@ -106,6 +106,7 @@ impl DirectShadowsPass {
                 colors: &[],
                 depth_bias: Some([0.0, SLOPE_BIAS]),
                 blend: false,
+                // Without and with an alpha mask.
                 variants: &[0, 1],
             },
         )?;
@@ -185,32 +186,44 @@ impl DirectShadowsPass {
                 ..part
             })
             .collect();
-        let (touched, _): (Vec<TilePart<'_>>, Vec<_>) = parts.iter().partition(|part| !part.area.is_empty());
+        let touched: Vec<TilePart<'_>> = parts.iter().filter(|part| !part.area.is_empty()).copied().collect();
         if !touched.is_empty() {
-            if self.still_atlas.is_none() {
-                self.still_atlas = Some(atlas(&self.device, "still_shadow_atlas", self.atlas.extent())?);
-                self.still.forget();
-            }
-            let anew = self.still.must_draw(inputs.moved);
-            if let Some(still_atlas) = self.still_atlas.as_ref() {
-                if anew {
-                    let targets =
-                        Targets::Depth { depth: still_atlas, area: Area::whole(plan.extent), clear: true };
-                    self.draw(frame, inputs, &targets, &whole_tiles(plan), |draw| {
-                        !self.still.lacks(draw.instance)
-                    })?;
-                }
-                let areas: Vec<Area> = touched.iter().map(|part| part.area.moved(part.corner())).collect();
-                frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
-                let area = areas.into_iter().fold(Area::default(), Area::union);
-                let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
-                self.draw(frame, inputs, &targets, &touched, |draw| self.still.lacks(draw.instance))?;
-            }
+            self.draw_parts(frame, inputs, plan, &touched)?;
         }
-        Ok(parts
-            .iter()
-            .map(|part| [part.area.offset, part.area.end()].as_flattened().try_into().unwrap_or_default())
-            .collect())
+        let corners = |area: &Area| {
+            let ([left, top], [right, bottom]) = (area.offset, area.end());
+            [left, top, right, bottom]
+        };
+        Ok(parts.iter().map(|part| corners(&part.area)).collect())
+    }
+
+    fn draw_parts(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &ShadowInputs<'_>,
+        plan: &ShadowPlan,
+        parts: &[TilePart<'_>],
+    ) -> Result<(), VulkanError> {
+        let whole = Area::whole(plan.extent);
+        if self.still_atlas.is_none() {
+            self.still_atlas = atlas(&self.device, "still_shadow_atlas", self.atlas.extent()).ok();
+            self.still.forget();
+        }
+        let Some(still_atlas) = &self.still_atlas else {
+            // No memory for that: then all is drawn.
+            let targets = Targets::Depth { depth: &self.atlas, area: whole, clear: true };
+            return self.draw(frame, inputs, &targets, &whole_tiles(plan), |_| true);
+        };
+        if self.still.must_draw(inputs.moved) {
+            let targets = Targets::Depth { depth: still_atlas, area: whole, clear: true };
+            let stands = |draw: &Draw| !self.still.lacks(draw.instance);
+            self.draw(frame, inputs, &targets, &whole_tiles(plan), stands)?;
+        }
+        let areas: Vec<Area> = parts.iter().map(|part| part.area.moved(part.corner())).collect();
+        frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
+        let area = areas.into_iter().fold(Area::default(), Area::union);
+        let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
+        self.draw(frame, inputs, &targets, parts, |draw| self.still.lacks(draw.instance))
     }
 
     /// Draws what is `wanted` into parts of tiles.
@@ -222,8 +235,6 @@ impl DirectShadowsPass {
         parts: &[TilePart<'_>],
         wanted: impl Fn(&Draw) -> bool,
     ) -> Result<(), VulkanError> {
-        let draws: Vec<Draw> =
-            inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw)).copied().collect();
         let masks = &inputs.scene.masks;
         let mask = |draw: &Draw| masks[draw.material as usize];
         // Materials without a mask cast the same shadow, so one draw does for many.
@@ -235,7 +246,8 @@ impl DirectShadowsPass {
                 let TilePart { tile, area, extent } = *part;
                 list.viewport(Area { offset: part.corner(), extent }, area.moved(part.corner()));
                 let view = part_of_view(&tile.view_projection, area, extent);
-                for draw in &visible(&draws, inputs.pose, &view, joins) {
+                let draws = inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw));
+                for draw in &visible(draws, inputs.pose, &view, joins) {
                     list.variant(usize::from(mask(draw) != 0));
                     let push = Push {
                         view_projection: tile.view_projection,

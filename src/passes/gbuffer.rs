@@ -137,6 +137,7 @@ impl GBufferPass {
                 colors: &FORMATS,
                 depth_bias: None,
                 blend: false,
+                // Without and with an alpha mask.
                 variants: &[0, 1],
             },
         )?;
@@ -206,11 +207,15 @@ impl GBufferPass {
     ) -> Result<(), VulkanError> {
         let extent = self.targets.depth.extent();
         if self.still_targets.is_none() {
-            self.still_targets = Some(GBuffer::new(&self.device, extent)?);
+            self.still_targets = GBuffer::new(&self.device, extent).ok();
             self.still.forget();
         }
+        let Some(still_targets) = &self.still_targets else {
+            // No memory for that: then all is drawn, still only here.
+            let into = DrawnInto { targets: &self.targets, area, clear: true };
+            return self.draw(frame, inputs, &into, |_| true);
+        };
         let anew = self.still.must_draw(&inputs.instances.moved);
-        let Some(still_targets) = &self.still_targets else { return Ok(()) };
         if anew {
             let into = DrawnInto { targets: still_targets, area: Area::whole(extent), clear: true };
             self.draw(frame, inputs, &into, |draw| !self.still.lacks(draw.instance))?;
@@ -232,8 +237,8 @@ impl GBufferPass {
     ) -> Result<(), VulkanError> {
         let DrawnInto { targets, area, clear } = *into;
         let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
-        let draws: Vec<Draw> = inputs.scene.draws.iter().filter(|draw| wanted(draw)).copied().collect();
-        let draws = visible(&draws, inputs.pose, &part, |last, next| last.material == next.material);
+        let draws = inputs.scene.draws.iter().filter(|draw| wanted(draw));
+        let draws = visible(draws, inputs.pose, &part, |last, next| last.material == next.material);
         let colors = [&targets.depth, &targets.normal, &targets.albedo, &targets.instance];
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)

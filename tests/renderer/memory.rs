@@ -1,5 +1,6 @@
 //! Device memory is what ARCHITECTURE.md says.
 
+use glam::{Affine3A, Vec3};
 use glowworm::settings::Settings;
 
 use super::support::{Lab, named_scene};
@@ -49,4 +50,28 @@ fn memory_grows_as_computed() {
             "{size:?}, S = {vpls}, T = {sets}: {grown} of {expected} bytes"
         );
     }
+}
+
+#[test]
+fn what_stands_still_is_kept_only_while_something_moves() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let rest = scene.pose(0.0);
+    let settings = Settings { size: [320, 200], ..Settings::default() };
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let used = |lab: &Lab| {
+        lab.device.restart_memory_peak();
+        lab.device.memory_peak()
+    };
+    // Both frames that may be on their way have their upload memory then.
+    for _ in 0..2 {
+        renderer.render(&rest).unwrap();
+    }
+    let before = used(&lab);
+    let mut moved = rest.clone();
+    moved.instances[0] = Affine3A::from_translation(Vec3::X * 0.01) * moved.instances[0];
+    renderer.render(&moved).unwrap();
+    let grown = used(&lab) - before;
+    let expected = 320 * 200 * 32;
+    assert!(grown.abs_diff(expected) < expected / 100, "{grown} of {expected} bytes");
 }
