@@ -91,10 +91,12 @@ impl Buffer {
                 .map_err(VulkanError::call("creation", format!("buffer {name}")))?;
             (raw, device.raw().get_buffer_memory_requirements(raw))
         };
-        let allocation = allocate(device, name, requirements, location, true).inspect_err(|_| {
-            // SAFETY: the buffer was just made and nothing uses it.
-            unsafe { device.raw().destroy_buffer(raw, None) };
-        })?;
+        let allocation =
+            allocate(device, name, requirements, location, true, AllocationScheme::GpuAllocatorManaged)
+                .inspect_err(|_| {
+                    // SAFETY: the buffer was just made and nothing uses it.
+                    unsafe { device.raw().destroy_buffer(raw, None) };
+                })?;
         let buffer = Self {
             raw,
             tracker: Tracker::default(),
@@ -207,8 +209,17 @@ impl Image {
                 .map_err(VulkanError::call("creation", format!("image {name}")))?;
             (raw, device.raw().get_image_memory_requirements(raw))
         };
-        let allocation =
-            allocate(device, name, requirements, MemoryLocation::GpuOnly, false).inspect_err(|_| {
+        // What grows with the picture comes and goes: its memory goes back as a whole, not into blocks that stay.
+        let target = vk::ImageUsageFlags::STORAGE
+            | vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let scheme = if description.usage.intersects(target) {
+            AllocationScheme::DedicatedImage(raw)
+        } else {
+            AllocationScheme::GpuAllocatorManaged
+        };
+        let allocation = allocate(device, name, requirements, MemoryLocation::GpuOnly, false, scheme)
+            .inspect_err(|_| {
                 // SAFETY: the image was just made and nothing uses it.
                 unsafe { device.raw().destroy_image(raw, None) };
             })?;
@@ -327,14 +338,9 @@ fn allocate(
     requirements: vk::MemoryRequirements,
     location: MemoryLocation,
     linear: bool,
+    allocation_scheme: AllocationScheme,
 ) -> Result<Allocation, VulkanError> {
-    let description = AllocationCreateDesc {
-        name,
-        requirements,
-        location,
-        linear,
-        allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-    };
+    let description = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme };
     let allocation = device.allocator().allocate(&description).map_err(|error| VulkanError::Memory {
         object: name.to_owned(),
         mebibytes: requirements.size >> 20,
