@@ -117,14 +117,11 @@ vec3 set_buffer(ivec2 pixel) {
 }
 
 // What the set knows of the surface of this pixel; what it does not know is marked.
-vec3 set_reprojected(ivec2 pixel, vec3 p, vec3 n, uvec2 id) {
+vec3 set_reprojected(InObject surface) {
     if (push.set_drawn == 0u) return MISSING;
     SetParameters set = set_at(push.first_texel, 0u);
-    InstanceData instance = instances.data[id.x - 1u];
-    vec3 p_os = transform_point(instance.world_to_object, p);
-    vec3 n_os = transform_point(instance.world_to_object, p + n) - p_os;
     vec3 found;
-    return look_up(set, seen_by(set, id.x - 1u, p_os, n_os), found) ? lit(found * float(push.set_count)) : MISSING;
+    return look_up(set, seen_by(set, surface), found) ? lit(found * float(push.set_count)) : MISSING;
 }
 
 // How far the surface has moved in the picture since the last frame, in pixels.
@@ -163,8 +160,8 @@ vec3 surface_view(ivec2 pixel, float depth, uvec2 id) {
     vec3 geometric = octahedral_decode(normals.zw);
     vec4 light = imageLoad(irradiance, pixel);
     switch (push.view) {
-        case SET_REPROJECTED: return set_reprojected(pixel, position, geometric, id);
-        case SET_COUNT: return share_colour(light.a / float(push.set_count));
+        case SET_REPROJECTED: return set_reprojected(in_object(id.x - 1u, position, geometric));
+        case SET_COUNT: return share_colour(abs(light.a) / float(push.set_count));
         case VPL_VISIBILITY: return vec3(push.one_vpl == 1u ? light.a : 0.0);
         case POSITION: return (position - push.low.xyz) / push.extent.xyz;
         case DEPTH: return vec3((push.extent.w - depth) / (push.extent.w - push.low.w));

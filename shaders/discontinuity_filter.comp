@@ -3,9 +3,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_control_flow_attributes : require
 // Sums the n x n classes around each pixel, from the pixels that lie on its surface (discontinuities.comp), scaled up by
-// what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets
-// (present_flux.comp), so that it does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer,
-// irradiance and view depth.
+// what the missing classes would have brought (Wald et al. 2002). That share is taken over all temporal sets, so that it
+// does not depend on how the VPLs of a class are dealt to sets. Out: the set buffer, irradiance and view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "packed_surface.glsl"
@@ -40,6 +39,9 @@ Push push = pushed.data;
 // line of pixels brings, and rounding would decide.
 const float MIN_PRESENT = 0.27;
 
+// Whether the flux that windows bring is worked out here, or was in present_flux.comp.
+layout(constant_id = 1) const bool WEIGHS = false;
+
 // Irradiance from the VPLs of a pixel's class.
 vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }
 
@@ -72,7 +74,7 @@ Strip strip_at(ivec2 place) {
     }
     // Beside the picture there is nothing to fetch, and nothing is written.
     ivec2 inside = ivec2(min(place.x, int(frame.size.x) - 1), place.y);
-    strip.present = uintBitsToFloat(texelFetch(present_flux, word_texel(inside, 0)));
+    strip.present = WEIGHS ? vec4(0.0) : uintBitsToFloat(texelFetch(present_flux, word_texel(inside, 0)));
     [[unroll]] for (int word = 0; word < WORDS; word++) {
         strip.words[word] = texelFetch(discontinuities, word_texel(inside, word));
     }
@@ -80,13 +82,16 @@ Strip strip_at(ivec2 place) {
 }
 
 // Adds up the pixels of the windows that lie on the centres' surfaces.
-Sums[COLUMNS] window_sums(Strip strips[COLUMNS]) {
+Sums[COLUMNS] window_sums(inout Strip strips[COLUMNS]) {
     Sums sums[COLUMNS];
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) sums[strip] = Sums(vec4(0.0), vec4(0.0), vec4(0.0));
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
     int offsets[COLUMNS]; // of the windows; at the picture's borders they lie on one another
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) offsets[strip] = strips[strip].corner.x - strips[0].corner.x;
+    // Luminous, by class, from the corner on.
+    float flux[INTERLEAVE][INTERLEAVE];
+    const int n = int(INTERLEAVE);
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
         int y = strips[0].corner.y + row;
         Row windows[COLUMNS];
@@ -97,12 +102,16 @@ Sums[COLUMNS] window_sums(Strip strips[COLUMNS]) {
         int texel = texel_of(ivec2(strips[0].corner.x, y));
         [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
             vec3 of_class = class_at(min(texel + column, last));
+            if (WEIGHS && row < n && column < n) {
+                flux[row][column] = flux_at(push.first_texel, strips[0].corner + ivec2(column, row));
+            }
             [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
                 if (column >= strip + WIDTH) continue;
                 vec4 shares = shares_at(windows[strip], column, weight_at(column - offsets[strip]));
                 sums[strip].red += shares * of_class.r;
                 sums[strip].green += shares * of_class.g;
                 sums[strip].blue += shares * of_class.b;
+                if (WEIGHS) strips[strip].present += shares * flux[row % n][column % n];
             }
         }
     }
@@ -122,7 +131,7 @@ vec4 farther_sum(ivec2 pixel) {
     do {
         ivec2 at = corner + ivec2(place % INTERLEAVE, place / INTERLEAVE) * STEP;
         bool same = same_surface(surface, packed_at(at), at);
-        if (same) sum += vec4(class_at(texel_of(at)), vpl_class(push.first_texel, class_of(uvec2(at))).flux);
+        if (same) sum += vec4(class_at(texel_of(at)), flux_at(push.first_texel, at));
     } while (++place < INTERLEAVE * INTERLEAVE);
     return sum;
 }

@@ -6,7 +6,7 @@
 // time, then by that time's camera. Sets that have not seen the surface are made up for by the others,
 // in proportion to flux. Where nothing has moved since the last frame, its sum goes on: less what the set that
 // was drawn again was before, plus what it is now.
-// Out: irradiance; a: how many sets saw the surface.
+// Out: irradiance; a: how many sets saw the surface, negative where it may move.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -34,8 +34,8 @@ layout(set = 0, binding = 8, rgba32f) uniform image2D irradiance;
 struct Push {
     uvec2 first;          // pixel
     uvec2 end;            // behind the last
-    uvec2 changed_first;  // pixel that may show another surface than in the last frame
-    uvec2 changed_end;    // behind the last
+    uvec2 anew_first;     // pixel that may show another surface than in the last frame though neither may move
+    uvec2 anew_end;       // behind the last
     uvec2 set_size;       // of the set buffers, texels
     uint row_step;        // from one row of pixels to the next
     uint running;         // 1: the last frame's sums hold where nothing has changed
@@ -70,7 +70,8 @@ bool sees(vec4 stored, float depth) {
     return abs(stored.w / frame.depth_scale - depth) <= max(0.25 * frame.position_cutoff, ROUNDING) * depth;
 }
 
-// Goes on with the sum of the last frame where every set is in it and nothing may move; tells whether it did.
+// Goes on with the sum of the last frame where every set is in it and neither what is seen may move nor what was seen then;
+// tells whether it did.
 bool goes_on(ivec2 pixel, vec4 last, inout vec4 sum) {
     if (MOVES && (texelFetch(gbuffer_instance, pixel, 0).y & MAY_MOVE) != 0u) return false;
     vec4 before = imageLoad(set_buffers, ivec3(pixel, int(push.layer_before)));
@@ -108,17 +109,14 @@ void add_same_views(inout Sum sum, ivec2 pixel, float depth, uint sets) {
     } while (++i < sets);
 }
 
-// What each of the sets from `first` on saw where the surface at p was when it drew.
-void add_other_views(inout Sum sum, vec3 p, vec3 n, uint instance, uint first) {
+// What each of the sets from `first` on saw where the surface was when it drew.
+void add_other_views(inout Sum sum, InObject surface, uint first) {
     if (first >= push.drawn_count) return;
-    InstanceData now = instances.data[instance];
-    vec3 p_os = transform_point(now.world_to_object, p);
-    vec3 n_os = transform_point(now.world_to_object, p + n) - p_os;
     uint i = first;
     do {
         SetParameters set = set_at(push.first_texel, i);
         vec3 found;
-        if (look_up(set, seen_by(set, instance, p_os, n_os), found)) {
+        if (look_up(set, seen_by(set, surface), found)) {
             sum.irradiance += found;
             sum.flux += set.flux;
             sum.count++;
@@ -137,20 +135,21 @@ vec4 sum_of_all(ivec2 pixel) {
     add_same_views(sum, pixel, depth, same_view_count);
     if (MOVES) {
         vec3 n = octahedral_decode(imageLoad(gbuffer_normal, pixel).zw);
-        add_other_views(sum, position_at(pixel, depth), n, id.x - 1u, same_view_count);
+        add_other_views(sum, in_object(id.x - 1u, position_at(pixel, depth), n), same_view_count);
     }
     if (push.scale_missing == 1u && sum.flux > 0.0 && sum.count < push.set_count) {
         sum.irradiance *= push.total_flux / sum.flux;
     }
-    return vec4(sum.irradiance, float(sum.count));
+    float count = float(sum.count);
+    return vec4(sum.irradiance, may_move ? -count : count);
 }
 
 void main() {
     uvec2 pixel_there = push.first + gl_GlobalInvocationID.xy * uvec2(1u, push.row_step);
     if (any(greaterThanEqual(pixel_there, push.end))) return;
     ivec2 pixel = ivec2(pixel_there);
-    bool changed = all(greaterThanEqual(pixel_there, push.changed_first)) && all(lessThan(pixel_there, push.changed_end));
-    bool running = STEADY || (push.running == 1u && !changed && pixel_there.y % REFRESHED != push.refresh);
+    bool anew = all(greaterThanEqual(pixel_there, push.anew_first)) && all(lessThan(pixel_there, push.anew_end));
+    bool running = STEADY || (push.running == 1u && !anew && pixel_there.y % REFRESHED != push.refresh);
     vec4 last = imageLoad(irradiance, pixel);
     vec4 sum = last;
     if (running) running = goes_on(pixel, last, sum);

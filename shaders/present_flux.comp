@@ -3,7 +3,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_EXT_control_flow_attributes : require
 // Luminous flux, over all temporal sets, of the classes in each pixel's window that lie on its surface, each as often as it
-// is there: what the discontinuity filter scales its sums by. Out: a texel for the pixels of a thread.
+// is there: what the discontinuity filter scales its sums by. Only where frames share it: a single one works it out in the
+// filter. Out: a texel for the pixels of a thread.
 #include "frame.glsl"
 #include "interleave.glsl"
 #include "window.glsl"
@@ -39,8 +40,7 @@ void main() {
         Row windows = row_at(words, corner_y, corner.y + row);
         [[unroll]] for (int column = 0; column < WIDTH; column++) {
             if (row < n && column < n) {
-                uint class_there = class_of(uvec2(corner + ivec2(column, row)));
-                flux[row][column] = vpl_class(push.first_texel, class_there).flux;
+                flux[row][column] = flux_at(push.first_texel, corner + ivec2(column, row));
             }
             present += shares_at(windows, column, weight_at(column)) * flux[row % n][column % n];
         }

@@ -1,8 +1,22 @@
-// Looking a surface up in what a set has drawn. Needs frame.glsl, drawn_sets.glsl, `set_buffers`, `view_history` and
-// `push` with `set_size`, the size of the set buffers, and `instance_count`.
+// Looking a surface up in what a set has drawn. Needs frame.glsl, scene.glsl, drawn_sets.glsl, `set_buffers`, `instances`,
+// `view_history` and `push` with `set_size`, the size of the set buffers, and `instance_count`.
 
 // Texel coordinates this close to a texel's centre take that texel alone, as in a view that stands still.
 const float CENTRED = 0.01;
+
+// A surface of an instance, in its object space; the normal of any length.
+struct InObject {
+    uint instance;
+    vec3 position;
+    vec3 normal;
+};
+
+// The surface of an instance at p, world space, where it is now.
+InObject in_object(uint instance, vec3 p, vec3 n) {
+    InstanceData now = instances.data[instance];
+    vec3 p_os = transform_point(now.world_to_object, p);
+    return InObject(instance, p_os, transform_point(now.world_to_object, p + n) - p_os);
+}
 
 // A surface as the camera that drew a set saw it: x to the right, y down, z along the view, world units.
 struct Seen {
@@ -10,16 +24,16 @@ struct Seen {
     vec3 normal;
 };
 
-// Where the camera that drew a set saw a surface of an instance: position and normal in object space, the latter of any length.
-Seen seen_by(SetParameters set, uint instance, vec3 p_os, vec3 n_os) {
-    int first = int((set.layer * push.instance_count + instance) * 3u);
+// Where the camera that drew a set saw a surface.
+Seen seen_by(SetParameters set, InObject surface) {
+    int first = int((set.layer * push.instance_count + surface.instance) * 3u);
     Seen seen;
     for (int row = 0; row < 3; row++) {
         vec4 view = uintBitsToFloat(texelFetch(view_history, first + row));
-        seen.position[row] = dot(view, vec4(p_os, 1.0));
-        seen.normal[row] = dot(view.xyz, n_os);
+        seen.position[row] = dot(view, vec4(surface.position, 1.0));
+        seen.normal[row] = dot(view.xyz, surface.normal);
     }
-    seen.normal = normalize(seen.normal);
+    seen.normal *= inversesqrt(dot(seen.normal, seen.normal));
     return seen;
 }
 

@@ -17,6 +17,9 @@ VplClass vpl_class(uint first_texel, uint index) {
     return VplClass(texel.x, texel.y, uintBitsToFloat(texel.z));
 }
 
+// Luminous flux of the class of a pixel.
+float flux_at(uint first_texel, ivec2 pixel) { return vpl_class(first_texel, class_of(uvec2(pixel))).flux; }
+
 GpuVpl vpl_at(uint first_texel, uint index) {
     int at = int(first_texel + INTERLEAVE * INTERLEAVE + 3u * index);
     uvec4 a = texelFetch(vpl_set, at);

@@ -221,7 +221,7 @@ fn push(view: BufferView, inputs: &BufferViewInputs<'_>, set_drawn: bool) -> Pus
     Push {
         low: low.extend(nearest),
         extent: (high - low).max(Vec3::splat(f32::MIN_POSITIVE)).extend(farthest),
-        set_size: inputs.sets.buffers().extent(),
+        set_size: inputs.sets.extent(),
         // What this frame drew is one of the sets.
         view: if view == BufferView::Filtered { BufferView::SetBuffer } else { view } as u32,
         set_count,

@@ -83,9 +83,8 @@ pub struct DirectShadowsPass {
     atlas: Image,
     /// What is in the atlas; none before the first frame.
     drawn: Option<ShadowPlan>,
-    /// What stands still, as large as the atlas; nothing before anything moves.
-    still_atlas: Option<Image>,
-    still: Still,
+    /// What stands still, as large as the atlas.
+    still: Still<Image>,
     device: Arc<Device>,
 }
 
@@ -111,14 +110,7 @@ impl DirectShadowsPass {
             },
         )?;
         let atlas = atlas(device, "shadow_atlas", [1, 1])?;
-        Ok(Self {
-            pipeline,
-            atlas,
-            drawn: None,
-            still_atlas: None,
-            still: Still::default(),
-            device: Arc::clone(device),
-        })
+        Ok(Self { pipeline, atlas, drawn: None, still: Still::default(), device: Arc::clone(device) })
     }
 
     /// Draws the tiles, or parts of tiles, that are out of date.
@@ -166,7 +158,7 @@ impl DirectShadowsPass {
             // Frames on their way still read the old one.
             self.device.wait_idle()?;
             self.atlas = atlas(&self.device, "shadow_atlas", plan.room)?;
-            self.still_atlas = None;
+            self.still = Still::default();
         }
         Ok(())
     }
@@ -205,16 +197,13 @@ impl DirectShadowsPass {
         parts: &[TilePart<'_>],
     ) -> Result<(), VulkanError> {
         let whole = Area::whole(plan.extent);
-        if self.still_atlas.is_none() {
-            self.still_atlas = atlas(&self.device, "still_shadow_atlas", self.atlas.extent()).ok();
-            self.still.forget();
-        }
-        let Some(still_atlas) = &self.still_atlas else {
+        self.still.note(inputs.moved, || atlas(&self.device, "still_shadow_atlas", self.atlas.extent()));
+        let Some(still_atlas) = self.still.picture() else {
             // No memory for that: then all is drawn.
             let targets = Targets::Depth { depth: &self.atlas, area: whole, clear: true };
             return self.draw(frame, inputs, &targets, &whole_tiles(plan), |_| true);
         };
-        if self.still.must_draw(inputs.moved) {
+        if self.still.is_stale() {
             let targets = Targets::Depth { depth: still_atlas, area: whole, clear: true };
             let stands = |draw: &Draw| !self.still.lacks(draw.instance);
             self.draw(frame, inputs, &targets, &whole_tiles(plan), stands)?;

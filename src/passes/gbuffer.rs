@@ -112,9 +112,8 @@ pub struct GBufferPass {
     targets: GBuffer,
     /// The view that the targets show; none before the first frame.
     drawn: Option<Mat4>,
-    /// The same view of what stands still; nothing before anything moves.
-    still_targets: Option<GBuffer>,
-    still: Still,
+    /// The same view of what stands still.
+    still: Still<GBuffer>,
     device: Arc<Device>,
 }
 
@@ -149,7 +148,6 @@ impl GBufferPass {
             materials: Arc::new(materials),
             targets: GBuffer::new(device, extent)?,
             drawn: None,
-            still_targets: None,
             still: Still::default(),
             device: Arc::clone(device),
         })
@@ -162,7 +160,6 @@ impl GBufferPass {
             materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
             drawn: None,
-            still_targets: None,
             still: Still::default(),
             device: Arc::clone(device),
         })
@@ -206,17 +203,13 @@ impl GBufferPass {
         area: Area,
     ) -> Result<(), VulkanError> {
         let extent = self.targets.depth.extent();
-        if self.still_targets.is_none() {
-            self.still_targets = GBuffer::new(&self.device, extent).ok();
-            self.still.forget();
-        }
-        let Some(still_targets) = &self.still_targets else {
+        self.still.note(&inputs.instances.moved, || GBuffer::new(&self.device, extent));
+        let Some(still_targets) = self.still.picture() else {
             // No memory for that: then all is drawn, still only here.
             let into = DrawnInto { targets: &self.targets, area, clear: true };
             return self.draw(frame, inputs, &into, |_| true);
         };
-        let anew = self.still.must_draw(&inputs.instances.moved);
-        if anew {
+        if self.still.is_stale() {
             let into = DrawnInto { targets: still_targets, area: Area::whole(extent), clear: true };
             self.draw(frame, inputs, &into, |draw| !self.still.lacks(draw.instance))?;
         }

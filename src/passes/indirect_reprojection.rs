@@ -1,7 +1,7 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -41,8 +41,8 @@ pub struct ReprojectionInputs<'a> {
 struct Push {
     first: [u32; 2],
     end: [u32; 2],
-    changed_first: [u32; 2],
-    changed_end: [u32; 2],
+    anew_first: [u32; 2],
+    anew_end: [u32; 2],
     set_size: [u32; 2],
     row_step: u32,
     running: u32,
@@ -69,6 +69,8 @@ struct Summed {
     /// The camera.
     view: SetView,
     position_cutoff: f32,
+    /// The instances that were not as in the frame before.
+    moved: BTreeSet<usize>,
     /// Where surfaces, or how they are summed up, have changed in this frame and those before, as long as not every set has
     /// been drawn since; the latest last.
     changes: VecDeque<Area>,
@@ -134,7 +136,7 @@ impl IndirectReprojectionPass {
         })
     }
 
-    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface.
+    /// Indirect irradiance of the last frame; a: how many sets had seen the pixel's surface, negative where it may move.
     pub fn output(&self) -> &Image {
         &self.irradiance
     }
@@ -147,7 +149,7 @@ impl IndirectReprojectionPass {
     ) -> Result<&Image, VulkanError> {
         let (sets, extent) = (inputs.sets, self.irradiance.extent());
         let view = SetView::new(&inputs.pose.camera, extent);
-        let set_size = sets.buffers().extent();
+        let set_size = sets.extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
             sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == view);
         let may_move = !other.is_empty() || inputs.instances.may_move;
@@ -204,23 +206,28 @@ impl IndirectReprojectionPass {
             draws: sets.draws(),
             view,
             position_cutoff: inputs.position_cutoff,
+            moved: inputs.instances.moved.iter().map(|moved| moved.instance).collect(),
             changes: VecDeque::new(),
         };
-        let last = self.summed.take().filter(|last| summed.follows(last));
+        let changed = inputs.surfaces.changed;
+        let last = self.summed.take().filter(|last| summed.follows(last) && changed != whole);
         let redrawn = sets.redrawn().filter(|redrawn| last.is_some() && redrawn.before.view == view).copied();
+        // While the same things move on, what they uncover is known: the sums of the frame before say where they were.
+        let known = last.as_ref().is_some_and(|last| summed.moved.is_subset(&last.moved));
+        let anew = if known { Area::default() } else { changed };
         let unsettled_before = last.as_ref().map_or(whole, Summed::unsettled);
-        if let (Some(last), Some(_)) = (last, redrawn) {
+        if let Some(last) = last {
             summed.changes = last.changes;
-            summed.changes.push_back(inputs.surfaces.changed);
+            summed.changes.push_back(changed);
             while summed.changes.len() > sets.parameters().len() {
                 summed.changes.pop_front();
             }
         } else {
             summed.changes.push_back(whole);
         }
-        let unsettled = summed.unsettled();
+        let unsettled = if redrawn.is_some() { summed.unsettled() } else { whole };
         self.summed = Some(summed);
-        Step { redrawn, unsettled_before, unsettled }
+        Step { redrawn, anew, unsettled_before, unsettled }
     }
 }
 
@@ -228,6 +235,8 @@ impl IndirectReprojectionPass {
 struct Step {
     /// The set that was drawn again; none where sums cannot go on.
     redrawn: Option<Redrawn>,
+    /// Where sums must not go on though what is seen and what was seen may not move.
+    anew: Area,
     /// Where not every set had been drawn since the last change, in the frame before.
     unsettled_before: Area,
     /// The same in this one.
@@ -244,11 +253,10 @@ fn push(inputs: &ReprojectionInputs<'_>, step: &Step) -> Push {
         |of: fn(&Redrawn) -> SetParameters| step.redrawn.as_ref().map_or(0, |redrawn| of(redrawn).layer);
     let scale =
         |of: fn(&Redrawn) -> SetParameters| step.redrawn.as_ref().map_or(0.0, |redrawn| of(redrawn).scale);
-    let changed = inputs.surfaces.changed;
     Push {
-        changed_first: changed.offset,
-        changed_end: changed.end(),
-        set_size: sets.buffers().extent(),
+        anew_first: step.anew.offset,
+        anew_end: step.anew.end(),
+        set_size: sets.extent(),
         row_step: 1,
         refresh: to_u32(sets.draws() as usize % REFRESHED),
         instance_count: to_u32(inputs.pose.instances.len()),

@@ -1,6 +1,6 @@
 //! `indirect_shading`: the discontinuity filter, which joins the classes of each pixel's neighbourhood and writes the set
-//! buffer. Which neighbours lie on a pixel's surface is worked out where the G-buffer has changed, what flux their classes have
-//! where that has or when the flux of a class has; both are kept.
+//! buffer. Which neighbours lie on a pixel's surface is worked out where the G-buffer has changed, and kept. So is what flux
+//! their classes have, unless that of a class has just changed, as it does in every frame while VPLs are replaced.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -54,6 +54,8 @@ pub struct IndirectShadingPass {
     compare: Arc<ComputePipeline>,
     weigh: Arc<ComputePipeline>,
     filter: Arc<ComputePipeline>,
+    /// The same, which needs no `present_flux`.
+    weighing_filter: Arc<ComputePipeline>,
     /// Depth and normal of each pixel, row by row; see shaders/include/packed_surface.glsl.
     packed_surfaces: Buffer,
     /// A bit for each pixel of a pixel's window; see shaders/include/window.glsl.
@@ -62,8 +64,10 @@ pub struct IndirectShadingPass {
     present_flux: Buffer,
     extent: [u32; 2],
     interleave: u32,
-    /// The flux of each class that it was worked out with.
-    weighed: Vec<f32>,
+    /// The flux of each class in the frame before.
+    class_flux: Vec<f32>,
+    /// Whether `present_flux` was worked out with that.
+    weighed: bool,
     /// The cut-off that they were worked out with; none before the first frame.
     compared: Option<f32>,
 }
@@ -73,15 +77,22 @@ impl IndirectShadingPass {
     pub fn new(device: &Arc<Device>, extent: [u32; 2], interleave: u32) -> Result<Self, VulkanError> {
         let pipeline =
             |name, spirv| ComputePipeline::specialised(device, name, spirv, &[interleave]).map(Arc::new);
+        let filter = |weighs| {
+            let spirv = shaders::DISCONTINUITY_FILTER_COMP;
+            let constants = [interleave, weighs];
+            ComputePipeline::specialised(device, "discontinuity_filter", spirv, &constants).map(Arc::new)
+        };
         Ok(Self {
             pack: pipeline("packed_surfaces", shaders::PACKED_SURFACES_COMP)?,
             compare: pipeline("discontinuities", shaders::DISCONTINUITIES_COMP)?,
             weigh: pipeline("present_flux", shaders::PRESENT_FLUX_COMP)?,
-            filter: pipeline("discontinuity_filter", shaders::DISCONTINUITY_FILTER_COMP)?,
+            filter: filter(0)?,
+            weighing_filter: filter(1)?,
             packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, interleave)?,
             present_flux: texels_of_threads(device, "present_flux", extent, 1)?,
-            weighed: Vec::new(),
+            class_flux: Vec::new(),
+            weighed: false,
             extent,
             interleave,
             compared: None,
@@ -95,10 +106,12 @@ impl IndirectShadingPass {
             compare: Arc::clone(&self.compare),
             weigh: Arc::clone(&self.weigh),
             filter: Arc::clone(&self.filter),
+            weighing_filter: Arc::clone(&self.weighing_filter),
             packed_surfaces: packed_surfaces(device, extent)?,
             discontinuities: discontinuities(device, extent, self.interleave)?,
             present_flux: texels_of_threads(device, "present_flux", extent, 1)?,
-            weighed: Vec::new(),
+            class_flux: Vec::new(),
+            weighed: false,
             extent,
             interleave: self.interleave,
             compared: None,
@@ -142,10 +155,17 @@ impl IndirectShadingPass {
                 .push(&touched.offset)
                 .dispatch_over(touched.extent)?;
         }
-        let weighed = if self.weighed == inputs.class_flux { touched } else { Area::whole(threads) };
+        // What only this frame needs, the filter works out itself.
+        let stays = self.class_flux == inputs.class_flux;
+        let weighed = match (stays, self.weighed) {
+            (true, true) => touched,
+            (true, false) => Area::whole(threads),
+            (false, _) => Area::default(),
+        };
+        self.class_flux.clear();
+        self.class_flux.extend_from_slice(inputs.class_flux);
+        self.weighed = stays;
         if !weighed.is_empty() {
-            self.weighed.clear();
-            self.weighed.extend_from_slice(inputs.class_flux);
             frame
                 .pass("indirect_shading", &self.weigh)
                 .read("frame_uniforms", inputs.frame)
@@ -157,7 +177,7 @@ impl IndirectShadingPass {
         }
         let push = Push { total_flux: inputs.vpls.total_flux, layer: sets.spare_layer(), first_texel };
         frame
-            .pass("indirect_shading", &self.filter)
+            .pass("indirect_shading", if stays { &self.filter } else { &self.weighing_filter })
             .read("frame_uniforms", inputs.frame)
             .read("gbuffer_normal", normal)
             .read("class_irradiance", inputs.class_irradiance)

@@ -78,6 +78,8 @@ pub struct SetHistory {
     /// One layer a set, and a spare one, so that what a set was before it was drawn last is still there. rgb: scaled
     /// irradiance; a: scaled view depth.
     buffers: Image,
+    /// Of a set buffer, texels.
+    extent: [u32; 2],
     /// Where the camera saw all instances, layer by layer, in texels: [`SetView::rows`].
     views: Buffer,
     /// One for each set, none before it was first drawn.
@@ -101,18 +103,22 @@ impl SetHistory {
     ) -> Result<Self, VulkanError> {
         let layers = sets + 1;
         let rows = u64::from(layers) * instances.max(1) as u64 * 3;
+        // With a row of texels that nothing lies in, if there may be one more: where a layer's size is a power of two, a pixel's
+        // texels of all sets would share one set of each cache.
+        let layer_extent = [extent[0], (extent[1] + 1).min(device.limits().max_image_dimension2_d)];
         Ok(Self {
             buffers: Image::new(
                 device,
                 &ImageDescription {
                     name: "set_buffers",
                     format: vk::Format::R16G16B16A16_SFLOAT,
-                    extent,
+                    extent: layer_extent,
                     layers: Some(layers),
                     levels: 1,
                     usage: vk::ImageUsageFlags::STORAGE,
                 },
             )?,
+            extent,
             views: Buffer::of_texels(device, "view_history", rows, Texels::Rgba32)?,
             parameters: vec![None; sets as usize],
             spare: 0,
@@ -125,6 +131,11 @@ impl SetHistory {
     /// The set buffers.
     pub fn buffers(&self) -> &Image {
         &self.buffers
+    }
+
+    /// Texels of a set buffer.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
     }
 
     /// Where the camera of each layer saw all instances: see `seen_by` in shaders/include/reprojection.glsl.
@@ -172,7 +183,7 @@ impl SetHistory {
         flux: f32,
     ) -> Result<(), VulkanError> {
         let layer = self.spare;
-        let view = SetView::new(&pose.camera, self.buffers.extent());
+        let view = SetView::new(&pose.camera, self.extent);
         let now = SetParameters { view, scale: 1.0 / drawn.irradiance_scale, flux, layer };
         let drawn_sets = self.parameters.iter().flatten().count();
         let before = self.parameters[drawn.set as usize].replace(now);

@@ -58,7 +58,7 @@ impl Renderer {
     /// How many set buffers have seen the surface of each pixel of the last frame.
     pub fn read_set_counts(&self) -> Result<Vec<u32>, RenderError> {
         let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
-        Ok(irradiance.into_iter().map(|pixel| pixel[3] as u32).collect())
+        Ok(irradiance.into_iter().map(|pixel| pixel[3].abs() as u32).collect())
     }
 
     fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {

@@ -13,7 +13,8 @@ fn computed(settings: &Settings) -> u64 {
         6 | 7 => 8,
         _ => 4,
     };
-    pixels * (84 + discontinuities + 8 * (u64::from(settings.temporal_sets) + 1))
+    let set_buffers = (pixels + u64::from(settings.size[0])) * 8 * (u64::from(settings.temporal_sets) + 1);
+    pixels * (84 + discontinuities) + set_buffers
 }
 
 #[test]

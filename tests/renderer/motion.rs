@@ -150,10 +150,11 @@ fn sums_that_only_go_on_are_whole() {
     assert!(mean(going_on.iter().map(luminance)) > 0.0);
 }
 
-/// The crate goes to and fro, then the pillar, static by itself, is moved by hand, then the crate's turn comes again.
+/// The crate moves, with a short stop, then the pillar, static by itself, is moved by hand, then the crate's turn comes again.
 fn stirred(rest: &Pose, frame: u32) -> Pose {
     let mut pose = rest.clone();
     let (instance, step) = match frame {
+        5..8 => (2, 5),
         0..12 => (2, frame),
         12..20 => (1, frame - 12),
         20..26 => (1, 8),
