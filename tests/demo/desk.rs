@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt, ImageFormat};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, ImageFormat, InputFocus, Window};
 use x11rb::rust_connection::RustConnection;
 
 use crate::drop::drop_file;
@@ -49,7 +49,26 @@ impl Desk {
         let display = format!(":{}", number.trim());
         let mut desk = Self { server, manager: None, display };
         desk.manager = Some(desk.command("openbox").stderr(Stdio::null()).spawn().unwrap());
+        desk.wait_for_manager();
         Some(desk)
+    }
+
+    /// Waits until windows that are opened are the window manager's.
+    fn wait_for_manager(&self) {
+        let connection = self.connect();
+        let root = connection.setup().roots[0].root;
+        let name = connection.intern_atom(false, b"_NET_SUPPORTING_WM_CHECK").unwrap().reply().unwrap().atom;
+        let says =
+            || connection.get_property(false, root, name, AtomEnum::WINDOW, 0, 1).unwrap().reply().unwrap();
+        let end = Instant::now() + PATIENCE;
+        while says().value_len == 0 {
+            assert!(Instant::now() < end, "there is no window manager");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    fn connect(&self) -> RustConnection {
+        x11rb::connect(Some(&self.display)).unwrap().0
     }
 
     fn command(&self, program: &str) -> Command {
@@ -110,14 +129,28 @@ impl<'d> Demo<'d> {
         let stderr = child.stderr.take().unwrap();
         let (to_events, to_other) = (Arc::clone(&events), Arc::clone(&other));
         std::thread::spawn(move || listen(stderr, &to_events, &to_other));
-        let (connection, _) = x11rb::connect(Some(&desk.display)).unwrap();
+        let connection = desk.connect();
         let mut demo = Self { desk, child, events, other, folder, window: String::new(), connection };
         demo.wait("the scene", |event| event["event"] == "scene");
         demo.window = demo.find_window();
-        demo.xdotool(&["windowactivate", "--sync", &demo.window.clone()]);
-        // The window manager may give it the keyboard later than it says.
-        demo.xdotool(&["windowfocus", "--sync", &demo.window.clone()]);
+        demo.take_keyboard();
         demo
+    }
+
+    /// Waits until the window is seen and has the keyboard. The window manager does both some time after it is asked to, and
+    /// says so before it has.
+    fn take_keyboard(&self) {
+        let window: Window = self.window.parse().unwrap();
+        let focus = || self.connection.get_input_focus().unwrap().reply().unwrap().focus;
+        let end = Instant::now() + PATIENCE;
+        while focus() != window {
+            assert!(Instant::now() < end, "the window does not get the keyboard");
+            // An error tells that the window is not seen yet.
+            let asked = self.connection.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME);
+            if asked.unwrap().check().is_err() {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
     }
 
     fn find_window(&self) -> String {
@@ -277,7 +310,8 @@ impl<'d> Demo<'d> {
 
     /// Closes the window as a person does and gives the log, after a clean end.
     pub fn close(mut self) -> Value {
-        self.xdotool(&["windowactivate", "--sync", &self.window.clone(), "key", "alt+F4"]);
+        self.take_keyboard();
+        self.xdotool(&["key", "alt+F4"]);
         let end = Instant::now() + PATIENCE;
         let status = loop {
             if let Some(status) = self.child.try_wait().unwrap() {
