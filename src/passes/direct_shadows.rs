@@ -238,6 +238,7 @@ impl DirectShadowsPass {
                 let draws = inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw));
                 for draw in &visible(draws, inputs.pose, &view, joins) {
                     list.variant(usize::from(mask(draw) != 0));
+                    list.cull(inputs.scene.culled(draw.instance, inputs.pose, &tile.view_projection));
                     let push = Push {
                         view_projection: tile.view_projection,
                         instance: draw.instance,

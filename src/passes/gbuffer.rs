@@ -249,6 +249,7 @@ impl GBufferPass {
                         list.material(&self.materials, draw.material as usize);
                         bound = Some(draw.material);
                     }
+                    list.cull(inputs.scene.culled(draw.instance, inputs.pose, &inputs.view_projection));
                     let push = Push { instance: draw.instance, material: draw.material };
                     list.draw(&push, draw.first, draw.count);
                 }

@@ -5,6 +5,7 @@
 
 pub mod buffer_view;
 pub mod cast_rays;
+mod closed;
 pub mod clusters;
 pub mod combine;
 pub mod direct_shading;

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
+use super::closed::Outside;
 use super::clusters::{Cluster, Draw, area_of_box, cluster};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene};
-use crate::vulkan::{Area, Buffer, Device, Frame, Image, Sampler, Upload, VulkanError};
+use crate::vulkan::{Area, Buffer, Device, Frame, Image, Sampler, Upload, VulkanError, vk};
 
 /// One vertex, 32 bytes.
 #[repr(C)]
@@ -45,6 +47,8 @@ pub struct SceneBuffers {
     pub masks: Vec<u32>,
     /// Object-space bounds of each instance; none of those that cannot be seen.
     bounds: Vec<Option<(Vec3, Vec3)>>,
+    /// What is seen of each instance from outside of these.
+    outside: Vec<Outside>,
     /// What was uploaded last, and where everything stood then.
     uploaded: Vec<InstanceData>,
     previous: Vec<Affine3A>,
@@ -99,6 +103,7 @@ impl SceneBuffers {
             textures,
             sampler: Sampler::for_textures(device)?,
             bounds: bounds_of_instances(scene.instances.len(), &shadow_draws),
+            outside: outside_of_instances(scene, &masks),
             draws,
             shadow_draws,
             masks,
@@ -162,6 +167,14 @@ impl SceneBuffers {
             .fold(Area::default(), Area::union)
     }
 
+    /// The side of an instance's triangles that is not seen in a view.
+    pub fn culled(&self, instance: u32, pose: &Pose, view_projection: &Mat4) -> vk::CullModeFlags {
+        let instance = instance as usize;
+        self.bounds[instance].map_or(vk::CullModeFlags::NONE, |bounds| {
+            self.outside[instance].culled(bounds, &(*view_projection * Mat4::from(pose.instances[instance])))
+        })
+    }
+
     /// What was uploaded last.
     pub fn uploaded_instances(&self) -> &[InstanceData] {
         &self.uploaded
@@ -220,6 +233,19 @@ fn bounds_of_instances(instances: usize, draws: &[Draw]) -> Vec<Option<(Vec3, Ve
         bounds[draw.instance as usize] = Some((low.min(draw.bounds.0), high.max(draw.bounds.1)));
     }
     bounds
+}
+
+/// What is seen of each instance from outside; through what has an alpha mask, both sides.
+fn outside_of_instances(scene: &Scene, masks: &[u32]) -> Vec<Outside> {
+    let outside: Vec<Outside> = scene
+        .meshes
+        .par_iter()
+        .map(|mesh| {
+            let masked = mesh.triangle_materials.iter().any(|&material| masks[material as usize] != 0);
+            if masked { Outside::Both } else { Outside::of(mesh) }
+        })
+        .collect();
+    scene.instances.iter().map(|instance| outside[instance.mesh]).collect()
 }
 
 fn material_data(material: &Material) -> MaterialData {

@@ -91,6 +91,14 @@ impl DrawList<'_> {
         }
     }
 
+    /// Leaves out triangles that show this side, from now on; at first none.
+    pub fn cull(&mut self, side: vk::CullModeFlags) {
+        // SAFETY: rendering is open; this is dynamic state of every graphics pipeline.
+        unsafe {
+            self.pass.recorder.device().raw().cmd_set_cull_mode(self.pass.recorder.commands(), side);
+        }
+    }
+
     /// Draws with this variant of the pipeline from now on; at first it is the first.
     pub fn variant(&mut self, index: usize) {
         let point = vk::PipelineBindPoint::GRAPHICS;

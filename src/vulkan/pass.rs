@@ -182,6 +182,7 @@ impl<'f> Pass<'f> {
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
         let mut list = DrawList { pass: &self };
         list.viewport(Area::whole(targets.extent()), area);
+        list.cull(vk::CullModeFlags::NONE);
         draw(&mut list);
         // SAFETY: closes what was begun above; the second rendering has no attachments and draws nothing.
         unsafe {

@@ -250,7 +250,6 @@ fn create_graphics(
     let [constant, slope] = description.depth_bias.unwrap_or_default();
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(vk::CullModeFlags::NONE)
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
         .depth_bias_enable(description.depth_bias.is_some())
         .depth_bias_constant_factor(constant)
@@ -275,8 +274,11 @@ fn create_graphics(
         })
         .collect();
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[
+        vk::DynamicState::VIEWPORT,
+        vk::DynamicState::SCISSOR,
+        vk::DynamicState::CULL_MODE,
+    ]);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(description.colors)
         .depth_attachment_format(if description.blend {
