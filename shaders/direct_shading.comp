@@ -14,6 +14,10 @@ layout(local_size_x = PICTURE_TILE, local_size_y = PICTURE_TILE) in;
 
 // Whether only the tiles of a list are lit, or all.
 layout(constant_id = 0) const bool LISTED = false;
+// Whether there is but one light, and but one shadow tile. CPU drivers load at once, not lane by lane, what all threads need
+// before they part.
+layout(constant_id = 1) const bool ONE_LIGHT = false;
+layout(constant_id = 2) const bool ONE_TILE = false;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -26,6 +30,19 @@ layout(set = 0, binding = 9, std430) readonly buffer MaterialBlock { MaterialDat
 layout(set = 0, binding = 10, rgba32f) uniform image2D direct;
 layout(set = 0, binding = 4, std430) readonly buffer ListBlock { TileList data; uint tiles[]; } tile_list;
 layout(set = 0, binding = 11, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+
+LightData only_light;
+ShadowTile only_tile;
+
+LightData light_at(uint index) {
+    if (ONE_LIGHT) return only_light;
+    return lights.data[index];
+}
+
+ShadowTile tile_at(uint index) {
+    if (ONE_TILE) return only_tile;
+    return shadow_tiles.data[index];
+}
 
 // Mean of the bilinear comparisons at the corners of a texel: a tent over 3x3 texels.
 float filtered_visibility(vec4 rectangle, vec3 coordinates) {
@@ -79,12 +96,12 @@ float visibility(LightData light, vec3 p, vec3 n, vec3 to_light) {
     uint i = first;
     if (first < end) {
         do {
-            inside = tile_coordinates(shadow_tiles.data[i], p, n, cosine, coordinates) || cube;
+            inside = tile_coordinates(tile_at(i), p, n, cosine, coordinates) || cube;
         } while (!inside && ++i < end);
     }
     // Beyond all cascades: the sun shines there unless we knew better. Outside a spot's tile nothing is lit.
     if (!inside) return light.kind == LIGHT_DIRECTIONAL ? 1.0 : 0.0;
-    return filtered_visibility(shadow_tiles.data[i].rectangle, clamp(coordinates, vec3(0.0), vec3(1.0)));
+    return filtered_visibility(tile_at(i).rectangle, clamp(coordinates, vec3(0.0), vec3(1.0)));
 }
 
 // Irradiance across the direction to the light, without shadow.
@@ -144,13 +161,15 @@ vec3 radiance_of(uvec2 id, ivec2 pixel) {
         // Asks at its end whether to go on: see tracer_find.
         uint i = 0u;
         do {
-            radiance += reflected(lights.data[i], surface);
+            radiance += reflected(light_at(i), surface);
         } while (++i < frame.light_count);
     }
     return radiance;
 }
 
 void main() {
+    if (ONE_LIGHT) only_light = lights.data[0];
+    if (ONE_TILE) only_tile = shadow_tiles.data[0];
     uvec2 tile = gl_WorkGroupID.xy;
     if (LISTED) {
         uint place = gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x;

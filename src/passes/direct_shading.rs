@@ -51,8 +51,22 @@ pub struct DirectShadingPass {
 
 struct Pipelines {
     find_changed: ComputePipeline,
-    shade_all: ComputePipeline,
-    shade_listed: ComputePipeline,
+    /// For all of the picture, one for each of [`ONES`].
+    shade_all: Vec<ComputePipeline>,
+    /// For the tiles of a list, likewise.
+    shade_listed: Vec<ComputePipeline>,
+}
+
+/// Whether there is but one light, and whether but one shadow tile: CPU devices load that faster.
+const ONES: [[u32; 2]; 3] = [[0, 0], [1, 0], [1, 1]];
+
+/// Which of [`ONES`] it is.
+fn ones(shadows: &Shadows<'_>) -> usize {
+    match (shadows.light_count, shadows.tile_count) {
+        (1, 1) => 2,
+        (1, _) => 1,
+        _ => 0,
+    }
 }
 
 impl DirectShadingPass {
@@ -60,7 +74,10 @@ impl DirectShadingPass {
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let shade = |listed| {
             let spirv = shaders::DIRECT_SHADING_COMP;
-            ComputePipeline::specialised(device, "direct_shading", spirv, &[listed])
+            let pipeline = |[one_light, one_tile]: [u32; 2]| {
+                ComputePipeline::specialised(device, "direct_shading", spirv, &[listed, one_light, one_tile])
+            };
+            ONES.into_iter().map(pipeline).collect::<Result<Vec<_>, _>>()
         };
         let pipelines = Pipelines {
             find_changed: ComputePipeline::new(device, "changed_tiles", shaders::CHANGED_TILES_COMP)?,
@@ -138,12 +155,12 @@ impl DirectShadingPass {
     fn bind<'f>(
         &'f self,
         frame: &'f mut Frame<'_>,
-        pipeline: &'f ComputePipeline,
+        pipelines: &'f [ComputePipeline],
         inputs: &'f DirectShadingInputs<'_>,
     ) -> Pass<'f> {
         let gbuffer = inputs.surfaces.gbuffer;
         frame
-            .pass("direct_shading", pipeline)
+            .pass("direct_shading", &pipelines[ones(inputs.shadows)])
             .read("frame_uniforms", inputs.frame)
             .read("gbuffer_depth", &gbuffer.depth)
             .read("gbuffer_normal", &gbuffer.normal)

@@ -46,6 +46,8 @@ pub struct Shadows<'a> {
     pub atlas: &'a Image,
     /// `LightData` of this frame.
     pub lights: Upload,
+    /// How many.
+    pub light_count: usize,
     /// `ShadowTile`s of this frame.
     pub tiles: Upload,
     /// How many.
@@ -126,6 +128,7 @@ impl DirectShadowsPass {
         };
         let plan = ShadowPlan::new(inputs.pose, &view);
         let lights = frame.upload(&plan.lights)?;
+        let light_count = plan.lights.len();
         let tiles = frame.upload(&plan.tiles)?;
         let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
         let tile_columns = plan.extent[0] / tile_size;
@@ -149,7 +152,16 @@ impl DirectShadowsPass {
             }
         }
         self.drawn = Some(plan);
-        Ok(Shadows { atlas: &self.atlas, lights, tiles, tile_count, tile_columns, tile_size, change })
+        Ok(Shadows {
+            atlas: &self.atlas,
+            lights,
+            light_count,
+            tiles,
+            tile_count,
+            tile_columns,
+            tile_size,
+            change,
+        })
     }
 
     fn make_room(&mut self, plan: &ShadowPlan) -> Result<(), VulkanError> {

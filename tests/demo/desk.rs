@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use tempfile::TempDir;
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, ImageFormat, InputFocus, Window};
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt, ImageFormat, InputFocus, MapState, Window};
 use x11rb::rust_connection::RustConnection;
 
 use crate::drop::drop_file;
@@ -137,19 +137,21 @@ impl<'d> Demo<'d> {
         demo
     }
 
-    /// Waits until the window is seen and has the keyboard. The window manager does both some time after it is asked to, and
-    /// says so before it has.
+    /// Waits until the window is seen and has the keyboard. The window manager does both some time after it is asked to, says
+    /// so before it has, and forgets what it is asked before it knows the window.
     fn take_keyboard(&self) {
         let window: Window = self.window.parse().unwrap();
         let focus = || self.connection.get_input_focus().unwrap().reply().unwrap().focus;
+        let state = || self.connection.get_window_attributes(window).unwrap().reply().unwrap().map_state;
         let end = Instant::now() + PATIENCE;
-        while focus() != window {
-            assert!(Instant::now() < end, "the window does not get the keyboard");
-            // An error tells that the window is not seen yet.
+        while focus() != window || state() != MapState::VIEWABLE {
+            assert!(Instant::now() < end, "the window, {:?}, does not get the keyboard", state());
+            let ask = ["windowmap", &self.window, "windowactivate", &self.window];
+            let _ = self.desk.command("xdotool").args(ask).status();
+            std::thread::sleep(Duration::from_millis(50));
+            // Fails as long as the window is not seen.
             let asked = self.connection.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME);
-            if asked.unwrap().check().is_err() {
-                std::thread::sleep(Duration::from_millis(20));
-            }
+            let _ = asked.unwrap().check();
         }
     }
 
