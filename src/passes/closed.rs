@@ -10,7 +10,7 @@ use super::clusters::box_corners;
 use crate::scene::Mesh;
 use crate::vulkan::vk::CullModeFlags;
 
-/// Most triangles that lie above and below one triangle's cell, on average: more are not worth the time.
+/// Most cells that a triangle may lie in, on average: what overlaps more is not worth the time.
 const CROWD: usize = 64;
 
 /// What is seen of a mesh from outside of its bounds.
