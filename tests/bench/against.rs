@@ -161,7 +161,7 @@ fn a_regression_ends_with_3() {
     assert!(stderr(&slower).contains("--against faster.json: 2 times are slower beyond noise"));
     let said = String::from_utf8(slower.stdout).unwrap();
     assert!(
-        said.contains("slower  cornell-box, T = 4, 96x64, 32 VPLs, 2 bounces, n = 1: indirect_shadows "),
+        said.contains("slower  cornell-box, T = 4, 144x96, 32 VPLs, 2 bounces, n = 1: indirect_shadows "),
         "{said}"
     );
 

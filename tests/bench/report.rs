@@ -14,7 +14,7 @@ use super::program::{Run, stderr};
 pub static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
     let options =
-        ["--size", "96x64", "--vpls", "32", "--temporal-sets", "1,4", "--interleave", "1,2", "--quality"];
+        ["--size", "144x96", "--vpls", "32", "--temporal-sets", "1,4", "--interleave", "1,2", "--quality"];
     let scenes =
         ["bench", "cornell-box", "playroom", "--frames", "6", "--rounds", "2", "--out", "a", "--validate"];
     let output = run.glowworm(&[&scenes[..], &options].concat());
@@ -63,7 +63,7 @@ fn every_file_is_there() {
     assert_eq!(names(&folder().join("pictures")).len(), 10);
     for name in names(&folder().join("pictures")) {
         let picture = image::open(folder().join("pictures").join(&name)).unwrap().into_rgb8();
-        assert_eq!(picture.dimensions(), (96, 64));
+        assert_eq!(picture.dimensions(), (144, 96));
         assert!(picture.pixels().any(|pixel| pixel.0[0] > 60), "{name} is black");
     }
 }
@@ -85,7 +85,7 @@ fn everything_is_in_the_json() {
         }
         let round = &run["rounds"][0];
         assert_eq!(round["samples"]["passes"]["gbuffer"].as_array().unwrap().len(), 6);
-        assert!(round["device_peak"].as_u64().unwrap() > 96 * 64 * 120);
+        assert!(round["device_peak"].as_u64().unwrap() > 144 * 96 * 120);
         assert_eq!(run["quality"]["frames"].as_array().unwrap().len(), 4);
         assert_eq!(run["quality"]["temporal_error"], 0.0, "a still scene stands still");
     }
