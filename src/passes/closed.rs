@@ -46,20 +46,17 @@ impl Outside {
     /// What raster may leave out of an instance; `matrix` leads from its object space to clip space, with reversed depth.
     pub fn culled(self, bounds: (Vec3, Vec3), matrix: &Mat4) -> CullModeFlags {
         // Neither does the eye lie in the bounds then, nor does the near plane cut what is nearest off.
-        let outside = box_corners(bounds).iter().all(|corner| {
+        let is_outside = |corner: &Vec3| {
             let clip = *matrix * corner.extend(1.0);
             clip.w > 0.0 && clip.z < clip.w
-        });
+        };
+        if self == Self::Both || !box_corners(bounds).iter().all(is_outside) {
+            return CullModeFlags::NONE;
+        }
         // As a picture shows corners: counter-clockwise where the eye sees them so, unless something mirrors them. Vulkan's y
         // goes down, so a camera itself does.
         let mirrored = matrix.determinant() > 0.0;
-        match (self, outside) {
-            (Self::Both, _) | (_, false) => CullModeFlags::NONE,
-            (Self::Front, true) if mirrored => CullModeFlags::FRONT,
-            (Self::Front, true) => CullModeFlags::BACK,
-            (Self::Back, true) if mirrored => CullModeFlags::BACK,
-            (Self::Back, true) => CullModeFlags::FRONT,
-        }
+        if (self == Self::Front) == mirrored { CullModeFlags::FRONT } else { CullModeFlags::BACK }
     }
 }
 

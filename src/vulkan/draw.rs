@@ -75,6 +75,8 @@ impl<'a> Targets<'a> {
 /// The draws of one graphics pass.
 pub struct DrawList<'p> {
     pub(super) pass: &'p Pass<'p>,
+    /// Which side is left out; none before that is set.
+    pub(super) culled: Option<vk::CullModeFlags>,
 }
 
 impl DrawList<'_> {
@@ -93,6 +95,9 @@ impl DrawList<'_> {
 
     /// Leaves out triangles that show this side, from now on; at first none.
     pub fn cull(&mut self, side: vk::CullModeFlags) {
+        if self.culled.replace(side) == Some(side) {
+            return;
+        }
         // SAFETY: rendering is open; this is dynamic state of every graphics pipeline.
         unsafe {
             self.pass.recorder.device().raw().cmd_set_cull_mode(self.pass.recorder.commands(), side);

@@ -180,7 +180,7 @@ impl<'f> Pass<'f> {
         let commands = self.recorder.commands();
         // SAFETY: the targets are in attachment layout and live until the frame is done.
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
-        let mut list = DrawList { pass: &self };
+        let mut list = DrawList { pass: &self, culled: None };
         list.viewport(Area::whole(targets.extent()), area);
         list.cull(vk::CullModeFlags::NONE);
         draw(&mut list);

@@ -1,8 +1,11 @@
 //! Direct light against its formula and shadow maps against rays.
 
-use glam::Vec3;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::scene::{LightKind, spot_falloff};
+use glowworm::scene::{LightKind, Scene, spot_falloff};
+use glowworm::settings::Settings;
 
 use super::support::{Lab, exact, layer, luminance, scene};
 
@@ -104,4 +107,44 @@ fn wide_spot_light() {
 #[test]
 fn directional_light() {
     check("type = \"directional\"\ndirection = [-1, -1.5, -0.4]\nirradiance = [3, 3, 3]");
+}
+
+/// The block's mesh with a triangle inside of it that nobody sees: it is no longer closed, so raster draws all its sides.
+fn opened(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    let block = &mut scene.meshes[1];
+    let first = block.positions.len() as u32;
+    block.positions.extend([Vec3::ZERO, Vec3::X * 0.1, Vec3::Y * 0.1]);
+    block.normals.extend([Vec3::Z; 3]);
+    block.uvs.extend([Vec2::ZERO; 3]);
+    block.triangles.push([first, first + 1, first + 2]);
+    block.triangle_materials.push(block.triangle_materials[0]);
+    scene
+}
+
+#[test]
+fn sides_that_face_away_change_nothing() {
+    let Some(lab) = Lab::open() else { return };
+    let mirrored = "[[instances]]
+        model = \"block\"
+        translation = [-0.9, 0.6, 0.5]
+        scale = [-0.6, 0.5, 0.7]
+        rotation = { axis = [1, 2, 0], degrees = 40 }
+        [[lights]]";
+    let lights = [
+        "type = \"point\"\nposition = [1, 3, 1]\nintensity = [40, 40, 40]",
+        "type = \"spot\"\nposition = [1, 3, 1]\ndirection = [-0.3, -1, -0.3]\nintensity = [40, 40, 40]\ninner_deg = 30\nouter_deg = 40",
+        "type = \"directional\"\ndirection = [-0.5, -1, -0.3]\nirradiance = [3, 3, 3]",
+    ];
+    for light in lights {
+        let closed = scene(&floor(light).replace("[[lights]]", mirrored));
+        let open = Arc::new(opened(&closed));
+        let [closed, open] = [closed, open].map(|scene| {
+            let settings = Settings { vpls: 4, ..exact([160, 120]) };
+            lab.rendered(&scene, &settings, 1).read_picture(true).unwrap()
+        });
+        for name in ["position", "normal", "direct"] {
+            assert_eq!(layer(&closed, name), layer(&open, name), "{name} under {light}");
+        }
+    }
 }
