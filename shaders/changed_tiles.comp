@@ -61,7 +61,11 @@ bool looks_up(uvec2 first, uvec2 end, vec2 depths, ShadowTile tile, vec4 part) {
         }
     }
     if (behind > 0u) return behind < 8u;
-    return all(lessThan(low, part.zw + REACH)) && all(greaterThan(high, part.xy - REACH));
+    bool touched = all(lessThan(low, part.zw + REACH)) && all(greaterThan(high, part.xy - REACH));
+    // Beyond a spot's cone there is no light for a shadow to take away.
+    vec2 middle = vec2(0.5 * tile.rectangle.z);
+    bool lit = tile.texel.z == 0.0 || distance(middle, clamp(middle, low, high)) < tile.texel.z;
+    return touched && lit;
 }
 
 bool shadows_changed(uvec2 first, uvec2 end) {
@@ -79,16 +83,12 @@ bool shadows_changed(uvec2 first, uvec2 end) {
 void main() {
     uvec2 tiles = (frame.size + PICTURE_TILE - 1u) / PICTURE_TILE;
     uint index = gl_GlobalInvocationID.x;
-    if (index == 0u) {
-        tile_list.data.groups_x = LIST_ROW;
-        tile_list.data.groups_z = 1u;
-    }
     if (index >= tiles.x * tiles.y) return;
-    uvec2 first = uvec2(index % tiles.x, index / tiles.x) * PICTURE_TILE;
+    uvec2 tile = uvec2(index % tiles.x, index / tiles.x);
+    uvec2 first = tile * PICTURE_TILE;
     uvec2 end = min(first + PICTURE_TILE, frame.size);
     bool seen = all(lessThan(first, push.changed_end)) && all(greaterThan(end, push.changed_first));
     if (!seen && !shadows_changed(first, end)) return;
-    uint place = atomicAdd(tile_list.data.count, 1u);
-    atomicMax(tile_list.data.groups_y, place / LIST_ROW + 1u);
-    tile_list.tiles[place] = index;
+    ADD_TILE(tile_list.data, 1u, place);
+    tile_list.tiles[place] = pack_tile(tile);
 }

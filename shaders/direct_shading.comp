@@ -174,8 +174,7 @@ void main() {
     if (LISTED) {
         uint place = gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x;
         if (place >= tile_list.data.count) return;
-        uint columns = (frame.size.x + PICTURE_TILE - 1u) / PICTURE_TILE;
-        tile = uvec2(tile_list.tiles[place] % columns, tile_list.tiles[place] / columns);
+        tile = unpack_tile(tile_list.tiles[place]);
     }
     ivec2 pixel = ivec2(tile * PICTURE_TILE + gl_LocalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;

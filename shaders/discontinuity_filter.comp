@@ -13,8 +13,9 @@
 #include "vpls.glsl"
 #define VPL_SET_BINDING 6
 #include "vpl_set.glsl"
+#include "tile_list.glsl"
 
-layout(local_size_x = 64, local_size_y = 1) in;
+layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 2) uniform utextureBuffer class_irradiance;
@@ -22,6 +23,7 @@ layout(set = 0, binding = 3) uniform utextureBuffer packed_surfaces;
 layout(set = 0, binding = 4) uniform utextureBuffer discontinuities;
 layout(set = 0, binding = 5) uniform utextureBuffer present_flux;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2DArray set_buffers;
+layout(set = 0, binding = 8, std430) readonly buffer ListBlock { TileList list; uint tiles[]; } filter_tiles;
 
 struct Push {
     float total_flux; // of all classes
@@ -34,6 +36,7 @@ Push push = pushed.data;
 
 #include "same_surface.glsl"
 #include "window.glsl"
+#include "filter_tiles.glsl"
 
 // Share of the flux that the window has to bring; else pixels farther away are asked as well. Not a quarter: that is what a
 // line of pixels brings, and rounding would decide.
@@ -41,12 +44,11 @@ const float MIN_PRESENT = 0.27;
 
 // Whether the flux that windows bring is worked out here, or was in present_flux.comp.
 layout(constant_id = 1) const bool WEIGHS = false;
+// Whether no window reaches beyond the picture, so that each begins a row below the one above.
+layout(constant_id = 2) const bool INSIDE = false;
 
 // Irradiance from the VPLs of a pixel's class.
 vec3 class_at(int texel) { return unpack_irradiance(texelFetch(class_irradiance, texel).rg); }
-
-// Columns of pixels of a thread, for the same reason as ROWS. Twin: `COLUMNS` in src/passes/indirect_shading.rs.
-const int COLUMNS = 2;
 
 // By pixel of a column.
 struct Sums {
@@ -88,18 +90,20 @@ Sums[COLUMNS] window_sums(inout Strip strips[COLUMNS]) {
     // Below the picture nothing counts.
     int last = int(frame.size.x * frame.size.y) - 1;
     int offsets[COLUMNS]; // of the windows; at the picture's borders they lie on one another
-    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) offsets[strip] = strips[strip].corner.x - strips[0].corner.x;
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+        offsets[strip] = INSIDE ? strip : strips[strip].corner.x - strips[0].corner.x;
+    }
     // Luminous, by class, from the corner on.
     float flux[INTERLEAVE][INTERLEAVE];
     const int n = int(INTERLEAVE);
     [[unroll]] for (int row = 0; row < WIDTH + ROWS - 1; row++) {
-        int y = strips[0].corner.y + row;
         Row windows[COLUMNS];
         [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
-            windows[strip] = row_at(strips[strip].words, strips[strip].corner_y, y);
+            ivec4 corner_y = INSIDE ? ivec4(0, 1, 2, 3) : strips[strip].corner_y - strips[0].corner.y;
+            windows[strip] = row_at(strips[strip].words, corner_y, row);
             windows[strip].same <<= offsets[strip];
         }
-        int texel = texel_of(ivec2(strips[0].corner.x, y));
+        int texel = texel_of(strips[0].corner + ivec2(0, row));
         [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
             vec3 of_class = class_at(min(texel + column, last));
             if (WEIGHS && row < n && column < n) {
@@ -137,8 +141,10 @@ vec4 farther_sum(ivec2 pixel) {
 }
 
 void main() {
-    ivec2 first = ivec2(gl_GlobalInvocationID.xy) * ivec2(COLUMNS, 1);
-    if (any(greaterThanEqual(first * ivec2(1, ROWS), ivec2(frame.size)))) return;
+    uint thread = (gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x) * GROUP_THREADS + gl_LocalInvocationID.x;
+    uint place = thread / TILE_THREADS;
+    if (place >= filter_tiles.list.count) return;
+    ivec2 first = corner_of_tile(filter_tiles.tiles[place]) / ivec2(1, ROWS) + ivec2(int(thread % TILE_THREADS) * COLUMNS, 0);
     Strip strips[COLUMNS];
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) strips[strip] = strip_at(first + ivec2(strip, 0));
     Sums sums[COLUMNS] = window_sums(strips);

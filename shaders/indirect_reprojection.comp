@@ -60,7 +60,7 @@ Push push = pushed.data;
 
 // Frames after which every sum has been made anew, so that rounding does not pile up. Twin: `REFRESHED` in
 // src/passes/indirect_reprojection.rs.
-const uint REFRESHED = 256u;
+const uint REFRESHED = 1024u;
 
 // Most that the set buffers' depths, half floats, are off.
 const float ROUNDING = 1.0 / 2048.0;

@@ -18,5 +18,6 @@ struct LightData {
 struct ShadowTile {
     mat4 view_projection; // world to the tile's clip space, reversed depth
     vec4 rectangle;       // xy: first texel in the atlas; z: texels across; w: unused
-    vec4 texel;           // x: world size of a texel (orthographic), or per unit of depth (perspective); y: 1 if perspective
+    vec4 texel;           // x: world size of a texel (orthographic), or per unit of depth (perspective); y: 1 if perspective;
+                          // z: texels around the middle that can be lit, 0: all
 };

@@ -2,7 +2,7 @@
 //!
 //! In: meshes, instances and a view's matrix. Out: for the index buffer, an order of triangles in which
 //! neighbours in space are neighbours; for a view, the runs of indices that its frustum may touch; for a part of a view, its
-//! own frustum; for a box, the part of a view that it may touch.
+//! own frustum; for boxes, the part of a view that they may touch.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -11,6 +11,10 @@ use crate::vulkan::Area;
 
 /// Most triangles of a cluster: few enough that culling pays, many enough that draws stay few.
 const MAX_TRIANGLES: usize = 256;
+
+/// Most boxes that bound a mesh where it is drawn: more of them are closer to it, but each is looked at in every frame in
+/// which the mesh moves.
+const MAX_BOXES: usize = 32;
 
 /// Neighbouring triangles of one material on one mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +71,13 @@ pub fn cluster(mesh: &Mesh) -> (Vec<Cluster>, Vec<[u32; 3]>) {
     (clusters, order.into_iter().map(|triangle| mesh.triangles[triangle]).collect())
 }
 
+/// Boxes that hold all of a mesh's triangles, in the order of [`cluster`], and little else.
+pub fn boxes_of(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<(Vec3, Vec3)> {
+    let corner = |vertex: &u32| mesh.positions[*vertex as usize];
+    let runs = triangles.chunks(triangles.len().div_ceil(MAX_BOXES).max(1));
+    runs.map(|run| bounds_of(run.iter().flatten().map(corner))).collect()
+}
+
 /// The draws that the frustum of `view_projection` (world to clip space) may touch. Draws that follow one
 /// another in the index buffer become one where `joins` allows it.
 pub fn visible<'a>(
@@ -119,12 +130,16 @@ pub fn part_of_view(matrix: &Mat4, area: Area, extent: [u32; 2]) -> Mat4 {
     crop * *matrix
 }
 
-/// The part of a view of `extent` texels that a box may touch; `matrix` leads from the box's space to the view's clip space.
-pub fn area_of_box(matrix: &Mat4, bounds: (Vec3, Vec3), extent: [u32; 2]) -> Area {
-    if !touches(&frustum_planes(matrix), bounds) {
-        return Area::default();
-    }
-    let corners = box_corners(bounds).map(|corner| *matrix * corner.extend(1.0));
+/// The part of a view of `extent` texels that boxes may touch; `matrix` leads from their space to the view's clip space.
+pub fn area_of_boxes(matrix: &Mat4, boxes: &[(Vec3, Vec3)], extent: [u32; 2]) -> Area {
+    let planes = frustum_planes(matrix);
+    let seen = boxes.iter().filter(|bounds| touches(&planes, **bounds));
+    seen.map(|bounds| area_of_corners(&box_corners(*bounds).map(|corner| *matrix * corner.extend(1.0)), extent))
+        .fold(Area::default(), Area::union)
+}
+
+/// The part of a view that may be touched by what has these corners in clip space.
+fn area_of_corners(corners: &[Vec4], extent: [u32; 2]) -> Area {
     let nearest = corners.iter().map(|corner| corner.w).fold(f32::INFINITY, f32::min);
     let farthest = corners.iter().map(|corner| corner.w).fold(0.0, f32::max);
     // What reaches behind the eye has no bounds in the picture; NaNs have none either.
@@ -132,9 +147,11 @@ pub fn area_of_box(matrix: &Mat4, bounds: (Vec3, Vec3), extent: [u32; 2]) -> Are
     if !in_front {
         return Area::whole(extent);
     }
-    let texels = corners.map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));
-    let low = texels.into_iter().fold(Vec2::INFINITY, Vec2::min);
-    let high = texels.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
+    let texels =
+        corners.iter().map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));
+    let (low, high) = texels.fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), texel| {
+        (low.min(texel), high.max(texel))
+    });
     // As numbers saturate, so do these at 0.
     let first = (low.floor() - 1.0).min(vec2(extent));
     let end = (high.ceil() + 1.0).min(vec2(extent));
@@ -212,6 +229,9 @@ mod tests {
             }
         }
         assert_eq!(next as usize, 3 * triangles.len());
+        let boxes = boxes_of(&mesh, &triangles);
+        let held = |p: Vec3| boxes.iter().any(|(low, high)| p.cmpge(*low).all() && p.cmple(*high).all());
+        assert!(boxes.len() > 10 && boxes.len() <= MAX_BOXES && mesh.positions.iter().all(|p| held(*p)));
         assert!(clusters.len() > 10 && clusters.is_sorted_by_key(|cluster| cluster.material));
     }
 
@@ -249,7 +269,7 @@ mod tests {
             let clip = matrix * p.extend(1.0);
             (clip.truncate().truncate() / clip.w * 0.5 + 0.5) * vec2(extent)
         };
-        let seen = |centre: Vec3, half: f32| area_of_box(&matrix, (centre - half, centre + half), extent);
+        let seen = |centre: Vec3, half: f32| area_of_boxes(&matrix, &[(centre - half, centre + half)], extent);
         let area = seen(Vec3::new(0.5, -0.3, -4.0), 0.4);
         for corner in box_corners((Vec3::new(0.1, -0.7, -4.4), Vec3::new(0.9, 0.1, -3.6))) {
             let (at, [first, end]) = (texel(corner), [area.offset, area.end()].map(vec2));

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use super::direct_shadows::{Change, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
-use super::storage_image;
+use super::{storage_image, tile_list};
 use crate::vulkan::{
     Area, Buffer, ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -43,7 +43,7 @@ struct ChangedPush {
 pub struct DirectShadingPass {
     pipelines: Arc<Pipelines>,
     direct: Image,
-    /// Tiles of the picture: see shaders/include/picture_tiles.glsl.
+    /// Tiles of the picture: see shaders/include/tile_list.glsl.
     changed_tiles: Buffer,
     /// Whether anything is in `direct`.
     shaded: bool,
@@ -93,11 +93,10 @@ impl DirectShadingPass {
     }
 
     fn of(device: &Arc<Device>, pipelines: Arc<Pipelines>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let words = 4 + u64::from(tiles_of(extent));
         Ok(Self {
             pipelines,
             direct: storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            changed_tiles: Buffer::new(device, "changed_tiles", words * 4)?,
+            changed_tiles: tile_list(device, "changed_tiles", tiles_of(extent))?,
             shaded: false,
         })
     }

@@ -73,6 +73,8 @@ pub struct Surfaces<'a> {
     pub gbuffer: &'a GBuffer,
     /// Where they may not be those of the frame before.
     pub changed: Area,
+    /// Where they may be of instances that may move.
+    pub movers: Area,
 }
 
 /// What the pass reads.
@@ -192,7 +194,9 @@ impl GBufferPass {
             whole
         };
         self.drawn = Some(inputs.view_projection);
-        Ok(Surfaces { gbuffer: &self.targets, changed })
+        let movers = inputs.instances.movers.iter().copied();
+        let movers = inputs.scene.area_of_places(movers, &inputs.view_projection, extent);
+        Ok(Surfaces { gbuffer: &self.targets, changed, movers })
     }
 
     /// Draws what moves over what stands still, in a part of the picture.

@@ -14,7 +14,7 @@ use crate::scene::Pose;
 use crate::vulkan::{Area, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// Frames after which all running sums have been made anew. Twin: `REFRESHED` in shaders/indirect_reprojection.comp.
-const REFRESHED: usize = 256;
+const REFRESHED: usize = 1024;
 
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
@@ -93,7 +93,7 @@ impl Summed {
 
 /// What differs between pixels is known when a pipeline is made: CPU devices spend time on what no pixel needs, too.
 struct Pipelines {
-    /// Where something may have moved since a set was drawn.
+    /// Where something that is seen may have moved since a set was drawn.
     moving: ComputePipeline,
     /// Where nothing has.
     still: ComputePipeline,
@@ -152,7 +152,8 @@ impl IndirectReprojectionPass {
         let set_size = sets.extent();
         let (same_view, other): (Vec<SetParameters>, Vec<SetParameters>) =
             sets.parameters().iter().flatten().partition(|set| set_size == extent && set.view == view);
-        let may_move = !other.is_empty() || inputs.instances.may_move;
+        // Only there is there anything to follow.
+        let movers = if other.is_empty() { inputs.surfaces.movers } else { Area::whole(extent) };
         let step = self.step(inputs, view);
         let parameters = upload_parameters(frame, same_view.iter().chain(&other).copied())?;
         let push = Push {
@@ -191,8 +192,12 @@ impl IndirectReprojectionPass {
         for settled in step.unsettled_before.minus(step.unsettled) {
             dispatch(still, settled, anew)?;
         }
-        if !step.unsettled.is_empty() {
-            dispatch(if may_move { moving } else { still }, step.unsettled, push)?;
+        for unmoved in step.unsettled.minus(movers) {
+            dispatch(still, unmoved, push)?;
+        }
+        let moved = step.unsettled.within(movers);
+        if !moved.is_empty() {
+            dispatch(moving, moved, push)?;
         }
         Ok(&self.irradiance)
     }

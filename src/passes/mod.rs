@@ -27,7 +27,7 @@ pub mod vpl_light;
 
 use std::sync::Arc;
 
-use crate::vulkan::{Device, Image, ImageDescription, VulkanError, vk};
+use crate::vulkan::{Buffer, Device, Image, ImageDescription, VulkanError, vk};
 
 /// An image of the picture's size that compute shaders write.
 fn storage_image(
@@ -38,4 +38,10 @@ fn storage_image(
 ) -> Result<Image, VulkanError> {
     let usage = vk::ImageUsageFlags::STORAGE;
     Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
+}
+
+/// A list with room for `tiles` tiles of the picture; see shaders/include/tile_list.glsl.
+fn tile_list(device: &Arc<Device>, name: &str, tiles: u32) -> Result<Buffer, VulkanError> {
+    const HEADER_WORDS: u64 = 4;
+    Buffer::new(device, name, (HEADER_WORDS + u64::from(tiles)) * 4)
 }

@@ -7,7 +7,7 @@ use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::closed::Outside;
-use super::clusters::{Cluster, Draw, area_of_box, cluster};
+use super::clusters::{Cluster, Draw, area_of_boxes, boxes_of, cluster};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene};
@@ -47,6 +47,10 @@ pub struct SceneBuffers {
     pub masks: Vec<u32>,
     /// Object-space bounds of each instance; none of those that cannot be seen.
     bounds: Vec<Option<(Vec3, Vec3)>>,
+    /// The mesh of each instance.
+    meshes: Vec<usize>,
+    /// Boxes that hold each mesh: see [`boxes_of`].
+    boxes: Vec<Vec<(Vec3, Vec3)>>,
     /// What is seen of each instance from outside of these.
     outside: Vec<Outside>,
     /// What was uploaded last, and where everything stood then.
@@ -71,8 +75,8 @@ pub struct Instances {
     pub data: Upload,
     /// Those that are not as in the frame before; in the first frame, all.
     pub moved: Vec<Moved>,
-    /// Whether any of them may move.
-    pub may_move: bool,
+    /// Those that may move, and where they stand.
+    pub movers: Vec<(usize, Affine3A)>,
 }
 
 impl SceneBuffers {
@@ -103,6 +107,8 @@ impl SceneBuffers {
             textures,
             sampler: Sampler::for_textures(device)?,
             bounds: bounds_of_instances(scene.instances.len(), &shadow_draws),
+            meshes: scene.instances.iter().map(|instance| instance.mesh).collect(),
+            boxes: geometry.boxes,
             outside: outside_of_instances(scene, &masks),
             draws,
             shadow_draws,
@@ -151,19 +157,31 @@ impl SceneBuffers {
             }
         }
         self.previous.clone_from(&pose.instances);
-        let may_move = data.iter().any(|instance| instance.dynamic == 1);
+        let movers = (0..data.len()).filter(|&instance| data[instance].dynamic == 1);
+        let movers = movers.map(|instance| (instance, pose.instances[instance])).collect();
         let upload = frame.upload(&data)?;
         self.uploaded = data;
-        Ok(Instances { data: upload, moved, may_move })
+        Ok(Instances { data: upload, moved, movers })
     }
 
     /// The part of a view of `extent` texels that instances may have touched where they stood or may touch where they stand.
     pub fn area_of(&self, moved: &[Moved], view_projection: &Mat4, extent: [u32; 2]) -> Area {
-        let places =
-            moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
-        places
-            .filter_map(|(instance, at)| Some((self.bounds[instance]?, *view_projection * Mat4::from(at))))
-            .map(|(bounds, matrix)| area_of_box(&matrix, bounds, extent))
+        let places = moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
+        self.area_of_places(places, view_projection, extent)
+    }
+
+    /// The part of a view that instances at given places may touch.
+    pub fn area_of_places(
+        &self,
+        places: impl IntoIterator<Item = (usize, Affine3A)>,
+        view_projection: &Mat4,
+        extent: [u32; 2],
+    ) -> Area {
+        let visible = places.into_iter().filter(|(instance, _)| self.bounds[*instance].is_some());
+        visible
+            .map(|(instance, at)| {
+                area_of_boxes(&(*view_projection * Mat4::from(at)), &self.boxes[self.meshes[instance]], extent)
+            })
             .fold(Area::default(), Area::union)
     }
 
@@ -188,6 +206,8 @@ struct Geometry {
     indices: Vec<u32>,
     /// First index and clusters of each mesh.
     meshes: Vec<(u32, Vec<Cluster>)>,
+    /// Boxes that hold each mesh.
+    boxes: Vec<Vec<(Vec3, Vec3)>>,
 }
 
 impl Geometry {
@@ -197,6 +217,7 @@ impl Geometry {
             let base = to_u32(geometry.vertices.len());
             let (clusters, triangles) = cluster(mesh);
             geometry.meshes.push((to_u32(geometry.indices.len()), clusters));
+            geometry.boxes.push(boxes_of(mesh, &triangles));
             geometry.indices.extend(triangles.iter().flatten().map(|index| base + index));
             geometry.vertices.extend((0..mesh.positions.len()).map(|vertex| Vertex {
                 position: mesh.positions[vertex],

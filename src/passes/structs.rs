@@ -108,7 +108,8 @@ pub struct ShadowTile {
     pub view_projection: Mat4,
     /// xy: first texel in the atlas; z: texels across.
     pub rectangle: Vec4,
-    /// x: world size of a texel (orthographic), or per unit of depth (perspective); y: 1 if perspective.
+    /// x: world size of a texel (orthographic), or per unit of depth (perspective); y: 1 if perspective; z: texels around the
+    /// middle that can be lit, 0: all.
     pub texel: Vec4,
 }
 

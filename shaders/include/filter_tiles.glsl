@@ -1,0 +1,21 @@
+// The tiles of the picture that the discontinuity filter goes through: the pixels of threads that run side by side. Needs
+// frame.glsl, window.glsl and tile_list.glsl.
+
+// Columns of pixels of a thread, for the same reason as ROWS.
+const int COLUMNS = 2;
+
+// Threads of a tile.
+const int TILE_THREADS = 8;
+
+// Pixels of a tile. Twin: `TILE` in src/passes/indirect_shading.rs.
+const ivec2 TILE = ivec2(TILE_THREADS * COLUMNS, ROWS);
+
+// Threads of a workgroup.
+const int GROUP_THREADS = 64;
+
+// Tiles side by side.
+int tile_columns() { return (int(frame.size.x) + TILE.x - 1) / TILE.x; }
+int tile_rows() { return (int(frame.size.y) + TILE.y - 1) / TILE.y; }
+
+// First pixel of a tile in a list.
+ivec2 corner_of_tile(uint packed) { return ivec2(unpack_tile(packed)) * TILE; }

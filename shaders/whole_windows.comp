@@ -1,0 +1,60 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_EXT_control_flow_attributes : require
+// The discontinuity filter where all windows lie on one surface: then every class is found, and windows share the sums of
+// their columns. Out: as of discontinuity_filter.comp.
+#include "frame.glsl"
+#include "packed_surface.glsl"
+#include "packed_irradiance.glsl"
+#include "interleave.glsl"
+#include "window.glsl"
+#include "tile_list.glsl"
+#include "filter_tiles.glsl"
+
+layout(local_size_x = GROUP_THREADS) in;
+
+layout(set = 0, binding = 1) uniform utextureBuffer class_irradiance;
+layout(set = 0, binding = 2) uniform utextureBuffer packed_surfaces;
+layout(set = 0, binding = 3, rgba16f) uniform writeonly image2DArray set_buffers;
+layout(set = 0, binding = 4, std430) readonly buffer ListBlock { TileList list; uint tiles[]; } filter_tiles;
+
+layout(push_constant) uniform Push {
+    uint layer; // of the set buffers, for this set
+} push;
+
+void main() {
+    uint thread = (gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x) * GROUP_THREADS + gl_LocalInvocationID.x;
+    uint place = thread / TILE_THREADS;
+    if (place >= filter_tiles.list.count) return;
+    ivec2 first = corner_of_tile(filter_tiles.tiles[place]) + ivec2(int(thread % TILE_THREADS) * COLUMNS, 0);
+    int corner = texel_of(first - WIDTH / 2);
+    vec3 sums[COLUMNS][ROWS];
+    [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
+        vec3 of_column[ROWS];
+        [[unroll]] for (int row = 0; row < ROWS; row++) of_column[row] = vec3(0.0);
+        [[unroll]] for (int y = 0; y < WIDTH + ROWS - 1; y++) {
+            int texel = corner + y * int(frame.size.x) + column;
+            vec3 of_class = unpack_irradiance(texelFetch(class_irradiance, texel).rg);
+            [[unroll]] for (int row = 0; row < ROWS; row++) {
+                if (y >= row && y < row + WIDTH) of_column[row] += weight_at(y - row) * of_class;
+            }
+        }
+        [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+            [[unroll]] for (int row = 0; row < ROWS; row++) {
+                if (column == strip) sums[strip][row] = vec3(0.0);
+                if (column >= strip && column < strip + WIDTH) {
+                    sums[strip][row] += weight_at(column - strip) * of_column[row];
+                }
+            }
+        }
+    }
+    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+        [[unroll]] for (int row = 0; row < ROWS; row++) {
+            ivec2 pixel = first + ivec2(strip, row);
+            float depth = unpack_depth(texelFetch(packed_surfaces, texel_of(pixel)).r);
+            vec4 stored = vec4(sums[strip][row] * frame.irradiance_scale, depth);
+            imageStore(set_buffers, ivec3(pixel, int(push.layer)), stored);
+        }
+    }
+}
