@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bvh::TwoLevelBvh;
-use crate::passes::indirect_shadows::{IndirectShadowsPass, UploadedSet};
+use crate::passes::indirect_shadows::IndirectShadowsPass;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
@@ -207,6 +207,15 @@ impl Renderer {
 
     /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
+        let rendered = self.render_frame(pose);
+        if rendered.is_err() {
+            self.buffers.lose_upload();
+            self.passes.vpl_sets.lose_upload();
+        }
+        rendered
+    }
+
+    fn render_frame(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let scene = Arc::clone(&self.scene);
         let lights = self.update(&scene, pose);
         let uniforms = self.uniforms(pose);
@@ -234,7 +243,7 @@ impl Renderer {
             view_projection: uniforms.view_projection,
             frame: frame.upload(&[uniforms])?,
             instances,
-            vpls: UploadedSet::new(&mut frame, &lights.vpls, &lights.flux.classes)?,
+            vpls: &lights.vpls,
             drawn: lights.drawn,
             set_flux: &lights.flux.sets,
             class_flux: &lights.flux.classes,

@@ -141,7 +141,7 @@ pub struct BufferViewInputs<'a> {
     /// Interleave n.
     pub interleave: u32,
     /// Instances of this frame.
-    pub instances: &'a Upload,
+    pub instances: &'a Buffer,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// World-space bounds of all that is visible.

@@ -134,8 +134,10 @@ pub fn part_of_view(matrix: &Mat4, area: Area, extent: [u32; 2]) -> Mat4 {
 pub fn area_of_boxes(matrix: &Mat4, boxes: &[(Vec3, Vec3)], extent: [u32; 2]) -> Area {
     let planes = frustum_planes(matrix);
     let seen = boxes.iter().filter(|bounds| touches(&planes, **bounds));
-    seen.map(|bounds| area_of_corners(&box_corners(*bounds).map(|corner| *matrix * corner.extend(1.0)), extent))
-        .fold(Area::default(), Area::union)
+    seen.map(|bounds| {
+        area_of_corners(&box_corners(*bounds).map(|corner| *matrix * corner.extend(1.0)), extent)
+    })
+    .fold(Area::default(), Area::union)
 }
 
 /// The part of a view that may be touched by what has these corners in clip space.
@@ -149,9 +151,8 @@ fn area_of_corners(corners: &[Vec4], extent: [u32; 2]) -> Area {
     }
     let texels =
         corners.iter().map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));
-    let (low, high) = texels.fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), texel| {
-        (low.min(texel), high.max(texel))
-    });
+    let (low, high) = texels
+        .fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), texel| (low.min(texel), high.max(texel)));
     // As numbers saturate, so do these at 0.
     let first = (low.floor() - 1.0).min(vec2(extent));
     let end = (high.ceil() + 1.0).min(vec2(extent));
@@ -269,7 +270,8 @@ mod tests {
             let clip = matrix * p.extend(1.0);
             (clip.truncate().truncate() / clip.w * 0.5 + 0.5) * vec2(extent)
         };
-        let seen = |centre: Vec3, half: f32| area_of_boxes(&matrix, &[(centre - half, centre + half)], extent);
+        let seen =
+            |centre: Vec3, half: f32| area_of_boxes(&matrix, &[(centre - half, centre + half)], extent);
         let area = seen(Vec3::new(0.5, -0.3, -4.0), 0.4);
         for corner in box_corners((Vec3::new(0.1, -0.7, -4.4), Vec3::new(0.9, 0.1, -3.6))) {
             let (at, [first, end]) = (texel(corner), [area.offset, area.end()].map(vec2));

@@ -24,7 +24,7 @@ pub struct DirectShadingInputs<'a> {
     /// For what materials emit.
     pub scene: &'a SceneBuffers,
     /// Instances of this frame, for the same.
-    pub instances: &'a Upload,
+    pub instances: &'a Buffer,
 }
 
 /// Pixels across a tile of the picture. Twin: `PICTURE_TILE` in shaders/include/picture_tiles.glsl.

@@ -15,8 +15,8 @@ use super::structs::ShadowTile;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Area, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets, Upload,
-    VulkanError, shaders, vk,
+    Area, Buffer, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets,
+    Upload, VulkanError, shaders, vk,
 };
 
 /// Slope-scaled bias: about the reach of the filter in texels. Negative, since depth is reversed.
@@ -25,7 +25,7 @@ const SLOPE_BIAS: f32 = -1.5;
 /// What the pass reads.
 pub struct ShadowInputs<'a> {
     /// Instances of this frame.
-    pub instances: &'a Upload,
+    pub instances: &'a Buffer,
     /// The scene.
     pub scene: &'a SceneBuffers,
     /// For its alpha masks.

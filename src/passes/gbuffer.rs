@@ -240,7 +240,7 @@ impl GBufferPass {
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
-            .read("instances", &inputs.instances.data)
+            .read("instances", &*inputs.instances.data)
             .read("materials", &inputs.scene.materials);
         inputs.tracer.bind_masks(pass).draw(
             &Targets::Surfaces { colors: &colors, depth: &targets.nearest, area, clear },

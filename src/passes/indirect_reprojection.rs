@@ -173,7 +173,7 @@ impl IndirectReprojectionPass {
                 .read("gbuffer_instance", &inputs.surfaces.gbuffer.instance)
                 .read("set_buffers", sets.buffers())
                 .read("drawn_sets", &parameters)
-                .read("instances", &inputs.instances.data)
+                .read("instances", &*inputs.instances.data)
                 .read("view_history", sets.views())
                 .write("irradiance", &self.irradiance)
                 .push(&Push { first: area.offset, end: area.end(), ..push })

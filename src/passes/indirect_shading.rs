@@ -205,7 +205,7 @@ impl IndirectShadingPass {
         sets: &SetHistory,
     ) -> Result<(), VulkanError> {
         let touched = self.compare(frame, inputs)?;
-        let first_texel = inputs.vpls.first_texel();
+        let first_texel = inputs.vpls.first_texel;
         // What only this frame needs, the filter works out itself.
         let stays = self.class_flux == inputs.class_flux;
         let weighed = match (stays, self.weighed) {
@@ -221,7 +221,7 @@ impl IndirectShadingPass {
             frame
                 .pass("indirect_shading", weigh)
                 .read("frame_uniforms", inputs.frame)
-                .read("vpl_set", &inputs.vpls.texels)
+                .read("vpl_set", &*inputs.vpls.texels)
                 .read("discontinuities", &self.discontinuities)
                 .write("present_flux", &self.present_flux)
                 .push(&WeighPush { first: weighed.offset, first_texel, pad: 0 })
@@ -247,7 +247,7 @@ impl IndirectShadingPass {
                 .read("packed_surfaces", &self.packed_surfaces)
                 .read("discontinuities", &self.discontinuities)
                 .read("present_flux", &self.present_flux)
-                .read("vpl_set", &inputs.vpls.texels)
+                .read("vpl_set", &*inputs.vpls.texels)
                 .read("filter_tiles", tiles)
                 .write("set_buffers", sets.buffers())
                 .push(&Push { total_flux: inputs.vpls.total_flux, layer, first_texel })

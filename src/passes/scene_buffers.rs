@@ -11,7 +11,7 @@ use super::clusters::{Cluster, Draw, area_of_boxes, boxes_of, cluster};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene};
-use crate::vulkan::{Area, Buffer, Device, Frame, Image, Sampler, Upload, VulkanError, vk};
+use crate::vulkan::{Area, Buffer, Device, Frame, Image, Mirror, Sampler, VulkanError, vk};
 
 /// One vertex, 32 bytes.
 #[repr(C)]
@@ -53,7 +53,9 @@ pub struct SceneBuffers {
     boxes: Vec<Vec<(Vec3, Vec3)>>,
     /// What is seen of each instance from outside of these.
     outside: Vec<Outside>,
-    /// What was uploaded last, and where everything stood then.
+    /// [`InstanceData`] of all instances.
+    instances: Mirror,
+    /// What is in there, and where everything stood then.
     uploaded: Vec<InstanceData>,
     previous: Vec<Affine3A>,
 }
@@ -72,7 +74,7 @@ pub struct Moved {
 /// The instances of one frame.
 pub struct Instances {
     /// [`InstanceData`] of all.
-    pub data: Upload,
+    pub data: Arc<Buffer>,
     /// Those that are not as in the frame before; in the first frame, all.
     pub moved: Vec<Moved>,
     /// Those that may move, and where they stand.
@@ -113,12 +115,13 @@ impl SceneBuffers {
             draws,
             shadow_draws,
             masks,
+            instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
             uploaded: Vec::new(),
             previous: Vec::new(),
         })
     }
 
-    /// Uploads where the instances stand in this frame.
+    /// Uploads where the instances stand in this frame, those that are not as they were.
     pub fn upload_instances(
         &mut self,
         frame: &mut Frame<'_>,
@@ -159,14 +162,15 @@ impl SceneBuffers {
         self.previous.clone_from(&pose.instances);
         let movers = (0..data.len()).filter(|&instance| data[instance].dynamic == 1);
         let movers = movers.map(|instance| (instance, pose.instances[instance])).collect();
-        let upload = frame.upload(&data)?;
+        self.instances.update(frame, 0, &data)?;
         self.uploaded = data;
-        Ok(Instances { data: upload, moved, movers })
+        Ok(Instances { data: Arc::clone(self.instances.buffer()), moved, movers })
     }
 
     /// The part of a view of `extent` texels that instances may have touched where they stood or may touch where they stand.
     pub fn area_of(&self, moved: &[Moved], view_projection: &Mat4, extent: [u32; 2]) -> Area {
-        let places = moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
+        let places =
+            moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
         self.area_of_places(places, view_projection, extent)
     }
 
@@ -180,7 +184,11 @@ impl SceneBuffers {
         let visible = places.into_iter().filter(|(instance, _)| self.bounds[*instance].is_some());
         visible
             .map(|(instance, at)| {
-                area_of_boxes(&(*view_projection * Mat4::from(at)), &self.boxes[self.meshes[instance]], extent)
+                area_of_boxes(
+                    &(*view_projection * Mat4::from(at)),
+                    &self.boxes[self.meshes[instance]],
+                    extent,
+                )
             })
             .fold(Area::default(), Area::union)
     }
@@ -191,6 +199,11 @@ impl SceneBuffers {
         self.bounds[instance].map_or(vk::CullModeFlags::NONE, |bounds| {
             self.outside[instance].culled(bounds, &(*view_projection * Mat4::from(pose.instances[instance])))
         })
+    }
+
+    /// The last frame was not submitted.
+    pub fn lose_upload(&mut self) {
+        self.instances.lose();
     }
 
     /// What was uploaded last.

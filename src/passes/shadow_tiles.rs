@@ -152,8 +152,7 @@ fn perspective_tile(position: Vec3, forward: Vec3, tangent: f32, radius: f32, si
 }
 
 fn cone(light: &Light, outer_angle: f32, radius: f32, size: u32) -> (Mat4, Vec4) {
-    let (matrix, texel) =
-        perspective_tile(light.position, light.direction, outer_angle.tan(), radius, size);
+    let (matrix, texel) = perspective_tile(light.position, light.direction, outer_angle.tan(), radius, size);
     let guarded = 0.5 * size as f32 / (1.0 + 2.0 * GUARD_TEXELS / size as f32);
     (matrix, texel.with_z(guarded + 1.0))
 }

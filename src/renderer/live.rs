@@ -12,7 +12,7 @@ use crate::passes::direct_shading::DirectShadingPass;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::indirect_reprojection::IndirectReprojectionPass;
 use crate::passes::indirect_shading::IndirectShadingPass;
-use crate::passes::indirect_shadows::IndirectShadowsPass;
+use crate::passes::indirect_shadows::{IndirectShadowsPass, VplSets};
 use crate::passes::set_history::SetHistory;
 use crate::passes::tracer::{RayTracer, Tracer};
 use crate::passes::vpl_light::VplLightPass;
@@ -110,18 +110,21 @@ impl Passes {
         } else {
             None
         };
+        let dealt = |settings: &Settings| (settings.vpls, settings.temporal_sets, settings.interleave);
+        let vpl_sets = if dealt(new) == dealt(old) { None } else { Some(VplSets::new(device, new)?) };
         let vpl_light = match other_tracer {
             Some(tracer) if self.views.vpl_light.is_some() => Some(VplLightPass::new(device, tracer, size)?),
             _ => None,
         };
         let sized = if resized { Some(self.resized(size)?) } else { None };
-        if shadows.is_none() && shading.is_none() && sets.is_none() {
+        if shadows.is_none() && shading.is_none() && sets.is_none() && vpl_sets.is_none() {
             return Ok(());
         }
         // Frames on their way still use the old ones. From here on nothing fails.
         device.wait_idle()?;
         replace(&mut self.indirect_shadows, shadows);
         replace(&mut self.indirect_shading, shading);
+        replace(&mut self.vpl_sets, vpl_sets);
         if let Some(sized) = sized {
             self.gbuffer = sized.gbuffer;
             self.direct_shading = sized.direct_shading;

@@ -9,12 +9,13 @@ use crate::passes::direct_shadows::{DirectShadowsPass, ShadowInputs};
 use crate::passes::gbuffer::{GBufferInputs, GBufferPass};
 use crate::passes::indirect_reprojection::{IndirectReprojectionPass, ReprojectionInputs};
 use crate::passes::indirect_shading::{IndirectShadingInputs, IndirectShadingPass};
-use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, UploadedSet};
+use crate::passes::indirect_shadows::{IndirectShadowsInputs, IndirectShadowsPass, VplSets};
 use crate::passes::scene_buffers::{Instances, SceneBuffers};
 use crate::passes::set_history::{DrawnSet, SetHistory};
 use crate::passes::tracer::{RayTracer, Tracer};
 use crate::scene::Pose;
 use crate::settings::{MissingSets, Settings};
+use crate::vpl::SetVpls;
 use crate::vulkan::{Device, Frame, Upload, VulkanError};
 
 /// The passes with their pipelines, images and histories.
@@ -27,6 +28,8 @@ pub(super) struct Passes {
     pub indirect_reprojection: IndirectReprojectionPass,
     pub combine: CombinePass,
     pub views: ViewPasses,
+    /// The VPLs of all sets.
+    pub vpl_sets: VplSets,
     /// What the sets have drawn.
     sets: SetHistory,
     /// What they drew before they became others: shown until all of the new ones have been drawn.
@@ -49,7 +52,7 @@ pub(super) struct PassInputs<'a> {
     /// Instances of this frame.
     pub instances: Instances,
     /// The VPLs of this frame's set.
-    pub vpls: UploadedSet,
+    pub vpls: &'a SetVpls,
     pub drawn: DrawnSet,
     /// Luminous flux of each set.
     pub set_flux: &'a [f32],
@@ -77,6 +80,7 @@ impl Passes {
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             combine: CombinePass::new(device, size)?,
             views: ViewPasses::default(),
+            vpl_sets: VplSets::new(device, settings)?,
             sets: SetHistory::new(device, size, temporal_sets, instances)?,
             settled: None,
             device: Arc::clone(device),
@@ -92,13 +96,14 @@ impl Passes {
     }
 
     pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &PassInputs<'_>) -> Result<(), VulkanError> {
-        let PassInputs { frame: uniforms, instances, scene, tracer, pose, vpls, .. } = inputs;
+        let PassInputs { frame: uniforms, instances, scene, tracer, pose, .. } = inputs;
+        let vpls = &self.vpl_sets.upload(frame, inputs.drawn.set, inputs.vpls, inputs.class_flux)?;
         let view_projection = inputs.view_projection;
         let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
         let surfaces = self.gbuffer.record(frame, &surfaces)?;
         let gbuffer = surfaces.gbuffer;
         let shadows = ShadowInputs {
-            instances: &instances.data,
+            instances: &*instances.data,
             moved: &instances.moved,
             scene,
             tracer,
@@ -112,7 +117,7 @@ impl Passes {
             surfaces,
             shadows: &shadows,
             scene,
-            instances: &instances.data,
+            instances: &*instances.data,
         };
         let direct = self.direct_shading.record(frame, &lit)?;
 

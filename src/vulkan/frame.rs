@@ -103,15 +103,38 @@ impl Frame<'_> {
     pub fn copy<'b>(&mut self, source: impl Into<BufferSlice<'b>>, target: &Buffer, offset: u64) {
         let source = source.into();
         assert!(offset + source.size <= target.size, "copy beyond the end of {}", target.name);
+        let region = vk::BufferCopy { src_offset: source.offset, dst_offset: offset, size: source.size };
+        self.copy_regions(source.buffer, target, &[region]);
+    }
+
+    /// Copies `source` to the runs of bytes of `target`, one after the other; each has its first byte and that behind its last.
+    pub fn copy_runs(&mut self, source: &Upload, target: &Buffer, runs: &[(usize, usize)]) {
+        let end = runs.iter().map(|run| run.1 as u64).max().unwrap_or(0);
+        assert!(end <= target.size, "copy beyond the end of {}", target.name);
+        let mut src_offset = source.offset;
+        let region = |&(first, end): &(usize, usize)| {
+            let region = vk::BufferCopy { src_offset, dst_offset: first as u64, size: (end - first) as u64 };
+            src_offset += region.size;
+            region
+        };
+        let regions: Vec<vk::BufferCopy> = runs.iter().map(region).collect();
+        assert!(
+            src_offset <= source.offset + source.size,
+            "copy of more than was uploaded for {}",
+            target.name
+        );
+        self.copy_regions(&source.buffer, target, &regions);
+    }
+
+    fn copy_regions(&mut self, source: &Buffer, target: &Buffer, regions: &[vk::BufferCopy]) {
         let barriers = [
-            source.buffer.tracker.use_buffer(Access::TransferRead),
+            source.tracker.use_buffer(Access::TransferRead),
             target.tracker.use_buffer(Access::TransferWrite),
         ];
         self.barriers(&[], &barriers.into_iter().flatten().collect::<Vec<_>>());
-        let region = [vk::BufferCopy { src_offset: source.offset, dst_offset: offset, size: source.size }];
-        // SAFETY: both ranges lie within their buffers; uploads were written before the submission.
+        // SAFETY: all ranges lie within their buffers; uploads were written before the submission.
         unsafe {
-            self.device.raw().cmd_copy_buffer(self.slot.commands, source.buffer.raw, target.raw, &region);
+            self.device.raw().cmd_copy_buffer(self.slot.commands, source.raw, target.raw, regions);
         }
     }
 

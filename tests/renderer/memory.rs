@@ -5,7 +5,7 @@ use glowworm::settings::Settings;
 
 use super::support::{Lab, named_scene};
 
-/// Bytes that grow with the picture, as in ARCHITECTURE.md, "Numbers worth knowing".
+/// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Numbers worth knowing".
 fn computed(settings: &Settings) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
     let discontinuities = match settings.interleave {
@@ -14,7 +14,11 @@ fn computed(settings: &Settings) -> u64 {
         _ => 4,
     };
     let set_buffers = (pixels + u64::from(settings.size[0])) * 8 * (u64::from(settings.temporal_sets) + 1);
-    pixels * (84 + discontinuities) + set_buffers
+    let tiles = u64::from(settings.size[0].div_ceil(16)) * u64::from(settings.size[1].div_ceil(4));
+    let classes = u64::from(settings.interleave * settings.interleave);
+    let vpls = u64::from(settings.vpls.div_ceil(settings.temporal_sets));
+    let vpl_sets = u64::from(settings.temporal_sets) * 16 * (classes + 3 * vpls);
+    pixels * (84 + discontinuities) + set_buffers + tiles * 12 + vpl_sets
 }
 
 #[test]

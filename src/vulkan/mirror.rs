@@ -1,0 +1,83 @@
+//! Buffers whose content the CPU knows, so that a frame uploads no more of it than what has changed.
+
+use std::sync::Arc;
+
+use bytemuck::Pod;
+
+use super::{Buffer, Device, Frame, VulkanError};
+
+/// A device-local buffer and what is in it, once the frames that were recorded are done.
+pub struct Mirror {
+    buffer: Arc<Buffer>,
+    content: Vec<u8>,
+    /// Whether a frame that was to bring the content was not submitted.
+    lost: bool,
+}
+
+impl Mirror {
+    /// Makes a buffer of `size` bytes, all zero, that `utextureBuffer` shows in texels of four words.
+    pub fn new(device: &Arc<Device>, name: &str, size: usize) -> Result<Self, VulkanError> {
+        let content = vec![0; size.next_multiple_of(16).max(16)];
+        let buffer = Buffer::with_data(device, name, &content)?.with_texels()?;
+        Ok(Self { buffer: Arc::new(buffer), content, lost: false })
+    }
+
+    /// The buffer.
+    pub fn buffer(&self) -> &Arc<Buffer> {
+        &self.buffer
+    }
+
+    /// Makes the content from byte `offset` on be `data`: uploads those elements that differ. Out: how many.
+    pub fn update<T: Pod>(
+        &mut self,
+        frame: &mut Frame<'_>,
+        offset: usize,
+        data: &[T],
+    ) -> Result<usize, VulkanError> {
+        let new: &[u8] = bytemuck::cast_slice(data);
+        let old = &self.content[offset..offset + new.len()];
+        let changed = changed_runs(old, new, size_of::<T>());
+        self.content[offset..offset + new.len()].copy_from_slice(new);
+        let (runs, bytes) = if std::mem::take(&mut self.lost) {
+            (vec![(0, self.content.len())], self.content.clone())
+        } else {
+            let bytes = changed.iter().flat_map(|&(first, end)| &new[first..end]).copied().collect();
+            (changed.iter().map(|&(first, end)| (offset + first, offset + end)).collect(), bytes)
+        };
+        if !runs.is_empty() {
+            let upload = frame.upload(&bytes)?;
+            frame.copy_runs(&upload, &self.buffer, &runs);
+        }
+        Ok(changed.iter().map(|(first, end)| (end - first) / size_of::<T>()).sum())
+    }
+
+    /// The last frame was recorded, but not submitted: the next update brings everything.
+    pub fn lose(&mut self) {
+        self.lost = true;
+    }
+}
+
+/// First byte and that behind the last of each run of elements that differ.
+fn changed_runs(old: &[u8], new: &[u8], size: usize) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (index, (old, new)) in old.chunks_exact(size).zip(new.chunks_exact(size)).enumerate() {
+        let (first, end) = (index * size, (index + 1) * size);
+        match runs.last_mut() {
+            _ if old == new => {}
+            Some(last) if last.1 == first => last.1 = end,
+            _ => runs.push((first, end)),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_hold_what_differs_and_no_more() {
+        assert_eq!(changed_runs(&[1, 2, 3, 4], &[1, 2, 3, 4], 2), []);
+        assert_eq!(changed_runs(&[1, 2, 3, 4, 5, 6, 7, 8], &[0, 2, 3, 0, 5, 6, 7, 0], 2), [(0, 4), (6, 8)]);
+    }
+}
