@@ -144,7 +144,8 @@ void main() {
     uint thread = (gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x) * GROUP_THREADS + gl_LocalInvocationID.x;
     uint place = thread / TILE_THREADS;
     if (place >= filter_tiles.list.count) return;
-    ivec2 first = corner_of_tile(filter_tiles.tiles[place]) / ivec2(1, ROWS) + ivec2(int(thread % TILE_THREADS) * COLUMNS, 0);
+    ivec2 first = corner_of_tile(filter_tiles.tiles[place]) / ivec2(1, ROWS);
+    first.x += int(thread % TILE_THREADS) * COLUMNS;
     Strip strips[COLUMNS];
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) strips[strip] = strip_at(first + ivec2(strip, 0));
     Sums sums[COLUMNS] = window_sums(strips);

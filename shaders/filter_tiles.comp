@@ -45,8 +45,9 @@ void main() {
         whole = whole && all(equal(same[word] & all_of(word), uvec4(all_of(word))));
     }
     const uint per_group = GROUP_THREADS / TILE_THREADS;
+    const uint whole_per_group = GROUP_THREADS / WHOLE_THREADS;
     if (inside && whole) {
-        ADD_TILE(whole_tiles.list, per_group, place);
+        ADD_TILE(whole_tiles.list, whole_per_group, place);
         whole_tiles.tiles[place] = tile;
     } else if (inside) {
         ADD_TILE(mixed_tiles.list, per_group, place);

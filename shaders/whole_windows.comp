@@ -25,12 +25,13 @@ layout(push_constant) uniform Push {
 
 void main() {
     uint thread = (gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x) * GROUP_THREADS + gl_LocalInvocationID.x;
-    uint place = thread / TILE_THREADS;
+    uint place = thread / WHOLE_THREADS;
     if (place >= filter_tiles.list.count) return;
-    ivec2 first = corner_of_tile(filter_tiles.tiles[place]) + ivec2(int(thread % TILE_THREADS) * COLUMNS, 0);
+    ivec2 first = corner_of_tile(filter_tiles.tiles[place]);
+    first.x += int(thread % WHOLE_THREADS) * WHOLE_COLUMNS;
     int corner = texel_of(first - WIDTH / 2);
-    vec3 sums[COLUMNS][ROWS];
-    [[unroll]] for (int column = 0; column < WIDTH + COLUMNS - 1; column++) {
+    vec3 sums[WHOLE_COLUMNS][ROWS];
+    [[unroll]] for (int column = 0; column < WIDTH + WHOLE_COLUMNS - 1; column++) {
         vec3 of_column[ROWS];
         [[unroll]] for (int row = 0; row < ROWS; row++) of_column[row] = vec3(0.0);
         [[unroll]] for (int y = 0; y < WIDTH + ROWS - 1; y++) {
@@ -40,7 +41,7 @@ void main() {
                 if (y >= row && y < row + WIDTH) of_column[row] += weight_at(y - row) * of_class;
             }
         }
-        [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+        [[unroll]] for (int strip = 0; strip < WHOLE_COLUMNS; strip++) {
             [[unroll]] for (int row = 0; row < ROWS; row++) {
                 if (column == strip) sums[strip][row] = vec3(0.0);
                 if (column >= strip && column < strip + WIDTH) {
@@ -49,7 +50,7 @@ void main() {
             }
         }
     }
-    [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) {
+    [[unroll]] for (int strip = 0; strip < WHOLE_COLUMNS; strip++) {
         [[unroll]] for (int row = 0; row < ROWS; row++) {
             ivec2 pixel = first + ivec2(strip, row);
             float depth = unpack_depth(texelFetch(packed_surfaces, texel_of(pixel)).r);

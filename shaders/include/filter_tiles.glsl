@@ -10,6 +10,10 @@ const int TILE_THREADS = 8;
 // Pixels of a tile. Twin: `TILE` in src/passes/indirect_shading.rs.
 const ivec2 TILE = ivec2(TILE_THREADS * COLUMNS, ROWS);
 
+// The same where all windows lie on one surface: what is asked of a texel is less, so it pays to share it among more.
+const int WHOLE_COLUMNS = 4;
+const int WHOLE_THREADS = TILE.x / WHOLE_COLUMNS;
+
 // Threads of a workgroup.
 const int GROUP_THREADS = 64;
 

@@ -103,7 +103,7 @@ impl Passes {
         let surfaces = self.gbuffer.record(frame, &surfaces)?;
         let gbuffer = surfaces.gbuffer;
         let shadows = ShadowInputs {
-            instances: &*instances.data,
+            instances: &instances.data,
             moved: &instances.moved,
             scene,
             tracer,
@@ -117,7 +117,7 @@ impl Passes {
             surfaces,
             shadows: &shadows,
             scene,
-            instances: &*instances.data,
+            instances: &instances.data,
         };
         let direct = self.direct_shading.record(frame, &lit)?;
 

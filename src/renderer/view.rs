@@ -195,7 +195,7 @@ impl ViewPasses {
                 sets: if filtered { sources.drawn_sets } else { sources.shown_sets },
                 set: if filtered { inputs.drawn.set } else { shown.view.set },
                 interleave: inputs.settings.interleave,
-                instances: &*inputs.instances.data,
+                instances: &inputs.instances.data,
                 pose: inputs.pose,
                 bounds: inputs.bounds,
                 exposure: sources.exposure,
