@@ -172,7 +172,7 @@ void main() {
     if (ONE_TILE) only_tile = shadow_tiles.data[0];
     uvec2 tile = gl_WorkGroupID.xy;
     if (LISTED) {
-        uint place = gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x;
+        uint place = group_in_list();
         if (place >= tile_list.data.count) return;
         tile = unpack_tile(tile_list.tiles[place]);
     }

@@ -24,7 +24,7 @@ layout(push_constant) uniform Push {
 } push;
 
 void main() {
-    uint thread = (gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x) * GROUP_THREADS + gl_LocalInvocationID.x;
+    uint thread = group_in_list() * GROUP_THREADS + gl_LocalInvocationID.x;
     uint place = thread / WHOLE_THREADS;
     if (place >= filter_tiles.list.count) return;
     ivec2 first = corner_of_tile(filter_tiles.tiles[place]);

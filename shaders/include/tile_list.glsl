@@ -11,6 +11,9 @@ struct TileList {
     uint count; // of tiles
 };
 
+// Number of a workgroup of that dispatch.
+uint group_in_list() { return gl_WorkGroupID.y * LIST_ROW + gl_WorkGroupID.x; }
+
 // A tile in a list: its column and row. Divisions of its number would be slow on CPU devices.
 uint pack_tile(uvec2 tile) { return tile.x | tile.y << 16; }
 uvec2 unpack_tile(uint packed) { return uvec2(packed & 0xffffu, packed >> 16); }

@@ -13,6 +13,10 @@ use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene};
 use crate::vulkan::{Area, Buffer, Device, Frame, Image, Mirror, Sampler, VulkanError, vk};
 
+/// Most places of instances that are bounded by more than a box each: every frame in which they move looks at all of them,
+/// and the rectangle around many is hardly smaller.
+const MAX_CLOSE: usize = 16;
+
 /// One vertex, 32 bytes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -181,14 +185,15 @@ impl SceneBuffers {
         view_projection: &Mat4,
         extent: [u32; 2],
     ) -> Area {
-        let visible = places.into_iter().filter(|(instance, _)| self.bounds[*instance].is_some());
-        visible
-            .map(|(instance, at)| {
-                area_of_boxes(
-                    &(*view_projection * Mat4::from(at)),
-                    &self.boxes[self.meshes[instance]],
-                    extent,
-                )
+        let places: Vec<_> = places.into_iter().collect();
+        let close = places.len() <= MAX_CLOSE;
+        places
+            .into_iter()
+            .filter_map(|(instance, at)| {
+                let bounds = self.bounds[instance].as_ref()?;
+                let boxes =
+                    if close { &self.boxes[self.meshes[instance]] } else { std::slice::from_ref(bounds) };
+                Some(area_of_boxes(&(*view_projection * Mat4::from(at)), boxes, extent))
             })
             .fold(Area::default(), Area::union)
     }
