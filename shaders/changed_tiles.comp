@@ -1,29 +1,54 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
-// Which tiles of the picture have to be lit again: those that may show other surfaces than in the last frame, and those
-// whose surfaces lie where shadow maps have changed.
+#extension GL_EXT_samplerless_texture_functions : require
+// Which rows of which tiles of the picture have to be lit again: those that may show other surfaces than in the last frame, and
+// those whose surfaces lie where shadow maps have changed.
 #include "frame.glsl"
+#include "gbuffer.glsl"
 #include "lights.glsl"
+#include "direct.glsl"
 #include "picture_tiles.glsl"
 
 layout(local_size_x = 64) in;
 
+// Where a shadow tile has changed. Twin: `ChangedPart` in src/passes/structs.rs.
+struct ChangedPart {
+    uvec2 first;    // texel, counted from the tile's
+    uvec2 end;      // behind the last
+    float nearest;  // depth; what is nearer to the light is lit as it was
+    float farthest; // what is farther away is too, but for where cells have changed
+    uint first_row; // of the cells that tell
+    uint pad0;
+};
+
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, std430) readonly buffer TileBlock { ShadowTile data[]; } shadow_tiles;
-// First texel that has changed in each shadow tile, counted from the tile's, and that behind the last.
-layout(set = 0, binding = 3, std430) readonly buffer PartBlock { uvec4 data[]; } changed_parts;
+layout(set = 0, binding = 3, std430) readonly buffer PartBlock { ChangedPart data[]; } changed_parts;
 layout(set = 0, binding = 4, std430) buffer ListBlock { TileList data; uint tiles[]; } tile_list;
+// Of each cell of a row, a bit: whether one within reach has changed.
+layout(set = 0, binding = 5) uniform utextureBuffer changed_cells;
+layout(set = 0, binding = 6) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 7, rgba32f) uniform readonly image2D direct;
 
 layout(push_constant) uniform Push {
     uvec2 changed_first; // pixel that may show another surface
     uvec2 changed_end;   // behind the last
+    uvec2 anew_first;    // pixel that may though neither may move
+    uvec2 anew_end;
     uint shadow_tile_count;
-    uint pad0;
+    uint first_texel;    // of all cells
 } push;
 
-// Texels that a lookup may be away from where its surface is: how far receivers are moved, and the filter.
+// Cells across a shadow tile. Twin: `CELLS` in src/passes/outlines.rs.
+const uint CELLS = 128u;
+
+// Texels that a lookup may be away from where its surface is. Twin: `REACH` in src/passes/direct_shadows.rs.
 const float REACH = 5.0;
+
+// Rows of cells that are looked at for a box; of a larger one, its surfaces are.
+const uint MOST_ROWS = 8u;
+
+bool is_within(uvec2 pixel, uvec2 first, uvec2 end) { return all(greaterThanEqual(pixel, first)) && all(lessThan(pixel, end)); }
 
 // Least and greatest view depth of a tile's surfaces; the least is greater where there are none.
 vec2 depths_of(uvec2 first, uvec2 end) {
@@ -45,39 +70,91 @@ vec3 corner_at(uvec2 first, uvec2 end, vec2 depths, uint corner) {
     return frame.eye.xyz + depth * (frame.ray.xyz + ndc.x * frame.ray_x.xyz + ndc.y * frame.ray_y.xyz);
 }
 
-// Whether something in that part of the world may be looked up in the changed part of a shadow tile.
-bool looks_up(uvec2 first, uvec2 end, vec2 depths, ShadowTile tile, vec4 part) {
-    vec2 low = vec2(1e38);
-    vec2 high = vec2(-1e38);
+// From clip space to texels of a shadow tile and depth.
+vec3 texel_of_clip(ShadowTile tile, vec4 clip) {
+    return vec3((clip.xy / clip.w * 0.5 + 0.5) * tile.rectangle.z, clip.z / clip.w);
+}
+
+// Cells with a bit before that of a column.
+uvec4 cells_before(uint column) {
+    uvec4 bits = uvec4(clamp(ivec4(column) - ivec4(0, 32, 64, 96), 0, 32));
+    return mix((uvec4(1u) << min(bits, uvec4(31u))) - 1u, uvec4(0xffffffffu), equal(bits, uvec4(32u)));
+}
+
+uvec2 cell_at(ShadowTile tile, vec2 texel) {
+    return uvec2(clamp(texel * (float(CELLS) / tile.rectangle.z), vec2(0.0), vec2(float(CELLS - 1u))));
+}
+
+// Whether a shadow may have come or gone between two points of a shadow tile: texels and depth.
+bool changed_between(ShadowTile tile, ChangedPart part, vec3 low, vec3 high) {
+    if (low.z > part.nearest) return false;
+    bool touched = all(lessThan(low.xy - REACH, vec2(part.end))) && all(greaterThan(high.xy + REACH, vec2(part.first)));
+    // Beyond a spot's cone there is no light for a shadow to take away.
+    vec2 middle = vec2(0.5 * tile.rectangle.z);
+    bool lit = tile.texel.z == 0.0 || distance(middle, clamp(middle, low.xy - REACH, high.xy + REACH)) < tile.texel.z;
+    if (!touched || !lit) return false;
+    if (high.z >= part.farthest) return true;
+    uvec2 first = cell_at(tile, low.xy);
+    uvec2 last = cell_at(tile, high.xy);
+    if (last.y - first.y >= MOST_ROWS) return true;
+    uvec4 columns = cells_before(last.x + 1u) & ~cells_before(first.x);
+    int first_texel = int(push.first_texel + part.first_row);
+    uvec4 changed = uvec4(0u);
+    // Here and below, loops ask at their end whether to go on: see tracer_find.
+    uint row = first.y;
+    do {
+        changed |= texelFetch(changed_cells, first_texel + int(row)) & columns;
+    } while (++row <= last.y);
+    return any(notEqual(changed, uvec4(0u)));
+}
+
+// Whether anything between two depths may be lit otherwise, as far as the box around it tells.
+bool box_changed(uvec2 first, uvec2 end, vec2 depths, ShadowTile tile, ChangedPart part) {
+    vec3 low = vec3(1e38);
+    vec3 high = vec3(-1e38);
     uint behind = 0u;
     for (uint corner = 0u; corner < 8u; corner++) {
         vec4 clip = tile.view_projection * vec4(corner_at(first, end, depths, corner), 1.0);
         if (clip.w <= 0.0) {
             behind++;
         } else {
-            vec2 texel = (clip.xy / clip.w * 0.5 + 0.5) * tile.rectangle.z;
+            vec3 texel = texel_of_clip(tile, clip);
             low = min(low, texel);
             high = max(high, texel);
         }
     }
-    if (behind > 0u) return behind < 8u;
-    bool touched = all(lessThan(low, part.zw + REACH)) && all(greaterThan(high, part.xy - REACH));
-    // Beyond a spot's cone there is no light for a shadow to take away.
-    vec2 middle = vec2(0.5 * tile.rectangle.z);
-    bool lit = tile.texel.z == 0.0 || distance(middle, clamp(middle, low, high)) < tile.texel.z;
-    return touched && lit;
+    return behind > 0u ? behind < 8u : changed_between(tile, part, low, high);
 }
 
-bool shadows_changed(uvec2 first, uvec2 end) {
-    vec2 depths = depths_of(first, end);
-    bool changed = false;
-    for (uint i = 0u; i < push.shadow_tile_count && depths.x <= depths.y; i++) {
-        uvec4 part = changed_parts.data[i];
-        if (all(lessThan(part.xy, part.zw))) {
-            changed = changed || looks_up(first, end, depths, shadow_tiles.data[i], vec4(part));
-        }
-    }
-    return changed;
+// Rows of a tile, as bits, with a surface that may be lit otherwise.
+uint rows_changed(uvec2 corner, ShadowTile tile, ChangedPart part) {
+    uint rows = 0u;
+    uint place = 0u;
+    do {
+        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
+        ivec2 pixel = ivec2(min(corner + at, frame.size - 1u));
+        float depth = imageLoad(gbuffer_depth, pixel).r;
+        vec4 clip = tile.view_projection * vec4(position_at(pixel, depth), 1.0);
+        vec3 texel = texel_of_clip(tile, clip);
+        bool changed = depth > 0.0 && clip.w > 0.0 && changed_between(tile, part, texel, texel);
+        rows |= changed ? 1u << at.y : 0u;
+    } while (++place < PICTURE_TILE * PICTURE_TILE);
+    return rows;
+}
+
+// Rows of a tile with a pixel that may show another surface.
+uint rows_with_others(uvec2 corner) {
+    uint rows = 0u;
+    uint place = 0u;
+    do {
+        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
+        uvec2 pixel = min(corner + at, frame.size - 1u);
+        bool anew = is_within(pixel, push.anew_first, push.anew_end);
+        uint now = texelFetch(gbuffer_instance, ivec2(pixel), 0).y;
+        bool other = anew || (now & MAY_MOVE) != 0u || imageLoad(direct, ivec2(pixel)).a == MOVER;
+        rows |= other && is_within(pixel, push.changed_first, push.changed_end) ? 1u << at.y : 0u;
+    } while (++place < PICTURE_TILE * PICTURE_TILE);
+    return rows;
 }
 
 void main() {
@@ -87,8 +164,17 @@ void main() {
     uvec2 tile = uvec2(index % tiles.x, index / tiles.x);
     uvec2 first = tile * PICTURE_TILE;
     uvec2 end = min(first + PICTURE_TILE, frame.size);
-    bool seen = all(lessThan(first, push.changed_end)) && all(greaterThan(end, push.changed_first));
-    if (!seen && !shadows_changed(first, end)) return;
+    uint rows = 0u;
+    if (all(lessThan(first, push.changed_end)) && all(greaterThan(end, push.changed_first))) rows = rows_with_others(first);
+    vec2 depths = depths_of(first, end);
+    for (uint i = 0u; i < push.shadow_tile_count && depths.x <= depths.y; i++) {
+        ChangedPart part = changed_parts.data[i];
+        if (any(greaterThanEqual(part.first, part.end))) continue;
+        // At the edges of things the box is much larger than what is in it.
+        ShadowTile shadow_tile = shadow_tiles.data[i];
+        if (box_changed(first, end, depths, shadow_tile, part)) rows |= rows_changed(first, shadow_tile, part);
+    }
+    if (rows == 0u) return;
     ADD_TILE(tile_list.data, 1u, place);
-    tile_list.tiles[place] = pack_tile(tile);
+    tile_list.tiles[place] = pack_rows(tile, rows);
 }

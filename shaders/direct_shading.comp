@@ -7,12 +7,13 @@
 #include "gbuffer.glsl"
 #include "scene.glsl"
 #include "lights.glsl"
+#include "direct.glsl"
 #include "picture_tiles.glsl"
 
 // A workgroup has a tile of the picture.
 layout(local_size_x = PICTURE_TILE, local_size_y = PICTURE_TILE) in;
 
-// Whether only the tiles of a list are lit, or all.
+// Whether only rows of the tiles of a list are lit, or all.
 layout(constant_id = 0) const bool LISTED = false;
 // Whether there is but one light, and but one shadow tile. CPU drivers load at once, not lane by lane, what all threads need
 // before they part.
@@ -174,13 +175,15 @@ void main() {
     if (LISTED) {
         uint place = group_in_list();
         if (place >= tile_list.data.count) return;
-        tile = unpack_tile(tile_list.tiles[place]);
+        uint packed = tile_list.tiles[place];
+        if (!has_row(packed, gl_LocalInvocationID.y)) return;
+        tile = tile_of(packed);
     }
     ivec2 pixel = ivec2(tile * PICTURE_TILE + gl_LocalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    vec4 result = vec4(frame.background.rgb, 0.0);
-    if (id.x != 0u) result = vec4(radiance_of(id, pixel), 1.0);
+    vec4 result = vec4(frame.background.rgb, NOTHING);
+    if (id.x != 0u) result = vec4(radiance_of(id, pixel), (id.y & MAY_MOVE) != 0u ? MOVER : STATIC);
     // What a list holds is mostly as it was, and to write costs CPU drivers more than to compare.
     if (LISTED && result == imageLoad(direct, pixel)) return;
     imageStore(direct, pixel, result);

@@ -5,7 +5,7 @@ layout(set = 0, binding = 1, rgba32f) uniform readonly image2D direct;
 layout(set = 0, binding = 2, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 
-// a: 1 where a surface is.
+// a: 0 where no surface is.
 vec4 radiance_at(ivec2 pixel) {
     vec4 first = imageLoad(direct, pixel);
     vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::direct_shadows::{Change, Shadows};
+use super::direct_shadows::{Change, ChangedParts, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
 use super::{storage_image, tile_list};
@@ -35,8 +35,10 @@ const TILE: u32 = 8;
 struct ChangedPush {
     changed_first: [u32; 2],
     changed_end: [u32; 2],
+    anew_first: [u32; 2],
+    anew_end: [u32; 2],
     shadow_tile_count: u32,
-    pad: u32,
+    first_texel: u32,
 }
 
 /// The pass.
@@ -101,7 +103,7 @@ impl DirectShadingPass {
         })
     }
 
-    /// Radiance of the last frame; a: 1 where a surface is.
+    /// Radiance of the last frame; a: 0 where no surface is, 1 where one stands still, 2 where it may move.
     pub fn output(&self) -> &Image {
         &self.direct
     }
@@ -117,7 +119,9 @@ impl DirectShadingPass {
         let first = !std::mem::replace(&mut self.shaded, true);
         match &inputs.shadows.change {
             Change::Nothing if changed.is_empty() && !first => {}
-            Change::Nothing if changed != whole && !first => self.shade_changed(frame, inputs, &[])?,
+            Change::Nothing if changed != whole && !first => {
+                self.shade_changed(frame, inputs, &ChangedParts::default())?;
+            }
             Change::Parts(parts) if changed != whole && !first => self.shade_changed(frame, inputs, parts)?,
             _ => self.bind(frame, &self.pipelines.shade_all, inputs).dispatch_over(whole.extent)?,
         }
@@ -128,23 +132,29 @@ impl DirectShadingPass {
         &self,
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
-        changed_parts: &[[u32; 4]],
+        shadows: &ChangedParts,
     ) -> Result<(), VulkanError> {
-        let changed = inputs.surfaces.changed;
+        let Surfaces { gbuffer, changed, anew, .. } = inputs.surfaces;
+        let parts = frame.upload(&shadows.parts)?;
+        let cells = frame.upload(&shadows.cells)?;
         let push = ChangedPush {
             changed_first: changed.offset,
             changed_end: changed.end(),
-            shadow_tile_count: u32::try_from(changed_parts.len()).unwrap_or(u32::MAX),
-            pad: 0,
+            anew_first: anew.offset,
+            anew_end: anew.end(),
+            shadow_tile_count: u32::try_from(shadows.parts.len()).unwrap_or(u32::MAX),
+            first_texel: cells.first_texel(),
         };
-        let changed_parts = frame.upload(changed_parts)?;
         frame.clear(&self.changed_tiles);
         frame
             .pass("direct_shading", &self.pipelines.find_changed)
             .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &inputs.surfaces.gbuffer.depth)
+            .read("gbuffer_depth", &gbuffer.depth)
+            .read("gbuffer_instance", &gbuffer.instance)
             .read("shadow_tiles", &inputs.shadows.tiles)
-            .read("changed_parts", &changed_parts)
+            .read("changed_parts", &parts)
+            .read("changed_cells", &cells)
+            .read("direct", &self.direct)
             .write("tile_list", &self.changed_tiles)
             .push(&push)
             .dispatch_threads([tiles_of(self.direct.extent()), 1, 1])?;

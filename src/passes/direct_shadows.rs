@@ -8,10 +8,11 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use super::clusters::{Draw, part_of_view, visible};
+use super::outlines::CELLS;
 use super::scene_buffers::{Moved, SceneBuffers, Vertex};
 use super::shadow_tiles::{ShadowPlan, View};
 use super::still::Still;
-use super::structs::ShadowTile;
+use super::structs::{ChangedPart, ShadowTile};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -21,6 +22,10 @@ use crate::vulkan::{
 
 /// Slope-scaled bias: about the reach of the filter in texels. Negative, since depth is reversed.
 const SLOPE_BIAS: f32 = -1.5;
+
+/// Texels that a lookup may be away from where its surface is: how far receivers are moved, and the filter. Twin: `REACH` in
+/// shaders/changed_tiles.comp.
+const REACH: f32 = 5.0;
 
 /// What the pass reads.
 pub struct ShadowInputs<'a> {
@@ -64,10 +69,60 @@ pub struct Shadows<'a> {
 pub enum Change {
     /// Not at all.
     Nothing,
-    /// In a part of each tile: the first texel of each, counted from the tile's, and that behind the last.
-    Parts(Vec<[u32; 4]>),
+    /// In a part of each tile.
+    Parts(ChangedParts),
     /// Altogether.
     Everything,
+}
+
+/// The shadow maps of a frame before what moves is in them.
+pub struct Prepared {
+    plan: ShadowPlan,
+    change: Change,
+    missing: Missing,
+}
+
+/// What has yet to be drawn into the atlas.
+enum Missing {
+    Nothing,
+    Everything,
+    /// What moves, in a part of each tile.
+    Moved(Vec<Area>),
+}
+
+/// Where shadow maps differ from those of the frame before.
+#[derive(Default)]
+pub struct ChangedParts {
+    /// By tile.
+    pub parts: Vec<ChangedPart>,
+    /// What [`super::outlines::ChangedCells::within_reach`] gives, tile after tile.
+    pub cells: Vec<[u32; 4]>,
+}
+
+impl ChangedParts {
+    fn new(inputs: &ShadowInputs<'_>, plan: &ShadowPlan, areas: &[Area]) -> Self {
+        let reach = (REACH * CELLS as f32 / plan.tile_size as f32).ceil() as usize;
+        let known = inputs.scene.changed_cells(inputs.moved, &plan.tiles, plan.tile_size);
+        let mut changed = Self::default();
+        for ((tile, area), known) in plan.tiles.iter().zip(areas).zip(known) {
+            let mut part = ChangedPart {
+                first: area.offset,
+                end: area.end(),
+                // Where nothing is known of cells, anything in the area may be lit otherwise.
+                nearest: f32::INFINITY,
+                farthest: f32::NEG_INFINITY,
+                ..ChangedPart::default()
+            };
+            if let Some(known) = known {
+                part.nearest = known.nearest + tile.depth_of_offset(known.nearest);
+                part.farthest = known.farthest - tile.depth_of_offset(known.farthest);
+                part.first_row = u32::try_from(changed.cells.len()).unwrap_or(u32::MAX);
+                changed.cells.extend(known.within_reach(reach));
+            }
+            changed.parts.push(part);
+        }
+        changed
+    }
 }
 
 #[repr(C)]
@@ -115,53 +170,80 @@ impl DirectShadowsPass {
         Ok(Self { pipeline, atlas, drawn: None, still: Still::default(), device: Arc::clone(device) })
     }
 
-    /// Draws the tiles, or parts of tiles, that are out of date.
-    pub fn record(
+    /// Plans the shadow maps, and copies what stands still to where they have changed. What is drawn between this and
+    /// [`Self::record`] need not be waited for: raster of both goes on at once.
+    pub fn prepare(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &ShadowInputs<'_>,
-    ) -> Result<Shadows<'_>, VulkanError> {
+    ) -> Result<Prepared, VulkanError> {
         let view = View {
             bounds: inputs.bounds,
             size: inputs.size,
             max_extent: self.device.limits().max_image_dimension2_d,
         };
         let plan = ShadowPlan::new(inputs.pose, &view);
-        let lights = frame.upload(&plan.lights)?;
-        let light_count = plan.lights.len();
-        let tiles = frame.upload(&plan.tiles)?;
-        let (tile_count, tile_size) = (u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX), plan.tile_size);
-        let tile_columns = plan.extent[0] / tile_size;
         let last = self.drawn.take();
         let mut change = match &last {
             Some(last) if *last == plan => Change::Nothing,
             _ => Change::Everything,
         };
+        let mut missing = Missing::Nothing;
         if last.is_none_or(|last| last.tiles != plan.tiles) {
             self.still.forget();
             self.make_room(&plan)?;
             if !plan.tiles.is_empty() {
+                missing = Missing::Everything;
+            }
+        } else if !inputs.moved.is_empty() && !plan.tiles.is_empty() {
+            let areas = changed_areas(inputs, &plan);
+            if areas.iter().any(|area| !area.is_empty()) {
+                missing = self.copy_still(frame, inputs, &plan, &areas)?;
+            }
+            if matches!(change, Change::Nothing) {
+                change = Change::Parts(ChangedParts::new(inputs, &plan, &areas));
+            }
+        }
+        if !matches!(missing, Missing::Nothing) {
+            frame.ready_depth(&self.atlas);
+        }
+        Ok(Prepared { plan, change, missing })
+    }
+
+    /// Draws the tiles, or parts of tiles, that are out of date.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &ShadowInputs<'_>,
+        prepared: Prepared,
+    ) -> Result<Shadows<'_>, VulkanError> {
+        let Prepared { plan, change, missing } = prepared;
+        match missing {
+            Missing::Nothing => {}
+            Missing::Everything => {
                 let targets =
                     Targets::Depth { depth: &self.atlas, area: Area::whole(plan.extent), clear: true };
                 self.draw(frame, inputs, &targets, &whole_tiles(&plan), |_| true)?;
             }
-        } else if !inputs.moved.is_empty() && !plan.tiles.is_empty() {
-            let parts = self.draw_moved(frame, inputs, &plan)?;
-            if matches!(change, Change::Nothing) {
-                change = Change::Parts(parts);
+            Missing::Moved(areas) => {
+                let parts = parts_of_tiles(&plan, &areas);
+                let area = parts.iter().map(TilePart::in_atlas).fold(Area::default(), Area::union);
+                let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
+                self.draw(frame, inputs, &targets, &parts, |draw| self.still.lacks(draw.instance))?;
             }
         }
-        self.drawn = Some(plan);
-        Ok(Shadows {
+        let shadows = Shadows {
             atlas: &self.atlas,
-            lights,
-            light_count,
-            tiles,
-            tile_count,
-            tile_columns,
-            tile_size,
+            lights: frame.upload(&plan.lights)?,
+            light_count: plan.lights.len(),
+            tiles: frame.upload(&plan.tiles)?,
+            tile_count: u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX),
+            tile_columns: plan.extent[0] / plan.tile_size,
+            tile_size: plan.tile_size,
             change,
-        })
+        };
+        self.drawn = Some(plan);
+        Ok(shadows)
     }
 
     fn make_room(&mut self, plan: &ShadowPlan) -> Result<(), VulkanError> {
@@ -175,56 +257,27 @@ impl DirectShadowsPass {
         Ok(())
     }
 
-    /// Draws what moves over what stands still, where that has changed. Out: where, as in [`Change::Parts`].
-    fn draw_moved(
+    /// Copies what stands still to where tiles have changed, one area each; tells what is missing then.
+    fn copy_still(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &ShadowInputs<'_>,
         plan: &ShadowPlan,
-    ) -> Result<Vec<[u32; 4]>, VulkanError> {
-        let extent = [plan.tile_size; 2];
-        let parts: Vec<TilePart<'_>> = whole_tiles(plan)
-            .into_iter()
-            .map(|part| TilePart {
-                area: inputs.scene.area_of(inputs.moved, &part.tile.view_projection, extent),
-                ..part
-            })
-            .collect();
-        let touched: Vec<TilePart<'_>> = parts.iter().filter(|part| !part.area.is_empty()).copied().collect();
-        if !touched.is_empty() {
-            self.draw_parts(frame, inputs, plan, &touched)?;
-        }
-        let corners = |area: &Area| {
-            let ([left, top], [right, bottom]) = (area.offset, area.end());
-            [left, top, right, bottom]
-        };
-        Ok(parts.iter().map(|part| corners(&part.area)).collect())
-    }
-
-    fn draw_parts(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &ShadowInputs<'_>,
-        plan: &ShadowPlan,
-        parts: &[TilePart<'_>],
-    ) -> Result<(), VulkanError> {
-        let whole = Area::whole(plan.extent);
+        changed: &[Area],
+    ) -> Result<Missing, VulkanError> {
         self.still.note(inputs.moved, || atlas(&self.device, "still_shadow_atlas", self.atlas.extent()));
         let Some(still_atlas) = self.still.picture() else {
             // No memory for that: then all is drawn.
-            let targets = Targets::Depth { depth: &self.atlas, area: whole, clear: true };
-            return self.draw(frame, inputs, &targets, &whole_tiles(plan), |_| true);
+            return Ok(Missing::Everything);
         };
         if self.still.is_stale() {
-            let targets = Targets::Depth { depth: still_atlas, area: whole, clear: true };
+            let targets = Targets::Depth { depth: still_atlas, area: Area::whole(plan.extent), clear: true };
             let stands = |draw: &Draw| !self.still.lacks(draw.instance);
             self.draw(frame, inputs, &targets, &whole_tiles(plan), stands)?;
         }
-        let areas: Vec<Area> = parts.iter().map(|part| part.area.moved(part.corner())).collect();
+        let areas: Vec<Area> = parts_of_tiles(plan, changed).iter().map(TilePart::in_atlas).collect();
         frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
-        let area = areas.into_iter().fold(Area::default(), Area::union);
-        let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
-        self.draw(frame, inputs, &targets, parts, |draw| self.still.lacks(draw.instance))
+        Ok(Missing::Moved(changed.to_vec()))
     }
 
     /// Draws what is `wanted` into parts of tiles.
@@ -245,7 +298,7 @@ impl DirectShadowsPass {
             list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
             for part in parts {
                 let TilePart { tile, area, extent } = *part;
-                list.viewport(Area { offset: part.corner(), extent }, area.moved(part.corner()));
+                list.viewport(Area { offset: part.corner(), extent }, part.in_atlas());
                 let view = part_of_view(&tile.view_projection, area, extent);
                 let draws = inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw));
                 for draw in &visible(draws, inputs.pose, &view, joins) {
@@ -279,11 +332,29 @@ impl TilePart<'_> {
     fn corner(&self) -> [u32; 2] {
         [self.tile.rectangle.x as u32, self.tile.rectangle.y as u32]
     }
+
+    /// The part, counted from the atlas' first texel.
+    fn in_atlas(&self) -> Area {
+        self.area.moved(self.corner())
+    }
 }
 
 fn whole_tiles(plan: &ShadowPlan) -> Vec<TilePart<'_>> {
+    parts_of_tiles(plan, &vec![Area::whole([plan.tile_size; 2]); plan.tiles.len()])
+}
+
+/// A part of each tile, but for those that are empty.
+fn parts_of_tiles<'a>(plan: &'a ShadowPlan, areas: &[Area]) -> Vec<TilePart<'a>> {
     let extent = [plan.tile_size; 2];
-    plan.tiles.iter().map(|tile| TilePart { tile, extent, area: Area::whole(extent) }).collect()
+    let parts = plan.tiles.iter().zip(areas).map(|(tile, &area)| TilePart { tile, extent, area });
+    parts.filter(|part| !part.area.is_empty()).collect()
+}
+
+/// Where instances cast other shadows than in the frame before: the part of each tile.
+fn changed_areas(inputs: &ShadowInputs<'_>, plan: &ShadowPlan) -> Vec<Area> {
+    let extent = [plan.tile_size; 2];
+    let area = |tile: &ShadowTile| inputs.scene.area_of(inputs.moved, &tile.view_projection, extent);
+    plan.tiles.iter().map(area).collect()
 }
 
 fn atlas(device: &Arc<Device>, name: &str, extent: [u32; 2]) -> Result<Image, VulkanError> {

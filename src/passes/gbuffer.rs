@@ -73,6 +73,8 @@ pub struct Surfaces<'a> {
     pub gbuffer: &'a GBuffer,
     /// Where they may not be those of the frame before.
     pub changed: Area,
+    /// Where they may not though neither these nor those are of instances that may move.
+    pub anew: Area,
     /// Where they may be of instances that may move.
     pub movers: Area,
 }
@@ -181,22 +183,23 @@ impl GBufferPass {
         let extent = self.targets.depth.extent();
         let whole = Area::whole(extent);
         let moved = &inputs.instances.moved;
-        let changed = if self.drawn.take() == Some(inputs.view_projection) {
+        let (changed, anew) = if self.drawn.take() == Some(inputs.view_projection) {
             let changed = inputs.scene.area_of(moved, &inputs.view_projection, extent);
             if !changed.is_empty() {
                 self.draw_moved(frame, inputs, changed)?;
             }
-            changed
+            let new = moved.iter().filter(|moved| !moved.could_move);
+            (changed, inputs.scene.area_of(new, &inputs.view_projection, extent))
         } else {
             self.still.forget();
             let into = DrawnInto { targets: &self.targets, area: whole, clear: true };
             self.draw(frame, inputs, &into, |_| true)?;
-            whole
+            (whole, whole)
         };
         self.drawn = Some(inputs.view_projection);
         let movers = inputs.instances.movers.iter().copied();
         let movers = inputs.scene.area_of_places(movers, &inputs.view_projection, extent);
-        Ok(Surfaces { gbuffer: &self.targets, changed, movers })
+        Ok(Surfaces { gbuffer: &self.targets, changed, anew, movers })
     }
 
     /// Draws what moves over what stands still, in a part of the picture.

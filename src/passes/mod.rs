@@ -14,6 +14,7 @@ pub mod gbuffer;
 pub mod indirect_reprojection;
 pub mod indirect_shading;
 pub mod indirect_shadows;
+pub mod outlines;
 pub mod overlay;
 pub mod scene_buffers;
 pub mod set_history;

@@ -1,5 +1,6 @@
 //! The scene in device memory: vertices, indices, materials, textures, instances, and what to draw.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -8,14 +9,18 @@ use rayon::prelude::*;
 
 use super::closed::Outside;
 use super::clusters::{Cluster, Draw, area_of_boxes, boxes_of, cluster};
-use super::structs::{InstanceData, MaterialData};
+use super::outlines::{ChangedCells, Edges};
+use super::structs::{InstanceData, MaterialData, ShadowTile};
 use crate::bvh::gpu::rows;
-use crate::scene::{LightKind, Material, Pose, Scene};
+use crate::scene::{LightKind, Material, Mesh, Pose, Scene};
 use crate::vulkan::{Area, Buffer, Device, Frame, Image, Mirror, Sampler, VulkanError, vk};
 
 /// Most places of instances that are bounded by more than a box each: every frame in which they move looks at all of them,
 /// and the rectangle around many is hardly smaller.
 const MAX_CLOSE: usize = 16;
+
+/// Most triangles of all that moves whose outlines are looked for in a frame, once for each shadow tile.
+const MAX_OUTLINED: usize = 1 << 15;
 
 /// One vertex, 32 bytes.
 #[repr(C)]
@@ -57,6 +62,8 @@ pub struct SceneBuffers {
     boxes: Vec<Vec<(Vec3, Vec3)>>,
     /// What is seen of each instance from outside of these.
     outside: Vec<Outside>,
+    /// The edges of each mesh that has moved; none of those with alpha masks, which may cover anything.
+    edges: BTreeMap<usize, Option<Edges>>,
     /// [`InstanceData`] of all instances.
     instances: Mirror,
     /// What is in there, and where everything stood then.
@@ -73,6 +80,8 @@ pub struct Moved {
     pub from: Affine3A,
     /// Where it stands.
     pub to: Affine3A,
+    /// Whether pictures of the frame before say that it may move.
+    pub could_move: bool,
 }
 
 /// The instances of one frame.
@@ -116,6 +125,7 @@ impl SceneBuffers {
             meshes: scene.instances.iter().map(|instance| instance.mesh).collect(),
             boxes: geometry.boxes,
             outside: outside_of_instances(scene, &masks),
+            edges: BTreeMap::new(),
             draws,
             shadow_draws,
             masks,
@@ -159,10 +169,14 @@ impl SceneBuffers {
             // How it moves shows in no picture of a single frame.
             let seen =
                 |data: &InstanceData| InstanceData { previous_object_to_world: [Vec4::ZERO; 3], ..*data };
-            if self.uploaded.get(instance).map(seen) != Some(seen(now)) {
-                moved.push(Moved { instance, from: self.previous[instance], to: pose.instances[instance] });
+            let before = self.uploaded.get(instance);
+            if before.map(seen) != Some(seen(now)) {
+                let could_move = before.is_some_and(|before| before.dynamic == 1);
+                let (from, to) = (self.previous[instance], pose.instances[instance]);
+                moved.push(Moved { instance, from, to, could_move });
             }
         }
+        self.note_edges(scene, &moved);
         self.previous.clone_from(&pose.instances);
         let movers = (0..data.len()).filter(|&instance| data[instance].dynamic == 1);
         let movers = movers.map(|instance| (instance, pose.instances[instance])).collect();
@@ -172,9 +186,14 @@ impl SceneBuffers {
     }
 
     /// The part of a view of `extent` texels that instances may have touched where they stood or may touch where they stand.
-    pub fn area_of(&self, moved: &[Moved], view_projection: &Mat4, extent: [u32; 2]) -> Area {
+    pub fn area_of<'a>(
+        &self,
+        moved: impl IntoIterator<Item = &'a Moved>,
+        view_projection: &Mat4,
+        extent: [u32; 2],
+    ) -> Area {
         let places =
-            moved.iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
+            moved.into_iter().flat_map(|moved| [(moved.instance, moved.from), (moved.instance, moved.to)]);
         self.area_of_places(places, view_projection, extent)
     }
 
@@ -196,6 +215,46 @@ impl SceneBuffers {
                 Some(area_of_boxes(&(*view_projection * Mat4::from(at)), boxes, extent))
             })
             .fold(Area::default(), Area::union)
+    }
+
+    /// Makes the edges of meshes that move for the first time. In the first frame everything is new, not in motion.
+    fn note_edges(&mut self, scene: &Scene, moved: &[Moved]) {
+        if self.uploaded.is_empty() {
+            return;
+        }
+        for moved in moved {
+            let index = self.meshes[moved.instance];
+            self.edges.entry(index).or_insert_with(|| {
+                let mesh = &scene.meshes[index];
+                let masked = has_mask(mesh, &self.masks);
+                if masked { None } else { Edges::of(mesh) }
+            });
+        }
+    }
+
+    /// Where instances change the shadows in each of these tiles, of so many texels across. None for a tile in which they cast
+    /// none, and where that is not known or takes too long to find out.
+    pub fn changed_cells(
+        &self,
+        moved: &[Moved],
+        tiles: &[ShadowTile],
+        texels: u32,
+    ) -> Vec<Option<ChangedCells>> {
+        let edges = |moved: &Moved| self.edges.get(&self.meshes[moved.instance])?.as_ref();
+        let mut triangles = 0;
+        let of_tile = |tile: &ShadowTile| {
+            let matrix = tile.view_projection;
+            let seen = |moved: &&Moved| !self.area_of([*moved], &matrix, [texels; 2]).is_empty();
+            let mut casters = Vec::new();
+            for moved in moved.iter().filter(seen) {
+                let edges = edges(moved)?;
+                triangles += edges.triangle_count();
+                casters.push((edges, [moved.from, moved.to].map(|at| matrix * Mat4::from(at))));
+            }
+            let known = !casters.is_empty() && triangles <= MAX_OUTLINED;
+            known.then(|| ChangedCells::of(casters, texels)).flatten()
+        };
+        tiles.iter().map(of_tile).collect()
     }
 
     /// The side of an instance's triangles that is not seen in a view.
@@ -279,12 +338,14 @@ fn outside_of_instances(scene: &Scene, masks: &[u32]) -> Vec<Outside> {
     let outside: Vec<Outside> = scene
         .meshes
         .par_iter()
-        .map(|mesh| {
-            let masked = mesh.triangle_materials.iter().any(|&material| masks[material as usize] != 0);
-            if masked { Outside::Both } else { Outside::of(mesh) }
-        })
+        .map(|mesh| if has_mask(mesh, masks) { Outside::Both } else { Outside::of(mesh) })
         .collect();
     scene.instances.iter().map(|instance| outside[instance.mesh]).collect()
+}
+
+/// Whether a mesh has a material with an alpha mask.
+fn has_mask(mesh: &Mesh, masks: &[u32]) -> bool {
+    mesh.triangle_materials.iter().any(|&material| masks[material as usize] != 0)
 }
 
 fn material_data(material: &Material) -> MaterialData {

@@ -81,6 +81,19 @@ impl ShadowPlan {
     }
 }
 
+/// How far receivers are moved along their normals before they are looked up, at most, and a little more: texels. Twin:
+/// `tile_coordinates` in shaders/direct_shading.comp.
+const MAX_OFFSET: f32 = 2.5;
+
+impl ShadowTile {
+    /// What the depth of a receiver changes by at most when it is moved along its normal, at a given depth.
+    pub fn depth_of_offset(&self, depth: f32) -> f32 {
+        let offset = MAX_OFFSET * self.texel.x;
+        let perspective = self.texel.y == 1.0;
+        if perspective { offset * depth } else { offset * self.view_projection.row(2).truncate().length() }
+    }
+}
+
 fn tile_count(light: &Light) -> usize {
     match light.kind {
         LightKind::Directional { .. } => CASCADES,

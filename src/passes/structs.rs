@@ -100,6 +100,24 @@ pub struct LightData {
     pub pad0: u32,
 }
 
+/// Where a shadow tile is not as in the frame before; `ChangedPart` in shaders/changed_tiles.comp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct ChangedPart {
+    /// First texel, counted from the tile's.
+    pub first: [u32; 2],
+    /// Behind the last texel.
+    pub end: [u32; 2],
+    /// What is nearer to the light than this, in the tile's depth, is lit as it was.
+    pub nearest: f32,
+    /// What is farther away is lit as it was but for where cells have changed: see `ChangedCells`.
+    pub farthest: f32,
+    /// The first row of the cells that tell.
+    pub first_row: u32,
+    /// Unused.
+    pub pad0: u32,
+}
+
 /// A part of the shadow atlas; `ShadowTile` in shaders/include/lights.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -99,10 +99,7 @@ impl Passes {
         let PassInputs { frame: uniforms, instances, scene, tracer, pose, .. } = inputs;
         let vpls = &self.vpl_sets.upload(frame, inputs.drawn.set, inputs.vpls, inputs.class_flux)?;
         let view_projection = inputs.view_projection;
-        let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
-        let surfaces = self.gbuffer.record(frame, &surfaces)?;
-        let gbuffer = surfaces.gbuffer;
-        let shadows = ShadowInputs {
+        let casters = ShadowInputs {
             instances: &instances.data,
             moved: &instances.moved,
             scene,
@@ -111,7 +108,11 @@ impl Passes {
             bounds: inputs.bounds,
             size: inputs.settings.size,
         };
-        let shadows = self.direct_shadows.record(frame, &shadows)?;
+        let shadow_maps = self.direct_shadows.prepare(frame, &casters)?;
+        let surfaces = GBufferInputs { frame: uniforms, instances, scene, tracer, pose, view_projection };
+        let surfaces = self.gbuffer.record(frame, &surfaces)?;
+        let gbuffer = surfaces.gbuffer;
+        let shadows = self.direct_shadows.record(frame, &casters, shadow_maps)?;
         let lit = DirectShadingInputs {
             frame: uniforms,
             surfaces,

@@ -105,6 +105,8 @@ struct State {
     write_access: vk::AccessFlags2,
     read_stages: vk::PipelineStageFlags2,
     layout: vk::ImageLayout,
+    /// The next use, if a barrier for it is recorded already.
+    ready: Option<Access>,
 }
 
 /// The tracker of one resource. For buffers the layouts mean nothing and never differ.
@@ -124,7 +126,17 @@ impl Tracker {
 
     /// Notes that an image is about to be used so; tells the barrier it needs first.
     pub(super) fn use_image(&self, access: Access, storage: bool) -> Option<Barrier> {
+        if self.state().ready.take() == Some(access) {
+            return None;
+        }
         self.plan(access.to_use(storage))
+    }
+
+    /// Notes that the next use of an image will be this one; tells the barrier to record now, and not then.
+    pub(super) fn ready_image(&self, access: Access) -> Option<Barrier> {
+        let barrier = self.use_image(access, false);
+        self.state().ready = Some(access);
+        barrier
     }
 
     pub(super) fn layout(&self) -> vk::ImageLayout {
@@ -151,6 +163,7 @@ impl Tracker {
                 write_access: if next.writes { next.access } else { vk::AccessFlags2::empty() },
                 read_stages: if next.writes { vk::PipelineStageFlags2::empty() } else { next.stage },
                 layout: next.layout,
+                ready: None,
             }
         } else {
             State { read_stages: last.read_stages | next.stage, ..last }
@@ -189,6 +202,20 @@ mod tests {
         let barrier = tracker.use_buffer(Access::ComputeWrite).expect("write after read");
         assert!(barrier.src_stage.contains(vk::PipelineStageFlags2::FRAGMENT_SHADER));
         assert!(tracker.use_buffer(Access::ComputeWrite).is_some(), "write after write");
+    }
+
+    #[test]
+    fn what_is_ready_needs_no_barrier_later() {
+        let tracker = Tracker::default();
+        let depth = || tracker.use_image(Access::DepthAttachment, false);
+        tracker.use_image(Access::TransferWrite, false);
+        let barrier = tracker.ready_image(Access::DepthAttachment).expect("a write before a write");
+        assert_eq!(barrier.src_access, vk::AccessFlags2::TRANSFER_WRITE);
+        assert!(depth().is_none(), "recorded already");
+        assert!(depth().is_some(), "only once");
+        tracker.ready_image(Access::DepthAttachment);
+        assert!(tracker.use_image(Access::ComputeRead, false).is_some(), "not what it is ready for");
+        assert!(depth().is_some());
     }
 
     #[test]

@@ -178,6 +178,12 @@ impl Frame<'_> {
         recorder.end_scope();
     }
 
+    /// Makes `depth` ready to be drawn into as such, so that what is drawn there need not wait for what is recorded until then.
+    pub fn ready_depth(&mut self, depth: &Image) {
+        let barrier = depth.tracker.ready_image(Access::DepthAttachment).map(|barrier| (depth, barrier));
+        self.barriers(&barrier.into_iter().collect::<Vec<_>>(), &[]);
+    }
+
     /// Sets all of `target` to zero.
     pub fn clear(&mut self, target: &Buffer) {
         let barriers = target.tracker.use_buffer(Access::TransferWrite);
