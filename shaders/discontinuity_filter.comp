@@ -74,8 +74,8 @@ Strip strip_at(ivec2 place) {
         strip.corner_y[row] = corner_of(pixel).y;
         strip.depth[row] = unpack_depth(packed_at(pixel));
     }
-    // Beside the picture there is nothing to fetch, and nothing is written.
-    ivec2 inside = ivec2(min(place.x, int(frame.size.x) - 1), place.y);
+    // Beside and below the picture there is nothing to fetch, and nothing is written.
+    ivec2 inside = thread_inside(place);
     strip.present = WEIGHS ? vec4(0.0) : uintBitsToFloat(texelFetch(present_flux, word_texel(inside, 0)));
     [[unroll]] for (int word = 0; word < WORDS; word++) {
         strip.words[word] = texelFetch(discontinuities, word_texel(inside, word));
@@ -145,7 +145,8 @@ void main() {
     uint place = thread / TILE_THREADS;
     if (place >= filter_tiles.list.count) return;
     ivec2 first = corner_of_tile(filter_tiles.tiles[place]) / ivec2(1, ROWS);
-    first.x += int(thread % TILE_THREADS) * COLUMNS;
+    int in_tile = int(thread % TILE_THREADS);
+    first += ivec2(in_tile % THREADS_ACROSS * COLUMNS, in_tile / THREADS_ACROSS);
     Strip strips[COLUMNS];
     [[unroll]] for (int strip = 0; strip < COLUMNS; strip++) strips[strip] = strip_at(first + ivec2(strip, 0));
     Sums sums[COLUMNS] = window_sums(strips);

@@ -36,9 +36,11 @@ void main() {
     uvec4 same[MOST_WORDS];
     [[unroll]] for (int word = 0; word < WORDS; word++) same[word] = uvec4(0xffffffffu);
     [[unroll]] for (int column = 0; column < TILE.x; column++) {
-        ivec2 thread = ivec2(min(corner.x + column, int(frame.size.x) - 1), corner.y / ROWS);
-        [[unroll]] for (int word = 0; word < WORDS; word++) {
-            same[word] &= texelFetch(discontinuities, word_texel(thread, word));
+        [[unroll]] for (int row = 0; row < TILE.y; row += ROWS) {
+            ivec2 thread = thread_inside(ivec2(corner.x + column, (corner.y + row) / ROWS));
+            [[unroll]] for (int word = 0; word < WORDS; word++) {
+                same[word] &= texelFetch(discontinuities, word_texel(thread, word));
+            }
         }
     }
     [[unroll]] for (int word = 0; word < WORDS; word++) {

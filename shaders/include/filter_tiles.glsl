@@ -1,14 +1,15 @@
-// The tiles of the picture that the discontinuity filter goes through: the pixels of threads that run side by side. Needs
+// The tiles of the picture that the discontinuity filter goes through. Needs
 // frame.glsl, window.glsl and tile_list.glsl.
 
 // Columns of pixels of a thread, for the same reason as ROWS.
 const int COLUMNS = 2;
 
-// Threads of a tile.
-const int TILE_THREADS = 8;
-
 // Pixels of a tile. Twin: `TILE` in src/passes/indirect_shading.rs.
-const ivec2 TILE = ivec2(TILE_THREADS * COLUMNS, ROWS);
+const ivec2 TILE = ivec2(8, 2 * ROWS);
+
+// Threads of a tile, side by side and in all.
+const int THREADS_ACROSS = TILE.x / COLUMNS;
+const int TILE_THREADS = THREADS_ACROSS * TILE.y / ROWS;
 
 // The same where all windows lie on one surface: what is asked of a texel is less, so it pays to share it among more.
 const int WHOLE_COLUMNS = 4;

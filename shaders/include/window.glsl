@@ -21,10 +21,14 @@ const int WORDS = (WIDTH + ROWS_IN_WORD - 1) / ROWS_IN_WORD;
 // For n up to 8: arrays in structures are not sized by what is known only when a pipeline is made.
 const int MOST_WORDS = 3;
 
+int threads_down() { return (int(frame.size.y) + ROWS - 1) / ROWS; }
+
+// The nearest thread with pixels of the picture.
+ivec2 thread_inside(ivec2 thread) { return min(thread, ivec2(int(frame.size.x), threads_down()) - 1); }
+
 // The texel with a word of each of a thread's pixels.
 int word_texel(ivec2 thread, int word) {
-    int threads_down = (int(frame.size.y) + ROWS - 1) / ROWS;
-    return (word * threads_down + thread.y) * int(frame.size.x) + thread.x;
+    return (word * threads_down() + thread.y) * int(frame.size.x) + thread.x;
 }
 
 // A row of texels, as the windows of a thread's pixels see it.

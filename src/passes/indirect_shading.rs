@@ -15,7 +15,7 @@ use crate::vulkan::{Area, Buffer, ComputePipeline, Device, Frame, Texels, Upload
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.
 const ROWS: u32 = 4;
 /// Pixels of a tile of the filter. Twin: `TILE` in shaders/include/filter_tiles.glsl.
-const TILE: [u32; 2] = [16, ROWS];
+const TILE: [u32; 2] = [8, 2 * ROWS];
 
 /// What the pass reads.
 pub struct IndirectShadingInputs<'a> {

@@ -14,7 +14,7 @@ fn computed(settings: &Settings) -> u64 {
         _ => 4,
     };
     let set_buffers = (pixels + u64::from(settings.size[0])) * 8 * (u64::from(settings.temporal_sets) + 1);
-    let tiles = u64::from(settings.size[0].div_ceil(16)) * u64::from(settings.size[1].div_ceil(4));
+    let tiles = u64::from(settings.size[0].div_ceil(8)) * u64::from(settings.size[1].div_ceil(8));
     let classes = u64::from(settings.interleave * settings.interleave);
     let vpls = u64::from(settings.vpls.div_ceil(settings.temporal_sets));
     let vpl_sets = u64::from(settings.temporal_sets) * 16 * (classes + 3 * vpls);
