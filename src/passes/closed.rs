@@ -65,7 +65,7 @@ fn is_closed(mesh: &Mesh) -> bool {
     if !mesh.positions.iter().all(|position| position.is_finite()) {
         return false;
     }
-    let places = places(&mesh.positions);
+    let (_, places) = places(&mesh.positions);
     let edges = |turned: bool| {
         let along = |[from, to]: [u32; 2]| u64::from(from) << 32 | u64::from(to);
         let mut edges: Vec<u64> = mesh
@@ -85,19 +85,21 @@ fn is_closed(mesh: &Mesh) -> bool {
     once && there == edges(true)
 }
 
-/// For each vertex, one of those in the same place.
-fn places(positions: &[Vec3]) -> Vec<u32> {
+/// Where vertices are, each place once; and the place of each vertex.
+pub(super) fn places(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     // To add zero makes -0 and 0 one.
     let key = |vertex: u32| positions[vertex as usize].to_array().map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..).take(positions.len()).collect();
     order.par_sort_unstable_by_key(|&vertex| key(vertex));
-    let mut places = vec![0; positions.len()];
-    for run in order.chunk_by(|a, b| key(*a) == key(*b)) {
+    let mut places = Vec::new();
+    let mut of_vertices = vec![0; positions.len()];
+    for (place, run) in (0..).zip(order.chunk_by(|a, b| key(*a) == key(*b))) {
+        places.push(positions[run[0] as usize]);
         for vertex in run {
-            places[*vertex as usize] = run[0];
+            of_vertices[*vertex as usize] = place;
         }
     }
-    places
+    (places, of_vertices)
 }
 
 /// The winding number behind the middle of each triangle of a closed mesh; none where that is hard to say.

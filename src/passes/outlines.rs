@@ -11,6 +11,7 @@ use std::collections::HashMap;
 
 use glam::{Mat4, Vec2, Vec3};
 
+use super::closed::places;
 use crate::scene::Mesh;
 
 /// Cells across a shadow tile.
@@ -44,22 +45,16 @@ impl Edges {
         if mesh.triangles.len() > MAX_TRIANGLES || !finite {
             return None;
         }
-        let mut edges = Self { places: Vec::new(), corners: Vec::new(), sides: Vec::new(), ends: Vec::new() };
-        let (mut place_of, mut edge_of) = (HashMap::new(), HashMap::new());
+        let (places, of_vertices) = places(&mesh.positions);
+        let mut edges = Self { places, corners: Vec::new(), sides: Vec::new(), ends: Vec::new() };
+        let mut edge_of = HashMap::new();
         for triangle in &mesh.triangles {
-            let corners = triangle.map(|vertex| {
-                let position = mesh.positions[vertex as usize];
-                // To add zero makes -0 and 0 one.
-                *place_of.entry((position + 0.0).to_array().map(f32::to_bits)).or_insert_with(|| {
-                    edges.places.push(position);
-                    to_u32(edges.places.len() - 1)
-                })
-            });
+            let corners = triangle.map(|vertex| of_vertices[vertex as usize]);
             let [a, b, c] = corners;
             edges.sides.push([[a, b], [b, c], [c, a]].map(|[from, to]| {
                 let edge = *edge_of.entry([from.min(to), from.max(to)]).or_insert_with_key(|ends| {
                     edges.ends.push(*ends);
-                    to_u32(edges.ends.len() - 1)
+                    u32::try_from(edges.ends.len() - 1).expect("a few edges a triangle")
                 });
                 2 * edge + u32::from(from > to)
             }));
@@ -271,10 +266,6 @@ impl Outline {
 fn rows_between(low: f32, high: f32) -> std::ops::Range<usize> {
     let row = |y: f32| y.floor().clamp(0.0, CELLS as f32) as usize;
     row(low - SLOP)..row(high + SLOP + 1.0)
-}
-
-fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]
