@@ -11,7 +11,7 @@ use glowworm::scene::{Pose, Scene};
 use glowworm::settings::Settings;
 use glowworm::vpl::{VplManager, World};
 
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 20;
 const FRAMES: usize = 100;
 
 #[test]

@@ -165,12 +165,17 @@ impl TwoLevelBvh {
 
     /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        query::<false>(self, ray)
+        query::<false>(self, &[&self.static_level, &self.dynamic_level], ray)
     }
 
     /// Whether anything lies on the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        query::<true>(self, ray).is_some()
+        query::<true>(self, &[&self.static_level, &self.dynamic_level], ray).is_some()
+    }
+
+    /// Whether any dynamic instance lies on the segment.
+    pub fn occluded_by_dynamic(&self, ray: &Ray) -> bool {
+        query::<true>(self, &[&self.dynamic_level], ray).is_some()
     }
 
     /// [`Self::intersect`] for many rays on this thread, answers in the order of the rays.

@@ -21,26 +21,27 @@ thread_local! {
     static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
 }
 
-/// The closest hit along `ray`, or, with `ANY`, any hit.
-pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, ray: &Ray) -> Option<Hit> {
+/// The closest hit along `ray` with what is in `levels` of `bvh`, or, with `ANY`, any hit.
+pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Option<Hit> {
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = bvh.avx2 {
             return avx2.vectorize(
                 #[inline(always)]
-                || Query::<_, ANY>::new(avx2, bvh, ray).run(stack),
+                || Query::<_, ANY>::new(avx2, bvh, ray).run(levels, stack),
             );
         }
-        Query::<_, ANY>::new(Portable, bvh, ray).run(stack)
+        Query::<_, ANY>::new(Portable, bvh, ray).run(levels, stack)
     })
 }
 
-/// [`query`] for many rays; gives each answer to `found` with the index of its ray.
+/// [`query`] in both levels for many rays; gives each answer to `found` with the index of its ray.
 pub(super) fn query_all<const ANY: bool>(
     bvh: &TwoLevelBvh,
     rays: &[Ray],
     found: &mut impl FnMut(usize, Option<Hit>),
 ) {
+    let levels = &[&bvh.static_level, &bvh.dynamic_level];
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = bvh.avx2 {
@@ -48,13 +49,13 @@ pub(super) fn query_all<const ANY: bool>(
                 #[inline(always)]
                 || {
                     for (index, ray) in rays.iter().enumerate() {
-                        found(index, Query::<_, ANY>::new(avx2, bvh, ray).run(stack));
+                        found(index, Query::<_, ANY>::new(avx2, bvh, ray).run(levels, stack));
                     }
                 },
             );
         }
         for (index, ray) in rays.iter().enumerate() {
-            found(index, Query::<_, ANY>::new(Portable, bvh, ray).run(stack));
+            found(index, Query::<_, ANY>::new(Portable, bvh, ray).run(levels, stack));
         }
     });
 }
@@ -78,9 +79,8 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
 
     /// The closest hit, or any one.
     #[inline(always)]
-    fn run(mut self, stack: &mut Stack) -> Option<Hit> {
-        let bvh = self.bvh;
-        for level in [&bvh.static_level, &bvh.dynamic_level] {
+    fn run(mut self, levels: &[&'a TopLevel], stack: &mut Stack) -> Option<Hit> {
+        for &level in levels {
             let (simd, ray) = (self.simd, self.ray);
             let mut visitor = InstanceVisitor { query: &mut self, level };
             let enough = if level.root.is_leaf() {

@@ -1,11 +1,12 @@
 //! Algorithm 2: which slots does the world no longer support, and which are merely stale.
 //!
 //! In: the world of this frame. Out: slots marked invalid or no longer fresh. One ray for each slot that
-//! the change may have touched, all in one batch (Laine et al. 2007; Tonna 2019).
+//! the change may have touched (Laine et al. 2007; Tonna 2019).
 //!
 //! A slot is *fresh* if shooting it again would change nothing. A fresh slot is tested with the very ray
 //! that shot it, up to its hit, so only something new can stop that ray. A stale one is tested along the
-//! segment from where its parent is now to where it is now.
+//! segment from where its parent is now to where it is now. A ray that was free in the last frame can only
+//! be stopped by what has moved since.
 
 use rayon::prelude::*;
 
@@ -16,11 +17,11 @@ use super::quota::deal_quota;
 use super::shoot::SLOTS_PER_TASK;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::Ray;
+use crate::bvh::{Ray, TwoLevelBvh};
 use crate::scene::{Side, WorldSurface};
 
-/// A fresh slot's ray is tested up to this part of the way to its hit: the hit itself must not count.
-const BEFORE_HIT: f32 = 1.0 - 1e-5;
+/// Fewest slots whose tests are worth a task of their own.
+const TESTS_PER_TASK: usize = 64;
 
 /// What must be found out about a slot.
 enum Test {
@@ -32,6 +33,14 @@ enum Test {
     Free(Ray),
 }
 
+/// What was found out about a slot.
+struct Verdict {
+    /// What speaks against it.
+    fault: Option<InvalidationReason>,
+    /// The ray that was tested and is free.
+    free: Option<Ray>,
+}
+
 impl VplManager {
     /// Brings slots up to date with the world; returns how many became invalid.
     pub(super) fn invalidate_slots(&mut self, world: World<'_>) -> u32 {
@@ -40,12 +49,13 @@ impl VplManager {
         if self.watch.flux_changed || self.watch.light_changed.contains(&true) {
             lost += self.deal_again();
         }
-        if self.watch.anything_changed() {
-            self.move_surfaces(world);
-            self.age_slots();
-        }
-        if self.watch.geometry_moved || self.slots_wait() {
-            lost += self.test_slots(world);
+        if self.watch.anything_changed() || self.slots_wait() {
+            // Enter the pool of threads once for all of it: each time costs as much as testing many slots.
+            lost += rayon::scope(|_| {
+                self.move_surfaces(world);
+                self.age_slots();
+                self.test_slots(world)
+            });
         }
         self.count();
         lost
@@ -120,32 +130,21 @@ impl VplManager {
     fn test_slots(&mut self, world: World<'_>) -> u32 {
         // Ask about all slots at once, parents and children alike.
         let this = &*self;
-        let tests: Vec<Test> = (0..this.slots.len())
+        let verdicts: Vec<Verdict> = (0..this.slots.len())
             .into_par_iter()
-            .with_min_len(SLOTS_PER_TASK)
-            .map(|index| this.test_for(index))
+            .with_min_len(TESTS_PER_TASK)
+            .map(|index| this.verdict(world.bvh, index))
             .collect();
-        let rays: Vec<Ray> = tests
-            .iter()
-            .filter_map(|test| if let Test::Free(ray) = test { Some(*ray) } else { None })
-            .collect();
-        let mut occluded = world.bvh.occluded_batch(&rays).into_iter();
         // Judge in slot order, so that a parent's end reaches all that come after it.
         let mut lost = 0;
-        for (index, test) in tests.iter().enumerate() {
-            let fault = match test {
-                Test::Keep => None,
-                Test::Lose(reason) => Some(*reason),
-                Test::Free(_) => (occluded.next() != Some(false)).then_some(InvalidationReason::Occluded),
-            };
-            lost += u32::from(self.judge(index, fault));
+        for (index, verdict) in verdicts.into_iter().enumerate() {
+            lost += u32::from(self.judge(index, verdict));
         }
         lost
     }
 
-    /// Settles one slot whose parent is settled; `fault` is what speaks against it. Returns whether it became
-    /// invalid.
-    fn judge(&mut self, index: usize, fault: Option<InvalidationReason>) -> bool {
+    /// Settles one slot whose parent is settled. Returns whether it became invalid.
+    fn judge(&mut self, index: usize, Verdict { fault, free }: Verdict) -> bool {
         let parent = self.deal.addresses[index].parent;
         let (parent_state, parent_fresh) = match parent {
             NONE => (SlotState::Valid, true),
@@ -159,6 +158,7 @@ impl VplManager {
         if before == SlotState::Invalid {
             return false;
         }
+        slot.free = free;
         let fault = match (parent_state, fault) {
             (SlotState::Invalid, _) => Some(InvalidationReason::ParentInvalid),
             (SlotState::Valid, fault) => fault,
@@ -186,9 +186,26 @@ impl VplManager {
         self.slots[index] = Slot::INVALID;
     }
 
+    fn verdict(&self, bvh: &TwoLevelBvh, index: usize) -> Verdict {
+        let ray = match self.test_for(index) {
+            Test::Keep => return Verdict { fault: None, free: None },
+            Test::Lose(reason) => return Verdict { fault: Some(reason), free: None },
+            Test::Free(ray) => ray,
+        };
+        let occluded = if self.watch.static_moved || self.slots[index].free != Some(ray) {
+            bvh.occluded(&ray)
+        } else {
+            self.watch.geometry_moved && bvh.occluded_by_dynamic(&ray)
+        };
+        match occluded {
+            true => Verdict { fault: Some(InvalidationReason::Occluded), free: None },
+            false => Verdict { fault: None, free: Some(ray) },
+        }
+    }
+
     fn test_for(&self, index: usize) -> Test {
         let (slot, address) = (&self.slots[index], &self.deal.addresses[index]);
-        if slot.state == SlotState::Invalid || (slot.fresh && !self.watch.geometry_moved) {
+        if slot.state == SlotState::Invalid {
             return Test::Keep;
         }
         if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
@@ -196,14 +213,9 @@ impl VplManager {
             return Test::Keep;
         }
         match slot.state {
+            _ if slot.fresh => slot.free.map_or(Test::Keep, Test::Free),
             SlotState::Escaped => self.ray_of(index as u32).map_or(Test::Keep, |(ray, _)| Test::Free(ray)),
             _ if address.bounce == 0 => self.test_on_light(slot, address),
-            _ if slot.fresh => {
-                self.ray_of(index as u32).map_or(Test::Lose(InvalidationReason::FacesAway), |(ray, _)| {
-                    let t_max = slot.t * BEFORE_HIT;
-                    Test::Free(Ray { t_max, ..ray })
-                })
-            }
             _ => self.test_segment(&self.surfaces[index], address),
         }
     }
@@ -262,4 +274,49 @@ pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address) -> WorldS
         surface.normal = surface.geometric_normal;
     }
     surface
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::{Instance, load_scene};
+    use crate::settings::Settings;
+
+    /// A torus turns, and now and then another one, static by itself, is moved by hand.
+    #[test]
+    fn rays_that_count_as_free_are_free() {
+        let mut scene = load_scene("meeting-room", None).unwrap();
+        let by_hand = scene.instances.len();
+        let torus = scene.instances.iter().find(|instance| instance.dynamic).unwrap().clone();
+        scene.instances.push(Instance { dynamic: false, animation: None, ..torus });
+        let settings = Settings { vpls: 512, budget: 64, ..Settings::default() };
+        let rest = scene.pose(0.0);
+        let mut bvh = TwoLevelBvh::build(&scene, &rest.instances);
+        let mut manager = VplManager::new(World { scene: &scene, pose: &rest, bvh: &bvh }, &settings);
+        let mut stopped_by = [0; 2];
+        for frame in 1..200_u32 {
+            // In every fourth frame nothing moves.
+            let mut pose = scene.pose(f64::from(frame - frame / 4) / 20.0);
+            pose.instances[by_hand].translation.x += (frame / 4 * 4 % 7) as f32 - 3.0;
+            bvh.update(&pose.instances);
+            let world = World { scene: &scene, pose: &pose, bvh: &bvh };
+            manager.invalidate(world);
+            stopped_by[usize::from(manager.watch.static_moved)] += manager.counters().invalidated_by.occluded;
+            assert_free(&manager, &bvh, frame);
+            manager.replace(world);
+            assert_free(&manager, &bvh, frame);
+        }
+        assert!(stopped_by[0] > 0 && stopped_by[1] > 0, "{stopped_by:?}");
+    }
+
+    fn assert_free(manager: &VplManager, bvh: &TwoLevelBvh, frame: u32) {
+        for (index, (slot, address)) in manager.slots.iter().zip(&manager.deal.addresses).enumerate() {
+            let from_light = slot.state == SlotState::Valid && address.bounce > 0;
+            assert!(slot.free.is_some() || !(from_light && slot.fresh), "slot {index} in frame {frame}");
+            if let Some(ray) = slot.free {
+                assert!(!bvh.occluded(&ray), "slot {index} in frame {frame}");
+            }
+        }
+    }
 }

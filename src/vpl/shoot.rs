@@ -17,6 +17,9 @@ use crate::scene::{Side, SurfacePoint, WorldSurface};
 /// Fewest slots that are worth a task of their own.
 pub(super) const SLOTS_PER_TASK: usize = 256;
 
+/// A shot ray is free up to this part of the way to its hit: the hit itself must not count.
+const BEFORE_HIT: f32 = 1.0 - 1e-5;
+
 /// Part of a path that is shot together: slots `start..end` of the path, counted from its first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
@@ -124,40 +127,37 @@ impl VplManager {
                 (parent.fresh, parent.throughput)
             }
         };
-        let (hit, side) = match (aim, hit) {
-            (Aim::Start(instance, point, _), _) => {
-                let hit = Hit {
-                    t: 0.0,
-                    instance: *instance,
-                    triangle: point.triangle,
-                    barycentrics: point.barycentrics,
-                };
-                (hit, Side::Front(true))
+        let found_at = |instance, point, side| world.scene.surface_at(world.pose, instance, point, side);
+        let (instance, point, found, throughput, free) = match (aim, hit) {
+            (&Aim::Start(instance, point, weight), _) => {
+                let mut found = found_at(instance, point, Side::Front(true));
+                // The light's own surface emits about the flat triangle's normal.
+                found.surface.normal = found.surface.geometric_normal;
+                (instance, point, found, weight, None)
             }
-            (Aim::Trace(ray, _), Some(hit)) => (hit, Side::Facing(ray.direction)),
-            _ => return (Slot::escaped(fresh, self.frame), WorldSurface::default()),
-        };
-        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
-        let mut found = world.scene.surface_at(world.pose, hit.instance, point, side);
-        let throughput = if let Aim::Start(_, _, weight) = aim {
-            // The light's own surface emits about the flat triangle's normal.
-            found.surface.normal = found.surface.geometric_normal;
-            *weight
-        } else {
-            let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
-            let material = mesh.triangle_materials[hit.triangle as usize];
-            let weight = if let Aim::Trace(_, weight) = aim { *weight } else { 1.0 };
-            carried * weight * world.scene.materials[material as usize].albedo_at(world.scene, found.uv)
+            (&Aim::Trace(ray, weight), Some(hit)) => {
+                let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+                let found = found_at(hit.instance, point, Side::Facing(ray.direction));
+                let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
+                let material = mesh.triangle_materials[hit.triangle as usize];
+                let albedo = world.scene.materials[material as usize].albedo_at(world.scene, found.uv);
+                let free = Ray { t_max: hit.t * BEFORE_HIT, ..ray };
+                (hit.instance, point, found, carried * weight * albedo, Some(free))
+            }
+            (Aim::Trace(..) | Aim::Escape, _) => {
+                let free = if let Aim::Trace(ray, _) = aim { Some(*ray) } else { None };
+                return (Slot { free, ..Slot::escaped(fresh, self.frame) }, WorldSurface::default());
+            }
         };
         let filled = Slot {
             state: SlotState::Valid,
             fresh,
             front: found.front,
-            instance: hit.instance,
+            instance,
             point,
-            t: hit.t,
             throughput,
             shot: self.frame,
+            free,
         };
         (filled, found.surface)
     }

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::invalidation::Invalidation;
+use crate::bvh::Ray;
 use crate::scene::SurfacePoint;
 
 /// State of a slot.
@@ -30,12 +31,12 @@ pub(super) struct Slot {
     pub(super) instance: u32,
     /// Place on the instance's mesh.
     pub(super) point: SurfacePoint,
-    /// Ray parameter of the hit.
-    pub(super) t: f32,
     /// Product of the albedos so far, and of the weight of where the path started on an area light.
     pub(super) throughput: Vec3,
     /// Frame in which it was shot.
     pub(super) shot: u32,
+    /// What its light comes along and nothing stood in the way of in the last frame; none if that is not known.
+    pub(super) free: Option<Ray>,
 }
 
 impl Slot {
@@ -46,9 +47,9 @@ impl Slot {
         front: true,
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
-        t: 0.0,
         throughput: Vec3::ZERO,
         shot: 0,
+        free: None,
     };
 
     /// A slot whose path has left the scene, as found in frame `shot`.

@@ -30,6 +30,8 @@ pub(super) struct Watch {
     pub(super) moved: Vec<bool>,
     /// Whether any visible instance moved.
     pub(super) geometry_moved: bool,
+    /// Whether any visible instance moved that is static by itself.
+    pub(super) static_moved: bool,
     /// Whether [`Self::bounds`] changed, and with it every ray.
     pub(super) bounds_changed: bool,
     /// Whether any flux or the number of lights changed.
@@ -55,6 +57,7 @@ impl Watch {
             light_changed: vec![false; lights.len()],
             moved: vec![false; world.pose.instances.len()],
             geometry_moved: false,
+            static_moved: false,
             bounds_changed: false,
             flux_changed: false,
             known_as: (0..lights.len() as u32).map(Some).collect(),
@@ -102,11 +105,13 @@ impl Watch {
         self.transforms.resize(now.len(), Affine3A::IDENTITY);
         self.moved.resize(now.len(), true);
         self.geometry_moved = false;
+        self.static_moved = false;
         let last = self.transforms.iter_mut().zip(&mut self.moved);
         for ((last, moved), (now, instance)) in last.zip(now.iter().zip(&world.scene.instances)) {
             *moved = last != now;
             *last = *now;
             self.geometry_moved |= *moved && instance.visible;
+            self.static_moved |= *moved && instance.visible && !instance.dynamic;
         }
     }
 
