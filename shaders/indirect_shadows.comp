@@ -14,8 +14,10 @@
 #include "vpl_set.glsl"
 #define TRACER_BINDING 7
 #include "tracer.glsl"
+#define WORK_BINDING 14
+#include "work.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = GROUP) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -33,6 +35,9 @@ layout(push_constant) uniform Push {
     uint first_row;   // of blocks
     uint stride;      // from one run of blocks to the next; no factor in common with their number
     uint first_pixel; // in class_irradiance: as much of it as a storage buffer may show
+    uint columns;     // of blocks
+    uint rows;
+    Work work;        // a group is the 8x8 threads of one class of one block
 } push;
 
 // Blocks, side by side. Twin: `RUN` in src/passes/indirect_shadows.rs.
@@ -63,17 +68,17 @@ vec3 weighted_contribution(GpuVpl vpl, Surface surface, out float share) {
     return share > 0.0 ? full / share : vec3(0.0);
 }
 
-void main() {
-    // All pixels of a workgroup have the same class, and so the same VPLs, which keeps rays coherent. The groups of the n^2
+// Casts the rays of a thread of a group; tells how many.
+uint cast_for(uint group, uvec2 thread) {
+    // All pixels of a group have the same class, and so the same VPLs, which keeps rays coherent. The groups of the n^2
     // classes of one block of the picture follow one another, which keeps the block in the caches. After a run of blocks the
     // next run lies `stride` farther on. Twin: `record` in src/passes/indirect_shadows.rs.
-    uint pixel_class = gl_WorkGroupID.x % (INTERLEAVE * INTERLEAVE);
-    uint columns = gl_NumWorkGroups.x / (INTERLEAVE * INTERLEAVE);
-    uint turn = gl_WorkGroupID.y * columns + gl_WorkGroupID.x / (INTERLEAVE * INTERLEAVE);
-    uint met = turn / RUN * push.stride % (columns * gl_NumWorkGroups.y / RUN) * RUN + turn % RUN;
-    uvec2 block = uvec2(met % columns, met / columns + push.first_row);
+    uint pixel_class = group % (INTERLEAVE * INTERLEAVE);
+    uint turn = group / (INTERLEAVE * INTERLEAVE);
+    uint met = turn / RUN * push.stride % (push.columns * push.rows / RUN) * RUN + turn % RUN;
+    uvec2 block = uvec2(met % push.columns, met / push.columns + push.first_row);
     uvec2 place = uvec2(pixel_class % INTERLEAVE, pixel_class / INTERLEAVE);
-    uvec2 first = (block * 8u + gl_LocalInvocationID.xy) * uvec2(1u, PIXELS) * INTERLEAVE + place;
+    uvec2 first = (block * 8u + thread) * uvec2(1u, PIXELS) * INTERLEAVE + place;
     uvec2 next = uvec2(0u, INTERLEAVE);
 
     VplClass of_pixels = vpl_class(push.first_texel, pixel_class);
@@ -131,6 +136,17 @@ void main() {
         if (push.first_vpl > 0u) sum += unpack_irradiance(class_irradiance.words[at]);
         class_irradiance.words[at] = pack_irradiance(sum);
     }
+    return rays;
+}
+
+void main() {
+    Share share = take_share(push.work);
+    if (share.first >= share.end) return;
+    uint rays = 0u;
+    uint group = share.first;
+    do {
+        rays += cast_for(group, uvec2(share.thread % 8u, share.thread / 8u));
+    } while (++group < share.end);
     // 64-bit sums, low word first, apart from one another so that workgroups seldom meet at one.
     uint counter = gl_WorkGroupID.x % COUNTERS * COUNTER_STRIDE;
     if (rays > 0u && atomicAdd(counters.rays[counter].x, rays) > 0xffffffffu - rays) atomicAdd(counters.rays[counter].y, 1u);

@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
 use super::tracer::{RayTracer, Tracer};
+use super::work::{Work, WorkQueues};
 use crate::settings::Settings;
 use crate::vpl::{GpuVpl, SetVpls};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Mirror, Texels, Upload, VulkanError, shaders};
@@ -19,6 +20,9 @@ const MOST_VPLS: u32 = 32;
 
 /// Rays of a thread in one dispatch at most: llvmpipe leaves a shader's loops for good after 65,535 turns in all.
 const MOST_RAYS: u32 = 64;
+
+/// Groups of threads that one thread casts the rays of at once, at most: few enough that the last to end is seldom late.
+const MOST_GROUPS: u32 = 16;
 
 /// Counters that workgroups share the rays out to.
 const COUNTERS: usize = 4;
@@ -110,6 +114,9 @@ struct Push {
     first_row: u32,
     stride: u32,
     first_pixel: u32,
+    columns: u32,
+    rows: u32,
+    work: Work,
 }
 
 /// Rows of workgroups' blocks whose irradiance one storage buffer can show.
@@ -175,6 +182,7 @@ pub struct IndirectShadowsPass {
     most_shown: u64,
     extent: [u32; 2],
     counters: Buffer,
+    queues: WorkQueues,
     interleave: u32,
 }
 
@@ -200,6 +208,7 @@ impl IndirectShadowsPass {
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
+            queues: WorkQueues::new(device)?,
             interleave,
         })
     }
@@ -215,6 +224,7 @@ impl IndirectShadowsPass {
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
+            queues: WorkQueues::new(device)?,
             interleave: self.interleave,
         })
     }
@@ -243,19 +253,23 @@ impl IndirectShadowsPass {
         inputs: &IndirectShadowsInputs<'_>,
     ) -> Result<&Buffer, VulkanError> {
         frame.clear(&self.counters);
+        self.queues.begin(frame);
         let gbuffer = inputs.gbuffer;
         let set = inputs.set;
         let vpls = MOST_VPLS.min(MOST_RAYS / self.pixels);
-        // Threads of shaders/indirect_shadows.comp: a row of n^2 groups of 8x8 for each block of 8n x 8n pixels, times
-        // the pixels of a thread downwards.
+        // At least one, so that an empty set gives black.
+        let most_vpls = set.largest_class.max(1);
+        // Threads of shaders/indirect_shadows.comp: n^2 groups of 8x8 for each block of 8n x 8n pixels, times the pixels
+        // of a thread downwards.
         const GROUP: u32 = 8;
         let n = self.interleave;
         let columns = self.extent[0].div_ceil(GROUP * n).next_multiple_of(RUN);
         for band in bands(self.extent, GROUP * n * self.pixels, self.most_shown) {
             let size = Texels::Rg32.size();
             let irradiance = self.irradiance.slice(band.first_pixel * size, band.pixels * size);
-            // At least one, so that an empty set gives black.
-            for first_vpl in (0..set.largest_class.max(1)).step_by(vpls as usize) {
+            for first_vpl in (0..most_vpls).step_by(vpls as usize) {
+                let at_once = (MOST_RAYS / self.pixels / most_vpls).min(MOST_GROUPS);
+                let work = self.queues.share_out(columns * n * n * band.rows, at_once);
                 let pass = frame
                     .pass("indirect_shadows", &self.pipeline)
                     .read("frame_uniforms", inputs.frame)
@@ -264,6 +278,7 @@ impl IndirectShadowsPass {
                     .read("vpl_set", &*set.texels)
                     .write("class_irradiance", irradiance)
                     .write("counters", &self.counters)
+                    .write("work_taken", self.queues.taken())
                     .push(&Push {
                         first_texel: set.first_texel,
                         first_vpl,
@@ -271,9 +286,11 @@ impl IndirectShadowsPass {
                         first_row: band.first_row,
                         stride: if self.scatters { stride(columns * band.rows / RUN) } else { 1 },
                         first_pixel: u32::try_from(band.first_pixel).unwrap_or(u32::MAX),
+                        columns,
+                        rows: band.rows,
+                        work,
                     });
-                let threads = [columns * n * n * GROUP, band.rows * GROUP, 1];
-                inputs.tracer.bind(pass).dispatch_threads(threads)?;
+                inputs.tracer.bind(pass).dispatch_threads(work.threads(columns * n * n))?;
             }
         }
         Ok(&self.irradiance)

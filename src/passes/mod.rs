@@ -25,6 +25,7 @@ pub mod tracer;
 mod tracer_hardware;
 mod tracer_software;
 pub mod vpl_light;
+mod work;
 
 use std::sync::Arc;
 

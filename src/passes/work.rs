@@ -1,0 +1,83 @@
+//! How the threads of a dispatch come by their work, where that makes a difference.
+//!
+//! In: how many groups of threads there is work for. Out: how many threads to start, and what shaders/include/work.glsl has
+//! to know. llvmpipe gives each of its threads an equal share of a dispatch's workgroups and waits for the last. There, a
+//! thread takes whatever nobody has taken yet from a queue (persistent threads, Aila and Laine 2009), so that one that is
+//! held up, or meets what takes long, does less. GPUs share out workgroups as they go.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::vulkan::{Buffer, Device, Frame, VulkanError};
+
+/// Threads of a group. Twin: `GROUP` in shaders/include/work.glsl.
+const GROUP: u32 = 64;
+
+/// Dispatches of a frame that may take work from a queue; others share it out by number.
+const QUEUES: u32 = 16;
+
+/// Bytes from one queue's counter to the next: a cache line, since processors quarrel over these.
+const STRIDE: u64 = 64;
+
+/// Threads that are started for each that would do if all took the same time. So much less work than its share must a
+/// thread of the driver get done before others run out of theirs.
+const SPARE: u32 = 2;
+
+/// Counters of what has been taken, on CPU devices.
+pub struct WorkQueues {
+    taken: Buffer,
+    used: u32,
+    is_cpu: bool,
+}
+
+/// The work of one dispatch, as shaders see it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Work {
+    /// Groups of threads that there is work for.
+    groups: u32,
+    /// Groups that a thread works for, one after the other. If 1, threads have their work by their number.
+    at_once: u32,
+    /// Which counter.
+    queue: u32,
+}
+
+impl WorkQueues {
+    /// Makes the counters.
+    pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
+        let taken = Buffer::new(device, "work_taken", u64::from(QUEUES) * STRIDE)?;
+        Ok(Self { taken, used: 0, is_cpu: device.info().kind == "cpu" })
+    }
+
+    /// Empties all queues for a new frame.
+    pub fn begin(&mut self, frame: &mut Frame<'_>) {
+        self.used = 0;
+        frame.clear(&self.taken);
+    }
+
+    /// Work for `groups` groups of 64 threads; on CPU devices a thread takes that of `at_once` groups at a time.
+    pub fn share_out(&mut self, groups: u32, at_once: u32) -> Work {
+        if !self.is_cpu || self.used == QUEUES {
+            return Work { groups, at_once: 1, queue: 0 };
+        }
+        self.used += 1;
+        Work { groups, at_once: at_once.max(1), queue: self.used - 1 }
+    }
+
+    /// The counters, to be bound as `work_taken`.
+    pub fn taken(&self) -> &Buffer {
+        &self.taken
+    }
+}
+
+impl Work {
+    /// Threads to start, at most `row` workgroups side by side.
+    pub fn threads(&self, row: u32) -> [u32; 3] {
+        let groups = match self.at_once {
+            1 => self.groups,
+            at_once => self.groups.div_ceil(at_once) * SPARE,
+        };
+        [groups.min(row) * GROUP, groups.div_ceil(row), 1]
+    }
+}
