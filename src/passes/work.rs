@@ -58,11 +58,11 @@ impl WorkQueues {
 
     /// Work for `groups` groups of 64 threads; on CPU devices a thread takes that of `at_once` groups at a time.
     pub fn share_out(&mut self, groups: u32, at_once: u32) -> Work {
-        if !self.is_cpu || self.used == QUEUES {
+        if !self.is_cpu || self.used == QUEUES || at_once <= 1 {
             return Work { groups, at_once: 1, queue: 0 };
         }
         self.used += 1;
-        Work { groups, at_once: at_once.max(1), queue: self.used - 1 }
+        Work { groups, at_once, queue: self.used - 1 }
     }
 
     /// The counters, to be bound as `work_taken`.
@@ -79,5 +79,28 @@ impl Work {
             at_once => self.groups.div_ceil(at_once) * SPARE,
         };
         [groups.min(row) * GROUP, groups.div_ceil(row), 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_group_is_worked_for_once() {
+        for groups in [1, 2, 63, 64, 1_000, 65_536] {
+            for (at_once, row) in [(1, 1), (1, 48), (2, 7), (16, 512), (64, 65_535)] {
+                let work = Work { groups, at_once, queue: 0 };
+                let [x, y, z] = work.threads(row);
+                assert!(x % GROUP == 0 && x / GROUP <= row && z == 1, "{work:?}");
+                let numbers = 0..x / GROUP * y;
+                let pieces = groups.div_ceil(at_once);
+                assert!(at_once == 1 || numbers.end >= SPARE * pieces, "{work:?}");
+                // As shaders/include/work.glsl has it.
+                let shares = numbers.map(|number| (number * at_once, (number + 1) * at_once));
+                let met = shares.flat_map(|(first, end)| first..end.min(groups));
+                assert!(met.eq(0..groups), "{work:?}");
+            }
+        }
     }
 }
