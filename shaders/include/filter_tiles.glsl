@@ -1,5 +1,4 @@
-// The tiles of the picture that the discontinuity filter goes through. Needs
-// frame.glsl, window.glsl and tile_list.glsl.
+// The tiles of the picture that the discontinuity filter goes through. Needs frame.glsl, window.glsl and tile_list.glsl.
 
 // Columns of pixels of a thread, for the same reason as ROWS.
 const int COLUMNS = 2;

@@ -1,19 +1,15 @@
 // How threads come by their work: see src/passes/work.rs. Define WORK_BINDING before including. For workgroups of 64 threads
 // in one dimension.
 
-layout(set = 0, binding = WORK_BINDING, std430) buffer WorkBlock { uint taken[]; } work_taken;
+layout(set = 0, binding = WORK_BINDING, std430) buffer WorkBlock { uint count; } work_taken;
 
 // Threads of a group. Twin: `GROUP` in src/passes/work.rs.
 const uint GROUP = 64u;
-
-// Words from one queue's counter to the next. Twin: `STRIDE` there.
-const uint QUEUE_STRIDE = 16u;
 
 // Twin: `Work` there.
 struct Work {
     uint groups;  // that there is work for
     uint at_once; // that a thread works for
-    uint queue;
 };
 
 // What a thread does: the part of thread `thread` in each group from `first` on.
@@ -26,11 +22,10 @@ struct Share {
 Share take_share(Work work) {
     uint number = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * GROUP + gl_LocalInvocationIndex;
     if (work.at_once > 1u) {
-        uint queue = work.queue * QUEUE_STRIDE;
         // To look is cheaper than to take.
-        if (work_taken.taken[queue] / GROUP * work.at_once >= work.groups) return Share(0u, 0u, 0u);
+        if (work_taken.count / GROUP * work.at_once >= work.groups) return Share(0u, 0u, 0u);
         // Threads that run in step mostly take numbers that follow one another, which keeps them together; nothing hangs on it.
-        number = atomicAdd(work_taken.taken[queue], 1u);
+        number = atomicAdd(work_taken.count, 1u);
     }
     uint first = number / GROUP * work.at_once;
     return Share(first, min(first + work.at_once, work.groups), number % GROUP);

@@ -152,6 +152,11 @@ impl TwoLevelBvh {
             })
     }
 
+    /// Both top levels.
+    fn levels(&self) -> [&TopLevel; 2] {
+        [&self.static_level, &self.dynamic_level]
+    }
+
     fn rebuild_top_level(&mut self, dynamic: bool) {
         let level = TopLevel::build(self.members(dynamic));
         if dynamic {
@@ -165,12 +170,12 @@ impl TwoLevelBvh {
 
     /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        query::<false>(self, &[&self.static_level, &self.dynamic_level], ray)
+        query::<false>(self, &self.levels(), ray)
     }
 
     /// Whether anything lies on the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        query::<true>(self, &[&self.static_level, &self.dynamic_level], ray).is_some()
+        query::<true>(self, &self.levels(), ray).is_some()
     }
 
     /// Whether any dynamic instance lies on the segment.
@@ -204,8 +209,7 @@ impl TwoLevelBvh {
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let levels = [&self.static_level, &self.dynamic_level];
-        levels
+        self.levels()
             .into_iter()
             .filter_map(|level| level.bounds)
             .reduce(|a, b| a.union(&b))

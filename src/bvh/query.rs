@@ -41,7 +41,7 @@ pub(super) fn query_all<const ANY: bool>(
     rays: &[Ray],
     found: &mut impl FnMut(usize, Option<Hit>),
 ) {
-    let levels = &[&bvh.static_level, &bvh.dynamic_level];
+    let levels = &bvh.levels();
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = bvh.avx2 {

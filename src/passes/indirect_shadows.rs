@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::gbuffer::GBuffer;
 use super::tracer::{RayTracer, Tracer};
-use super::work::{Work, WorkQueues};
+use super::work::{Work, WorkQueue};
 use crate::settings::Settings;
 use crate::vpl::{GpuVpl, SetVpls};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Mirror, Texels, Upload, VulkanError, shaders};
@@ -182,7 +182,7 @@ pub struct IndirectShadowsPass {
     most_shown: u64,
     extent: [u32; 2],
     counters: Buffer,
-    queues: WorkQueues,
+    queue: WorkQueue,
     interleave: u32,
 }
 
@@ -208,7 +208,7 @@ impl IndirectShadowsPass {
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
-            queues: WorkQueues::new(device)?,
+            queue: WorkQueue::new(device)?,
             interleave,
         })
     }
@@ -224,7 +224,7 @@ impl IndirectShadowsPass {
             most_shown: u64::from(device.limits().max_storage_buffer_range),
             extent,
             counters: Buffer::new(device, "ray_counters", (COUNTERS * COUNTER_STRIDE * 8) as u64)?,
-            queues: WorkQueues::new(device)?,
+            queue: WorkQueue::new(device)?,
             interleave: self.interleave,
         })
     }
@@ -253,12 +253,12 @@ impl IndirectShadowsPass {
         inputs: &IndirectShadowsInputs<'_>,
     ) -> Result<&Buffer, VulkanError> {
         frame.clear(&self.counters);
-        self.queues.begin(frame);
         let gbuffer = inputs.gbuffer;
         let set = inputs.set;
         let vpls = MOST_VPLS.min(MOST_RAYS / self.pixels);
         // At least one, so that an empty set gives black.
         let most_vpls = set.largest_class.max(1);
+        let at_once = (MOST_RAYS / self.pixels / most_vpls).min(MOST_GROUPS);
         // Threads of shaders/indirect_shadows.comp: n^2 groups of 8x8 for each block of 8n x 8n pixels, times the pixels
         // of a thread downwards.
         const GROUP: u32 = 8;
@@ -268,8 +268,7 @@ impl IndirectShadowsPass {
             let size = Texels::Rg32.size();
             let irradiance = self.irradiance.slice(band.first_pixel * size, band.pixels * size);
             for first_vpl in (0..most_vpls).step_by(vpls as usize) {
-                let at_once = (MOST_RAYS / self.pixels / most_vpls).min(MOST_GROUPS);
-                let work = self.queues.share_out(columns * n * n * band.rows, at_once);
+                let work = self.queue.share_out(frame, columns * n * n * band.rows, at_once);
                 let pass = frame
                     .pass("indirect_shadows", &self.pipeline)
                     .read("frame_uniforms", inputs.frame)
@@ -278,7 +277,7 @@ impl IndirectShadowsPass {
                     .read("vpl_set", &*set.texels)
                     .write("class_irradiance", irradiance)
                     .write("counters", &self.counters)
-                    .write("work_taken", self.queues.taken())
+                    .write("work_taken", self.queue.taken())
                     .push(&Push {
                         first_texel: set.first_texel,
                         first_vpl,

@@ -14,58 +14,44 @@ use crate::vulkan::{Buffer, Device, Frame, VulkanError};
 /// Threads of a group. Twin: `GROUP` in shaders/include/work.glsl.
 const GROUP: u32 = 64;
 
-/// Dispatches of a frame that may take work from a queue; others share it out by number.
-const QUEUES: u32 = 16;
-
-/// Bytes from one queue's counter to the next: a cache line, since processors quarrel over these.
-const STRIDE: u64 = 64;
-
 /// Threads that are started for each that would do if all took the same time. So much less work than its share must a
 /// thread of the driver get done before others run out of theirs.
 const SPARE: u32 = 2;
 
-/// Counters of what has been taken, on CPU devices.
-pub struct WorkQueues {
+/// Counts what has been taken of a dispatch's work, on CPU devices.
+pub struct WorkQueue {
     taken: Buffer,
-    used: u32,
     is_cpu: bool,
 }
 
 /// The work of one dispatch, as shaders see it.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Work {
     /// Groups of threads that there is work for.
     groups: u32,
     /// Groups that a thread works for, one after the other. If 1, threads have their work by their number.
     at_once: u32,
-    /// Which counter.
-    queue: u32,
 }
 
-impl WorkQueues {
-    /// Makes the counters.
+impl WorkQueue {
+    /// Makes the counter.
     pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
-        let taken = Buffer::new(device, "work_taken", u64::from(QUEUES) * STRIDE)?;
-        Ok(Self { taken, used: 0, is_cpu: device.info().kind == "cpu" })
+        let taken = Buffer::new(device, "work_taken", size_of::<u32>() as u64)?;
+        Ok(Self { taken, is_cpu: device.info().kind == "cpu" })
     }
 
-    /// Empties all queues for a new frame.
-    pub fn begin(&mut self, frame: &mut Frame<'_>) {
-        self.used = 0;
-        frame.clear(&self.taken);
-    }
-
-    /// Work for `groups` groups of 64 threads; on CPU devices a thread takes that of `at_once` groups at a time.
-    pub fn share_out(&mut self, groups: u32, at_once: u32) -> Work {
-        if !self.is_cpu || self.used == QUEUES || at_once <= 1 {
-            return Work { groups, at_once: 1, queue: 0 };
+    /// Work for `groups` groups of 64 threads in the next dispatch; on CPU devices a thread takes that of `at_once` groups at
+    /// a time.
+    pub fn share_out(&self, frame: &mut Frame<'_>, groups: u32, at_once: u32) -> Work {
+        if !self.is_cpu || at_once <= 1 {
+            return Work { groups, at_once: 1 };
         }
-        self.used += 1;
-        Work { groups, at_once, queue: self.used - 1 }
+        frame.clear(&self.taken);
+        Work { groups, at_once }
     }
 
-    /// The counters, to be bound as `work_taken`.
+    /// The counter, to be bound as `work_taken`.
     pub fn taken(&self) -> &Buffer {
         &self.taken
     }
@@ -90,7 +76,7 @@ mod tests {
     fn every_group_is_worked_for_once() {
         for groups in [1, 2, 63, 64, 1_000, 65_536] {
             for (at_once, row) in [(1, 1), (1, 48), (2, 7), (16, 512), (64, 65_535)] {
-                let work = Work { groups, at_once, queue: 0 };
+                let work = Work { groups, at_once };
                 let [x, y, z] = work.threads(row);
                 assert!(x % GROUP == 0 && x / GROUP <= row && z == 1, "{work:?}");
                 let numbers = 0..x / GROUP * y;
