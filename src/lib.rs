@@ -14,10 +14,10 @@
 //! - [`plot`]: numbers as pictures.
 //! - [`passes`]: the passes of the frame, one file each.
 //! - [`renderer`]: the frame itself.
-//! - [`reference`]: the ground truth, by path tracing on the CPU.
+//! - [`mod@reference`]: the ground truth, by path tracing on the CPU.
 //! - [`dataset`]: pictures for denoisers.
 //! - [`export`]: scenes for another renderer.
-//! - [`bench`]: the benchmark and its report.
+//! - [`mod@bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 

@@ -206,16 +206,10 @@ impl Renderer {
     }
 
     /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it.
+    ///
+    /// # Errors
+    /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        let rendered = self.render_frame(pose);
-        if rendered.is_err() {
-            self.buffers.lose_upload();
-            self.passes.vpl_sets.lose_upload();
-        }
-        rendered
-    }
-
-    fn render_frame(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let scene = Arc::clone(&self.scene);
         let lights = self.update(&scene, pose);
         let uniforms = self.uniforms(pose);

@@ -31,7 +31,7 @@ const COUNTER_STRIDE: usize = 8;
 
 /// The VPLs of the frame's set in device memory.
 pub struct UploadedSet {
-    /// A [`ClassTexel`] for each class, then the [`GpuVpl`]s, class by class.
+    /// A `ClassTexel` for each class, then the [`GpuVpl`]s, class by class.
     pub texels: Arc<Buffer>,
     /// Where in there the set begins.
     pub first_texel: u32,
@@ -96,11 +96,6 @@ impl VplSets {
             total_flux: class_flux.iter().sum(),
             largest_class: ranges().map(|(first, end)| end - first).max().unwrap_or(0),
         })
-    }
-
-    /// The last frame was not submitted.
-    pub fn lose_upload(&mut self) {
-        self.texels.lose();
     }
 }
 

@@ -265,11 +265,6 @@ impl SceneBuffers {
         })
     }
 
-    /// The last frame was not submitted.
-    pub fn lose_upload(&mut self) {
-        self.instances.lose();
-    }
-
     /// What was uploaded last.
     pub fn uploaded_instances(&self) -> &[InstanceData] {
         &self.uploaded

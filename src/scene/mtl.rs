@@ -98,7 +98,7 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
     }
 }
 
-/// Appends one checked statement to `clean`; statements that mean nothing to a [`Material`] are left out.
+/// Appends one checked statement to `clean`; statements that mean nothing to a [`tobj::Material`] are left out.
 fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> {
     let keyword = keyword.to_ascii_lowercase();
     // Writing to a String cannot fail.

@@ -6,12 +6,10 @@ use bytemuck::Pod;
 
 use super::{Buffer, Device, Frame, VulkanError};
 
-/// A device-local buffer and what is in it, once the frames that were recorded are done.
+/// A device-local buffer and what is in it, once the frames that were recorded, all of which are submitted, are done.
 pub struct Mirror {
     buffer: Arc<Buffer>,
     content: Vec<u8>,
-    /// Whether a frame that was to bring the content was not submitted.
-    lost: bool,
 }
 
 impl Mirror {
@@ -19,7 +17,7 @@ impl Mirror {
     pub fn new(device: &Arc<Device>, name: &str, size: usize) -> Result<Self, VulkanError> {
         let content = vec![0; size.next_multiple_of(16).max(16)];
         let buffer = Buffer::with_data(device, name, &content)?.with_texels()?;
-        Ok(Self { buffer: Arc::new(buffer), content, lost: false })
+        Ok(Self { buffer: Arc::new(buffer), content })
     }
 
     /// The buffer.
@@ -38,22 +36,13 @@ impl Mirror {
         let old = &self.content[offset..offset + new.len()];
         let changed = changed_runs(old, new, size_of::<T>());
         self.content[offset..offset + new.len()].copy_from_slice(new);
-        let (runs, bytes) = if std::mem::take(&mut self.lost) {
-            (vec![(0, self.content.len())], self.content.clone())
-        } else {
-            let bytes = changed.iter().flat_map(|&(first, end)| &new[first..end]).copied().collect();
-            (changed.iter().map(|&(first, end)| (offset + first, offset + end)).collect(), bytes)
-        };
-        if !runs.is_empty() {
+        if !changed.is_empty() {
+            let bytes: Vec<u8> = changed.iter().flat_map(|&(first, end)| &new[first..end]).copied().collect();
+            let runs: Vec<_> = changed.iter().map(|&(first, end)| (offset + first, offset + end)).collect();
             let upload = frame.upload(&bytes)?;
             frame.copy_runs(&upload, &self.buffer, &runs);
         }
         Ok(changed.iter().map(|(first, end)| (end - first) / size_of::<T>()).sum())
-    }
-
-    /// The last frame was recorded, but not submitted: the next update brings everything.
-    pub fn lose(&mut self) {
-        self.lost = true;
     }
 }
 
