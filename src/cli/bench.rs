@@ -33,7 +33,8 @@ pub(super) struct OnCpu {
 const HELP: &str = "\
 A frame's time runs from its beginning until the device is done with it; nothing overlaps and nothing is shown. Each \
 run warms up until all set buffers are filled; then the same moments of the animation are measured with every setting. \
-On a CPU driver less is measured unless options say otherwise: 20 frames, 256x256 pixels, 1/20 s apart. \
+On a CPU driver less is measured unless options say otherwise: 20 frames, or as many as there are temporal sets, \
+so that each has its turn, 256x256 pixels, 1/20 s apart. \
 --out gets report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds what an \
 interrupted run has measured. --against exits with 3 if something is slower beyond noise; to compare a report that is \
 there already, name its folder with --out and add --resume.";
@@ -50,8 +51,8 @@ pub(super) struct BenchOptions {
     /// out.
     #[arg(long, conflicts_with = "scenes")]
     pub models: bool,
-    /// Frames to measure in each run. More: figures that are more certain. Otherwise that of --against, or 240,
-    /// or 20 on a CPU driver.
+    /// Frames to measure in each run; fewer than temporal sets leave some sets out. More: figures that are more
+    /// certain. Otherwise that of --against, or 240, or on a CPU driver the most temporal sets, but at least 20.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// How often to measure each setting. From two on, the intervals come from how far the rounds differ. Otherwise that
@@ -222,8 +223,10 @@ fn plan(
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }
     let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
-    let frames = if on_cpu { ON_CPU.frames } else { FRAMES };
-    let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(frames);
+    // Sets may cast very different numbers of rays: each has its turn.
+    let least = if on_cpu { ON_CPU.frames } else { FRAMES };
+    let default = sweep.temporal_sets.iter().fold(least, |frames, &sets| frames.max(sets));
+    let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(default);
     let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
     Ok(Plan { scenes, frames, rounds, quality: options.quality, sweep, settings })
 }

@@ -45,6 +45,19 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// Sets may cast very different numbers of rays, so a run that leaves some out measures something else.
+#[test]
+fn every_set_has_its_turn() {
+    let run = Run::new();
+    let options =
+        ["--size", "16x8", "--vpls", "64", "--temporal-sets", "64,2", "--rounds", "1", "--out", "a"];
+    let output = run.glowworm(&[&["bench", "cornell-box"], &options[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = read_report(&run.folder.path().join("a/bench.json")).unwrap();
+    let on_cpu = report.machine.device_kind == "cpu";
+    assert_eq!(report.plan.frames, if on_cpu { 64 } else { 240 });
+}
+
 #[test]
 fn every_file_is_there() {
     assert_eq!(names(&folder()), ["bench.csv", "bench.json", "bench.md", "pictures", "plots", "report.html"]);
