@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::direct_shadows::Shadows;
 use super::gbuffer::GBuffer;
 use super::set_history::{SetHistory, upload_parameters};
+use super::to_u32;
 use crate::scene::{Camera, Pose};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders};
 
@@ -243,8 +244,4 @@ fn depths(camera: &Camera, (low, high): (Vec3, Vec3)) -> (f32, f32) {
     let (depth, reach) = ((middle - camera.eye).dot(forward), half.dot(forward.abs()));
     let nearest = (depth - reach).max(camera.near);
     (nearest, (depth + reach).max(nearest * 1.001))
-}
-
-fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use super::direct_shadows::{Change, ChangedParts, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
-use super::{storage_image, tile_list};
+use super::{storage_image, tile_list, to_u32};
 use crate::vulkan::{
     Area, Buffer, ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -142,7 +142,7 @@ impl DirectShadingPass {
             changed_end: changed.end(),
             anew_first: anew.offset,
             anew_end: anew.end(),
-            shadow_tile_count: u32::try_from(shadows.parts.len()).unwrap_or(u32::MAX),
+            shadow_tile_count: to_u32(shadows.parts.len()),
             first_texel: cells.first_texel(),
         };
         frame.clear(&self.changed_tiles);

@@ -13,6 +13,7 @@ use super::scene_buffers::{Moved, SceneBuffers, Vertex};
 use super::shadow_tiles::{ShadowPlan, View};
 use super::still::Still;
 use super::structs::{ChangedPart, ShadowTile};
+use super::to_u32;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -116,7 +117,7 @@ impl ChangedParts {
             if let Some(known) = known {
                 part.nearest = known.nearest + tile.depth_of_offset(known.nearest);
                 part.farthest = known.farthest - tile.depth_of_offset(known.farthest);
-                part.first_row = u32::try_from(changed.cells.len()).unwrap_or(u32::MAX);
+                part.first_row = to_u32(changed.cells.len());
                 changed.cells.extend(known.within_reach(reach));
             }
             changed.parts.push(part);
@@ -237,7 +238,7 @@ impl DirectShadowsPass {
             lights: frame.upload(&plan.lights)?,
             light_count: plan.lights.len(),
             tiles: frame.upload(&plan.tiles)?,
-            tile_count: u32::try_from(plan.tiles.len()).unwrap_or(u32::MAX),
+            tile_count: to_u32(plan.tiles.len()),
             tile_columns: plan.extent[0] / plan.tile_size,
             tile_size: plan.tile_size,
             change,

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::Instances;
 use super::set_history::{Redrawn, SetHistory, SetParameters, SetView, upload_parameters};
-use super::storage_image;
+use super::{storage_image, to_u32};
 use crate::scene::Pose;
 use crate::vulkan::{Area, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -284,8 +284,4 @@ fn refreshed_rows(area: Area, refresh: u32) -> Area {
 
 fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
     storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)
-}
-
-fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

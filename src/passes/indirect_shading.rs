@@ -7,9 +7,9 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 use super::gbuffer::Surfaces;
-use super::indirect_shadows::UploadedSet;
 use super::set_history::SetHistory;
 use super::tile_list;
+use super::vpl_sets::UploadedSet;
 use crate::vulkan::{Area, Buffer, ComputePipeline, Device, Frame, Texels, Upload, VulkanError, shaders};
 
 /// Pixels of a thread, one below the other. Twin: `ROWS` in shaders/include/window.glsl.

@@ -25,6 +25,7 @@ pub mod tracer;
 mod tracer_hardware;
 mod tracer_software;
 pub mod vpl_light;
+pub mod vpl_sets;
 mod work;
 
 use std::sync::Arc;
@@ -46,4 +47,9 @@ fn storage_image(
 fn tile_list(device: &Arc<Device>, name: &str, tiles: u32) -> Result<Buffer, VulkanError> {
     const HEADER_WORDS: u64 = 4;
     Buffer::new(device, name, (HEADER_WORDS + u64::from(tiles)) * 4)
+}
+
+/// A count as shaders take it.
+fn to_u32(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }

@@ -7,6 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::structs::OverlayLine;
+use super::to_u32;
 use crate::vulkan::{
     Device, Frame, GraphicsDescription, GraphicsPipeline, Image, Targets, Upload, VulkanError, shaders, vk,
 };
@@ -75,7 +76,7 @@ impl OverlayPass {
             .read("lines", &upload)
             .read("gbuffer_depth", depth)
             .draw(&Targets::Over(display), |list| {
-                list.draw_made_up(6, u32::try_from(data.len()).unwrap_or(u32::MAX));
+                list.draw_made_up(6, to_u32(data.len()));
             })
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
 
+use super::to_u32;
 use crate::bvh::gpu::rows;
 use crate::scene::{Camera, Pose};
 use crate::vulkan::{Buffer, Device, Frame, Image, ImageDescription, Texels, Upload, VulkanError, vk};
@@ -208,8 +209,4 @@ pub fn upload_parameters(
 ) -> Result<Upload, VulkanError> {
     let texels: Vec<[u32; 4]> = sets.into_iter().map(|set| set.texel()).collect();
     frame.upload(&texels)
-}
-
-fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

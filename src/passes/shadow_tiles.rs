@@ -4,6 +4,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use super::clusters::box_corners;
 use super::structs::{LightData, ShadowTile};
+use super::to_u32;
 use crate::scene::{Camera, Light, LightKind, Pose};
 
 /// Cascades of a directional light.
@@ -110,7 +111,7 @@ fn arrange(count: usize, view: &View) -> (u32, u32, u32) {
     if count == 0 {
         return (1, 1, 1);
     }
-    let count = u32::try_from(count).unwrap_or(u32::MAX);
+    let count = to_u32(count);
     let columns = (f64::from(count).sqrt().ceil() as u32).max(COLUMNS.min(count));
     let rows = count.div_ceil(columns);
     let mut size = (2 * view.size[0].max(view.size[1]))
