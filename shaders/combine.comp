@@ -13,13 +13,20 @@ layout(constant_id = 0) const bool KEEPS = false;
 layout(set = 0, binding = 4, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 5, rgba8) uniform image2D display;
 
+// Pixels of a thread, one below the other.
+layout(constant_id = 1) const uint ROWS = 1u;
+
 // Half of the step between two values of the display, and a little less.
 const float SAME = 0.499 / 255.0;
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    vec4 now = vec4(shown(radiance_at(pixel).rgb * exposure.factor), 1.0);
-    if (KEEPS && all(lessThan(abs(now - imageLoad(display, pixel)), vec4(SAME)))) return;
-    imageStore(display, pixel, now);
+    uvec2 pixel = gl_GlobalInvocationID.xy * uvec2(1u, ROWS);
+    float factor = exposure.factor;
+    uint end = min(pixel.y + ROWS, frame.size.y);
+    if (pixel.x >= frame.size.x || pixel.y >= end) return;
+    do {
+        vec4 now = vec4(shown(radiance_at(ivec2(pixel)).rgb * factor), 1.0);
+        bool same = KEEPS && all(lessThan(abs(now - imageLoad(display, ivec2(pixel))), vec4(SAME)));
+        if (!same) imageStore(display, ivec2(pixel), now);
+    } while (++pixel.y < end);
 }

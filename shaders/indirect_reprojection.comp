@@ -22,6 +22,9 @@ layout(constant_id = 0) const bool MOVES = true;
 // Whether every set has seen every surface that is seen now, where it is.
 layout(constant_id = 1) const bool STEADY = false;
 
+// Pixels of a thread, one below the other, `row_step` apart.
+layout(constant_id = 2) const uint ROWS = 1u;
+
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
@@ -144,16 +147,24 @@ vec4 sum_of_all(ivec2 pixel) {
     return vec4(sum.irradiance, may_move ? -count : count);
 }
 
-void main() {
-    uvec2 pixel_there = push.first + gl_GlobalInvocationID.xy * uvec2(1u, push.row_step);
-    if (any(greaterThanEqual(pixel_there, push.end))) return;
-    ivec2 pixel = ivec2(pixel_there);
-    bool anew = all(greaterThanEqual(pixel_there, push.anew_first)) && all(lessThan(pixel_there, push.anew_end));
-    bool running = STEADY || (push.running == 1u && !anew && pixel_there.y % REFRESHED != push.refresh);
+void bring_together(uvec2 place) {
+    ivec2 pixel = ivec2(place);
+    bool anew = all(greaterThanEqual(place, push.anew_first)) && all(lessThan(place, push.anew_end));
+    bool running = STEADY || (push.running == 1u && !anew && place.y % REFRESHED != push.refresh);
     vec4 last = imageLoad(irradiance, pixel);
     vec4 sum = last;
     if (running) running = goes_on(pixel, last, sum);
     if (!STEADY && !running) sum = sum_of_all(pixel);
     // To write costs CPU drivers more than to compare.
     if (sum != last) imageStore(irradiance, pixel, sum);
+}
+
+void main() {
+    uvec2 place = push.first + gl_GlobalInvocationID.xy * uvec2(1u, ROWS * push.row_step);
+    uint end = min(place.y + ROWS * push.row_step, push.end.y);
+    if (place.x >= push.end.x || place.y >= end) return;
+    do {
+        bring_together(place);
+        place.y += push.row_step;
+    } while (place.y < end);
 }

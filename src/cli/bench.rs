@@ -218,7 +218,7 @@ fn plan(
     settings.extend(
         own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
     );
-    let on_cpu = device.info().kind == "cpu";
+    let on_cpu = device.is_cpu();
     if on_cpu && old.is_none() && !given.contains(&"time_step") {
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }

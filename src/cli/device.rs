@@ -19,7 +19,7 @@ pub(super) fn open(options: &DeviceOptions) -> Result<Arc<Device>, CliError> {
 /// Says so where the device is the CPU, on which everything is slow.
 pub(super) fn note_slow(device: &Device) {
     let info = device.info();
-    if info.kind == "cpu" {
+    if info.is_cpu() {
         say::note(&format!("{} runs on the CPU: slow; see glowworm info", info.name));
     }
 }

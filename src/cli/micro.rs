@@ -30,7 +30,7 @@ pub(super) fn micro(
     };
     let mut own = options.settings.settings.clone();
     let mut given = given.to_vec();
-    if device.info().kind == "cpu" && !given.contains(&"size") {
+    if device.is_cpu() && !given.contains(&"size") {
         own.size = ON_CPU.size;
         given.push("size");
     }

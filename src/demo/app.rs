@@ -125,7 +125,7 @@ impl App {
         self.instance = Some(Arc::clone(gpu.instance()));
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
-        let small = info.kind == "cpu" && !self.is_given("size");
+        let small = info.is_cpu() && !self.is_given("size");
         let mut coarseness = 1;
         if small {
             let [width, height] = CPU_SIZE;

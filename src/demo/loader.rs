@@ -162,7 +162,7 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
 /// says is less than elsewhere.
 fn settings_for(scene: &Scene, order: &Order, launch: &Launch) -> Result<Settings, DemoError> {
     let mut table = scene.settings.clone();
-    if order.device.info().kind == "cpu" {
+    if order.device.is_cpu() {
         table.entry("vpls").or_insert(toml::Value::Integer(CPU_VPLS));
     }
     let given: Vec<&str> = launch.given.iter().map(String::as_str).collect();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::rows_of_thread;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -49,6 +50,8 @@ pub struct CombinePass {
     luminance: Arc<ComputePipeline>,
     exposure: Arc<ComputePipeline>,
     combine: Arc<ComputePipeline>,
+    /// Pixels of a thread. Twin: `ROWS` in shaders/combine.comp.
+    rows: u32,
     display: Image,
     histogram: Buffer,
     factor: Buffer,
@@ -58,12 +61,14 @@ impl CombinePass {
     /// Makes the pipelines and the picture, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
-        let keeps = u32::from(device.info().kind == "cpu");
-        let combine = ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &[keeps])?;
+        let rows = rows_of_thread(device);
+        let constants = [u32::from(device.is_cpu()), rows];
+        let combine = ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &constants)?;
         Ok(Self {
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
             combine: Arc::new(combine),
+            rows,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -76,6 +81,7 @@ impl CombinePass {
             luminance: Arc::clone(&self.luminance),
             exposure: Arc::clone(&self.exposure),
             combine: Arc::clone(&self.combine),
+            rows: self.rows,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -116,7 +122,7 @@ impl CombinePass {
             .bind_radiance(pass)
             .read("exposure", &self.factor)
             .write("display", &self.display)
-            .dispatch_over(extent)?;
+            .dispatch_over([extent[0], extent[1].div_ceil(self.rows)])?;
         Ok(&self.display)
     }
 }

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::Instances;
 use super::set_history::{Redrawn, SetHistory, SetParameters, SetView, upload_parameters};
-use super::{storage_image, to_u32};
+use super::{rows_of_thread, storage_image, to_u32};
 use crate::scene::Pose;
 use crate::vulkan::{Area, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -105,6 +105,8 @@ struct Pipelines {
 pub struct IndirectReprojectionPass {
     pipelines: Arc<Pipelines>,
     irradiance: Image,
+    /// Pixels of a thread. Twin: `ROWS` in shaders/indirect_reprojection.comp.
+    rows: u32,
     /// What is in `irradiance`; none before the first frame.
     summed: Option<Summed>,
 }
@@ -112,9 +114,10 @@ pub struct IndirectReprojectionPass {
 impl IndirectReprojectionPass {
     /// Makes the pipeline and its image of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let rows = rows_of_thread(device);
         let pipeline = |moves, steady| {
             let spirv = shaders::INDIRECT_REPROJECTION_COMP;
-            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves, steady])
+            ComputePipeline::specialised(device, "indirect_reprojection", spirv, &[moves, steady, rows])
         };
         Ok(Self {
             pipelines: Arc::new(Pipelines {
@@ -123,6 +126,7 @@ impl IndirectReprojectionPass {
                 steady: pipeline(0, 1)?,
             }),
             irradiance: irradiance(device, extent)?,
+            rows,
             summed: None,
         })
     }
@@ -132,6 +136,7 @@ impl IndirectReprojectionPass {
         Ok(Self {
             pipelines: Arc::clone(&self.pipelines),
             irradiance: irradiance(device, extent)?,
+            rows: self.rows,
             summed: None,
         })
     }
@@ -177,7 +182,7 @@ impl IndirectReprojectionPass {
                 .read("view_history", sets.views())
                 .write("irradiance", &self.irradiance)
                 .push(&Push { first: area.offset, end: area.end(), ..push })
-                .dispatch_over([width, height.div_ceil(push.row_step)])
+                .dispatch_over([width, height.div_ceil(push.row_step * self.rows)])
         };
         let Pipelines { moving, still, steady } = &*self.pipelines;
         let anew = Push { running: 0, ..push };

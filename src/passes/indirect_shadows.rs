@@ -118,7 +118,7 @@ impl IndirectShadowsPass {
         extent: [u32; 2],
         interleave: u32,
     ) -> Result<Self, VulkanError> {
-        let is_cpu = device.info().kind == "cpu";
+        let is_cpu = device.is_cpu();
         let pixels = if is_cpu { JOINED } else { 1 };
         let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
         let pipeline =

@@ -49,6 +49,12 @@ fn tile_list(device: &Arc<Device>, name: &str, tiles: u32) -> Result<Buffer, Vul
     Buffer::new(device, name, (HEADER_WORDS + u64::from(tiles)) * 4)
 }
 
+/// Pixels of a thread, one below the other, where a pass looks at nothing but its own pixel: CPU drivers take as long to start
+/// a vector of threads as these take to combine a pixel.
+fn rows_of_thread(device: &Device) -> u32 {
+    if device.is_cpu() { 4 } else { 1 }
+}
+
 /// A count as shaders take it.
 fn to_u32(count: usize) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)

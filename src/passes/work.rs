@@ -38,7 +38,7 @@ impl WorkQueue {
     /// Makes the counter.
     pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
         let taken = Buffer::new(device, "work_taken", size_of::<u32>() as u64)?;
-        Ok(Self { taken, is_cpu: device.info().kind == "cpu" })
+        Ok(Self { taken, is_cpu: device.is_cpu() })
     }
 
     /// Work for `groups` groups of 64 threads in the next dispatch; on CPU devices a thread takes that of `at_once` groups at

@@ -96,6 +96,11 @@ impl Device {
         &self.info
     }
 
+    /// Whether it is a driver for CPUs, on which other things are fast than on GPUs.
+    pub fn is_cpu(&self) -> bool {
+        self.info.is_cpu()
+    }
+
     /// The device's limits.
     pub fn limits(&self) -> &vk::PhysicalDeviceLimits {
         &self.limits

@@ -28,6 +28,13 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
 }
 
+impl DeviceInfo {
+    /// Whether it is a driver for CPUs.
+    pub fn is_cpu(&self) -> bool {
+        self.kind == "cpu"
+    }
+}
+
 pub(super) fn physical_devices(
     instance: &Instance,
 ) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, VulkanError> {

@@ -132,7 +132,7 @@ fn head(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) {
         ui.strong("glowworm");
         ui.label(format!("{rate:.0} frames a second"));
     });
-    if shown.gpu.device.info().kind == "cpu" {
+    if shown.gpu.device.is_cpu() {
         ui.small("Runs on the CPU: slow, so small and with fewer VPLs.")
             .on_hover_text(&shown.gpu.device.info().name);
     }
