@@ -10,11 +10,11 @@ layout(local_size_x = 64, local_size_y = 1) in;
 // Whether pixels that would not change are left alone: what CPU drivers write, they write lane by lane.
 layout(constant_id = 0) const bool KEEPS = false;
 
-layout(set = 0, binding = 4, std430) readonly buffer ExposureBlock { float factor; } exposure;
-layout(set = 0, binding = 5, rgba8) uniform image2D display;
-
 // Pixels of a thread, one below the other.
 layout(constant_id = 1) const uint ROWS = 1u;
+
+layout(set = 0, binding = 4, std430) readonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 5, rgba8) uniform image2D display;
 
 // Half of the step between two values of the display, and a little less.
 const float SAME = 0.499 / 255.0;

@@ -147,6 +147,7 @@ vec4 sum_of_all(ivec2 pixel) {
     return vec4(sum.irradiance, may_move ? -count : count);
 }
 
+// The pixel's sum of this frame, gone on with or made anew.
 void bring_together(uvec2 place) {
     ivec2 pixel = ivec2(place);
     bool anew = all(greaterThanEqual(place, push.anew_first)) && all(lessThan(place, push.anew_end));

@@ -49,8 +49,8 @@ fn tile_list(device: &Arc<Device>, name: &str, tiles: u32) -> Result<Buffer, Vul
     Buffer::new(device, name, (HEADER_WORDS + u64::from(tiles)) * 4)
 }
 
-/// Pixels of a thread, one below the other, where a pass looks at nothing but its own pixel: CPU drivers take as long to start
-/// a vector of threads as these take to combine a pixel.
+/// Pixels of a thread, one below the other, in passes whose pixels share nothing: to start a vector of threads that has
+/// nothing to do takes llvmpipe a third of the time of combining its pixels.
 fn rows_of_thread(device: &Device) -> u32 {
     if device.is_cpu() { 4 } else { 1 }
 }
