@@ -11,6 +11,9 @@
 
 layout(local_size_x = 64) in;
 
+// Tiles that a workgroup of direct_shading.comp takes. Twin: `ROWS` there.
+layout(constant_id = 0) const uint TILES_PER_GROUP = 1u;
+
 // Where a shadow tile has changed. Twin: `ChangedPart` in src/passes/structs.rs.
 struct ChangedPart {
     uvec2 first;    // texel, counted from the tile's
@@ -51,14 +54,15 @@ const uint MOST_ROWS = 8u;
 bool is_within(uvec2 pixel, uvec2 first, uvec2 end) { return all(greaterThanEqual(pixel, first)) && all(lessThan(pixel, end)); }
 
 // Least and greatest view depth of a tile's surfaces; the least is greater where there are none.
-vec2 depths_of(uvec2 first, uvec2 end) {
+vec2 depths_of(uvec2 corner) {
     vec2 depths = vec2(1e38, 0.0);
-    for (uint y = first.y; y < end.y; y++) {
-        for (uint x = first.x; x < end.x; x++) {
-            float depth = imageLoad(gbuffer_depth, ivec2(x, y)).r;
-            if (depth > 0.0) depths = vec2(min(depths.x, depth), max(depths.y, depth));
-        }
-    }
+    // Here and below, loops ask at their end whether to go on: see tracer_find.
+    uint place = 0u;
+    do {
+        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
+        float depth = imageLoad(gbuffer_depth, ivec2(min(corner + at, frame.size - 1u))).r;
+        depths = vec2(min(depths.x, depth > 0.0 ? depth : 1e38), max(depths.y, depth));
+    } while (++place < PICTURE_TILE * PICTURE_TILE);
     return depths;
 }
 
@@ -100,7 +104,6 @@ bool changed_between(ShadowTile tile, ChangedPart part, vec3 low, vec3 high) {
     uvec4 columns = cells_before(last.x + 1u) & ~cells_before(first.x);
     int first_texel = int(push.first_texel + part.first_row);
     uvec4 changed = uvec4(0u);
-    // Here and below, loops ask at their end whether to go on: see tracer_find.
     uint row = first.y;
     do {
         changed |= texelFetch(changed_cells, first_texel + int(row)) & columns;
@@ -166,7 +169,7 @@ void main() {
     uvec2 end = min(first + PICTURE_TILE, frame.size);
     uint rows = 0u;
     if (all(lessThan(first, push.changed_end)) && all(greaterThan(end, push.changed_first))) rows = rows_with_others(first);
-    vec2 depths = depths_of(first, end);
+    vec2 depths = depths_of(first);
     for (uint i = 0u; i < push.shadow_tile_count && depths.x <= depths.y; i++) {
         ChangedPart part = changed_parts.data[i];
         if (any(greaterThanEqual(part.first, part.end))) continue;
@@ -175,6 +178,6 @@ void main() {
         if (box_changed(first, end, depths, shadow_tile, part)) rows |= rows_changed(first, shadow_tile, part);
     }
     if (rows == 0u) return;
-    ADD_TILE(tile_list.data, 1u, place);
+    ADD_TILE(tile_list.data, TILES_PER_GROUP, place);
     tile_list.tiles[place] = pack_rows(tile, rows);
 }

@@ -10,7 +10,7 @@
 #include "direct.glsl"
 #include "picture_tiles.glsl"
 
-// A workgroup has a tile of the picture.
+// A workgroup has a tile of the picture, or as many of a list as a thread may have pixels.
 layout(local_size_x = PICTURE_TILE, local_size_y = PICTURE_TILE) in;
 
 // Whether only rows of the tiles of a list are lit, or all.
@@ -19,6 +19,10 @@ layout(constant_id = 0) const bool LISTED = false;
 // before they part.
 layout(constant_id = 1) const bool ONE_LIGHT = false;
 layout(constant_id = 2) const bool ONE_TILE = false;
+
+// Most pixels that a thread has of a list, one below the other in a tile, whose rows they divide. Twin: `TILES_PER_GROUP` in
+// changed_tiles.comp.
+layout(constant_id = 3) const uint ROWS = 1u;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -168,18 +172,7 @@ vec3 radiance_of(uvec2 id, ivec2 pixel) {
     return radiance;
 }
 
-void main() {
-    if (ONE_LIGHT) only_light = lights.data[0];
-    if (ONE_TILE) only_tile = shadow_tiles.data[0];
-    uvec2 tile = gl_WorkGroupID.xy;
-    if (LISTED) {
-        uint place = group_in_list();
-        if (place >= tile_list.data.count) return;
-        uint packed = tile_list.tiles[place];
-        if (!has_row(packed, gl_LocalInvocationID.y)) return;
-        tile = tile_of(packed);
-    }
-    ivec2 pixel = ivec2(tile * PICTURE_TILE + gl_LocalInvocationID.xy);
+void light(ivec2 pixel) {
     if (any(greaterThanEqual(pixel, ivec2(frame.size)))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec4 result = vec4(frame.background.rgb, NOTHING);
@@ -187,4 +180,29 @@ void main() {
     // What a list holds is mostly as it was, and to write costs CPU drivers more than to compare.
     if (LISTED && result == imageLoad(direct, pixel)) return;
     imageStore(direct, pixel, result);
+}
+
+void light_listed() {
+    // The first of the thread's rows, counted from the workgroup's.
+    uint first_row = gl_LocalInvocationID.y * ROWS;
+    uint place = group_in_list() * ROWS + first_row / PICTURE_TILE;
+    if (place >= tile_list.data.count) return;
+    uint packed = tile_list.tiles[place];
+    uvec2 first = tile_of(packed) * PICTURE_TILE + uvec2(gl_LocalInvocationID.x, first_row % PICTURE_TILE);
+    uint rows = rows_of(packed) >> (first_row % PICTURE_TILE) & ((1u << ROWS) - 1u);
+    if (rows == 0u) return;
+    do {
+        light(ivec2(first + uvec2(0u, findLSB(rows))));
+        rows &= rows - 1u;
+    } while (rows != 0u);
+}
+
+void main() {
+    if (ONE_LIGHT) only_light = lights.data[0];
+    if (ONE_TILE) only_tile = shadow_tiles.data[0];
+    if (LISTED) {
+        light_listed();
+    } else {
+        light(ivec2(gl_GlobalInvocationID.xy));
+    }
 }

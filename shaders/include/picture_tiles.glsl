@@ -7,4 +7,4 @@ const uint PICTURE_TILE = 8u;
 // A tile in a list, with its rows as bits. Pictures are so small that twelve bits do for a column or row of tiles.
 uint pack_rows(uvec2 tile, uint rows) { return tile.x | tile.y << 12 | rows << 24; }
 uvec2 tile_of(uint packed) { return uvec2(packed & 0xfffu, packed >> 12 & 0xfffu); }
-bool has_row(uint packed, uint row) { return (packed >> (24u + row) & 1u) != 0u; }
+uint rows_of(uint packed) { return packed >> 24; }

@@ -74,18 +74,23 @@ fn ones(shadows: &Shadows<'_>) -> usize {
 impl DirectShadingPass {
     /// Makes the pipelines and the image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        // Of most listed tiles only some rows are lit again, and CPU devices start threads that have nothing to do too.
+        let tiles_per_group = if device.is_cpu() { TILE } else { 1 };
         let shade = |listed| {
             let spirv = shaders::DIRECT_SHADING_COMP;
             let pipeline = |[one_light, one_tile]: [u32; 2]| {
-                ComputePipeline::specialised(device, "direct_shading", spirv, &[listed, one_light, one_tile])
+                let constants = [listed, one_light, one_tile, tiles_per_group];
+                ComputePipeline::specialised(device, "direct_shading", spirv, &constants)
             };
             ONES.into_iter().map(pipeline).collect::<Result<Vec<_>, _>>()
         };
-        let pipelines = Pipelines {
-            find_changed: ComputePipeline::new(device, "changed_tiles", shaders::CHANGED_TILES_COMP)?,
-            shade_all: shade(0)?,
-            shade_listed: shade(1)?,
-        };
+        let find_changed = ComputePipeline::specialised(
+            device,
+            "changed_tiles",
+            shaders::CHANGED_TILES_COMP,
+            &[tiles_per_group],
+        )?;
+        let pipelines = Pipelines { find_changed, shade_all: shade(0)?, shade_listed: shade(1)? };
         Self::of(device, Arc::new(pipelines), extent)
     }
 
