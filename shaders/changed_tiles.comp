@@ -53,14 +53,18 @@ const uint MOST_ROWS = 8u;
 
 bool is_within(uvec2 pixel, uvec2 first, uvec2 end) { return all(greaterThanEqual(pixel, first)) && all(lessThan(pixel, end)); }
 
+// The pixels of a tile one by one; what lies beyond the picture's edges is the last within.
+uvec2 pixel_of_tile(uvec2 corner, uint place) {
+    return min(corner + uvec2(place % PICTURE_TILE, place / PICTURE_TILE), frame.size - 1u);
+}
+
 // Least and greatest view depth of a tile's surfaces; the least is greater where there are none.
 vec2 depths_of(uvec2 corner) {
     vec2 depths = vec2(1e38, 0.0);
     // Here and below, loops ask at their end whether to go on: see tracer_find.
     uint place = 0u;
     do {
-        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
-        float depth = imageLoad(gbuffer_depth, ivec2(min(corner + at, frame.size - 1u))).r;
+        float depth = imageLoad(gbuffer_depth, ivec2(pixel_of_tile(corner, place))).r;
         depths = vec2(min(depths.x, depth > 0.0 ? depth : 1e38), max(depths.y, depth));
     } while (++place < PICTURE_TILE * PICTURE_TILE);
     return depths;
@@ -134,13 +138,12 @@ uint rows_changed(uvec2 corner, ShadowTile tile, ChangedPart part) {
     uint rows = 0u;
     uint place = 0u;
     do {
-        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
-        ivec2 pixel = ivec2(min(corner + at, frame.size - 1u));
+        ivec2 pixel = ivec2(pixel_of_tile(corner, place));
         float depth = imageLoad(gbuffer_depth, pixel).r;
         vec4 clip = tile.view_projection * vec4(position_at(pixel, depth), 1.0);
         vec3 texel = texel_of_clip(tile, clip);
         bool changed = depth > 0.0 && clip.w > 0.0 && changed_between(tile, part, texel, texel);
-        rows |= changed ? 1u << at.y : 0u;
+        rows |= changed ? 1u << (place / PICTURE_TILE) : 0u;
     } while (++place < PICTURE_TILE * PICTURE_TILE);
     return rows;
 }
@@ -150,12 +153,11 @@ uint rows_with_others(uvec2 corner) {
     uint rows = 0u;
     uint place = 0u;
     do {
-        uvec2 at = uvec2(place % PICTURE_TILE, place / PICTURE_TILE);
-        uvec2 pixel = min(corner + at, frame.size - 1u);
+        uvec2 pixel = pixel_of_tile(corner, place);
         bool anew = is_within(pixel, push.anew_first, push.anew_end);
         uint now = texelFetch(gbuffer_instance, ivec2(pixel), 0).y;
         bool other = anew || (now & MAY_MOVE) != 0u || imageLoad(direct, ivec2(pixel)).a == MOVER;
-        rows |= other && is_within(pixel, push.changed_first, push.changed_end) ? 1u << at.y : 0u;
+        rows |= other && is_within(pixel, push.changed_first, push.changed_end) ? 1u << (place / PICTURE_TILE) : 0u;
     } while (++place < PICTURE_TILE * PICTURE_TILE);
     return rows;
 }

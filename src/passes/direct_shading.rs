@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use super::direct_shadows::{Change, ChangedParts, Shadows};
 use super::gbuffer::Surfaces;
 use super::scene_buffers::SceneBuffers;
-use super::{storage_image, tile_list, to_u32};
+use super::{rows_of_thread, storage_image, tile_list, to_u32};
 use crate::vulkan::{
     Area, Buffer, ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -74,22 +74,18 @@ fn ones(shadows: &Shadows<'_>) -> usize {
 impl DirectShadingPass {
     /// Makes the pipelines and the image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        // Of most listed tiles only some rows are lit again, and CPU devices start threads that have nothing to do too.
-        let tiles_per_group = if device.is_cpu() { TILE } else { 1 };
+        // Of most listed tiles only some rows are lit again. A workgroup takes as many tiles as its threads have rows.
+        let rows = rows_of_thread(device);
         let shade = |listed| {
             let spirv = shaders::DIRECT_SHADING_COMP;
             let pipeline = |[one_light, one_tile]: [u32; 2]| {
-                let constants = [listed, one_light, one_tile, tiles_per_group];
+                let constants = [listed, one_light, one_tile, rows];
                 ComputePipeline::specialised(device, "direct_shading", spirv, &constants)
             };
             ONES.into_iter().map(pipeline).collect::<Result<Vec<_>, _>>()
         };
-        let find_changed = ComputePipeline::specialised(
-            device,
-            "changed_tiles",
-            shaders::CHANGED_TILES_COMP,
-            &[tiles_per_group],
-        )?;
+        let find_changed =
+            ComputePipeline::specialised(device, "changed_tiles", shaders::CHANGED_TILES_COMP, &[rows])?;
         let pipelines = Pipelines { find_changed, shade_all: shade(0)?, shade_listed: shade(1)? };
         Self::of(device, Arc::new(pipelines), extent)
     }
