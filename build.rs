@@ -1,4 +1,4 @@
-//! Compiles every shader of `shaders/` to SPIR-V and tells the crate which commit it is.
+//! Compiles every shader of `shaders/` to SPIR-V and sets `GLOWWORM_COMMIT`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -11,15 +11,15 @@ use glslang::{
     VulkanVersion,
 };
 
-/// Finds `#include "x"` in `shaders/include/`.
+/// Finds `#include "x"` in `shaders/include/` or beside the shader.
 struct Includes {
-    root: PathBuf,
+    folders: [PathBuf; 2],
 }
 
 impl IncludeHandler for Includes {
     fn include(&mut self, _: IncludeType, name: &str, _: &str, _: usize) -> Option<IncludeResult> {
-        let data = std::fs::read_to_string(self.root.join(name)).ok()?;
-        // The line directive makes messages name the included file.
+        let data = self.folders.iter().find_map(|folder| std::fs::read_to_string(folder.join(name)).ok())?;
+        // The #line directive makes messages name the included file.
         let data = format!("#line 1 \"{name}\"\n{data}\n");
         Some(IncludeResult { name: name.to_owned(), data })
     }
@@ -29,14 +29,14 @@ fn main() {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("set by cargo"));
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("set by cargo"));
     compile_shaders(&root.join("shaders"), &out);
-    tell_commit(&root);
+    set_commit(&root);
 }
 
 fn compile_shaders(folder: &Path, out: &Path) {
     println!("cargo:rerun-if-changed={}", folder.display());
     let mut rust = String::new();
     let mut failed = false;
-    for path in files(folder).into_iter().chain(files(&folder.join("test"))) {
+    for path in files(folder) {
         let Some(stage) = stage_of(&path) else { continue };
         let name = path.file_name().expect("a file").to_string_lossy().into_owned();
         match compile_variants(&path, stage, &folder.join("include"), &out.join(&name)) {
@@ -55,9 +55,11 @@ fn compile_shaders(folder: &Path, out: &Path) {
     std::fs::write(out.join("shaders.rs"), rust).expect("OUT_DIR is writable");
 }
 
+/// All files in a folder, recursively.
 fn files(folder: &Path) -> BTreeSet<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return BTreeSet::new() };
-    entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.is_file()).collect()
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    paths.flat_map(|path| if path.is_dir() { files(&path) } else { BTreeSet::from([path]) }).collect()
 }
 
 fn stage_of(path: &Path) -> Option<ShaderStage> {
@@ -69,11 +71,11 @@ fn stage_of(path: &Path) -> Option<ShaderStage> {
     }
 }
 
-/// Compiles a shader, one that traces rays once for each tracer. Gives type and value of its constant.
+/// Compiles a shader; one that traces rays, once for each tracer. Returns type and value of its constant.
 fn compile_variants(path: &Path, stage: ShaderStage, include: &Path, out: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let compile_to = |text: String, extension: &str| {
-        let words = compile(text, stage, include)?;
+        let words = compile(text, stage, [include, path.parent().unwrap_or(include)])?;
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let target = out.with_added_extension(extension);
         std::fs::write(&target, bytes).expect("OUT_DIR is writable");
@@ -82,14 +84,14 @@ fn compile_variants(path: &Path, stage: ShaderStage, include: &Path, out: &Path)
     if !text.contains("#include \"tracer.glsl\"") {
         return Ok(format!("&[u8] = {}", compile_to(text, "spv")?));
     }
-    let (version, rest) = text.split_once('\n').ok_or("a shader begins with its #version")?;
+    let (version, rest) = text.split_once('\n').ok_or("a shader must begin with #version")?;
     let hardware = "#extension GL_EXT_ray_query : require\n#define TRACER_HARDWARE\n#line 2";
     let hardware = compile_to(format!("{version}\n{hardware}\n{rest}"), "hardware.spv")?;
     let software = compile_to(text, "software.spv")?;
     Ok(format!("PerTracer = PerTracer {{ software: {software}, hardware: {hardware} }}"))
 }
 
-fn compile(text: String, stage: ShaderStage, include: &Path) -> Result<Vec<u32>, String> {
+fn compile(text: String, stage: ShaderStage, folders: [&Path; 2]) -> Result<Vec<u32>, String> {
     let compiler = Compiler::acquire().ok_or("glslang did not start")?;
     let options = CompilerOptions {
         source_language: SourceLanguage::GLSL,
@@ -97,7 +99,7 @@ fn compile(text: String, stage: ShaderStage, include: &Path) -> Result<Vec<u32>,
         target: Target::Vulkan { version: VulkanVersion::Vulkan1_2, spirv_version: SpirvVersion::SPIRV1_5 },
         ..CompilerOptions::default()
     };
-    let mut includes = Includes { root: include.to_owned() };
+    let mut includes = Includes { folders: folders.map(Path::to_owned) };
     let source = ShaderSource::from(text);
     let no_defines: Option<&[(&str, Option<&str>)]> = None;
     let input = ShaderInput::new(&source, stage, &options, no_defines, Some(&mut includes))
@@ -115,7 +117,7 @@ fn report(path: &Path, message: &str) {
     }
 }
 
-fn tell_commit(root: &Path) {
+fn set_commit(root: &Path) {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())

@@ -1,11 +1,11 @@
 # shellcheck shell=bash
-# A Python environment of our own with packages from PyPI. To be sourced after setup.sh.
+# A private Python environment with packages from PyPI. To be sourced after setup.sh.
 #
 #     python="$(python_environment metrics numpy==2.4.6 scikit-image==0.26.0)" || exit 1
 #     "$python" script.py
 
-# Makes the environment NAME with exactly these packages, unless it is there already, and prints the path
-# of its Python. Environments lie in ~/.cache/glowworm/python and may be deleted at any time.
+# Creates the environment NAME with exactly these packages, unless it exists, and prints the path of its Python.
+# Environments are in ~/.cache/glowworm/python and may be deleted at any time.
 python_environment() { # NAME PACKAGE==VERSION...
     local folder="${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/glowworm/python/$1" packages
     shift

@@ -1,4 +1,4 @@
-"""What scripts/results runs: measures, section by section, and writes docs/RESULTS.md from what was measured."""
+"""The program of scripts/results: measures section by section, and writes docs/RESULTS.md."""
 
 import argparse
 import json
@@ -27,7 +27,7 @@ SPEED_SPP = 144
 
 
 class Lab:
-    """Runs programs in one folder and keeps the figures of each section."""
+    """Runs programs in one folder and stores the figures of each section."""
 
     def __init__(self, root, folder):
         self.root = root
@@ -57,7 +57,7 @@ class Lab:
         return json.loads(report.read_text())
 
     def truth(self, scene, size, spp, *options):
-        """The path tracer's picture with paths from the middles of pixels, made once for each set of options."""
+        """The path tracer's picture with paths through pixel centres, rendered once for each set of options."""
         name = "-".join([Path(scene).stem, size, str(spp), *map(str, options)]).replace("/", "_")
         picture = self.folder / f"truth-{name}.exr"
         if not picture.exists():
@@ -186,7 +186,7 @@ def temporal(lab):
 
 
 def speed(lab):
-    """Seconds of the path tracer and of Mitsuba's variants, in turns."""
+    """Seconds of the path tracer and of Mitsuba's variants, alternating."""
     rows = []
     for variant in ["scalar_rgb", "llvm_ad_rgb"]:
         for scene in ["sponza", "conference"]:

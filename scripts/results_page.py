@@ -1,4 +1,4 @@
-"""Puts docs/RESULTS.md together from the figures in docs/results."""
+"""Generates docs/RESULTS.md from the figures in docs/results."""
 
 import json
 
@@ -113,7 +113,7 @@ def speed(figures, _):
     head = ["scene", "Mitsuba's variant", "glowworm, s", "Mitsuba, s", "times as fast", "of three runs"]
     return f"""## Speed of the path tracer
 
-`glowworm reference` and Mitsuba in turns, {figures['size']}, {figures['spp']} samples a pixel, 2 bounces, {figures['cores']} cores, without loading.
+`glowworm reference` and Mitsuba alternating, {figures['size']}, {figures['spp']} samples per pixel, 2 bounces, {figures['cores']} cores, without loading.
 
 {table(head, rows)}
 """
@@ -145,7 +145,7 @@ SECTIONS = [mitsuba, truth, clamp, convergence, temporal, speed, metrics]
 
 
 def write(root):
-    """Writes the page from the figures that are there."""
+    """Writes the page from the available figures."""
     folder = root / "docs" / "results"
     parts = ["""# Results
 

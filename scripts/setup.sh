@@ -1,10 +1,10 @@
 # shellcheck shell=bash
-# What ./glowworm, ./test and .ci/run need on a bare machine. To be sourced; changes nothing by itself.
+# Dependencies of ./glowworm, ./test and .ci/run on a bare machine. To be sourced; changes nothing by itself.
 #
 #     need_build_tools; need_vulkan; install_missing
 #
-# Each need_* looks whether something is there and otherwise notes the Debian package that brings it;
-# install_missing then installs what was noted. Where nothing is missing nothing is run.
+# Each need_* checks for a dependency and, if it is missing, records its Debian package; install_missing then
+# installs the recorded packages, if any.
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 missing_packages=()
@@ -16,7 +16,7 @@ fail() {
     exit 1
 }
 
-# Notes that PACKAGE is missing and what for.
+# Records that PACKAGE is missing, and its purpose.
 miss() { # PACKAGE REASON
     if [ ${#missing_packages[@]} -eq 0 ]; then
         say "this machine lacks:"
@@ -47,7 +47,7 @@ need_vulkan() {
     has_vulkan_driver || miss mesa-vulkan-drivers "Vulkan drivers, among them one for the CPU (no driver was found)"
 }
 
-# Libraries that the window loads when it opens. Without them the program still runs, without a window.
+# Libraries that the window loads at run time. Without them the program still runs, without a window.
 need_window_libraries() {
     has_library libX11.so.6 || miss libx11-6 "X11, for the window"
     has_library libX11-xcb.so.1 || miss libx11-xcb1 "X11, for the window"
@@ -57,7 +57,7 @@ need_window_libraries() {
     has_library libxkbcommon-x11.so.0 || miss libxkbcommon-x11-0 "keyboard layouts, for the window"
 }
 
-# What opens windows without a screen and moves the mouse in them, for the tests of the window.
+# A virtual X server and input tools, for the tests of the window.
 need_window_tests() {
     need_window_libraries
     need_command Xvfb xvfb "X server without a screen, for the tests of the window"
@@ -73,21 +73,21 @@ need_validation_layers() {
 
 has_vulkan_loader() { has_library libvulkan.so.1; }
 
-# Whether programs find this library.
+# Whether the dynamic linker finds this library.
 has_library() { # FILE
     has_file_in "$1" "${LD_LIBRARY_PATH:-}" && return
-    # Into a variable: grep -q would close the pipe early, which pipefail takes for a failure.
+    # Into a variable: grep -q would close the pipe early, which fails under pipefail.
     local known
     known="$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null)" || known=
     [[ $known == *"$1"* ]] || has_file_in "$1" /usr/lib:/usr/lib64:/usr/local/lib
 }
 
 has_vulkan_driver() {
-    # Whoever names drivers in the environment gets those, and no others in their place.
+    # Drivers named in the environment are used as they are.
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] || has_file_in 'vulkan/icd.d/*.json' "$(vulkan_folders)"
 }
 
-# Where the Vulkan loader looks for drivers and layers.
+# The search path of the Vulkan loader for drivers and layers.
 vulkan_folders() {
     printf '%s' "${XDG_CONFIG_HOME:-${HOME:-}/.config}:${XDG_CONFIG_DIRS:-/etc/xdg}:/etc:"
     printf '%s' "${XDG_DATA_HOME:-${HOME:-}/.local/share}:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}:/usr/share"
@@ -107,13 +107,13 @@ has_file_in() { # PATTERN FOLDERS
     return 1
 }
 
-# Installs what was noted: as root or in CI straight away, else with sudo after asking. Returns 1,
-# having said what to do, where it cannot.
+# Installs the recorded packages: as root or in CI at once, else with sudo after asking. If it cannot, prints what
+# to do and returns 1.
 install_missing() {
     [ ${#missing_packages[@]} -eq 0 ] && return
     local as_root=() install=(apt-get install -y --no-install-recommends "${missing_packages[@]}")
     if ! command -v apt-get >/dev/null; then
-        say "that is how Debian and Ubuntu call it; install the like of it for this system"
+        say "these are package names of Debian and Ubuntu; install the equivalents for this system"
         return 1
     fi
     if [ "$(id -u)" -ne 0 ]; then
@@ -130,7 +130,7 @@ install_missing() {
     say "installing: ${missing_packages[*]}"
     missing_packages=()
     {
-        "${as_root[@]}" apt-get update -qq || say "apt-get update failed; going on with the old lists"
+        "${as_root[@]}" apt-get update -qq || say "apt-get update failed; using the old package lists"
         "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}" -qq -o Dpkg::Use-Pty=0
     } </dev/null >&2 || {
         say "error: apt-get could not install it (see above)"

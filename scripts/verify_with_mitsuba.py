@@ -60,7 +60,7 @@ def arguments(root):
 
 
 def working_variant():
-    """Tried in a process of its own: an LLVM that does not suit ends it."""
+    """Tried in a separate process: an unsuitable LLVM aborts it."""
     trial = ("import mitsuba as mi; mi.set_variant('llvm_ad_rgb'); "
              "print(mi.render(mi.load_dict(mi.cornell_box()), spp=1))")
     works = subprocess.run([sys.executable, "-c", trial], capture_output=True).returncode == 0
@@ -118,7 +118,7 @@ class Bench:
 
 
 def without_highlights(assets, folder):
-    """A copy of the assets by links, with material files of which Ks is 0."""
+    """A copy of the assets by links, with Ks = 0 in the material files."""
     for path in assets.rglob("*"):
         copy = folder / path.relative_to(assets)
         if path.is_dir():

@@ -1,11 +1,11 @@
-//! Pictures for training and testing denoisers, in the layout of the data set that BMFR came with (Koskela et al.,
+//! Pictures for training and testing denoisers, in the layout of BMFR's data set (Koskela et al.,
 //! *Blockwise Multi-Order Feature Regression for Real-Time Path-Tracing Reconstruction*, ACM TOG 2019).
 //!
-//! In: a scene and a number of frames. Out, for each frame f: `color{f}.exr`, one path a pixel, without the albedo of
-//! the visible surface; `albedo{f}.exr`, by which that is multiplied; `reference{f}.exr`, many paths a pixel, with
-//! albedo; `shading_normal{f}.exr`; `world_position{f}.exr`; and for all frames `camera_matrices.h`. All paths start in the
-//! middle of their pixels, so one surface point stands for each pixel in every picture. Where no surface is,
-//! normal and position are 0 and the albedo is 1.
+//! In: a scene and a number of frames. Out, for each frame f: `color{f}.exr`, one path a pixel, demodulated by the
+//! albedo of the visible surface; `albedo{f}.exr`, which modulates it; `reference{f}.exr`, many paths a pixel,
+//! with albedo; `shading_normal{f}.exr`; `world_position{f}.exr`; and for all frames `camera_matrices.h`. All
+//! camera rays go through pixel centres, so noise, features and reference of a pixel belong to one surface point.
+//! Where a camera ray misses, normal and position are 0 and the albedo is 1.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,22 +18,23 @@ use crate::output::{Layer, OutputError, OutputFile, Picture};
 use crate::reference::{Film, PixelFilter, Reference, ReferenceError, ReferenceSettings};
 use crate::scene::{Camera, Scene};
 
-/// Matrices, offsets and limits, as C.
+/// Camera matrices, pixel offsets and limits, as C.
 pub const MATRICES_FILE: &str = "camera_matrices.h";
-/// What the folder says about itself.
+/// Plan and progress of the folder, for `--resume`.
 pub const STATE_FILE: &str = "glowworm-dataset.json";
 
-/// Albedos below this are written as 1, so that light is never divided by next to nothing.
-const LEAST_ALBEDO: f32 = 1e-3;
-/// How far apart two points may be and still count as one surface when a denoiser looks back, of the scene's radius.
+/// Albedos below this are written as 1, so that demodulation does not divide by almost zero.
+const MIN_ALBEDO: f32 = 1e-3;
+/// Most distance between two positions that a denoiser's reprojection takes for one surface, as a fraction of the
+/// scene's radius.
 const POSITION_LIMIT: f32 = 0.005;
-/// The same of unit normals: the length of their difference.
+/// The same for unit normals: the length of their difference.
 const NORMAL_LIMIT: f32 = 0.5;
 
-/// Why there is no data set.
+/// Why a data set could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
-    /// The folder holds something else.
+    /// The folder holds something else or cannot be resumed.
     #[error("{path}: {reason}")]
     Folder {
         /// The folder, or a file in it.
@@ -47,8 +48,8 @@ pub enum DatasetError {
     /// The picture does not fit into memory.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// Somebody interrupted it.
-    #[error("interrupted after {done} of {frames} frames; --resume goes on")]
+    /// The run was stopped.
+    #[error("interrupted after {done} of {frames} frames; continue with --resume")]
     Interrupted {
         /// Frames that are complete.
         done: u32,
@@ -57,7 +58,7 @@ pub enum DatasetError {
     },
 }
 
-/// What decides the pictures.
+/// Everything that determines the pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DatasetPlan {
     /// Name of the scene.
@@ -77,7 +78,7 @@ pub struct DatasetPlan {
 }
 
 impl DatasetPlan {
-    /// What `other` has differently, by the name of its option.
+    /// The first difference from `other`, as the name of its option.
     fn difference(&self, other: &Self) -> Option<&'static str> {
         let pairs = [
             (self.scene == other.scene, "SCENE"),
@@ -92,7 +93,7 @@ impl DatasetPlan {
     }
 }
 
-/// A data set on its way.
+/// The content of [`STATE_FILE`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct State {
     #[serde(flatten)]
@@ -109,10 +110,10 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Begins in `folder`, which is new or empty; or goes on there with what an earlier run of the same plan has left.
+    /// Starts in `folder`, which must be new or empty, or with `resume` continues an earlier run of the same plan.
     ///
     /// # Errors
-    /// Where the folder holds anything else or cannot be made.
+    /// If the folder holds anything else or cannot be created.
     pub fn new(folder: &Path, plan: DatasetPlan, resume: bool) -> Result<Self, DatasetError> {
         let error = |path: &Path, reason: String| Err(DatasetError::Folder { path: path.to_owned(), reason });
         let mut state = State { plan, done: 0 };
@@ -123,13 +124,13 @@ impl Dataset {
             let earlier: State = match serde_json::from_slice(&text) {
                 Ok(earlier) => earlier,
                 Err(reason) => {
-                    return error(&file, format!("says nothing that can be understood ({reason})"));
+                    return error(&file, format!("is not a valid state file ({reason}); give another --out"));
                 }
             };
             if let Some(option) = earlier.plan.difference(&state.plan) {
                 return error(
                     folder,
-                    format!("was begun with another {option}; give the same one, or another --out"),
+                    format!("was started with another {option}; give the same value or another --out"),
                 );
             }
             state.done = earlier.done;
@@ -138,7 +139,7 @@ impl Dataset {
         {
             return error(
                 folder,
-                "is not empty; give a new folder, or --resume to go on with a data set".to_owned(),
+                "is not empty; give a new folder, or --resume to continue a data set".to_owned(),
             );
         }
         if !folder.is_dir() {
@@ -157,7 +158,7 @@ impl Dataset {
     /// Renders the next frame; false if all are complete. `advance` is called after every path of all pixels.
     ///
     /// # Errors
-    /// Where something cannot be written, or once `stop` is set.
+    /// If a file cannot be written, or once `stop` is set.
     pub fn next_frame(
         &mut self,
         scene: &Scene,
@@ -186,7 +187,7 @@ impl Dataset {
         };
         let mut noisy = reference.film()?;
         sample(&reference, &mut noisy)?;
-        // Another seed: the noise of the one picture is not in the other.
+        // Another seed keeps the noise of both pictures independent.
         reference.reseed(settings.seed.wrapping_add(1));
         let mut clean = reference.film()?;
         while clean.samples() < plan.spp {
@@ -206,7 +207,7 @@ impl Dataset {
         let albedo: Vec<[f32; 3]> = albedo
             .iter()
             .zip(&covered)
-            .map(|(albedo, covered)| albedo.map(|a| if *covered && a >= LEAST_ALBEDO { a } else { 1.0 }))
+            .map(|(albedo, covered)| albedo.map(|a| if *covered && a >= MIN_ALBEDO { a } else { 1.0 }))
             .collect();
         let demodulated =
             picture.colour.iter().zip(&albedo).map(|(colour, albedo)| divided(*colour, *albedo));
@@ -267,7 +268,7 @@ fn header(plan: &DatasetPlan, matrices: &[Mat4], radius: f32) -> String {
     text + "};\n"
 }
 
-/// Without an exponent, which not every reader of such files knows, and with a decimal point.
+/// Without an exponent, which not every parser of such files accepts, and with a decimal point.
 fn decimal(value: f32) -> String {
     let text = value.to_string();
     if text.contains('.') { text } else { text + ".0" }
@@ -277,7 +278,7 @@ fn divided(colour: [f32; 3], albedo: [f32; 3]) -> [f32; 3] {
     (Vec3::from(colour) / Vec3::from(albedo)).to_array()
 }
 
-/// Three channels side by side.
+/// The first three channels of a layer, interleaved.
 fn channels(layer: &Layer) -> Vec<[f32; 3]> {
     let channel = |index: usize| &layer.channels[index].1;
     (0..channel(0).len()).map(|at| [0, 1, 2].map(|index| channel(index)[at])).collect()

@@ -1,22 +1,22 @@
 //! glowworm: real-time global illumination by temporally interleaved instant radiosity.
 //!
-//! The house, from the bottom up (imports run downwards only):
+//! Modules, from the bottom up (imports run downwards only):
 //!
 //! - [`settings`]: every knob, one struct.
-//! - [`scene`]: what the world is; loading, animation, built-ins.
+//! - [`scene`]: meshes, materials, lights, camera, animation; loading, built-in scenes.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only code that the compiler cannot check.
-//! - [`vpl`]: virtual point lights: shoot, invalidate, replace; temporal sets.
-//! - [`statistics`]: what many measurements amount to.
-//! - [`report`]: what was measured of each frame.
-//! - [`output`]: pictures and reports on disk.
-//! - [`metrics`]: how far a picture is from its reference.
-//! - [`plot`]: numbers as pictures.
-//! - [`passes`]: the passes of the frame, one file each.
+//! - [`statistics`]: percentiles, spread and confidence of measurements.
+//! - [`report`]: the measurements of each frame.
+//! - [`output`]: writes pictures and reports.
+//! - [`metrics`]: errors of a picture against its reference.
+//! - [`plot`]: charts as PNG files.
+//! - [`passes`]: the passes that all methods share, one file each.
+//! - [`estimators`]: methods for indirect light; one folder each.
 //! - [`renderer`]: the frame itself.
 //! - [`mod@reference`]: the ground truth, by path tracing on the CPU.
-//! - [`dataset`]: pictures for denoisers.
-//! - [`export`]: scenes for another renderer.
+//! - [`dataset`]: noisy and converged pictures with features, for denoisers.
+//! - [`export`]: scenes for Mitsuba 3.
 //! - [`mod@bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
@@ -26,6 +26,7 @@ pub mod bvh;
 pub mod cli;
 pub mod dataset;
 pub mod demo;
+pub mod estimators;
 pub mod export;
 mod memory;
 pub mod metrics;
@@ -39,5 +40,4 @@ mod sampling;
 pub mod scene;
 pub mod settings;
 pub mod statistics;
-pub mod vpl;
 pub mod vulkan;

@@ -1,6 +1,4 @@
-//! Hints to the processor and the operating system about memory; nothing here changes what is computed.
-//!
-//! In: places that will be read soon, arrays that are read at random. Out: fewer waits for them.
+//! Huge pages and prefetching, against TLB and cache misses. Neither changes a result.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -8,8 +6,8 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use memmap2::{MmapMut, MmapOptions};
 
-/// An array that is read at random places: in large pages where the system has them, so that the processor
-/// need not look up where so many small ones lie. Copies share it.
+/// A shared array with random access, in huge pages where the system has them, which saves TLB misses. Clones share
+/// the memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Pages<T> {
     content: Arc<Content<T>>,
@@ -21,7 +19,7 @@ enum Content<T> {
         memory: MmapMut,
         bytes: usize,
     },
-    /// Where there is nothing to map, or it failed.
+    /// Fallback for an empty array or a failed mapping.
     Plain(Vec<T>),
 }
 
@@ -67,7 +65,7 @@ impl<T: Pod> Deref for Pages<T> {
     }
 }
 
-/// Asks for the cache lines of `value`, which will be read soon.
+/// Prefetches the cache lines of `value` into all cache levels.
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

@@ -1,42 +1,47 @@
-//! The frame of algorithm 1: three stages on the CPU, seven passes on the device.
+//! The frame of algorithm 1: update on the CPU, then the passes that all methods share, with the estimator's between.
 //!
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
 mod live;
-mod passes;
-mod paths;
 mod pick;
 mod picture;
 mod replay;
+mod shared;
 mod tracer_choice;
 mod tracer_speed;
 mod view;
 
-pub use paths::reason_colour;
+pub use crate::estimators::DebugView;
+pub use crate::passes::overlay::Line;
 pub use pick::{Picked, camera_ray};
 pub use replay::Replay;
 pub use tracer_choice::{remember_in, tracer_rates};
-pub use view::{BufferView, DebugView, Line, PathStyle};
 
+use std::any::Any;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bvh::TwoLevelBvh;
-use crate::passes::indirect_shadows::IndirectShadowsPass;
+use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
+use crate::passes::combine::CombineInputs;
+use crate::passes::direct_shading::DirectShadingInputs;
+use crate::passes::direct_shadows::{DirectShadowsInputs, lights_of};
+use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
-use crate::passes::set_history::DrawnSet;
 use crate::passes::structs::FrameUniforms;
+use crate::passes::to_u32;
 use crate::passes::tracer::Tracer;
-use crate::report::{FrameFigures, FrameReport, PASS_NAMES, PassTimes, TracerChoice};
-use crate::scene::{Camera, Light, LightKind, Pose, Scene};
+use crate::report::{
+    CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
+    TracerChoice,
+};
+use crate::scene::{Camera, Pose, Scene};
 use crate::settings::Settings;
-use crate::statistics::percentile;
-use crate::vpl::{CellFlux, SetVpls, SlotState, VplCounters, VplManager, World};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
-use passes::{PassInputs, Passes};
-use view::ViewOfFrame;
+use shared::SharedPasses;
+use view::{ViewFrame, ViewPasses};
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -65,8 +70,9 @@ pub struct Renderer {
     settings: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,
-    vpls: VplManager,
-    lengths: Lengths,
+    /// Of the scene's bounding sphere, world units.
+    radius: f32,
+    bvh_ms: f64,
     /// Of the last frame.
     uniforms: Option<FrameUniforms>,
     pending: VecDeque<Pending>,
@@ -76,19 +82,12 @@ pub struct Renderer {
     buffers: SceneBuffers,
     tracer: Tracer,
     tracer_choice: TracerChoice,
-    passes: Passes,
+    passes: SharedPasses,
+    estimator: Box<dyn Estimator>,
+    views: ViewPasses,
     // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
     frames: Frames,
     device: Arc<Device>,
-}
-
-/// How large the scene is.
-#[derive(Clone, Copy, Debug)]
-struct Lengths {
-    /// Radius of the bounding sphere, world units.
-    radius: f32,
-    /// A typical distance between surfaces that light each other, world units.
-    transport: f32,
 }
 
 /// A scene with what can be worked out without a device, on any thread.
@@ -96,25 +95,27 @@ struct Lengths {
 pub struct PreparedScene {
     pub(crate) scene: Arc<Scene>,
     pub(crate) bvh: TwoLevelBvh,
-    transport: Option<f32>,
+    bvh_ms: f64,
 }
 
-/// Which pairs of pixel and VPL get a ray.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Culling {
-    /// Bound c of the geometry term, 1/m^2; 0: none.
-    pub(crate) geometry_bound: f32,
-    /// One over the irradiance below which a VPL gets only some of its rays.
-    pub(crate) roulette: f32,
+/// Makes an estimator for a renderer.
+pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
+
+/// A frame on its way.
+struct Pending {
+    frame: u64,
+    cpu_ms: Vec<f64>,
+    counters: Counters,
 }
 
 impl PreparedScene {
     /// Builds the BVH; takes a second or so for a million triangles.
     pub fn new(scene: &Arc<Scene>) -> Self {
-        let rest = scene.pose(0.0);
-        let bvh = TwoLevelBvh::build(scene, &rest.instances);
-        let transport = transport_length(World { scene, pose: &rest, bvh: &bvh });
-        Self { scene: Arc::clone(scene), bvh, transport }
+        let begun = Instant::now();
+        let bvh = TwoLevelBvh::build(scene, &scene.pose(0.0).instances);
+        let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
+        log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
+        Self { scene: Arc::clone(scene), bvh, bvh_ms }
     }
 
     /// Its BVH, of the scene at rest.
@@ -122,44 +123,14 @@ impl PreparedScene {
         &self.bvh
     }
 
-    /// How large the scene is.
-    fn lengths(&self) -> Lengths {
-        let (low, high) = self.bvh.bounds();
-        let radius = (high - low).length() * 0.5;
-        Lengths { radius, transport: self.transport.unwrap_or(radius) }
+    /// How long building the BVH took, milliseconds.
+    pub fn bvh_ms(&self) -> f64 {
+        self.bvh_ms
     }
-
-    /// What decides on rays where all VPLs together have that luminous flux.
-    pub(crate) fn culling(&self, settings: &Settings, flux: f32) -> Culling {
-        let Lengths { transport, .. } = self.lengths();
-        Culling {
-            geometry_bound: geometry_bound(settings, transport),
-            roulette: roulette(settings, typical_irradiance(flux, transport)),
-        }
-    }
-}
-
-/// What the CPU's stages give to the device's passes, and what they cost.
-struct IndirectLights {
-    vpls: SetVpls,
-    flux: CellFlux,
-    drawn: DrawnSet,
-    /// One over the irradiance below which a VPL gets only some of its rays.
-    roulette: f32,
-    cpu_ms: [f64; 3],
-    counts: VplCounters,
-}
-
-/// A frame on its way.
-struct Pending {
-    frame: u64,
-    cpu_ms: [f64; 3],
-    vpls: VplCounters,
 }
 
 impl Renderer {
-    /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, and shoots
-    /// all VPLs for the scene as it stands in `pose`.
+    /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, as it stands in `pose`.
     pub fn new(
         device: &Arc<Device>,
         scene: &Arc<Scene>,
@@ -176,31 +147,48 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
-        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
-        let mut prepared = prepared;
-        prepared.bvh.update(&pose.instances);
-        let lengths = prepared.lengths();
-        let PreparedScene { scene, bvh, .. } = prepared;
-        let scene = &scene;
-        let vpls = VplManager::new(World { scene, pose, bvh: &bvh }, settings);
+        Self::with_estimator(device, prepared, settings, pose, &estimators::make)
+    }
 
-        let buffers = SceneBuffers::new(device, scene)?;
+    /// The same with an estimator of the caller's, until the setting `indirect` changes.
+    pub fn with_estimator(
+        device: &Arc<Device>,
+        prepared: PreparedScene,
+        settings: &Settings,
+        pose: &Pose,
+        make: &MakeEstimator<'_>,
+    ) -> Result<Self, RenderError> {
+        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
+        let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
+        bvh.update(&pose.instances);
+        let (low, high) = bvh.bounds();
+        let radius = (high - low).length() * 0.5;
+        let estimator = make(&EstimatorContext {
+            device,
+            tracer: tracer_choice.used,
+            settings,
+            world: World { scene: &scene, pose, bvh: &bvh },
+            scene_radius: radius,
+        })?;
+        let buffers = SceneBuffers::new(device, &scene)?;
         Ok(Self {
             tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
-            tracer_choice,
-            passes: Passes::new(device, tracer_choice.used, &buffers, settings, scene.instances.len())?,
+            passes: SharedPasses::new(device, tracer_choice.used, &buffers, settings.size)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
-            scene: Arc::clone(scene),
             settings: settings.clone(),
             view: DebugView::default(),
-            bvh,
-            vpls,
-            lengths,
+            views: ViewPasses::default(),
+            bvh_ms,
             uniforms: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
             frame_count: 0,
+            scene,
+            bvh,
+            radius,
+            estimator,
+            tracer_choice,
             buffers,
         })
     }
@@ -210,102 +198,124 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        let scene = Arc::clone(&self.scene);
-        let lights = self.update(&scene, pose);
-        let uniforms = self.uniforms(pose);
-        let world = World { scene: &scene, pose, bvh: &self.bvh };
-        let view = ViewOfFrame::new(&self.view, &self.vpls, world, self.settings.size);
+        let pending = self.update(pose);
+        let lights = lights_of(pose);
+        let uniforms = self.frame_uniforms(pose, lights.len());
 
+        // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
-            self.reports.extend(report(&mut self.pending, &times));
+            self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
         }
         self.tracer.update(&mut frame, &self.bvh)?;
-        let instances = self.buffers.upload_instances(&mut frame, &scene, pose)?;
-        let uniforms = FrameUniforms {
-            irradiance_scale: lights.drawn.irradiance_scale,
-            roulette: lights.roulette,
-            ..uniforms
-        };
-        self.uniforms = Some(uniforms);
-        let inputs = PassInputs {
-            settings: &self.settings,
-            scene: &self.buffers,
-            tracer: &self.tracer,
-            pose,
+        let instances = &self.buffers.upload_instances(&mut frame, &self.scene, pose)?;
+        let uploaded_lights = &frame.upload(&lights)?;
+        let frame_uniforms = &frame.upload(&[uniforms])?;
+        let (tracer, buffers) = (&self.tracer, &self.buffers);
+
+        // Draw the visible surfaces and their direct light.
+        let gbuffer = self.passes.gbuffer.record(
+            &mut frame,
+            &GBufferInputs {
+                frame: frame_uniforms,
+                instances,
+                scene: buffers,
+                tracer,
+                pose,
+                view_projection: uniforms.view_projection,
+            },
+        )?;
+        self.passes.direct_shadows.record(
+            &mut frame,
+            &DirectShadowsInputs {
+                frame: frame_uniforms,
+                gbuffer,
+                tracer,
+                instances: instances.version,
+                lights: &lights,
+                uploaded_lights,
+            },
+        )?;
+        let direct_shadows = &self.passes.direct_shadows;
+        let direct = self.passes.direct_shading.record(
+            &mut frame,
+            &DirectShadingInputs {
+                frame: frame_uniforms,
+                gbuffer,
+                lights: uploaded_lights,
+                visibility: direct_shadows.output(),
+                visibility_version: direct_shadows.version(),
+                scene: buffers,
+                instances,
+            },
+        )?;
+
+        // Estimate their indirect light, and join both.
+        let inputs = EstimatorInputs { frame: frame_uniforms, gbuffer, instances, tracer, pose };
+        self.estimator.record(&mut frame, &inputs)?;
+        let irradiance = self.estimator.irradiance();
+        let display = self.passes.combine.record(
+            &mut frame,
+            &CombineInputs {
+                frame: frame_uniforms,
+                direct,
+                irradiance,
+                albedo: &gbuffer.albedo,
+                exposure: self.settings.exposure,
+            },
+        )?;
+
+        // Show something else in place of the picture, or over it.
+        let shown = ViewFrame {
+            view: &self.view,
+            inputs: &inputs,
+            scene: buffers,
+            direct_shadows: direct_shadows.output(),
+            direct,
             bounds: self.bvh.bounds(),
-            view_projection: uniforms.view_projection,
-            frame: frame.upload(&[uniforms])?,
-            instances,
-            vpls: &lights.vpls,
-            drawn: lights.drawn,
-            set_flux: &lights.flux.sets,
-            class_flux: &lights.flux.classes,
-            view,
+            exposure: self.passes.combine.exposure(),
+            display,
         };
-        self.passes.record(&mut frame, &inputs)?;
+        self.views.record(&mut frame, &*self.estimator, &shown)?;
+        if let Some(counters) = self.estimator.device_counters() {
+            frame.read_back(counters);
+        }
         frame.submit()?;
 
-        self.pending.push_back(Pending {
-            frame: self.frame_count,
-            cpu_ms: lights.cpu_ms,
-            vpls: lights.counts,
-        });
+        self.uniforms = Some(uniforms);
+        self.pending.push_back(pending);
         self.frame_count += 1;
         Ok(())
     }
 
-    /// What the passes want to know of the view; the set is the caller's business.
-    fn uniforms(&self, pose: &Pose) -> FrameUniforms {
-        let Settings { size, interleave, position_cutoff, .. } = self.settings;
+    /// The frame's work on the CPU, while the device draws the frame before.
+    fn update(&mut self, pose: &Pose) -> Pending {
+        let begun = Instant::now();
+        self.bvh.update(&pose.instances);
+        let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
+        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }));
+        Pending { frame: self.frame_count, cpu_ms, counters: self.estimator.counters() }
+    }
+
+    fn frame_uniforms(&self, pose: &Pose, light_count: usize) -> FrameUniforms {
+        let size = self.settings.size;
         let camera = &pose.camera;
         // Near and far swapped: reversed depth keeps its precision far away.
         let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
         let aspect = size[0] as f32 / size[1] as f32;
         let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
         let [ray, ray_x, ray_y] = camera.pixel_rays(aspect).map(|ray| ray.extend(0.0));
-        let has_shadow_map = |light: &&Light| !matches!(light.kind, LightKind::Area { .. });
         FrameUniforms {
             view_projection,
             previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
-            eye: camera.eye.extend(self.lengths.radius),
-            background: self.scene.background.extend(self.geometry_bound()),
+            eye: camera.eye.extend(self.radius),
+            background: self.scene.background.extend(0.0),
             ray,
             ray_x,
             ray_y,
             size,
-            interleave,
-            light_count: u32::try_from(pose.lights.iter().filter(has_shadow_map).count()).unwrap_or(u32::MAX),
-            position_cutoff,
-            depth_scale: power_of_two_near(self.lengths.radius).recip(),
-            ..FrameUniforms::default()
-        }
-    }
-
-    /// Bound c of the geometry term, 1/m^2; 0: none.
-    fn geometry_bound(&self) -> f32 {
-        geometry_bound(&self.settings, self.lengths.transport)
-    }
-
-    /// The CPU's three stages, while the device is busy with the frame before.
-    fn update(&mut self, scene: &Scene, pose: &Pose) -> IndirectLights {
-        let set = u32::try_from(self.frame_count % u64::from(self.settings.temporal_sets)).unwrap_or(0);
-        let (_, bvh_update) = timed(|| self.bvh.update(&pose.instances));
-        let world = World { scene, pose, bvh: &self.bvh };
-        let (_, vpl_invalidation) = timed(|| self.vpls.invalidate(world));
-        let ((vpls, flux), vpl_replacement) = timed(|| {
-            self.vpls.replace(world);
-            (self.vpls.set_vpls(world, set), self.vpls.flux_by_cell())
-        });
-        let typical = typical_irradiance(flux.sets.iter().sum(), self.lengths.transport);
-        let irradiance_scale = power_of_two_near(typical).recip();
-        IndirectLights {
-            vpls,
-            flux,
-            drawn: DrawnSet { set, irradiance_scale },
-            roulette: roulette(&self.settings, typical),
-            cpu_ms: [bvh_update, vpl_invalidation, vpl_replacement],
-            counts: self.vpls.counters(),
+            light_count: to_u32(light_count),
+            pad0: 0,
         }
     }
 
@@ -314,17 +324,32 @@ impl Renderer {
         std::mem::take(&mut self.reports)
     }
 
+    /// Waits for all frames and gives the reports that were not given yet, in order.
+    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
+        for times in self.frames.finish()? {
+            self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
+        }
+        Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// The passes of a frame, in order.
+    pub fn pass_infos(&self) -> Vec<PassInfo> {
+        frame_passes(&*self.estimator).copied().collect()
+    }
+
+    /// How long building the BVH took, milliseconds.
+    pub fn bvh_ms(&self) -> f64 {
+        self.bvh_ms
+    }
+
     /// The BVH of the world as the last frame showed it.
     pub fn bvh(&self) -> &TwoLevelBvh {
         &self.bvh
     }
 
-    /// Waits for all frames and gives the reports that were not given yet, in order.
-    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
-        for times in self.frames.finish()? {
-            self.reports.extend(report(&mut self.pending, &times));
-        }
-        Ok(std::mem::take(&mut self.reports))
+    /// The world as the last frame showed it, but for `pose`.
+    pub(crate) fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
+        World { scene: &self.scene, pose, bvh: &self.bvh }
     }
 
     /// The tracer in use.
@@ -332,9 +357,10 @@ impl Renderer {
         self.tracer_choice
     }
 
-    /// The VPLs as they are now.
-    pub fn vpls(&self) -> &VplManager {
-        &self.vpls
+    /// The estimator, if it is of this kind.
+    pub fn estimator<Kind: Estimator>(&self) -> Option<&Kind> {
+        let estimator: &dyn Any = &*self.estimator;
+        estimator.downcast_ref()
     }
 }
 
@@ -345,63 +371,28 @@ impl Drop for Renderer {
     }
 }
 
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let start = Instant::now();
-    let result = work();
-    (result, start.elapsed().as_secs_f64() * 1e3)
-}
-
-/// The irradiance of VPLs of this flux, spread over surfaces about `length` apart. Scaled by the power of two that
-/// brings it near 1, half floats neither overflow nor lose digits, whatever the scene's units.
-fn typical_irradiance(flux: f32, length: f32) -> f32 {
-    flux / (6.0 * length * length)
-}
-
-/// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
-fn geometry_bound(settings: &Settings, length: f32) -> f32 {
-    settings.clamp / length.powi(2)
-}
-
-/// One over the irradiance below which a VPL gets only some of its rays.
-fn roulette(settings: &Settings, typical_irradiance: f32) -> f32 {
-    (settings.vpls as f32 / (settings.roulette * typical_irradiance)).min(f32::MAX)
-}
-
-/// Powers of two scale without rounding. 1 for what is no positive number.
-fn power_of_two_near(value: f32) -> f32 {
-    if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
-}
-
-/// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
-/// large ground plane does not change. None where no VPL has a parent.
-fn transport_length(rest: World<'_>) -> Option<f32> {
-    let settings = Settings { vpls: 1024, bounces: 2, temporal_sets: 1, ..Settings::default() };
-    let manager = VplManager::new(rest, &settings);
-    let slots: Vec<_> = manager.slots().collect();
-    let lengths = slots
-        .iter()
-        .filter(|slot| slot.state == SlotState::Valid)
-        .filter_map(|slot| Some(slot.position.distance(slots[slot.parent? as usize].position)));
-    percentile(lengths, 0.5)
+/// The passes of a frame, in order.
+fn frame_passes(estimator: &dyn Estimator) -> impl Iterator<Item = &'static PassInfo> {
+    let of_method = estimator.method().passes;
+    let cpu = CPU_PASSES.iter().chain(of_method.cpu);
+    cpu.chain(&SHARED_PASSES).chain(of_method.device).chain(&LAST_PASSES)
 }
 
 /// Joins what the CPU knows of a frame with the device's times.
-fn report(pending: &mut VecDeque<Pending>, times: &FrameTimes) -> Option<FrameReport> {
-    let known = pending.pop_front()?;
-    let mut passes = PassTimes::default();
-    let device_passes = times.passes.iter().map(|(name, ms)| (*name, *ms));
-    for (name, ms) in PASS_NAMES.into_iter().zip(known.cpu_ms).chain(device_passes) {
-        if let Some(index) = PASS_NAMES.iter().position(|known| *known == name) {
-            passes.0[index] += ms;
+fn report(
+    pending: &mut VecDeque<Pending>,
+    estimator: &dyn Estimator,
+    times: &FrameTimes,
+) -> Option<FrameReport> {
+    let Pending { frame, cpu_ms, mut counters } = pending.pop_front()?;
+    let mut passes: PassTimes = frame_passes(estimator).map(|pass| (pass.name, 0.0)).collect();
+    passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
+    // Passes of views are not part of the frame.
+    for (name, ms) in &times.passes {
+        if let Some(pass) = passes.get_mut(name) {
+            *pass += ms;
         }
     }
-    Some(FrameReport {
-        frame: known.frame,
-        figures: FrameFigures {
-            total_ms: passes.0.iter().sum(),
-            passes,
-            vpls: known.vpls,
-            shadow_rays: IndirectShadowsPass::rays(&times.readback),
-        },
-    })
+    estimator.add_device_counters(&mut counters, &times.readback);
+    Some(FrameReport { frame, figures: FrameFigures { total_ms: passes.values().sum(), passes, counters } })
 }

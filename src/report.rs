@@ -1,44 +1,32 @@
 //! What was measured, frame by frame, and the JSON report of `render`.
 
-use std::collections::BTreeMap;
-
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::passes::tracer::RayTracer;
 use crate::settings::Settings;
 use crate::statistics::percentile;
-use crate::vpl::{InvalidatedBy, InvalidationReason, VplCounters};
 use crate::vulkan::DeviceInfo;
 
-/// The passes of a frame, in order: the names of timers, labels and report keys, and of the GPU passes'
-/// files and shaders.
-pub const PASS_NAMES: [&str; 10] = [
-    "bvh_update",
-    "vpl_invalidation",
-    "vpl_replacement",
-    "gbuffer",
-    "direct_shadows",
-    "direct_shading",
-    "indirect_shadows",
-    "indirect_shading",
-    "indirect_reprojection",
-    "combine",
-];
+/// A pass: its name is that of its timer, label and report key, and of a GPU pass's file and shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// Its colour in plots, sRGB.
+    pub colour: [u8; 3],
+}
 
-/// The colour of each pass in plots, sRGB: reds on the CPU, yellow to green for direct light, blues for indirect.
-pub const PASS_COLOURS: [[u8; 3]; PASS_NAMES.len()] = [
-    [140, 86, 75],
-    [214, 95, 95],
-    [242, 142, 43],
-    [237, 201, 72],
-    [182, 153, 45],
-    [89, 161, 79],
-    [31, 111, 180],
-    [98, 182, 222],
-    [148, 103, 189],
-    [227, 119, 194],
+/// The CPU's passes that all methods share; those of the method follow.
+pub const CPU_PASSES: [PassInfo; 1] = [PassInfo { name: "bvh_update", colour: [140, 86, 75] }];
+/// The device's passes that all methods share, before those of the method.
+pub const SHARED_PASSES: [PassInfo; 3] = [
+    PassInfo { name: "gbuffer", colour: [237, 201, 72] },
+    PassInfo { name: "direct_shadows", colour: [182, 153, 45] },
+    PassInfo { name: "direct_shading", colour: [89, 161, 79] },
 ];
+/// The same after those of the method.
+pub const LAST_PASSES: [PassInfo; 1] = [PassInfo { name: "combine", colour: [227, 119, 194] }];
 
 /// The commit that the program was built from, or `unknown` outside a git checkout.
 pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
@@ -46,43 +34,63 @@ pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
     None => "unknown",
 };
 
-/// One thing for each pass, in the order of [`PASS_NAMES`]; written as a map from name to thing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PerPass<Thing>(pub [Thing; PASS_NAMES.len()]);
+/// Milliseconds of each pass, in the order of the frame.
+pub type PassTimes = IndexMap<&'static str, f64>;
 
-/// Milliseconds of each pass.
-pub type PassTimes = PerPass<f64>;
+/// What a method counts in a frame, by name. Dots nest: `vpls.valid` is the key `valid` of the object `vpls` in JSON.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Counters(pub IndexMap<&'static str, u64>);
 
-impl<Thing: Serialize> Serialize for PerPass<Thing> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(PASS_NAMES.iter().zip(&self.0))
+impl Counters {
+    /// Sets a counter.
+    pub fn insert(&mut self, name: &'static str, count: u64) {
+        self.0.insert(name, count);
+    }
+
+    /// A counter; 0 where there is none of that name.
+    pub fn get(&self, name: &str) -> u64 {
+        self.0.get(name).copied().unwrap_or(0)
     }
 }
 
-impl<'de, Thing: Deserialize<'de>> Deserialize<'de> for PerPass<Thing> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut map = BTreeMap::<String, Thing>::deserialize(deserializer)?;
-        let take = |name| map.remove(name).ok_or_else(|| D::Error::missing_field(name));
-        let things = PASS_NAMES.into_iter().map(take).collect::<Result<Vec<_>, _>>()?;
-        things.try_into().map(Self).map_err(|_| D::Error::custom("not one for each pass"))
+impl Serialize for Counters {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        nested(self.0.iter().map(|(name, count)| (*name, *count))).serialize(serializer)
     }
+}
+
+/// Values under their names, where dots nest.
+pub(crate) fn nested<Value: Into<serde_json::Value>>(
+    values: impl IntoIterator<Item = (&'static str, Value)>,
+) -> serde_json::Map<String, serde_json::Value> {
+    let mut root = serde_json::Map::new();
+    for (name, value) in values {
+        let (folders, last) = name.rsplit_once('.').unwrap_or(("", name));
+        let mut place = &mut root;
+        for folder in folders.split('.').filter(|folder| !folder.is_empty()) {
+            let object = place.entry(folder).or_insert_with(|| serde_json::Map::new().into());
+            let serde_json::Value::Object(object) = object else { unreachable!("{name} lies in a number") };
+            place = object;
+        }
+        place.insert(last.to_owned(), value.into());
+    }
+    root
 }
 
 /// What was measured of one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
     /// The sum of all passes, CPU and GPU, milliseconds. Frames overlap, so they may follow one another faster.
     pub total_ms: f64,
     /// Each pass.
     pub passes: PassTimes,
-    /// The VPLs.
-    pub vpls: VplCounters,
-    /// Occlusion rays cast by the shaders.
-    pub shadow_rays: u64,
+    /// What the method counted.
+    #[serde(flatten)]
+    pub counters: Counters,
 }
 
 /// One frame with its figures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameReport {
     /// Number of the frame, from 0.
     pub frame: u64,
@@ -92,7 +100,7 @@ pub struct FrameReport {
 }
 
 /// The figures of a run, each taken over all frames by itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Half of the frames stayed at or below.
     pub median: FrameFigures,
@@ -144,6 +152,15 @@ pub struct TracerChoice {
     pub rays_per_second: Option<TracerRates>,
 }
 
+/// How long a scene took until it was ready to be rendered. Flat in reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LoadTimes {
+    /// Loading it, milliseconds: files, models, textures.
+    pub load_ms: f64,
+    /// Building its BVH, milliseconds.
+    pub bvh_ms: f64,
+}
+
 /// The report of a run of `render`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RenderReport {
@@ -159,6 +176,9 @@ pub struct RenderReport {
     pub settings: Settings,
     /// See [`COMMIT`].
     pub commit: &'static str,
+    /// What came before the first frame.
+    #[serde(flatten)]
+    pub load: LoadTimes,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,
     /// Median and 95th percentile; none if there are no frames.
@@ -172,6 +192,7 @@ impl RenderReport {
         device: &DeviceInfo,
         tracer: TracerChoice,
         settings: &Settings,
+        load: LoadTimes,
         frames: Vec<FrameReport>,
     ) -> Self {
         Self {
@@ -181,6 +202,7 @@ impl RenderReport {
             tracer,
             settings: settings.clone(),
             commit: COMMIT,
+            load,
             summary: Summary::of(&frames),
             frames,
         }
@@ -188,44 +210,27 @@ impl RenderReport {
 
     /// The run in one line.
     pub fn headline(&self) -> String {
-        let median_ms = self.summary.map_or(0.0, |summary| summary.median.total_ms);
+        let median_ms = self.summary.as_ref().map_or(0.0, |summary| summary.median.total_ms);
         let frames = self.frames.len();
         format!("{frames} frames of {} on {}, {median_ms:.1} ms a frame (median)", self.scene, self.device)
     }
 }
 
 fn figures_at(frames: &[FrameReport], quantile: f64) -> Option<FrameFigures> {
-    let figure =
-        |get: fn(&FrameFigures) -> f64| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
-    let count =
-        |get: fn(&FrameFigures) -> u32| percentile(frames.iter().map(|frame| get(&frame.figures)), quantile);
-    let mut passes = PassTimes::default();
-    for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
-        *milliseconds = percentile(frames.iter().map(|frame| frame.figures.passes.0[pass]), quantile)?;
-    }
+    let first = &frames.first()?.figures;
+    let figures = || frames.iter().map(|frame| &frame.figures);
+    let pass = |name: &&'static str| {
+        let times = figures().filter_map(|figures| figures.passes.get(name).copied());
+        Some((*name, percentile(times, quantile)?))
+    };
+    let counter = |name: &&'static str| {
+        Some((*name, percentile(figures().map(|figures| figures.counters.get(name)), quantile)?))
+    };
     Some(FrameFigures {
-        total_ms: figure(|frame| frame.total_ms)?,
-        passes,
-        vpls: VplCounters {
-            slots: count(|frame| frame.vpls.slots)?,
-            valid: count(|frame| frame.vpls.valid)?,
-            escaped: count(|frame| frame.vpls.escaped)?,
-            stale: count(|frame| frame.vpls.stale)?,
-            invalidated: count(|frame| frame.vpls.invalidated)?,
-            invalidated_by: invalidated_by_at(frames, quantile)?,
-            shot: count(|frame| frame.vpls.shot)?,
-        },
-        shadow_rays: percentile(frames.iter().map(|frame| frame.figures.shadow_rays), quantile)?,
+        total_ms: percentile(figures().map(|figures| figures.total_ms), quantile)?,
+        passes: first.passes.keys().filter_map(pass).collect(),
+        counters: Counters(first.counters.0.keys().filter_map(counter).collect()),
     })
-}
-
-fn invalidated_by_at(frames: &[FrameReport], quantile: f64) -> Option<InvalidatedBy> {
-    let mut counts = InvalidatedBy::default();
-    for reason in InvalidationReason::ALL {
-        let of_frames = frames.iter().map(|frame| frame.figures.vpls.invalidated_by.count(reason));
-        *counts.count_mut(reason) = percentile(of_frames, quantile)?;
-    }
-    Some(counts)
 }
 
 #[cfg(test)]
@@ -233,23 +238,15 @@ mod tests {
     use super::*;
 
     fn frame(number: u64) -> FrameReport {
-        let mut passes = PassTimes::default();
-        for (pass, milliseconds) in passes.0.iter_mut().enumerate() {
-            *milliseconds = (number * 10 + pass as u64) as f64;
-        }
+        let names = ["gbuffer", "combine"];
+        let passes = names.into_iter().zip(0..).map(|(name, pass)| (name, (number * 10 + pass) as f64));
+        let counters = [("vpls.slots", 512), ("vpls.shot", number), ("shadow_rays", 1000 - number)];
         FrameReport {
             frame: number,
             figures: FrameFigures {
                 total_ms: number as f64 + 0.5,
-                passes,
-                vpls: VplCounters {
-                    slots: 512,
-                    valid: 500,
-                    escaped: 12,
-                    shot: number as u32,
-                    ..VplCounters::default()
-                },
-                shadow_rays: 1000 - number,
+                passes: passes.collect(),
+                counters: Counters(counters.into_iter().collect()),
             },
         }
     }
@@ -257,11 +254,11 @@ mod tests {
     #[test]
     fn a_summary_takes_every_figure_by_itself() {
         let frames: Vec<_> = (0..3).map(frame).collect();
-        let summary = Summary::of(&frames).unwrap();
-        assert_eq!(summary.median.total_ms, 1.5);
-        assert_eq!(summary.median.passes.0[9], 19.0);
-        assert_eq!((summary.median.shadow_rays, summary.p95.shadow_rays), (999, 1000));
-        assert_eq!((summary.p95.vpls.shot, summary.p95.vpls.slots), (2, 512));
+        let Summary { median, p95 } = Summary::of(&frames).unwrap();
+        assert_eq!(median.total_ms, 1.5);
+        assert_eq!(median.passes["combine"], 11.0);
+        assert_eq!((median.counters.get("shadow_rays"), p95.counters.get("shadow_rays")), (999, 1000));
+        assert_eq!((p95.counters.get("vpls.shot"), p95.counters.get("vpls.slots")), (2, 512));
         assert_eq!(Summary::of(&[]), None);
     }
 
@@ -277,8 +274,9 @@ mod tests {
         let frames: Vec<_> = (0..2).map(frame).collect();
         let device = DeviceInfo { name: "some device".to_owned(), ..DeviceInfo::default() };
         let rates = TracerRates { software: 2.5, hardware: 1.0 };
+        let load = LoadTimes { load_ms: 12.0, bvh_ms: 3.0 };
         let tracer = TracerChoice { used: rates.faster(), rays_per_second: Some(rates) };
-        let report = RenderReport::new("cornell-box", &device, tracer, &Settings::default(), frames);
+        let report = RenderReport::new("cornell-box", &device, tracer, &Settings::default(), load, frames);
         assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
         let json = serde_json::to_value(&report).unwrap();
         let keys = |value: &serde_json::Value| -> Vec<String> {
@@ -289,14 +287,14 @@ mod tests {
             names.into_iter().map(str::to_owned).collect::<Vec<_>>()
         };
         let top = vec!["scene", "device", "driver", "tracer", "settings", "commit", "frames", "summary"];
-        assert_eq!(keys(&json), sorted(top));
+        assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms"]].concat()));
+        assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
-        let counts = vec!["slots", "valid", "escaped", "stale", "invalidated", "invalidated_by", "shot"];
         let first = &json["frames"][0];
         assert_eq!(keys(first), sorted([figures.clone(), vec!["frame"]].concat()));
         for part in [first, &json["summary"]["median"], &json["summary"]["p95"]] {
-            assert_eq!(keys(&part["passes"]), sorted(PASS_NAMES.to_vec()));
-            assert_eq!(keys(&part["vpls"]), sorted(counts.clone()));
+            assert_eq!(keys(&part["passes"]), sorted(vec!["gbuffer", "combine"]));
+            assert_eq!(keys(&part["vpls"]), sorted(vec!["slots", "shot"]));
         }
         assert_eq!(keys(&json["summary"]["p95"]), sorted(figures));
         assert_eq!(json["settings"]["exposure"], "auto");

@@ -1,6 +1,6 @@
 //! Low-discrepancy points and their mappings to directions, discs and triangles.
 //!
-//! In: a place in the sequence, or a point of the unit square. Out: points distributed as named, each
+//! In: an index into the sequence, or a point of the unit square. Out: points distributed as named, each
 //! mapping continuous inside the square, so that neighbouring points stay neighbours. The sequence is
 //! an Owen-scrambled Sobol sequence (Burley 2020, "Practical Hash-based Owen Scrambling").
 
@@ -25,7 +25,7 @@ pub(crate) fn sequence_point(index: u32, pair: u32, seed: u32) -> Vec2 {
     Vec2::new(dimension(0), dimension(1))
 }
 
-/// What [`sequence_point`] would be, were all points independent of each other.
+/// Like [`sequence_point`], but independent and uniform: plain Monte Carlo.
 pub(crate) fn random_point(index: u32, pair: u32, seed: u32) -> Vec2 {
     let number = |offset| hash(hash(seed, 2 * pair + offset), index) >> 8;
     Vec2::new(number(0) as f32, number(1) as f32) / (1u32 << 24) as f32
@@ -71,8 +71,8 @@ pub(crate) fn triangle(u: Vec2) -> Vec2 {
     }
 }
 
-/// Picks a bin of a discrete distribution whose running sums are `cdf` (ending in 1), and stretches
-/// what is left of `u` over [0, 1).
+/// Samples a bin of the discrete distribution with this `cdf` (ending in 1) by inversion, and remaps `u` within
+/// the bin to [0, 1) for reuse.
 pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
     let bin = cdf.partition_point(|&sum| sum <= u).min(cdf.len() - 1);
     let low = if bin == 0 { 0.0 } else { cdf[bin - 1] };
@@ -80,8 +80,7 @@ pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
     (bin, rest.clamp(0.0, BELOW_ONE))
 }
 
-/// The emission of a spot light over the cosine to its axis: full inside the inner cone, smoothstep in
-/// the cosine out to the outer one.
+/// The angular falloff of a spot light: 1 inside the inner cone, smoothstep in the cosine to 0 at the outer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SpotCone {
     /// 1 - cos of the inner angle; narrow cones need it exact.
@@ -97,9 +96,9 @@ impl SpotCone {
         Self { inner: one_minus_cos(inner_angle), outer: one_minus_cos(outer_angle) }
     }
 
-    /// A direction about +z in proportion to the emission.
+    /// Samples a direction about +z in proportion to the emitted intensity.
     pub(crate) fn sample(&self, u: Vec2) -> Vec3 {
-        // Split the distribution of 1 - cos into its flat part and its falloff, which weighs half.
+        // The distribution of 1 - cos has a flat part and a falloff, whose integral is half its width.
         let falloff = self.outer - self.inner;
         let mass = f64::from(u.x) * (self.inner + 0.5 * falloff);
         let one_minus_cos = if mass <= self.inner || falloff <= 0.0 {
@@ -147,23 +146,22 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The fixed reference frame turned by the smallest rotation that takes its z axis to `normal` (unit).
-    /// Continuous in `normal` but for one direction, as any such frame must have one (the hairy ball
-    /// theorem); it is put well away from all axes.
+    /// A frame with z axis `normal` (unit): a fixed reference frame, rotated by the smallest angle. Continuous in
+    /// `normal` except for one direction (the hairy ball theorem requires one), which is far from all axes.
     pub(crate) fn around(normal: Vec3) -> Self {
         const REFERENCE: Vec3 = Vec3::new(-0.48, -0.6, -0.64);
         const TANGENT: Vec3 = Vec3::new(-0.8, 0.0, 0.6);
-        // That rotation takes the tangent where a reflection along the sum of both axes takes it, which
-        // stays exact where the sum is short.
+        // The rotation maps the tangent as a reflection along the sum of both axes does; the reflection stays exact
+        // for a short sum.
         let sum = REFERENCE + normal;
         let length_squared = sum.length_squared();
-        let turned = if length_squared > 1e-10 {
+        let rotated = if length_squared > 1e-10 {
             TANGENT - sum * (2.0 * TANGENT.dot(sum) / length_squared)
         } else {
             TANGENT
         };
-        // Unit vectors are unit up to rounding only.
-        let tangent = (turned - normal * turned.dot(normal)).normalize();
+        // Orthonormalise again: both axes are unit only up to rounding.
+        let tangent = (rotated - normal * rotated.dot(normal)).normalize();
         Self { tangent, bitangent: normal.cross(tangent), normal }
     }
 
@@ -183,8 +181,8 @@ mod tests {
         (0..POINTS).map(|index| sequence_point(index, 3, 5))
     }
 
-    /// Pearson's chi-square of counts against expected shares, by degrees of freedom: about 1 for
-    /// independent samples, less for better spread ones.
+    /// Pearson's chi-square of counts against expected shares, divided by the degrees of freedom: about 1 for
+    /// independent samples, less for stratified ones.
     fn chi_square(counts: &[u32], shares: &[f64]) -> f64 {
         let total: u32 = counts.iter().sum();
         let terms = counts.iter().zip(shares).map(|(&count, share)| {
@@ -194,10 +192,10 @@ mod tests {
         terms.sum::<f64>() / (counts.len() - 1) as f64
     }
 
-    fn assert_uniform(what: &str, places: impl Iterator<Item = Vec2>) {
+    fn assert_uniform(what: &str, points: impl Iterator<Item = Vec2>) {
         let mut counts = [0; 256];
-        for place in places {
-            let cell = (place * 16.0).as_uvec2().min(glam::UVec2::splat(15));
+        for point in points {
+            let cell = (point * 16.0).as_uvec2().min(glam::UVec2::splat(15));
             counts[(cell.y * 16 + cell.x) as usize] += 1;
         }
         let chi = chi_square(&counts, &[1.0 / 256.0; 256]);
@@ -216,29 +214,29 @@ mod tests {
         assert!((0.7..1.3).contains(&chi), "{chi}");
     }
 
-    fn turn(v: Vec3) -> f32 {
+    fn azimuth(v: Vec3) -> f32 {
         v.y.atan2(v.x) / TAU + 0.5
     }
 
     #[test]
     fn directions_follow_their_densities() {
         let sphere = points().map(sphere);
-        assert_uniform("sphere", sphere.map(|v| Vec2::new(turn(v), v.z * 0.5 + 0.5)));
+        assert_uniform("sphere", sphere.map(|v| Vec2::new(azimuth(v), v.z * 0.5 + 0.5)));
         let cosine = points().map(cosine_hemisphere);
-        assert_uniform("cosine", cosine.map(|v| Vec2::new(turn(v), v.z * v.z)));
+        assert_uniform("cosine", cosine.map(|v| Vec2::new(azimuth(v), v.z * v.z)));
         let disc = points().map(disc);
-        assert_uniform("disc", disc.map(|p| Vec2::new(turn(p.extend(0.0)), p.length_squared())));
+        assert_uniform("disc", disc.map(|p| Vec2::new(azimuth(p.extend(0.0)), p.length_squared())));
         assert!(points().map(super::sphere).all(|v| (v.length() - 1.0).abs() < 1e-6));
     }
 
     #[test]
     fn triangles_are_covered_evenly() {
-        let places = points().map(triangle).map(|p| {
+        let squared = points().map(triangle).map(|p| {
             assert!(p.min_element() >= 0.0 && p.element_sum() <= 1.0 + 1e-6);
             // The marginal of x is 2 (1 - x); given x, y is uniform below 1 - x.
             Vec2::new(1.0 - (1.0 - p.x) * (1.0 - p.x), p.y / (1.0 - p.x).max(1e-9))
         });
-        assert_uniform("triangle", places);
+        assert_uniform("triangle", squared);
     }
 
     #[test]
@@ -257,7 +255,7 @@ mod tests {
                 (0..bins).map(|bin| (mass(edge(bin + 1)) - mass(edge(bin))) / mass(cone.outer)).collect();
             let mut counts = vec![0; bins];
             for v in points().map(|u| cone.sample(u)) {
-                // 1 - cos by the sine, which narrow cones keep exact.
+                // 1 - cos from the sine, which stays exact for narrow cones.
                 let sin2 = f64::from(v.x).powi(2) + f64::from(v.y).powi(2);
                 let cos = f64::from(v.z);
                 let x = if cos > 0.0 { sin2 / (1.0 + cos) } else { 1.0 - cos };
@@ -292,7 +290,7 @@ mod tests {
     fn frames_are_orthonormal_and_turn_smoothly() {
         let mut last: Option<Frame> = None;
         for step in 0..20_000 {
-            // A spiral from pole to pole, which passes near everything.
+            // A spiral from pole to pole, which passes close to every direction.
             let t = step as f32 / 20_000.0;
             let (sin, cos) = (40.0 * t).sin_cos();
             let z = 1.0 - 2.0 * t;
@@ -318,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_the_sequence_are_spread() {
+    fn blocks_of_the_sequence_are_stratified() {
         // Any 64 neighbours that start at a multiple of 64 fill an 8 x 8 grid.
         for block in 0..32 {
             let mut seen = [false; 64];

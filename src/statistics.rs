@@ -1,9 +1,8 @@
-//! What many measurements amount to: percentiles, spread, and how certain they are.
+//! Statistics of measurements: percentiles, spread, Student's t for confidence intervals.
 
 use serde::Serialize;
 
-/// The smallest of `values` that at least the share `quantile` (0 to 1) of them does not exceed
-/// (nearest rank, so it is always one of the values); none if there are none.
+/// The `quantile` (0 to 1) of `values` by nearest rank, so it is always one of them; none for no values.
 pub fn percentile<Value: Copy + PartialOrd>(
     values: impl IntoIterator<Item = Value>,
     quantile: f64,
@@ -14,12 +13,12 @@ pub fn percentile<Value: Copy + PartialOrd>(
     values.get(rank.saturating_sub(1)).copied()
 }
 
-/// The mean; 0 of nothing.
+/// The arithmetic mean; 0 for no values.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The variance of what `values` were drawn from; 0 of fewer than two.
+/// The unbiased sample variance; 0 for fewer than two values.
 pub fn variance(values: &[f64]) -> f64 {
     if values.len() < 2 {
         return 0.0;
@@ -28,23 +27,23 @@ pub fn variance(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64
 }
 
-/// How values are spread; percentiles by nearest rank.
+/// The spread of values; percentiles by nearest rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
-    /// Half of the values are at or below.
+    /// 50th percentile.
     pub median: f64,
-    /// Their mean.
+    /// Arithmetic mean.
     pub mean: f64,
-    /// 5 % of the values are at or below.
+    /// 5th percentile.
     pub p5: f64,
-    /// 95 % of the values are at or below.
+    /// 95th percentile.
     pub p95: f64,
-    /// The greatest, or the least where more is better.
+    /// The maximum, or the minimum where more is better.
     pub worst: f64,
 }
 
 impl Spread {
-    /// The spread of `values`; none if there are none.
+    /// The spread of `values`; none for no values.
     pub fn of(values: &[f64], more_is_better: bool) -> Option<Self> {
         let at = |quantile| percentile(values.iter().copied(), quantile);
         let worst = if more_is_better { at(0.0) } else { at(1.0) };
@@ -52,9 +51,9 @@ impl Spread {
     }
 }
 
-/// Student's t: how many standard errors, estimated from a sample with `freedom` degrees of freedom, lie on
-/// either side of a mean where a normal distribution would have `z`. By the expansion of Fisher and Cornish
-/// (1960), which is within 3 % from two degrees on.
+/// The quantile of Student's t distribution with `freedom` degrees of freedom at the probability of the normal
+/// quantile `z`: the half-width of a confidence interval in estimated standard errors. By the expansion of Fisher
+/// and Cornish (1960); within 3 % for two or more degrees of freedom.
 pub fn student_t(z: f64, freedom: f64) -> f64 {
     let n = freedom.max(1.0);
     let g1 = (z.powi(3) + z) / 4.0;
@@ -83,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_worst_is_where_less_or_more_is_better() {
+    fn the_worst_depends_on_whether_more_is_better() {
         let values: Vec<f64> = (1..=40).map(f64::from).collect();
         let times = Spread::of(&values, false).unwrap();
         assert_eq!(times, Spread { median: 20.0, mean: 20.5, p5: 2.0, p95: 38.0, worst: 40.0 });
@@ -92,13 +91,13 @@ mod tests {
     }
 
     #[test]
-    fn variances_are_of_samples() {
+    fn variance_is_unbiased() {
         assert!((variance(&[1.0, 2.0, 3.0, 4.0]) - 5.0 / 3.0).abs() < 1e-12);
         assert_eq!(variance(&[1.0]), 0.0);
     }
 
     #[test]
-    fn quantiles_of_student_are_those_of_the_tables() {
+    fn student_t_matches_published_tables() {
         // Two-sided 95 % and 99 %.
         for (z, freedom, t) in [
             (1.959_964, 2.0, 4.303),

@@ -6,7 +6,7 @@ use bvh_support::*;
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
 
-/// Random closest-hit and any-hit rays agree with all triangles tried in turn.
+/// Random closest-hit and any-hit queries agree with brute force.
 fn check_against_brute_force(world: &World, count: usize, seed: u64) -> usize {
     let bvh = world.build();
     let mut random = Random::new(seed);
@@ -235,7 +235,7 @@ fn moving_instances_leave_the_static_level_alone() {
 fn alpha_masks_let_rays_through() {
     let mut world = World::new(vec![masked_square()]);
     world.scene.materials.push(material(Some(0)));
-    // A board of 2 x 2 texels: there on one diagonal only.
+    // A mask of 2 x 2 texels, opaque on one diagonal.
     world.scene.alpha_masks.push(glowworm::scene::AlphaMask { width: 2, height: 2, bits: vec![0b1001] });
     world.place(0, Affine3A::from_scale(Vec3::new(4.0, 4.0, 1.0)), false);
     let bvh = world.build();
@@ -309,7 +309,7 @@ fn rays_along_axes_and_without_direction() {
     let bvh = world.build();
     assert!(bvh.occluded(&ray(Vec3::new(2.0, 2.0, 1.0), Vec3::new(0.0, -0.0, -1.0))));
     assert!(bvh.occluded(&ray(Vec3::new(0.0, 4.0, 1.0), Vec3::new(-0.0, 0.0, -1.0))));
-    // Within the plane, and nowhere at all: no hit and no panic.
+    // In the plane of the triangle, and with a zero direction: no hit and no panic.
     assert!(!bvh.occluded(&ray(Vec3::new(-1.0, 2.0, 0.0), Vec3::X)));
     assert!(!bvh.occluded(&ray(Vec3::new(2.0, 2.0, 0.0), Vec3::ZERO)));
     assert!(!bvh.occluded(&ray(Vec3::new(2.0, 2.0, 1.0), Vec3::splat(f32::NAN))));

@@ -1,4 +1,4 @@
-//! The layout for shaders, traversed by the CPU twin of the shader, against the CPU's own answers.
+//! The layout for shaders, traversed by the CPU twin of the shader, against the CPU traversal.
 
 mod bvh_support;
 
@@ -9,7 +9,7 @@ use glowworm::bvh::{
     gpu::{GpuBvh, GpuGroup},
 };
 
-/// Compares both answers of many rays, bit for bit.
+/// Compares closest-hit and any-hit results of many rays, bit for bit.
 fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) -> usize {
     let tracer = Tracer::new(layout);
     let (min, max) = bvh.bounds();
@@ -97,7 +97,7 @@ fn moving_rewrites_the_dynamic_regions_only() {
         for instance in &mut world.scene.instances[20..] {
             instance.transform = random.transform(1.0, 3.0);
         }
-        // Now and then an instance that cannot be hit leaves its place empty.
+        // Now and then an instance has a singular transform and leaves its slot empty.
         if random.below(2) == 0 {
             world.scene.instances[25].transform = Affine3A::from_scale(Vec3::ZERO);
         }

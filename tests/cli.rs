@@ -1,6 +1,6 @@
-//! The program as a person meets it: exit codes, one clear line for each failure, files left alone.
+//! The program from the command line: exit codes, one-line errors, files left untouched.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod program;
 
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use program::{CACHE, Run, assert_fails, stderr};
+use program::{CACHE, PASS_NAMES, Run, assert_fails, stderr};
 use serde_json::Value;
 
 #[test]
@@ -64,8 +64,8 @@ fn views_of_what_is_not_there_are_wrong_usage() {
             "--view-set 16: must be below --temporal-sets, which is 16",
         ),
         (&["--single-vpl", "512"], "--single-vpl 512: must be below --vpls, which is 16"),
-        (&["--view", "vpl-visibility"], "say of which VPL with --single-vpl"),
-        (&["--view", "normal", "--out", "a.exr"], "only a .png shows them"),
+        (&["--view", "vpl-visibility"], "needs --single-vpl SLOT"),
+        (&["--view", "normal", "--out", "a.exr"], "need a .png as --out"),
     ] {
         assert_fails(&run.render("cornell-box", options), 2, &[says]);
     }
@@ -84,7 +84,7 @@ fn what_is_no_subcommand_is_wrong_usage() {
 
 #[test]
 fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
-    // Without a driver anything later than these checks would fail in another way.
+    // Without a driver, anything after these checks fails with another error.
     let run = without_driver();
     fs::write(run.path("file"), "").unwrap();
     for (out, code, says) in [
@@ -97,7 +97,7 @@ fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
         assert_fails(&run.render("cornell-box", &["--out", out]), code, &[says]);
     }
     fs::create_dir(run.path("folder.png")).unwrap();
-    assert_fails(&run.render("cornell-box", &["--out", "folder.png"]), 1, &["folder.png: is not a file"]);
+    assert_fails(&run.render("cornell-box", &["--out", "folder.png"]), 1, &["folder.png: exists and is not a regular file"]);
     assert_fails(&run.render("cornell-box", &["--layers"]), 2, &["a.png: --layers needs an .exr"]);
     assert_fails(&run.render("cornell-box", &["--json", "missing/a.json"]), 1, &["missing/a.json"]);
     assert_eq!(run.files(), ["file", "folder.png"]);
@@ -109,9 +109,9 @@ fn a_report_is_not_written_over_a_picture_or_the_scene() {
     let scene = "[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n";
     fs::write(run.path("my.toml"), scene).unwrap();
     for (out, json, says) in [
-        ("a.png", "./a.png", "over a picture of --out a.png"),
-        ("a{frame:02}.png", "a01.png", "over a picture of --out a{frame:02}.png"),
-        ("a.png", "my.toml", "over the scene"),
+        ("a.png", "./a.png", "would overwrite a picture of --out a.png"),
+        ("a{frame:02}.png", "a01.png", "would overwrite a picture of --out a{frame:02}.png"),
+        ("a.png", "my.toml", "would overwrite the scene"),
     ] {
         let options = ["--frames", "2", "--out", out, "--json", json];
         assert_fails(&run.render("my.toml", &options), 2, &[&format!("--json {json}"), says]);
@@ -154,8 +154,8 @@ fn without_a_driver_it_says_so() {
     assert_fails(&run.glowworm(&["info"]), 1, &["no usable Vulkan device"]);
 }
 
-/// The system's loader cannot be taken away for one test, so one that is found first and cannot be
-/// loaded stands in for it: to the program both are a failed `dlopen`.
+/// The system's loader cannot be removed for one test, so a broken one that is found first replaces it: both fail in
+/// `dlopen`.
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_loader_it_says_so() {
@@ -186,13 +186,53 @@ fn what_is_not_there_is_named() {
 #[test]
 fn mistakes_in_a_scene_files_settings_name_the_file() {
     let run = Run::new();
-    for (settings, says) in
-        [("vpls = 0", "[settings] vpls = 0"), ("vlps = 9", "vlps"), ("size = \"big\"", "expected")]
-    {
+    for (settings, says) in [
+        ("vpls = 0", "[settings] vpls = 0"),
+        ("vlps = 9", "vlps"),
+        ("size = \"big\"", "my.toml:2: [settings] size = big: must be a width and a height"),
+    ] {
         let scene = format!("[settings]\n{settings}\n\n[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n");
         fs::write(run.path("my.toml"), scene).unwrap();
         assert_fails(&run.render("my.toml", &[]), 1, &["my.toml", says]);
     }
+}
+
+#[test]
+fn a_scene_files_settings_may_be_grouped() {
+    let run = Run::new();
+    let camera = "[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n";
+    let grouped = "[settings]\nsize = \"12x6\"\n[settings.vpls]\nvpls = 32\ntemporal_sets = 2\n";
+    fs::write(run.path("my.toml"), format!("{camera}{grouped}")).unwrap();
+    let output = run.glowworm(&["render", "my.toml", "--out", "a.png", "--json", "a.json", "--vpls=8"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let settings = &json(&run, "a.json")["settings"];
+    assert_eq!(settings["size"], serde_json::json!([12, 6]));
+    assert_eq!((&settings["indirect"], &settings["vpls"]), (&"vpls".into(), &8.into()));
+    assert_eq!(settings["temporal_sets"], 2);
+    fs::write(run.path("my.toml"), format!("{camera}{grouped}seed = 3\n")).unwrap();
+    assert_fails(&run.render("my.toml", &[]), 1, &["my.toml:6: [settings.vpls] seed: belongs in [settings]"]);
+}
+
+#[test]
+fn passes_are_listed_without_a_device() {
+    let run = without_driver();
+    let output = run.glowworm(&["info", "--passes", "--json", "passes.json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let listed: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(listed.iter().map(|line| line[0]).collect::<Vec<_>>(), PASS_NAMES);
+    let of = |method: &str| {
+        listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
+    };
+    assert_eq!(of("shared"), ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "combine"]);
+    assert_eq!(of("vpls").len(), 5);
+    let report = json(&run, "passes.json");
+    let passes = report["passes"].as_array().unwrap();
+    let written: Vec<_> = passes
+        .iter()
+        .map(|pass| vec![pass["name"].as_str().unwrap(), pass["method"].as_str().unwrap()])
+        .collect();
+    assert_eq!(written, listed);
 }
 
 #[test]
@@ -291,13 +331,55 @@ fn pictures_and_report_are_written() {
     let report: serde_json::Value = serde_json::from_slice(&fs::read(run.path("a.json")).unwrap()).unwrap();
     assert_eq!(report["scene"], "cornell-box");
     assert_eq!(report["settings"]["vpls"], 16);
+    assert!(["load_ms", "bvh_ms"].iter().all(|key| report[key].as_f64().unwrap() > 0.0), "{report}");
     let frames = report["frames"].as_array().unwrap();
     assert_eq!(frames.iter().map(|frame| frame["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [0, 1, 2]);
     for figures in [&frames[0], &report["summary"]["median"], &report["summary"]["p95"]] {
-        for pass in glowworm::report::PASS_NAMES {
+        for pass in PASS_NAMES {
             assert!(figures["passes"][pass].is_number(), "{pass}");
         }
     }
+}
+
+#[test]
+fn verbose_runs_say_how_long_loading_took() {
+    let run = Run::new();
+    let output = run.render("cornell-box", &["-v"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    for what in ["glowworm: note: cornell-box: loaded", "glowworm: note: cornell-box: built the BVH in"] {
+        assert!(said.contains(what), "{said}");
+    }
+}
+
+#[test]
+fn wasted_slots_are_warned_about_once() {
+    let scene = |size: &str| {
+        format!(
+            "name = \"open\"\n[[models]]\nname = \"floor\"\nprimitive = \"quad\"\nsize = [{size}, 1.0, {size}]\n\
+             [[instances]]\nmodel = \"floor\"\n[[lights]]\ntype = \"spot\"\nposition = [0, 1, 0]\n\
+             direction = [0, -1, 0]\nouter_deg = 40\nintensity = [1, 1, 1]\n"
+        )
+    };
+    let run = Run::new();
+    fs::write(run.path("small.toml"), scene("0.4")).unwrap();
+    fs::write(run.path("large.toml"), scene("9.0")).unwrap();
+    let said = |name: &str, bounces: &str| {
+        let output = run.render(name, &["--frames", "3", "--bounces", bounces]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stderr(&output)
+            .lines()
+            .filter(|line| line.contains("VPL slots"))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let warnings = said("small.toml", "1");
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    for part in ["warning: open: ", "of 16 VPL slots hold paths that left the scene", "--vpls"] {
+        assert!(warnings[0].contains(part), "{warnings:?}");
+    }
+    // All first bounces hit.
+    assert!(said("large.toml", "1").is_empty());
 }
 
 #[test]

@@ -7,9 +7,10 @@ use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
 use glowworm::bvh::TwoLevelBvh;
+use glowworm::estimators::World;
+use glowworm::estimators::vpls::VplManager;
 use glowworm::scene::{Pose, Scene};
-use glowworm::settings::Settings;
-use glowworm::vpl::{VplManager, World};
+use glowworm::settings::{Settings, VplSettings};
 
 const ROUNDS: usize = 20;
 const FRAMES: usize = 100;
@@ -23,7 +24,10 @@ fn stages_are_short() {
 /// The conference room whose torus turns under the spot light: nearly every frame loses VPLs.
 fn vpls_follow_a_turning_torus() {
     let scene = glowworm::scene::load_scene("meeting-room", None).unwrap();
-    let settings = Settings { vpls: 512, budget: 64, ..Settings::default() };
+    let settings = Settings {
+        vpl: VplSettings { slots: 512, budget: 64, ..VplSettings::default() },
+        ..Settings::default()
+    };
     let mut bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
     let rest = scene.pose(0.0);
     let mut manager = VplManager::new(World { scene: &scene, pose: &rest, bvh: &bvh }, &settings);
@@ -37,7 +41,7 @@ fn vpls_follow_a_turning_torus() {
         let world = World { scene: &scene, pose: &pose, bvh: &bvh };
         lost += manager.invalidate(world);
         shot += manager.replace(world);
-        let _ = manager.set_vpls(world, frame % settings.temporal_sets);
+        let _ = manager.set_vpls(world, frame % settings.vpl.temporal_sets);
         start.elapsed()
     });
     println!("meeting-room, 512 VPLs, budget 64: all CPU stages p95 {p95:?}, {lost} VPLs lost, {shot} shot");

@@ -5,7 +5,7 @@
 mod support;
 
 use glowworm::renderer::Renderer;
-use glowworm::settings::Settings;
+use glowworm::settings::{Settings, VplSettings};
 use support::{Lab, assets, named_scene, skip};
 
 #[test]
@@ -18,7 +18,11 @@ fn temporal_sets_are_faster() {
     let scene = named_scene("sponza", Some(&assets));
     let pose = scene.pose(0.0);
     let renderer = |temporal_sets: u32| {
-        let settings = Settings { size: [512, 512], temporal_sets, ..Settings::default() };
+        let settings = Settings {
+            size: [512, 512],
+            vpl: VplSettings { temporal_sets, ..VplSettings::default() },
+            ..Settings::default()
+        };
         lab.renderer(&scene, &settings, &pose)
     };
     let (mut one, mut sixteen) = (renderer(1), renderer(16));

@@ -1,6 +1,6 @@
 //! The Vulkan layer on a real device, with validation: bindings by name, barriers, uploads, limits.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod support;
 
@@ -77,7 +77,7 @@ fn a_wrong_binding_is_an_error_that_names_it() {
     let pass = frame.pass("add", &add).read("source", &source).write("target", &target);
     assert_binding(pass.dispatch_threads(threads), "push constants", "have 0 bytes, not 4");
 
-    // None of that is in the way of a right one.
+    // A correct pass still works after these errors.
     let (mut frame, _) = frames.begin().unwrap();
     let pass = frame.pass("add", &add).read("source", &source).write("target", &target).push(&5u32);
     pass.dispatch_threads(threads).unwrap();

@@ -1,4 +1,4 @@
-// How normals are packed into the G-buffer: octahedral, two components each (Cigolle et al. 2014).
+// How the G-buffer is packed: normals octahedral, two components each (Cigolle et al. 2014).
 
 vec2 octahedral_encode(vec3 n) {
     vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
@@ -12,7 +12,6 @@ vec3 octahedral_decode(vec2 p) {
     return normalize(n);
 }
 
-// Bits of the G-buffer's material channel: the front side of the surface is seen; its instance may move.
+// Bits of the G-buffer's material channel: the front side of the surface is seen.
 const uint FRONT_FACING = 0x80000000u;
-const uint MAY_MOVE = 0x40000000u;
-const uint MATERIAL = 0x3fffffffu;
+const uint MATERIAL = 0x7fffffffu;

@@ -5,10 +5,10 @@ struct InstanceData {
     vec4 world_to_object[3];          // rows
     vec4 previous_object_to_world[3]; // rows, one frame ago
     vec4 emission;                    // rgb: what its materials' emission is multiplied by
-    uint dynamic;                     // 1: it may move
     uint mirrored;                    // 1: its transform swaps left and right
     uint pad0;
     uint pad1;
+    uint pad2;
 };
 
 struct MaterialData {

@@ -15,7 +15,7 @@
 
 #define TRACER_BUFFER(offset) \
     layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
-// For what every ray reads: CPU drivers load texels of all lanes at once, and words of buffers lane by lane.
+// What every ray reads, in texels of four words.
 #define TRACER_TEXELS(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset) uniform utextureBuffer
 
 // Three words a triangle: corners with (id, masked, material).

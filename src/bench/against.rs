@@ -1,43 +1,43 @@
-//! What has become faster or slower since another report, beyond noise.
+//! Significant changes of frame and pass times since an earlier report.
 //!
-//! In: two reports. Out: those times of runs that both have whose difference cannot be chance. Frame i shows the same
-//! moment in both, so frames are compared in pairs: over blocks of neighbouring frames, which are not independent of
-//! each other, the medians are taken and subtracted. How uncertain the mean of these differences is, is told by how far
-//! they differ from block to block, and by how far whole runs differ, which the rounds of both reports show; the larger
-//! of the two counts. A time has changed if the interval of 99 % about that mean, less a margin, leaves 0 out.
+//! In: two reports. Out: the times of their common runs whose difference is significant. Frame i shows the same moment
+//! in both, so frames are compared in pairs: the medians of blocks of adjacent frames, which are correlated, are
+//! subtracted. The standard error of the mean difference is the larger of two estimates: from the variance between
+//! blocks, and from that between rounds. A time has changed if the 99 % confidence interval of the mean difference
+//! lies outside of a margin around 0.
 
 use super::plan::Axis;
 use super::report::{Report, Run};
-use super::samples::{Samples, TOTAL, Unit};
+use super::samples::{Samples, TOTAL};
 use super::summary::{Noise, QuantityNoise};
 use crate::statistics::{mean, percentile, student_t, variance};
 
-/// Standard errors on either side of a mean that hold 99 % of a normal distribution.
+/// Normal quantile of a two-sided 99 % confidence interval.
 const Z_99: f64 = 2.575_829;
-/// Less than this share of the quantity itself is never a change: another process has its memory elsewhere.
+/// Margin relative to the quantity: memory layout differs between processes.
 const MARGIN: f64 = 0.02;
-/// Nor is less than this share of the whole frame.
+/// Margin relative to the frame time.
 const MARGIN_OF_FRAME: f64 = 0.005;
-/// Nor is less than this, milliseconds: what a thread needs to wake up.
+/// Absolute margin, ms: the latency of waking a thread.
 const MARGIN_MS: f64 = 0.005;
 
-/// A time that is another one now.
+/// A significant change of a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// Scene and settings.
     pub run: String,
-    /// The frame, a pass, or what lies between.
+    /// The frame, a pass, or the time between passes.
     pub quantity: &'static str,
-    /// Its median before, milliseconds.
+    /// Earlier median, ms.
     pub old_ms: f64,
-    /// Its median now, milliseconds.
+    /// Current median, ms.
     pub new_ms: f64,
-    /// By how many milliseconds it has grown: the least and the most, with 99 % confidence.
+    /// 99 % confidence interval of the increase, ms.
     pub growth_ms: [f64; 2],
 }
 
 impl Change {
-    /// Whether it takes longer now.
+    /// Whether it became slower.
     pub fn is_slower(&self) -> bool {
         self.growth_ms[0] > 0.0
     }
@@ -57,20 +57,20 @@ impl std::fmt::Display for Change {
     }
 }
 
-/// Two reports beside each other.
+/// Comparison of two reports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comparison {
-    /// What has changed beyond noise.
+    /// Significant changes.
     pub changes: Vec<Change>,
-    /// Runs that both have.
+    /// Number of common runs.
     pub compared: usize,
-    /// Runs that only one has.
+    /// Number of runs in one report only.
     pub unmatched: usize,
-    /// What makes their times incomparable, if anything does.
+    /// The difference between the machines that makes times incomparable, if any.
     pub other_machine: Option<&'static str>,
 }
 
-/// Compares those runs that both reports have with the same settings.
+/// Compares the runs with the same scene and settings in both reports.
 pub fn compare_reports(old: &Report, new: &Report) -> Comparison {
     let noise = [Noise::of(&old.runs), Noise::of(&new.runs)];
     let is_same = |a: &Run, b: &Run| a.scene == b.scene && a.settings == b.settings;
@@ -92,9 +92,8 @@ pub fn compare_reports(old: &Report, new: &Report) -> Comparison {
 
 fn changes(runs: [&Run; 2], noise: [&Noise; 2]) -> Vec<Change> {
     let frame_ms = median(&column(runs[0], TOTAL));
-    let names =
-        Samples::default().quantities().into_iter().filter(|(_, unit, _)| *unit == Unit::Milliseconds);
-    let change = |(quantity, ..): (&'static str, Unit, Vec<f64>)| {
+    let names = runs[0].rounds().next().into_iter().flat_map(Samples::times);
+    let change = |quantity: &'static str| {
         let [old, new] = runs.map(|run| column(run, quantity));
         let noise = [noise[0].quantity(quantity)?, noise[1].quantity(quantity)?];
         let growth_ms = growth([&old, &new], noise)?;
@@ -108,7 +107,7 @@ fn changes(runs: [&Run; 2], noise: [&Noise; 2]) -> Vec<Change> {
     names.filter_map(change).collect()
 }
 
-/// The samples of a quantity, round by round.
+/// The samples of a quantity, by round.
 fn column(run: &Run, name: &str) -> Vec<Vec<f64>> {
     let of = |samples: &Samples| {
         let found = samples.quantities().into_iter().find(|(known, ..)| *known == name);
@@ -121,7 +120,7 @@ fn median(rounds: &[Vec<f64>]) -> f64 {
     percentile(rounds.iter().flatten().copied(), 0.5).unwrap_or(0.0)
 }
 
-/// The interval in which the growth of a quantity lies, milliseconds; none without frames.
+/// 99 % confidence interval of the increase of a quantity, ms; none without frames.
 fn growth(rounds: [&[Vec<f64>]; 2], noise: [&QuantityNoise; 2]) -> Option<[f64; 2]> {
     let frames = rounds.iter().flat_map(|rounds| rounds.iter().map(Vec::len)).min()?;
     let [old, new] = rounds.map(|rounds| blocks(rounds, frames));
@@ -129,19 +128,19 @@ fn growth(rounds: [&[Vec<f64>]; 2], noise: [&QuantityNoise; 2]) -> Option<[f64; 
     if differences.is_empty() {
         return None;
     }
-    // How far blocks differ; of a single one that is unknown, and only the rounds tell.
+    // Error from the variance between blocks; unknown for a single block.
     let freedom = differences.len() as f64 - 1.0;
     let of_blocks = student_t(Z_99, freedom) * (variance(&differences) / differences.len() as f64).sqrt();
-    // How far whole runs differ.
+    // Error from the variance between runs.
     let of_runs = [(old, rounds[0], noise[0]), (new, rounds[1], noise[1])]
         .map(|(blocks, rounds, noise)| noise.half_width(Z_99, rounds.len()) * mean(&blocks));
-    // What differs between blocks is a part of what differs between runs, so the two are not added.
+    // The variance between runs includes that between blocks, so take the larger one.
     let half = of_runs[0].hypot(of_runs[1]).max(of_blocks);
     let growth = mean(&differences);
     Some([growth - half, growth + half])
 }
 
-/// Medians over blocks of neighbouring frames, about as many as a block has frames; means over the rounds.
+/// Medians over sqrt(frames) blocks of adjacent frames, averaged over the rounds.
 fn blocks(rounds: &[Vec<f64>], frames: usize) -> Vec<f64> {
     let length = (frames as f64).sqrt().ceil() as usize;
     let starts = (0..frames).step_by(length.max(1));

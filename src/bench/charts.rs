@@ -1,26 +1,26 @@
 //! The report as plots (Tonna 2019, figures 24 to 26, and further ones).
 
 use super::plan::Axis;
-use super::report::{Report, Run};
+use super::report::{Report, Run, SceneFacts};
 use super::samples::{TOTAL, stages};
 use super::summary::{Noise, Summary};
 use super::tables::{Grid, GridRow, axes, grid, is_shown, single_set_time};
+use crate::estimators;
 use crate::plot::{self, Bar, BarPanel, Bars, Curves, Line, Look, Panel, PlotError, PlotFile, Scale};
-use crate::report::PASS_COLOURS;
 use crate::statistics::percentile;
 
-/// The colour of what lies between the passes.
+/// Colour of the time between passes.
 const OTHER_COLOUR: [u8; 3] = [186, 186, 186];
-/// Curves beyond this many cannot be told apart.
+/// More curves cannot be told apart.
 const MOST_LINES: usize = 7;
 const WIDE: (u32, u32) = (860, 420);
 const NARROW: (u32, u32) = (430, 340);
 
 /// A plot with its name.
 pub(super) struct Chart {
-    /// Of its files.
+    /// Stem of its files.
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
     drawing: Drawing,
 }
@@ -87,7 +87,7 @@ fn logarithmic(label: &str) -> plot::Axis {
     plot::Axis { label: label.to_owned(), scale: Scale::Logarithmic, ticks: Vec::new() }
 }
 
-/// One line a row, over the values of the axis.
+/// One line per row, over the values of the axis.
 fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> Line {
     let point = |run: &&Run| Some((axis.value(&run.settings), value(run)?));
     let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
@@ -123,40 +123,43 @@ fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
     let ideal = Line { name: "ideal: T times as fast".to_owned(), points: ideal, look: Look::Broken };
     let panel = Panel {
         title: String::new(),
-        y: logarithmic("times as fast as T = 1"),
+        y: logarithmic("speed-up over T = 1"),
         lines: lines.into_iter().chain([ideal]).collect(),
     };
     let title = "Speed-up over a single temporal set".to_owned();
     Some(Chart::curves("speed-up", Curves { title, x, panels: vec![panel], columns: 1, panel_size: WIDE }))
 }
 
-/// The stages with their colours.
-fn parts() -> Vec<(String, [u8; 3])> {
-    stages().map(str::to_owned).zip(PASS_COLOURS.into_iter().chain([OTHER_COLOUR])).collect()
+/// Stages with their colours.
+fn parts(stages: &[&'static str]) -> Vec<(String, [u8; 3])> {
+    let colour =
+        |stage: &str| estimators::passes().find(|(_, pass)| pass.name == stage).map(|(_, pass)| pass.colour);
+    stages.iter().map(|stage| ((*stage).to_owned(), colour(stage).unwrap_or(OTHER_COLOUR))).collect()
 }
 
-fn bar(run: &Run, label: String, noise: &Noise) -> Option<Bar> {
+fn bar(run: &Run, label: String, stages: &[&'static str], noise: &Noise) -> Option<Bar> {
     let summary = Summary::of(run, noise)?;
     let total = summary.midmean(TOTAL);
     let total = if total < 10.0 { format!("{total:.2}") } else { format!("{total:.1}") };
-    Some(Bar { label, total, parts: stages().map(|stage| summary.midmean(stage)).collect() })
+    Some(Bar { label, total, parts: stages.iter().map(|stage| summary.midmean(stage)).collect() })
 }
 
 fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
+    let stages = stages(grid.rows.iter().flat_map(|row| row.runs.iter().copied().flatten()));
     let panel = |row: &GridRow<'_>| {
         let bars = row.runs.iter().flatten();
         BarPanel {
             title: row.label.clone(),
             x_label: grid.axis.label().to_owned(),
             y_label: "ms".to_owned(),
-            bars: bars.filter_map(|run| bar(run, grid.axis.text(&run.settings), noise)).collect(),
+            bars: bars.filter_map(|run| bar(run, grid.axis.text(&run.settings), &stages, noise)).collect(),
         }
     };
     let panels: Vec<BarPanel> = grid.rows.iter().map(panel).collect();
     let one = panels.len() == 1;
     let bars = Bars {
         title: format!("Stages of a frame by {}", grid.axis.label()),
-        parts: parts(),
+        parts: parts(&stages),
         columns: if one { 1 } else { 2 },
         panel_size: if one { WIDE } else { NARROW },
         panels,
@@ -167,7 +170,9 @@ fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
 fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
     let first =
         |scene: &str| report.runs.iter().find(|run| run.scene == scene && is_shown(report, &run.settings));
-    let bars = report.scenes.iter().filter_map(|scene| bar(first(&scene.name)?, scene.name.clone(), noise));
+    let stages = stages(&report.runs);
+    let bar = |scene: &SceneFacts| bar(first(&scene.name)?, scene.name.clone(), &stages, noise);
+    let bars = report.scenes.iter().filter_map(bar);
     let panel = BarPanel {
         title: String::new(),
         x_label: String::new(),
@@ -177,11 +182,11 @@ fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
     let title = format!("Stages of a frame by scene, T = {}", report.shown_sets());
     Chart::bars(
         "stages-by-scene",
-        Bars { title, parts: parts(), panels: vec![panel], columns: 1, panel_size: WIDE },
+        Bars { title, parts: parts(&stages), panels: vec![panel], columns: 1, panel_size: WIDE },
     )
 }
 
-/// Of each frame the median over the rounds.
+/// Plots the median over the rounds of each frame.
 fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
     let line = |run: &&Run| {
         let time = |frame: u32| {
@@ -231,7 +236,7 @@ fn quality(report: &Report, grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
         lines: grid.rows.iter().take(MOST_LINES).map(line).collect(),
     };
     let curves = Curves {
-        title: format!("Quality against speed; beside the marks: {}", grid.axis.label()),
+        title: format!("Quality against speed; labels: {}", grid.axis.label()),
         x: logarithmic("median frame time, ms"),
         panels: vec![panel],
         columns: 1,

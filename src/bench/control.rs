@@ -5,20 +5,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::BenchError;
 use crate::settings::Settings;
 
-/// What goes on outside while frames are drawn.
+/// Progress and cancellation of a benchmark.
 pub struct Control<'a> {
-    /// Set once somebody wants it to end.
+    /// Set to cancel.
     pub stop: &'a AtomicBool,
-    /// Gets what is being done now and how much work has been done since the last call.
+    /// Receives the current task and the work done since the last call.
     pub progress: &'a mut dyn FnMut(&str, u64),
-    /// What is being done now.
+    /// The current task.
     task: String,
-    /// Runs that are kept, and runs in all.
+    /// Completed runs and total runs.
     pub(super) runs: [usize; 2],
 }
 
 impl<'a> Control<'a> {
-    /// Somebody who watches.
+    /// Reports to `progress` until `stop` is set.
     pub fn new(stop: &'a AtomicBool, progress: &'a mut dyn FnMut(&str, u64)) -> Self {
         Self { stop, progress, task: String::new(), runs: [0; 2] }
     }
@@ -28,7 +28,7 @@ impl<'a> Control<'a> {
         (self.progress)(&self.task, 0);
     }
 
-    /// Counts a turn of what is measured by itself; an error once it is to end.
+    /// Counts a turn of a micro-benchmark; an error once cancelled.
     pub(super) fn turn_done(&mut self) -> Result<(), BenchError> {
         (self.progress)(&self.task, 1);
         self.runs[0] += 1;
@@ -38,7 +38,7 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Counts a frame drawn with `settings`; an error once it is to end.
+    /// Counts a frame drawn with `settings`; an error once cancelled.
     pub(super) fn frame_done(&mut self, settings: &Settings) -> Result<(), BenchError> {
         (self.progress)(&self.task, work_of_frame(settings));
         if self.stop.load(Ordering::Relaxed) {
@@ -48,8 +48,8 @@ impl<'a> Control<'a> {
     }
 }
 
-/// About how much work a frame is, to tell the time left: pixels times (shadow rays of a pixel, and all else).
+/// Estimated work of a frame, for the remaining time: pixels * (shadow rays per pixel + a constant).
 pub(super) fn work_of_frame(settings: &Settings) -> u64 {
-    let rays = settings.vpls.div_ceil(settings.temporal_sets * settings.interleave.pow(2));
+    let rays = settings.vpl.slots.div_ceil(settings.vpl.temporal_sets * settings.vpl.interleave.pow(2));
     u64::from(settings.size[0]) * u64::from(settings.size[1]) * u64::from(rays + 4)
 }

@@ -1,8 +1,8 @@
-//! The report as CSV, long format: one line for each statistic of each quantity of each run.
+//! The report as CSV in long format: one line per run, quantity and statistic.
 
 use super::plan::Axis;
 use super::report::{Report, Run};
-use super::summary::{Noise, Summary};
+use super::summary::{Noise, Summary, key};
 
 /// The whole text.
 pub(super) fn long(report: &Report) -> String {
@@ -16,9 +16,10 @@ pub(super) fn long(report: &Report) -> String {
     for run in &report.runs {
         let settings = axes.map(|axis| axis.text(&run.settings));
         for (quantity, unit, statistic, value) in lines(run, &noise) {
+            let quantity = key(quantity);
             let run = std::iter::once(run.scene.as_str()).chain(settings.iter().map(String::as_str));
             let value = value.to_string();
-            let _ = writer.write_record(run.chain([quantity, unit, statistic, &value]));
+            let _ = writer.write_record(run.chain([&*quantity, unit, statistic, &value]));
         }
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()

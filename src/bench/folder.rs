@@ -1,5 +1,5 @@
-//! The folder of a report. What is not finished yet lies in a folder within, so that an earlier report stays until
-//! another one takes its place.
+//! The folder of a report. An unfinished report lies in a subfolder, so that an earlier report stays until the new
+//! one is complete.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,25 +11,25 @@ use super::{BenchError, charts, csv, html, markdown, tables};
 use crate::output::{OutputError, OutputFile, Picture};
 use crate::plot::PlotFile;
 
-/// Everything, as JSON.
+/// The whole report, as JSON.
 pub const REPORT_FILE: &str = "bench.json";
-/// What a benchmark of small things found, as JSON.
+/// The report of micro-benchmarks, as JSON.
 pub const MICRO_FILE: &str = "micro.json";
 const UNFINISHED: &str = "unfinished";
 const PICTURES: &str = "pictures";
 const PLOTS: &str = "plots";
 
-/// Where a report goes.
+/// The folder of a report.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
-    /// Checks that a report can be written to `path`. Leaves no trace on disk.
+    /// Checks that a report can be written to `path`, without changing anything on disk.
     ///
     /// # Errors
-    /// Where it cannot be, or would be written over something that is no report.
+    /// If it cannot be written, or would overwrite a file that is no report.
     pub fn new(path: &Path) -> Result<Self, BenchError> {
         let folder = Self { path: path.to_owned() };
         let report = path.join(REPORT_FILE);
@@ -46,7 +46,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Its name.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -55,10 +55,10 @@ impl Folder {
         self.path.join(UNFINISHED)
     }
 
-    /// What an earlier run has left, finished or not, and where.
+    /// The report of an earlier run, complete or not, with its path.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If it cannot be read.
     pub fn earlier(&self) -> Result<Option<(PathBuf, Report)>, BenchError> {
         for path in [self.unfinished().join(REPORT_FILE), self.path.join(REPORT_FILE)] {
             if path.exists() {
@@ -69,19 +69,19 @@ impl Folder {
         Ok(None)
     }
 
-    /// Keeps an unfinished report.
+    /// Saves an unfinished report.
     pub(super) fn keep(&self, report: &Report) -> Result<(), BenchError> {
         self.make_unfinished()?;
         Ok(OutputFile::new(self.unfinished().join(REPORT_FILE))?.save_json(report)?)
     }
 
-    /// Keeps a picture of an unfinished report.
+    /// Saves a picture of an unfinished report.
     pub(super) fn keep_picture(&self, entry: &PictureEntry, picture: &Picture) -> Result<(), BenchError> {
         self.make_unfinished()?;
         Ok(OutputFile::new(self.unfinished().join(&entry.file))?.save_picture(picture)?)
     }
 
-    /// Writes a finished report in all its forms and clears what was unfinished away.
+    /// Writes a complete report in all formats and removes the unfinished one.
     pub(super) fn write(&self, report: &Report) -> Result<(), BenchError> {
         let pictures = self.path.join(PICTURES);
         make_folder(&pictures)?;
@@ -112,10 +112,10 @@ impl Folder {
         Ok(())
     }
 
-    /// Writes what a benchmark of small things found, beside what else is there.
+    /// Writes the report of micro-benchmarks; other files stay.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// If it cannot be written.
     pub fn write_micro(&self, report: &MicroReport) -> Result<(), BenchError> {
         make_folder(&self.path)?;
         self.save("micro.md", &markdown::micro_page(report))?;
@@ -132,7 +132,7 @@ impl Folder {
     }
 }
 
-/// Makes a folder, if it is not there, within one that is.
+/// Creates a folder, unless it exists, in an existing one.
 fn make_folder(path: &Path) -> Result<(), OutputError> {
     if path.is_dir() {
         return Ok(());
@@ -143,7 +143,7 @@ fn make_folder(path: &Path) -> Result<(), OutputError> {
 /// Reads a report.
 ///
 /// # Errors
-/// Where it cannot be read, or is none.
+/// If the file cannot be read or is no report.
 pub fn read_report(path: &Path) -> Result<Report, BenchError> {
     let error = |reason: String| BenchError::Report { path: path.to_owned(), reason };
     let text = fs::read(path).map_err(|source| OutputError::Read { path: path.to_owned(), source })?;
@@ -153,7 +153,7 @@ pub fn read_report(path: &Path) -> Result<Report, BenchError> {
         return Err(not_one(format!("its format is \"{}\", not \"{FORMAT}\"", report.format)));
     }
     if !report.is_sound() || !report.pictures.iter().all(PictureEntry::is_sound) {
-        return Err(not_one("its parts do not fit together".to_owned()));
+        return Err(not_one("its contents are inconsistent".to_owned()));
     }
     Ok(report)
 }

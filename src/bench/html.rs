@@ -1,4 +1,4 @@
-//! The report as one page that needs nothing else: plots as SVG, pictures as data.
+//! The report as a self-contained HTML page: plots as SVG, pictures as data URLs.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::plot::PlotError;
 
 const STYLE: &str = include_str!("report.css");
 
-/// The run in one sentence.
+/// Summary in one sentence.
 pub(super) fn headline(report: &Report) -> String {
     let plan = &report.plan;
     format!(
@@ -68,7 +68,7 @@ pub(super) fn page(
                         @for table in &main { (table_markup(table)) }
                     }
                     section { h2 { "Plots" } @for plot in &plots { (plot) } }
-                    section { h2 { "A moving camera" } (artefacts(report, pictures)?) }
+                    section { h2 { "Camera motion" } (artefacts(report, pictures)?) }
                     section {
                         h2 { "Details" }
                         @for table in &detail {
@@ -123,7 +123,7 @@ fn scenes(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
                 p.note {
                     (thousands(scene.triangles)) " triangles, "
                     (scene.instances) @if scene.instances == 1 { " instance, " } @else { " instances, " }
-                    (scene.moving_instances) " of them may move, "
+                    (scene.moving_instances) " of them dynamic, "
                     (scene.lights) @if scene.lights == 1 { " light" } @else { " lights" }
                 }
             }
@@ -145,9 +145,9 @@ fn artefacts(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
     let sets = sets.map_or(0, |entry| entry.temporal_sets);
     Ok(html! {
         p {
-            "The same view with T = " (sets) " while the camera stands still, turns down at 30 degrees a second, and "
-            "moves to the right by a picture's width in two seconds. What has just come into view has been seen by "
-            "few sets, so it is noisier."
+            "The same view with T = " (sets) " with a stationary camera, one that turns down at 30 degrees per second, "
+            "and one that moves to the right by a picture's width in two seconds. Disocclusions have been rendered by "
+            "few sets, so they are noisier."
         }
         div.wide { @for row in rows { (row) } }
     })
@@ -175,27 +175,27 @@ fn method(report: &Report) -> Markup {
     html! {
         ul {
             li {
-                "A frame's time runs from its beginning until the device is done with it; the next one begins then, so "
-                "stages add up to it. In the window the CPU prepares a frame while the device draws the one before, so "
-                "frames follow each other faster than that. Nothing is shown, so no display limits it."
+                "A frame's time runs from its start until the device has finished it, and the next frame starts only then, so "
+                "stages add up to it. In the window the CPU prepares a frame while the device draws the previous one, so "
+                "the frame rate is higher. Nothing is presented, so no display limits it."
             }
             li {
-                "Passes on the device are timed by its timestamps, those on the CPU by its clock. Frame " code { "0" }
-                " of the animation is the first measured one in every run; the frames before, as many as there are "
-                "sets, run up to it."
+                "Passes on the device are timed by timestamps, those on the CPU by its clock. Frame " code { "0" }
+                " of the animation is the first measured one in every run; at least one warm-up frame per set "
+                "precedes it."
             }
             li {
-                "Where neither camera nor things nor lights move, G-buffer and direct light are kept from frame to frame "
+                "While camera, instances and lights are stationary, G-buffer and direct light are reused from frame to frame "
                 "and cost nothing."
             }
             li {
                 (plan.frames) " frames, " (plan.rounds) @if plan.rounds == 1 { " round" } @else { " rounds" }
-                " of each setting, the rounds of a setting as far apart as the scene allows."
+                " of each setting; the rounds of all settings of a scene are interleaved."
             }
             li {
-                "Intervals come from how far the rounds of one setting differ, pooled over all settings"
+                "Confidence intervals come from the variance between rounds of one setting, pooled over all settings"
                 @if plan.rounds == 1 {
-                    ". There was one round only, so 5 % were assumed"
+                    ". With one round only, 5 % are assumed"
                 }
                 "."
             }

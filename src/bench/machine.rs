@@ -1,4 +1,4 @@
-//! What was measured on, and how much of its memory was used.
+//! The machine that was measured, and its memory use.
 
 use serde::{Deserialize, Serialize};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
@@ -17,12 +17,12 @@ pub struct Machine {
     pub driver: String,
     /// Vulkan version.
     pub vulkan: String,
-    /// How fast its tracers are, where it offers both; decides what `--tracer auto` is.
+    /// Rates of its tracers, if it has both; `--tracer auto` takes the faster one.
     #[serde(default)]
     pub tracers: Option<TracerRates>,
     /// Model of the CPU.
     pub cpu: String,
-    /// Threads that the program may use at once.
+    /// Threads of the program's pool.
     pub cpu_threads: usize,
     /// Bytes of main memory.
     pub memory: u64,
@@ -35,7 +35,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This machine with the device `info`, whose tracers are so fast.
+    /// This machine with the device `info` and the rates of its tracers.
     pub fn new(info: &DeviceInfo, tracers: Option<TracerRates>) -> Self {
         let wanted = RefreshKind::nothing()
             .with_cpu(CpuRefreshKind::nothing())
@@ -60,7 +60,7 @@ impl Machine {
         }
     }
 
-    /// Each line of the block: what, and its value.
+    /// Labels and values to print.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let device = format!("{} ({}, Vulkan {})", self.device, self.device_kind, self.vulkan);
         vec![
@@ -74,7 +74,7 @@ impl Machine {
         ]
     }
 
-    /// In what `other` differs so that times cannot be compared or joined.
+    /// The difference to `other` that makes times incomparable, if any.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {
         let differing = [
             ("device", self.device != other.device),
@@ -85,8 +85,8 @@ impl Machine {
     }
 }
 
-/// The most memory that the program has held at once since [`restart_cpu_peak`], or ever where that cannot be
-/// reset, bytes; none where the system does not tell.
+/// Peak resident memory of the program since [`restart_cpu_peak`], or since its start if that cannot be reset,
+/// bytes; none if the system does not report it.
 pub fn cpu_peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -94,7 +94,7 @@ pub fn cpu_peak() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
-/// Begins a new [`cpu_peak`]; false where the system does not allow that.
+/// Resets [`cpu_peak`]; false if the system does not allow that.
 pub fn restart_cpu_peak() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }

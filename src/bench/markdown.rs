@@ -1,4 +1,4 @@
-//! The report as Markdown, beside the folder of its plots.
+//! The report as Markdown; plots are linked.
 
 use std::fmt::Write as _;
 
@@ -29,7 +29,7 @@ pub(super) fn page(report: &Report, tables: &[Table], charts: &[Chart]) -> Strin
     text
 }
 
-/// What a benchmark of small things found.
+/// The report of micro-benchmarks.
 pub(super) fn micro_page(report: &MicroReport) -> String {
     let mut text = "# glowworm bench --micro\n\n".to_owned();
     for (what, value) in report.machine.lines() {
@@ -54,7 +54,7 @@ fn body(table: &Table) -> String {
     text
 }
 
-/// A text that is not taken for Markdown.
+/// Escapes Markdown.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {

@@ -1,12 +1,12 @@
-//! The benchmark: how fast each scene is with each setting, and what speed costs in quality.
+//! The benchmark: frame times of scenes across settings, and the quality at each.
 //!
-//! In: a [`Plan`] and a device. Out: a [`Report`] of samples, and from it alone every table, plot and page, so that
-//! they cannot disagree (Tonna 2019, figures 23 to 27 and 30).
+//! In: a [`Plan`] and a device. Out: a [`Report`] of samples. All tables, plots and pages derive from it (Tonna 2019,
+//! figures 23 to 27 and 30).
 //!
-//! - `plan`: what is measured; `run`: one measurement; `samples`: what it gives; `quality`, `pictures`: the rest.
-//! - `report`: all of it; `summary`: what the samples amount to; `against`: what has changed since another report.
-//! - [`micro`]: tracers, the BVH and passes by themselves, with a report of its own.
-//! - `tables`, `charts`: the report for people; `csv`, `markdown`, `html`, `folder`: as files.
+//! - `plan`: scenes, settings, frames; `run`: one measurement; `samples`: its samples; `quality`, `pictures`.
+//! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
+//! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
+//! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
 
 mod against;
 mod charts;
@@ -34,17 +34,19 @@ pub use pictures::{PictureEntry, PictureKind};
 pub use plan::{Axis, Plan, Sweep};
 pub use quality::{FrameQuality, Quality};
 pub use report::{FORMAT, Report, Round, Run, SceneFacts};
-pub use samples::{OTHER, Samples, TOTAL, Unit, VplColumns, stages};
+pub use samples::{Columns, OTHER, Samples, TOTAL, Unit};
 pub use summary::{Figure, Noise, QuantityNoise, Summary};
 pub use tables::{Table, milliseconds, tables};
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
 use crate::renderer::{RenderError, Renderer, tracer_rates};
+use crate::report::LoadTimes;
 use crate::scene::{SceneError, load_scene};
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::Device;
@@ -52,7 +54,7 @@ use control::work_of_frame;
 use quality::Converged;
 use run::{Stage, warm_up};
 
-/// Why there is no report.
+/// Errors of the benchmark.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
     /// A scene cannot be loaded.
@@ -66,8 +68,8 @@ pub enum BenchError {
         /// What is wrong with them.
         error: SettingsError,
     },
-    /// Two scenes have one name, under which their figures would be joined.
-    #[error("{0}: another scene of that name is measured too; leave one of them out")]
+    /// Two scenes have the same name.
+    #[error("{0}: another scene of that name is measured too; omit one of them")]
     SceneTwice(String),
     /// A scene cannot be rendered.
     #[error(transparent)]
@@ -81,7 +83,7 @@ pub enum BenchError {
     /// Pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),
-    /// A file is no report, or cannot be gone on with.
+    /// A file is no report, or cannot be resumed.
     #[error("{path}: {reason}")]
     Report {
         /// The file.
@@ -89,25 +91,25 @@ pub enum BenchError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Somebody interrupted the benchmark of small things, of which nothing is kept.
+    /// The micro-benchmarks were interrupted; nothing is kept.
     #[error("interrupted after {done} of {planned} measurements")]
     Stopped {
-        /// Measurements that were done.
+        /// Completed measurements.
         done: usize,
-        /// Measurements in all.
+        /// Planned measurements.
         planned: usize,
     },
-    /// Somebody interrupted it.
-    #[error("interrupted after {done} of {planned} runs{}", if *.done > 0 { "; --resume goes on" } else { "" })]
+    /// The benchmark was interrupted.
+    #[error("interrupted after {done} of {planned} runs{}", if *.done > 0 { "; --resume continues" } else { "" })]
     Interrupted {
-        /// Runs that are kept.
+        /// Completed runs.
         done: usize,
-        /// Runs in all.
+        /// Planned runs.
         planned: usize,
     },
 }
 
-/// A benchmark on its way.
+/// A benchmark in progress.
 pub struct Bench {
     device: Arc<Device>,
     assets: Option<PathBuf>,
@@ -116,10 +118,10 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Looks at all scenes and settings, so that what is wrong is found before anything is measured.
+    /// Checks all scenes and settings before anything is measured.
     ///
     /// # Errors
-    /// Where a scene cannot be loaded or a setting cannot be used.
+    /// If a scene cannot be loaded or a setting is invalid.
     pub fn new(
         device: &Arc<Device>,
         plan: Plan,
@@ -148,16 +150,16 @@ impl Bench {
         Ok(Self { device: Arc::clone(device), assets, folder, report })
     }
 
-    /// Takes over what an earlier run of the same plan has left in the folder; false if there is nothing.
+    /// Resumes an earlier run of the same plan in the folder; false if there is none.
     ///
     /// # Errors
-    /// Where it is of another plan, or unfinished and of another machine or version.
+    /// If its plan differs, or if it is unfinished and from another machine or version.
     pub fn resume(&mut self) -> Result<bool, BenchError> {
         let Some((path, earlier)) = self.folder.earlier()? else { return Ok(false) };
         let cannot = |reason: String| Err(BenchError::Report { path: path.clone(), reason });
-        let anew = "leave --resume out to begin anew";
+        let anew = "omit --resume to start over";
         if let Some(option) = earlier.plan.difference(&self.report.plan) {
-            return cannot(format!("was begun with another {option}; give the same one, or {anew}"));
+            return cannot(format!("was started with another {option}; give the same one, or {anew}"));
         }
         if earlier.complete {
             self.report = earlier;
@@ -175,14 +177,17 @@ impl Bench {
                 .iter()
                 .zip(&self.report.runs)
                 .all(|(a, b)| a.settings == b.settings && a.scene == b.scene);
-        if !same_runs || earlier.scenes != self.report.scenes {
-            return cannot(format!("is of scenes that have changed since; {anew}"));
+        let scenes = (&earlier.scenes, &self.report.scenes);
+        let same_scenes =
+            scenes.0.len() == scenes.1.len() && scenes.0.iter().zip(scenes.1).all(|(a, b)| a.is_same(b));
+        if !same_runs || !same_scenes {
+            return cannot(format!("has scenes that changed since; {anew}"));
         }
         self.report = earlier;
         Ok(true)
     }
 
-    /// How much is left to do, in the units of [`Control`].
+    /// Remaining work, in the units of [`Control`].
     pub fn work_left(&self) -> u64 {
         let plan = &self.report.plan;
         let mut work = 0;
@@ -209,16 +214,16 @@ impl Bench {
         work
     }
 
-    /// Runs to be done and those that are.
+    /// Planned and completed runs.
     pub fn runs(&self) -> (usize, usize) {
         let done = self.report.runs.iter().map(|run| run.rounds.len()).sum();
         (self.report.runs.len() * self.report.plan.rounds as usize, done)
     }
 
-    /// Measures what is left. What has been measured is kept after every run, so that another call goes on.
+    /// Measures the remaining runs. Each run is saved, so that a later call can resume.
     ///
     /// # Errors
-    /// Where something fails or somebody interrupts.
+    /// If something fails or the benchmark is interrupted.
     pub fn run(&mut self, control: &mut Control<'_>) -> Result<(), BenchError> {
         for index in 0..self.report.scenes.len() {
             let name = self.report.scenes[index].name.clone();
@@ -228,8 +233,11 @@ impl Bench {
                 continue;
             }
             control.begin(format!("loading {name}"));
+            let begun = Instant::now();
             let scene = load_scene(&self.report.plan.scenes[index], self.assets.as_deref())?;
+            let load_ms = begun.elapsed().as_secs_f64() * 1e3;
             let stage = Stage::new(&self.device, scene);
+            self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: stage.prepared.bvh_ms() });
             self.measure_scene(index, &stage, control)?;
             self.take_artefacts(index, &stage, control)?;
         }
@@ -237,7 +245,7 @@ impl Bench {
         Ok(())
     }
 
-    /// All rounds of all settings of a scene: round by round, so that the rounds of one setting lie apart.
+    /// Measures all settings of a scene, round by round, so that drift affects all settings alike.
     fn measure_scene(
         &mut self,
         index: usize,
@@ -263,7 +271,7 @@ impl Bench {
         Ok(())
     }
 
-    /// One round of run number `at`, of scene number `scene`.
+    /// Measures one round of run `at` of scene `scene`.
     fn measure(
         &mut self,
         at: usize,
@@ -296,7 +304,7 @@ impl Bench {
         if let Some([first, last]) = ends {
             for (kind, frame) in [(PictureKind::Beginning, first), (PictureKind::End, last)] {
                 if let Some((_, picture)) = taken.iter().find(|(number, _)| *number == frame) {
-                    self.keep_picture(scene, kind, settings.temporal_sets, picture)?;
+                    self.keep_picture(scene, kind, settings.vpl.temporal_sets, picture)?;
                 }
             }
         }
@@ -308,15 +316,15 @@ impl Bench {
         Ok(())
     }
 
-    /// Whether the scene's beginning and end are pictures of this run: of the first with the sets that are shown.
+    /// Whether this run takes the scene's first and last picture: the first run with the representative number of sets.
     fn wants_ends(&self, at: usize) -> bool {
         let run = &self.report.runs[at];
         let shown = self.report.shown_sets();
-        let first = self.report.runs_of(&run.scene).find(|run| run.settings.temporal_sets == shown);
+        let first = self.report.runs_of(&run.scene).find(|run| run.settings.vpl.temporal_sets == shown);
         run.rounds.is_empty() && first.is_some_and(|first| first.settings == run.settings)
     }
 
-    /// The settings for the pictures of a moving camera, with the most sets, unless there are such pictures.
+    /// The settings, with the most sets, for missing pictures of a moving camera.
     fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Settings> {
         let taken = |kind: PictureKind| {
             self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
@@ -325,8 +333,8 @@ impl Bench {
             return None;
         }
         let runs = || self.report.runs_of(scene).map(|run| &run.settings);
-        let most = runs().map(|settings| settings.temporal_sets).max()?;
-        runs().find(|settings| settings.temporal_sets == most)
+        let most = runs().map(|settings| settings.vpl.temporal_sets).max()?;
+        runs().find(|settings| settings.vpl.temporal_sets == most)
     }
 
     fn take_artefacts(
@@ -341,7 +349,7 @@ impl Bench {
         for kind in PictureKind::ARTEFACTS {
             control.begin(format!("{}: the camera {}", stage.scene.name, kind.caption()));
             let picture = pictures::artefact(stage, &settings, kind, control)?;
-            self.keep_picture(index, kind, settings.temporal_sets, &picture)?;
+            self.keep_picture(index, kind, settings.vpl.temporal_sets, &picture)?;
         }
         self.folder.keep(&self.report)
     }
@@ -360,24 +368,24 @@ impl Bench {
         Ok(())
     }
 
-    /// Writes the report in all its forms.
+    /// Writes the report in all formats.
     ///
     /// # Errors
-    /// Where something cannot be written.
+    /// If something cannot be written.
     pub fn write(&self) -> Result<(), BenchError> {
         self.folder.write(&self.report)
     }
 
-    /// What has been measured so far.
+    /// The report so far.
     pub fn report(&self) -> &Report {
         &self.report
     }
 }
 
-/// Whether a scene is one whose models are not shipped and are not there.
+/// Whether a scene needs downloadable models that are missing.
 ///
 /// # Errors
-/// Whatever else is wrong with it.
+/// Any other error of loading it.
 pub fn lacks_models(scene: &str, assets: Option<&std::path::Path>) -> Result<bool, SceneError> {
     match load_scene(scene, assets) {
         Ok(_) => Ok(false),

@@ -1,4 +1,4 @@
-//! Pictures for the report: each scene at its beginning and end, and what a moving camera does to a picture.
+//! Pictures for the report: the first and last frame of each scene, and artefacts of camera motion.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,9 +8,9 @@ use crate::output::Picture;
 use crate::scene::{Camera, Pose};
 use crate::settings::Settings;
 
-/// Degrees that the camera turns in a second.
+/// Rotation of the camera, degrees per second.
 const TURNING_SPEED: f32 = 30.0;
-/// Seconds in which the strafing camera passes the width of what it sees at the distance that it looks at.
+/// Time in which the strafing camera moves by the width of its view at the target's distance, seconds.
 const STRAFING_TIME: f32 = 2.0;
 
 /// What a picture shows.
@@ -21,24 +21,24 @@ pub enum PictureKind {
     Beginning,
     /// The last measured frame.
     End,
-    /// The camera stands still.
+    /// Stationary camera.
     Static,
-    /// It turns down.
+    /// Camera turning down.
     Turning,
-    /// It moves to the right.
+    /// Camera moving to the right.
     Strafing,
 }
 
 impl PictureKind {
-    /// Those of a moving camera, with the standing one to compare.
+    /// Those of a moving camera, and the stationary one to compare with.
     pub const ARTEFACTS: [Self; 3] = [Self::Static, Self::Turning, Self::Strafing];
 
-    /// What stands under it.
+    /// Caption.
     pub fn caption(self) -> &'static str {
         match self {
             Self::Beginning => "beginning",
             Self::End => "end",
-            Self::Static => "standing still",
+            Self::Static => "stationary",
             Self::Turning => "turning down",
             Self::Strafing => "strafing right",
         }
@@ -77,14 +77,14 @@ impl PictureEntry {
         Self { scene: scene.to_owned(), kind, temporal_sets, file }
     }
 
-    /// Whether its file is one that [`Self::new`] could have named: what was read may be anybody's.
+    /// Whether [`Self::new`] could have named its file; validates untrusted reports.
     pub fn is_sound(&self) -> bool {
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         self.file.chars().all(plain) && self.file.ends_with(".png") && !self.file.starts_with('.')
     }
 }
 
-/// Renders the picture of a camera that is on the move and is now where the scene has it; nothing else moves.
+/// Renders the picture of a camera that moves through the scene's camera position; all else is stationary.
 pub(super) fn artefact(
     stage: &Stage,
     settings: &Settings,
@@ -107,12 +107,12 @@ pub(super) fn artefact(
     Ok(renderer.read_picture(false)?)
 }
 
-/// Frames that the camera moves: every set buffer is drawn on the way twice.
+/// Frames of camera motion: two per set.
 pub(super) fn artefact_frames(settings: &Settings) -> u32 {
-    2 * settings.temporal_sets
+    2 * settings.vpl.temporal_sets
 }
 
-/// Where the camera is `seconds` after it has passed its own place.
+/// The camera `seconds` after passing its scene position.
 fn moved(camera: &Camera, kind: PictureKind, seconds: f32, aspect: f32) -> Camera {
     let forward = camera.target - camera.eye;
     let right = forward.cross(camera.up).normalize_or_zero();

@@ -1,12 +1,12 @@
-//! What is measured: scenes, settings, frames.
+//! The plan of a benchmark: scenes, settings, frames.
 //!
-//! In: what was asked for. Out: for each scene, every combination of the settings that are swept.
+//! In: the options. Out: for each scene, every combination of the swept settings.
 
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{Settings, SettingsError, VplSettings};
 
-/// What a benchmark measures. Two reports can be gone on with or be compared only so far as they agree in it.
+/// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
@@ -14,17 +14,17 @@ pub struct Plan {
     pub scenes: Vec<String>,
     /// Measured frames of each run.
     pub frames: u32,
-    /// How often each setting is measured.
+    /// Measurements of each setting.
     pub rounds: u32,
-    /// Whether pictures are compared with converged ones.
+    /// Whether to compare pictures with converged ones.
     pub quality: bool,
-    /// Settings of which several values may be measured.
+    /// Settings with several values.
     pub sweep: Sweep,
-    /// Other settings that were given, which win over those of the scene files.
+    /// Other settings, which override those of the scene files.
     pub settings: toml::Table,
 }
 
-/// The values that are measured, every one with every other. An empty list: what the scene says, or the default.
+/// Values to measure, in all combinations. An empty list: the scene's value, or the default.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
@@ -56,10 +56,10 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// All of them; the first is the one that tables have as columns.
+    /// All axes; the first is that of the tables' columns.
     pub const ALL: [Self; 5] = [Self::TemporalSets, Self::Size, Self::Vpls, Self::Bounces, Self::Interleave];
 
-    /// The setting's name, as in files.
+    /// Key of the setting.
     pub fn key(self) -> &'static str {
         match self {
             Self::TemporalSets => "temporal_sets",
@@ -70,7 +70,7 @@ impl Axis {
         }
     }
 
-    /// What plots and tables call it.
+    /// Label in plots and tables.
     pub fn label(self) -> &'static str {
         match self {
             Self::TemporalSets => "temporal sets T",
@@ -81,18 +81,18 @@ impl Axis {
         }
     }
 
-    /// Its value in `settings`, as a place on a plot's axis: of a size the number of pixels.
+    /// Its value in `settings` as a coordinate of a plot; for a size the number of pixels.
     pub fn value(self, settings: &Settings) -> f64 {
         match self {
-            Self::TemporalSets => settings.temporal_sets.into(),
+            Self::TemporalSets => settings.vpl.temporal_sets.into(),
             Self::Size => f64::from(settings.size[0]) * f64::from(settings.size[1]),
-            Self::Vpls => settings.vpls.into(),
+            Self::Vpls => settings.vpl.slots.into(),
             Self::Bounces => settings.bounces.into(),
-            Self::Interleave => settings.interleave.into(),
+            Self::Interleave => settings.vpl.interleave.into(),
         }
     }
 
-    /// Its value in `settings` as text, by itself.
+    /// Its value in `settings` as text.
     pub fn text(self, settings: &Settings) -> String {
         match self {
             Self::Size => format!("{}x{}", settings.size[0], settings.size[1]),
@@ -100,7 +100,7 @@ impl Axis {
         }
     }
 
-    /// Its value in `settings` as a part of a sentence.
+    /// Its value in `settings` as a phrase.
     pub fn phrase(self, settings: &Settings) -> String {
         let text = self.text(settings);
         match self {
@@ -115,16 +115,12 @@ impl Axis {
 }
 
 impl Plan {
-    /// The settings to measure a scene with, whose file has `scene_settings`: temporal sets vary fastest.
+    /// The settings to measure a scene with; `scene_settings` are those of its file. Temporal sets vary fastest.
     ///
     /// # Errors
-    /// Where a combination cannot be used.
+    /// If a combination is invalid.
     pub fn combinations(&self, scene_settings: &toml::Table) -> Result<Vec<Settings>, SettingsError> {
-        let given: Settings = self
-            .settings
-            .clone()
-            .try_into()
-            .map_err(|error: toml::de::Error| SettingsError::Table(error.message().to_owned()))?;
+        let given = Settings::from_table(&self.settings)?;
         let mut names: Vec<&str> = self.settings.keys().map(String::as_str).collect();
         names.extend(self.sweep.names());
         let base = Settings::resolve(scene_settings, &self.sweep.first(&given), &names)?;
@@ -132,12 +128,16 @@ impl Plan {
         let sizes = if self.sweep.size.is_empty() { vec![base.size] } else { self.sweep.size.clone() };
         let mut combinations = Vec::new();
         for size in sizes {
-            for vpls in or(&self.sweep.vpls, base.vpls) {
+            for vpls in or(&self.sweep.vpls, base.vpl.slots) {
                 for bounces in or(&self.sweep.bounces, base.bounces) {
-                    for interleave in or(&self.sweep.interleave, base.interleave) {
-                        for temporal_sets in or(&self.sweep.temporal_sets, base.temporal_sets) {
-                            let cli =
-                                Settings { size, vpls, bounces, interleave, temporal_sets, ..given.clone() };
+                    for interleave in or(&self.sweep.interleave, base.vpl.interleave) {
+                        for temporal_sets in or(&self.sweep.temporal_sets, base.vpl.temporal_sets) {
+                            let cli = Settings {
+                                size,
+                                bounces,
+                                vpl: VplSettings { slots: vpls, interleave, temporal_sets, ..given.vpl },
+                                ..given.clone()
+                            };
                             combinations.push(Settings::resolve(scene_settings, &cli, &names)?);
                         }
                     }
@@ -147,7 +147,7 @@ impl Plan {
         Ok(combinations)
     }
 
-    /// What `other` would measure differently, as the option that says so.
+    /// The option in which `other` differs, if any.
     pub fn difference(&self, other: &Self) -> Option<&'static str> {
         let differing = [
             ("list of scenes", self.scenes != other.scenes),
@@ -166,15 +166,18 @@ impl Plan {
 }
 
 impl Sweep {
-    /// `settings` with the first of all values.
+    /// `settings` with the first value of each list.
     fn first(&self, settings: &Settings) -> Settings {
         let first = |list: &[u32], else_: u32| list.first().copied().unwrap_or(else_);
         Settings {
-            temporal_sets: first(&self.temporal_sets, settings.temporal_sets),
             size: self.size.first().copied().unwrap_or(settings.size),
-            vpls: first(&self.vpls, settings.vpls),
             bounces: first(&self.bounces, settings.bounces),
-            interleave: first(&self.interleave, settings.interleave),
+            vpl: VplSettings {
+                temporal_sets: first(&self.temporal_sets, settings.vpl.temporal_sets),
+                slots: first(&self.vpls, settings.vpl.slots),
+                interleave: first(&self.interleave, settings.vpl.interleave),
+                ..settings.vpl
+            },
             ..settings.clone()
         }
     }
@@ -212,16 +215,18 @@ mod tests {
     }
 
     #[test]
-    fn every_value_meets_every_other() {
+    fn all_combinations_are_measured() {
         let combinations = plan().combinations(&toml::toml! { budget = 3 bounces = 5 vpls = 9 }).unwrap();
-        let values: Vec<_> =
-            combinations.iter().map(|s| (s.vpls, s.temporal_sets, s.bounces, s.budget)).collect();
+        let values: Vec<_> = combinations
+            .iter()
+            .map(|s| (s.vpl.slots, s.vpl.temporal_sets, s.bounces, s.vpl.budget))
+            .collect();
         assert_eq!(values, [(16, 1, 5, 7), (16, 4, 5, 7), (64, 1, 5, 7), (64, 4, 5, 7)]);
-        assert!(combinations.iter().all(|settings| settings.size == [8, 4] && settings.interleave == 4));
+        assert!(combinations.iter().all(|settings| settings.size == [8, 4] && settings.vpl.interleave == 4));
     }
 
     #[test]
-    fn combinations_that_cannot_be_are_refused() {
+    fn invalid_combinations_are_rejected() {
         let mut plan = plan();
         plan.sweep.temporal_sets = vec![1, 32];
         let error = plan.combinations(&toml::Table::new()).unwrap_err();

@@ -1,9 +1,9 @@
-//! What speed costs in picture quality.
+//! Picture quality of a run.
 //!
-//! In: pictures of chosen frames of a measured run, and converged ones of the same moments. Out: errors of each, and
-//! how the picture behaves once everything stands still after the last frame. A converged picture comes from the same
-//! renderer with 16 times the VPLs in a single temporal set, all of them shot for that very moment: so the error is what
-//! few VPLs and sets from earlier frames cost, not what the method itself leaves out.
+//! In: pictures of selected frames of a run, and converged ones of the same moments. Out: errors of each, and the
+//! behaviour of the picture when all motion stops after the last frame. A converged picture comes from the same
+//! renderer with 16 times the VPLs in a single temporal set, all shot for that moment: so the error is that of few
+//! VPLs and of temporal reuse, not the bias of the method.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,44 +12,44 @@ use super::{BenchError, Control};
 use crate::metrics::{CompareOptions, Image, compare, temporal_error};
 use crate::output::{Picture, automatic_exposure};
 use crate::renderer::Renderer;
-use crate::settings::Settings;
+use crate::settings::{Settings, VplSettings};
 use crate::statistics::mean;
 
-/// Pictures that are compared in each run.
+/// Pictures to compare in each run.
 const FRAMES: u32 = 4;
-/// Times as many VPLs as the run has.
+/// Factor on the VPLs of a converged picture.
 const CONVERGED: u32 = 16;
-/// Most VPLs that there may be.
+/// Limit of VPLs.
 const MOST_VPLS: u32 = 65_536;
-/// Frames of the stretch over which the temporal error is taken.
+/// Frames over which the temporal error is measured.
 const STILL_FRAMES: usize = 8;
 
-/// How good the pictures of a run are.
+/// Quality of the pictures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// The chosen frames.
+    /// The selected frames.
     pub frames: Vec<FrameQuality>,
-    /// Frames until the picture stands still after everything has come to a stop.
+    /// Frames until the picture is stationary after all motion stops.
     pub settling_frames: u32,
     /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
     pub temporal_error: f64,
 }
 
-/// How far one picture is from the converged one.
+/// Error of one picture against the converged one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameQuality {
     /// Number of the frame.
     pub frame: u32,
     /// Mean HDR-FLIP error, 0 to 1.
     pub flip: f64,
-    /// Structural similarity of what would be shown at the exposure of the converged picture.
+    /// Structural similarity of display values at the exposure of the converged picture.
     pub ssim: f64,
     /// Mean relative error of luminance; none where the converged picture is black.
     pub relative_error: Option<f64>,
 }
 
 impl Quality {
-    /// Mean of a figure over the chosen frames.
+    /// Mean of a figure over the selected frames.
     pub fn mean(&self, figure: fn(&FrameQuality) -> f64) -> f64 {
         mean(&self.frames.iter().map(figure).collect::<Vec<_>>())
     }
@@ -61,22 +61,22 @@ impl Quality {
     }
 }
 
-/// The frames whose pictures are compared: spread over the run, the last one among them.
+/// The frames to compare: evenly spaced, including the last one.
 pub fn chosen_frames(frames: u32) -> Vec<u32> {
     let mut chosen: Vec<u32> = (1..=FRAMES).map(|part| (frames * part / FRAMES).max(1) - 1).collect();
     chosen.dedup();
     chosen
 }
 
-/// Converged pictures of the chosen frames.
+/// Converged pictures of the selected frames.
 pub(super) struct Converged {
-    /// All that decides them: the settings but for the number of temporal sets.
+    /// Their settings, except the number of temporal sets.
     settings: Settings,
     frames: Vec<(u32, Picture)>,
 }
 
 impl Converged {
-    /// Renders them for runs like that of `settings`.
+    /// Renders them for runs with `settings`.
     pub fn render(
         stage: &Stage,
         settings: &Settings,
@@ -95,7 +95,7 @@ impl Converged {
         Ok(Self { settings: many, frames: pictures })
     }
 
-    /// Whether they are those for runs like that of `settings`.
+    /// Whether they apply to runs with `settings`.
     pub fn serves(&self, settings: &Settings) -> bool {
         self.settings == converged_settings(settings)
     }
@@ -112,7 +112,14 @@ impl Converged {
 
 /// The settings that converged pictures are rendered with.
 pub(super) fn converged_settings(settings: &Settings) -> Settings {
-    Settings { temporal_sets: 1, vpls: (settings.vpls * CONVERGED).min(MOST_VPLS), ..settings.clone() }
+    Settings {
+        vpl: VplSettings {
+            temporal_sets: 1,
+            slots: (settings.vpl.slots * CONVERGED).min(MOST_VPLS),
+            ..settings.vpl
+        },
+        ..settings.clone()
+    }
 }
 
 fn compare_frame(frame: u32, picture: &Picture, converged: &Picture) -> Result<FrameQuality, BenchError> {
@@ -127,13 +134,12 @@ fn image(picture: &Picture) -> Result<Image, BenchError> {
     Ok(Image::from_linear("picture", [picture.width, picture.height], picture.colour.clone())?)
 }
 
-/// Most frames that pass until nothing changes any more: all slots are shot again, then all sets drawn.
+/// Upper bound of the frames until the picture is stationary: all slots are shot again, then all sets drawn.
 pub(super) fn longest_settling(settings: &Settings) -> u32 {
-    settings.vpls.div_ceil(settings.budget) + settings.temporal_sets + 2
+    settings.vpl.slots.div_ceil(settings.vpl.budget) + settings.vpl.temporal_sets + 2
 }
 
-/// Everything stays where it is in the last of `frames` frames: how long the picture goes on changing, and how much
-/// it changes afterwards.
+/// Stops all motion at the last of `frames` frames; returns the settling frames and the temporal error after them.
 pub(super) fn stop(
     stage: &Stage,
     renderer: &mut Renderer,

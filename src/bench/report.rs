@@ -1,4 +1,4 @@
-//! Everything that a benchmark found, as it is written to `bench.json` and read back from it.
+//! The report of a benchmark, as in `bench.json`.
 
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
@@ -9,10 +9,11 @@ use super::plan::{Axis, Plan};
 use super::quality::Quality;
 use super::samples::Samples;
 use super::summary::{Noise, Summary};
+use crate::report::LoadTimes;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
-/// What kind of file it is.
+/// File format.
 pub const FORMAT: &str = "glowworm bench 1";
 
 /// A whole benchmark.
@@ -20,11 +21,11 @@ pub const FORMAT: &str = "glowworm bench 1";
 pub struct Report {
     /// [`FORMAT`].
     pub format: String,
-    /// Whether everything that was planned has been measured.
+    /// Whether all planned runs are complete.
     pub complete: bool,
-    /// What it was measured on.
+    /// The machine.
     pub machine: Machine,
-    /// What was asked for.
+    /// The plan.
     pub plan: Plan,
     /// The scenes, in order.
     pub scenes: Vec<SceneFacts>,
@@ -34,23 +35,26 @@ pub struct Report {
     pub pictures: Vec<PictureEntry>,
 }
 
-/// What a scene consists of.
+/// Size of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneFacts {
     /// Its name.
     pub name: String,
     /// Triangles of all instances.
     pub triangles: usize,
-    /// Placed meshes.
+    /// Instances.
     pub instances: usize,
-    /// Those that may move.
+    /// Dynamic instances.
     pub moving_instances: usize,
     /// Lights.
     pub lights: usize,
+    /// Load times; none if not measured.
+    #[serde(flatten)]
+    pub load: Option<LoadTimes>,
 }
 
 impl SceneFacts {
-    /// Of `scene`.
+    /// The facts of `scene`.
     pub fn of(scene: &Scene) -> Self {
         Self {
             name: scene.name.clone(),
@@ -58,7 +62,13 @@ impl SceneFacts {
             instances: scene.instances.len(),
             moving_instances: scene.instances.iter().filter(|instance| instance.dynamic).count(),
             lights: scene.lights.len(),
+            load: None,
         }
+    }
+
+    /// Whether it is the same scene, ignoring load times.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Self { load: None, ..self.clone() } == Self { load: None, ..other.clone() }
     }
 }
 
@@ -69,11 +79,11 @@ pub struct Run {
     pub scene: String,
     /// The settings.
     pub settings: Settings,
-    /// Frames before the measured ones.
+    /// Warm-up frames.
     pub warm_up: u32,
-    /// What was measured each time.
+    /// Its measurements.
     pub rounds: Vec<Round>,
-    /// How far the pictures are from converged ones, if that was asked for.
+    /// Errors against converged pictures, with `--quality`.
     pub quality: Option<Quality>,
 }
 
@@ -82,9 +92,9 @@ pub struct Run {
 pub struct Round {
     /// Frame by frame.
     pub samples: Samples,
-    /// The most memory that the program held at once, bytes; none where the system does not tell.
+    /// Peak memory of the program, bytes; none if the system does not report it.
     pub cpu_peak: Option<u64>,
-    /// The most memory of the device in use at once, bytes.
+    /// Peak device memory, bytes.
     pub device_peak: u64,
 }
 
@@ -94,19 +104,19 @@ impl Run {
         self.rounds.iter().map(|round| &round.samples)
     }
 
-    /// The most memory of the program in any round, bytes.
+    /// Peak memory of the program over all rounds, bytes.
     pub fn cpu_peak(&self) -> Option<u64> {
         self.rounds.iter().filter_map(|round| round.cpu_peak).max()
     }
 
-    /// The most memory of the device in any round, bytes.
+    /// Peak device memory over all rounds, bytes.
     pub fn device_peak(&self) -> u64 {
         self.rounds.iter().map(|round| round.device_peak).max().unwrap_or(0)
     }
 }
 
 impl Report {
-    /// A report of nothing yet.
+    /// A report without measurements.
     pub fn new(machine: Machine, plan: Plan, scenes: Vec<SceneFacts>, runs: Vec<Run>) -> Self {
         Self { format: FORMAT.to_owned(), complete: false, machine, plan, scenes, runs, pictures: Vec::new() }
     }
@@ -116,7 +126,7 @@ impl Report {
         self.runs.iter().filter(move |run| run.scene == scene)
     }
 
-    /// The settings of which there are several values.
+    /// The settings with several values.
     pub fn varied(&self) -> Vec<Axis> {
         let several = |axis: &Axis| {
             let text = |run: &Run| axis.text(&run.settings);
@@ -129,13 +139,13 @@ impl Report {
         Axis::ALL.into_iter().filter(several).collect()
     }
 
-    /// The number of temporal sets that is shown where one must stand for all: 16, or else the most.
+    /// The representative number of temporal sets for charts and pictures: 16, or else the most.
     pub fn shown_sets(&self) -> u32 {
-        let sets = || self.runs.iter().map(|run| run.settings.temporal_sets);
+        let sets = || self.runs.iter().map(|run| run.settings.vpl.temporal_sets);
         if sets().any(|sets| sets == 16) { 16 } else { sets().max().unwrap_or(1) }
     }
 
-    /// Whether the content fits together: what was read may be anybody's.
+    /// Whether the content is consistent; validates untrusted files.
     pub fn is_sound(&self) -> bool {
         let frames = self.plan.frames as usize;
         let whole = |run: &Run| {
@@ -155,7 +165,7 @@ impl Report {
 
 impl Serialize for Report {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        /// A run with what follows from it.
+        /// A run with its statistics.
         #[derive(Serialize)]
         struct Summarised<'a> {
             #[serde(flatten)]
@@ -165,11 +175,16 @@ impl Serialize for Report {
         let noise = Noise::of(&self.runs);
         let summarised = |run| Summarised { run, summary: Summary::of(run, &noise) };
         let runs: Vec<_> = self.runs.iter().map(summarised).collect();
-        let mut fields = serializer.serialize_struct("Report", 8)?;
+        let load = |get: fn(&LoadTimes) -> f64| -> f64 {
+            self.scenes.iter().filter_map(|scene| scene.load.as_ref()).map(get).sum()
+        };
+        let mut fields = serializer.serialize_struct("Report", 10)?;
         fields.serialize_field("format", &self.format)?;
         fields.serialize_field("complete", &self.complete)?;
         fields.serialize_field("machine", &self.machine)?;
         fields.serialize_field("plan", &self.plan)?;
+        fields.serialize_field("load_ms", &load(|times| times.load_ms))?;
+        fields.serialize_field("bvh_ms", &load(|times| times.bvh_ms))?;
         fields.serialize_field("scenes", &self.scenes)?;
         fields.serialize_field("noise", &noise)?;
         fields.serialize_field("runs", &runs)?;

@@ -1,7 +1,7 @@
 //! One run: warm-up, then measured frames.
 //!
-//! A frame begins when the device is done with the one before, so nothing overlaps: its time is what passes from
-//! there until the device is done, and the stages add up to it. What a caller reads between frames is outside.
+//! A frame starts when the device has finished the previous one, so nothing overlaps: its time runs until the device has
+//! finished it, and the stages add up to it. Readback between frames is not included.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -15,18 +15,18 @@ use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
-/// Warm-up frames that there are at least: the device compiles and clocks up.
+/// Minimum number of warm-up frames: shaders compile and clocks rise.
 const LEAST_WARM_UP: u32 = 4;
 
 /// Frames before the measured ones: until every set buffer has been drawn.
 pub fn warm_up(settings: &Settings) -> u32 {
-    settings.temporal_sets.max(LEAST_WARM_UP)
+    settings.vpl.temporal_sets.max(LEAST_WARM_UP)
 }
 
-/// Gets the number of a frame that was measured, and the renderer that drew it.
+/// Callback with the number of a measured frame and its renderer.
 pub(super) type Look<'a> = dyn FnMut(u32, &mut Renderer, &mut Control<'_>) -> Result<(), BenchError> + 'a;
 
-/// A scene that is ready to be measured.
+/// A scene prepared for measurement.
 pub(super) struct Stage {
     pub device: Arc<Device>,
     pub scene: Arc<Scene>,
@@ -39,17 +39,17 @@ impl Stage {
         Self { device: Arc::clone(device), prepared: PreparedScene::new(&scene), scene }
     }
 
-    /// Where everything stands in a frame; those of the warm-up have negative numbers.
+    /// The pose of a frame; warm-up frames have negative numbers.
     pub fn pose(&self, frame: i64, settings: &Settings) -> Pose {
         self.scene.pose(frame as f64 * settings.time_step)
     }
 
-    /// A renderer that has drawn nothing yet.
+    /// A new renderer.
     pub fn renderer(&self, settings: &Settings, pose: &Pose) -> Result<Renderer, BenchError> {
         Ok(Renderer::with_scene(&self.device, self.prepared.clone(), settings, pose)?)
     }
 
-    /// Measures `frames` frames. After each of them `look` may do with the renderer what it likes.
+    /// Measures `frames` frames and calls `look` after each.
     pub fn measure(
         &self,
         settings: &Settings,

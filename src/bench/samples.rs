@@ -1,48 +1,64 @@
-//! What one run measured, frame by frame.
+//! The samples of one run, by frame.
 
-use serde::{Deserialize, Serialize};
+use indexmap::IndexMap;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::report::{FrameFigures, PASS_NAMES, PerPass};
+use crate::estimators::{self, METHODS};
+use crate::report::FrameFigures;
 
-/// One column for each quantity, one value for each frame. Times are in milliseconds.
+use super::report::Run;
+
+/// One column per quantity, one value per frame. Times in ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
-    /// From the beginning of a frame until the device is done with it.
+    /// From the start of a frame until the device has finished it.
     pub total_ms: Vec<f64>,
-    /// The ten passes.
-    pub passes: PerPass<Vec<f64>>,
-    /// What lies between the passes: recording, uploads, submission, waking up.
+    /// Each pass, in the order of the frame.
+    pub passes: Columns<f64>,
+    /// The time between passes: recording, uploads, submission, waiting.
     pub other_ms: Vec<f64>,
-    /// The VPLs.
-    pub vpls: VplColumns,
-    /// Occlusion rays cast by the shaders.
-    pub shadow_rays: Vec<u64>,
+    /// Counters of the method.
+    pub counters: Columns<u64>,
 }
 
-/// Slots: how many hold a usable VPL, have escaped, are stale, became invalid, were shot.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "as in VplCounters")]
-pub struct VplColumns {
-    pub valid: Vec<u32>,
-    pub escaped: Vec<u32>,
-    pub stale: Vec<u32>,
-    pub invalidated: Vec<u32>,
-    pub shot: Vec<u32>,
+/// Columns by name.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Columns<Value>(pub IndexMap<&'static str, Vec<Value>>);
+
+impl<Value> Default for Columns<Value> {
+    /// No columns.
+    fn default() -> Self {
+        Self(IndexMap::new())
+    }
 }
 
-/// What a quantity is counted in.
+impl<'de, Value: Deserialize<'de>> Deserialize<'de> for Columns<Value> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let columns = IndexMap::<String, Vec<Value>>::deserialize(deserializer)?;
+        let known = |(name, column): (String, Vec<Value>)| {
+            let passes = estimators::passes().map(|(_, pass)| pass.name);
+            let mut names = passes.chain(METHODS.iter().flat_map(|method| method.counters.iter().copied()));
+            let name = names.find(|known| *known == name);
+            Ok((name.ok_or_else(|| D::Error::custom("no pass and no counter has this name"))?, column))
+        };
+        Ok(Self(columns.into_iter().map(known).collect::<Result<_, D::Error>>()?))
+    }
+}
+
+/// Unit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Milliseconds.
     Milliseconds,
-    /// Frames a second.
+    /// Frames per second.
     PerSecond,
-    /// A number of things.
+    /// A count.
     Count,
 }
 
 impl Unit {
-    /// As in tables.
+    /// Symbol in tables.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Milliseconds => "ms",
@@ -54,37 +70,40 @@ impl Unit {
 
 /// The whole frame.
 pub const TOTAL: &str = "total";
-/// Frames a second.
+/// Frames per second.
 pub const FPS: &str = "fps";
-/// What lies between the passes.
+/// The time between passes.
 pub const OTHER: &str = "other";
 
-/// The stages that make up a frame: the ten passes, and what lies between them.
-pub fn stages() -> impl Iterator<Item = &'static str> {
-    PASS_NAMES.into_iter().chain([OTHER])
+/// The stages of the frames of `runs`: their passes, and the time between them.
+pub fn stages<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<&'static str> {
+    let mut stages: Vec<&'static str> = Vec::new();
+    for samples in runs.into_iter().filter_map(|run| run.rounds().next()) {
+        let missing: Vec<_> = samples.passes.0.keys().filter(|name| !stages.contains(name)).collect();
+        stages.extend(missing);
+    }
+    stages.push(OTHER);
+    stages
 }
 
 impl Samples {
-    /// Adds a frame that took `wall_ms` from its beginning until the device was done.
+    /// Adds a frame that took `wall_ms` from its start until the device had finished it.
     pub fn push(&mut self, wall_ms: f64, figures: &FrameFigures) {
         let total = rounded(wall_ms);
         self.total_ms.push(total);
         let mut stages = 0.0;
-        for (column, ms) in self.passes.0.iter_mut().zip(figures.passes.0) {
-            let ms = rounded(ms);
+        for (name, ms) in &figures.passes {
+            let ms = rounded(*ms);
             stages += ms;
-            column.push(ms);
+            self.passes.0.entry(name).or_default().push(ms);
         }
         self.other_ms.push(rounded(total - stages));
-        self.vpls.valid.push(figures.vpls.valid);
-        self.vpls.escaped.push(figures.vpls.escaped);
-        self.vpls.stale.push(figures.vpls.stale);
-        self.vpls.invalidated.push(figures.vpls.invalidated);
-        self.vpls.shot.push(figures.vpls.shot);
-        self.shadow_rays.push(figures.shadow_rays);
+        for (name, count) in &figures.counters.0 {
+            self.counters.0.entry(name).or_default().push(*count);
+        }
     }
 
-    /// Frames.
+    /// Number of frames.
     pub fn len(&self) -> usize {
         self.total_ms.len()
     }
@@ -94,7 +113,7 @@ impl Samples {
         self.total_ms.is_empty()
     }
 
-    /// Whether every column has one value for each of `frames` frames, times are finite, and frames took some.
+    /// Whether every column has `frames` values, times are finite, and frame times are positive.
     pub fn is_whole(&self, frames: usize) -> bool {
         let quantities = self.quantities();
         quantities.iter().all(|(_, _, column)| column.len() == frames && column.iter().all(|v| v.is_finite()))
@@ -104,29 +123,24 @@ impl Samples {
     /// Every quantity: name, unit, one value for each frame.
     pub fn quantities(&self) -> Vec<(&'static str, Unit, Vec<f64>)> {
         let ms = Unit::Milliseconds;
-        let counts = |column: &[u32]| column.iter().map(|&count| f64::from(count)).collect();
         let mut quantities = vec![(TOTAL, ms, self.total_ms.clone())];
         quantities.push((FPS, Unit::PerSecond, self.total_ms.iter().map(|ms| 1e3 / ms).collect()));
-        quantities.extend(
-            PASS_NAMES.into_iter().zip(&self.passes.0).map(|(name, column)| (name, ms, column.clone())),
-        );
+        quantities.extend(self.passes.0.iter().map(|(name, column)| (*name, ms, column.clone())));
         quantities.push((OTHER, ms, self.other_ms.clone()));
-        for (name, column) in [
-            ("vpls_valid", &self.vpls.valid),
-            ("vpls_escaped", &self.vpls.escaped),
-            ("vpls_stale", &self.vpls.stale),
-            ("vpls_invalidated", &self.vpls.invalidated),
-            ("vpls_shot", &self.vpls.shot),
-        ] {
-            quantities.push((name, Unit::Count, counts(column)));
-        }
-        let rays = self.shadow_rays.iter().map(|&rays| rays as f64).collect();
-        quantities.push(("shadow_rays", Unit::Count, rays));
+        let counts = |column: &Vec<u64>| column.iter().map(|&count| count as f64).collect();
+        let counters = self.counters.0.iter();
+        quantities.extend(counters.map(|(name, column)| (*name, Unit::Count, counts(column))));
         quantities
+    }
+
+    /// The names of all times.
+    pub fn times(&self) -> impl Iterator<Item = &'static str> {
+        let times = self.quantities().into_iter().filter(|(_, unit, _)| *unit == Unit::Milliseconds);
+        times.map(|(name, ..)| name)
     }
 }
 
-/// To a tenth of a microsecond, beyond which timers tell nothing.
+/// Rounds to 0.1 us, the resolution of timers.
 fn rounded(ms: f64) -> f64 {
     (ms * 1e4).round() / 1e4
 }

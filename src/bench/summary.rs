@@ -1,9 +1,9 @@
-//! What the samples of a run amount to, and how certain that is.
+//! Statistics of a run, with confidence intervals.
 //!
-//! In: the samples of all rounds. Out: for each quantity its spread, and of times the interval in which the median
-//! of another run is to be expected. Runs differ by more than their frames do (clocks, caches, other programs),
-//! so the interval comes from how rounds of the same setting differ: the variance of the logarithm of their
-//! medians, pooled over all settings of the report.
+//! In: the samples of all rounds. Out: the spread of each quantity, and for times the confidence interval of the median
+//! of another run. Runs vary more than their frames (clocks, caches, other programs), so the interval comes from the
+//! variance between rounds of the same setting: that of the logarithm of their medians, pooled over all settings of
+//! the report.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -12,22 +12,22 @@ use super::report::Run;
 use super::samples::{FPS, Samples, TOTAL, Unit};
 use crate::statistics::{Spread, mean, percentile, student_t, variance};
 
-/// Standard errors on either side of a mean that hold 95 % of a normal distribution.
+/// Normal quantile of a two-sided 95 % confidence interval.
 const Z_95: f64 = 1.959_964;
 
-/// The relative standard deviation between rounds that is assumed where there is one round only.
+/// Assumed relative standard deviation between rounds if there is one round only.
 pub const ASSUMED_NOISE: f64 = 0.05;
 
-/// A machine of which rounds differ by more than this share is not a quiet one.
+/// Relative standard deviation between rounds above which the machine counts as busy.
 const BUSY: f64 = 0.1;
 
-/// How much rounds of one setting differ: of each time, relative to itself.
+/// Relative variation between rounds of one setting, for each time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     quantities: Vec<(&'static str, QuantityNoise)>,
 }
 
-/// That of one quantity.
+/// The noise of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuantityNoise {
     /// Variance of the logarithm of a round's median.
@@ -37,7 +37,7 @@ pub struct QuantityNoise {
 }
 
 impl QuantityNoise {
-    /// Relative half-width of the interval that holds the share that `z` stands for of medians of `rounds` rounds.
+    /// Relative half-width of the confidence interval, with normal quantile `z`, of the median of `rounds` rounds.
     pub fn half_width(&self, z: f64, rounds: usize) -> f64 {
         let factor = self.freedom.map_or(z, |freedom| student_t(z, freedom));
         factor * (self.variance / rounds.max(1) as f64).sqrt()
@@ -45,27 +45,30 @@ impl QuantityNoise {
 }
 
 impl Noise {
-    /// That of all `runs`.
+    /// Estimates the noise of `runs`.
     pub fn of(runs: &[Run]) -> Self {
-        let names =
-            Samples::default().quantities().into_iter().filter(|(_, unit, _)| *unit == Unit::Milliseconds);
-        Self { quantities: names.map(|(name, ..)| (name, pooled(runs, name))).collect() }
+        let mut names: Vec<&'static str> = Vec::new();
+        for samples in runs.iter().filter_map(|run| run.rounds().next()) {
+            let missing: Vec<_> = samples.times().filter(|name| !names.contains(name)).collect();
+            names.extend(missing);
+        }
+        Self { quantities: names.into_iter().map(|name| (name, pooled(runs, name))).collect() }
     }
 
-    /// What to say where rounds differ so much that something else must have kept the machine busy.
+    /// A warning if rounds differ so much that the machine must have been busy.
     pub fn warning(&self) -> Option<String> {
         let noise = self.quantity(TOTAL)?;
         let share = noise.variance.sqrt();
         (noise.freedom.is_some() && share > BUSY).then(|| {
             format!(
-                "Rounds of one setting differ by {:.0} % (standard deviation): other programs or a changing clock have \
-                 disturbed the measurement, and figures are as uncertain as the intervals say.",
+                "Rounds of one setting differ by {:.0} % (standard deviation): other programs or clock changes disturbed \
+                 the measurement; see the confidence intervals.",
                 100.0 * share
             )
         })
     }
 
-    /// That of the quantity `name`; frames a second have that of the frame.
+    /// The noise of quantity `name`; frames per second have that of the frame time.
     pub fn quantity(&self, name: &str) -> Option<&QuantityNoise> {
         let name = if name == FPS { TOTAL } else { name };
         self.quantities.iter().find(|(known, _)| *known == name).map(|(_, noise)| noise)
@@ -77,7 +80,7 @@ fn pooled(runs: &[Run], name: &str) -> QuantityNoise {
     let (mut squares, mut freedom) = (0.0, 0.0);
     for run in runs {
         let medians: Option<Vec<f64>> = run.rounds().map(|samples| median_of(samples, name)).collect();
-        // What takes no time at all has no relative variance.
+        // Zero times have no relative variance.
         let Some(medians) = medians.filter(|medians| medians.len() > 1 && medians.iter().all(|m| *m > 0.0))
         else {
             continue;
@@ -106,7 +109,7 @@ impl Serialize for Noise {
     }
 }
 
-/// The figures of one run.
+/// The statistics of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Every quantity, in the order of [`Samples::quantities`].
@@ -118,19 +121,19 @@ pub struct Summary {
 pub struct Figure {
     /// Its name.
     pub name: &'static str,
-    /// What it is counted in.
+    /// Its unit.
     pub unit: Unit,
-    /// Over the frames of all rounds.
+    /// Spread over the frames of all rounds.
     pub spread: Spread,
-    /// Mean over the middle half of the frames, ordered by their time as a whole: what slow frames of a busy machine
-    /// do not touch, and what the stages of a frame add up to.
+    /// Interquartile mean: over the middle half of the frames, ordered by frame time. Robust against slow frames, and the
+    /// stages add up to it.
     pub midmean: f64,
-    /// Of times: where the median of another run is to be expected, with 95 % confidence.
+    /// For times: 95 % confidence interval of the median of another run.
     pub interval: Option<[f64; 2]>,
 }
 
 impl Summary {
-    /// Sums up a run; none before its first round.
+    /// Summarises a run; none before its first round.
     pub fn of(run: &Run, noise: &Noise) -> Option<Self> {
         let mut quantities = run.rounds.first()?.samples.quantities();
         for samples in run.rounds().skip(1) {
@@ -172,7 +175,7 @@ impl Summary {
     }
 }
 
-/// The numbers of the frames that are neither among the fastest nor among the slowest quarter.
+/// Indices of the frames between the first and third quartile.
 fn middle_half(totals: &[f64]) -> Vec<usize> {
     let mut frames: Vec<usize> = (0..totals.len()).collect();
     frames.sort_by(|a, b| totals[*a].total_cmp(&totals[*b]));
@@ -208,8 +211,13 @@ impl Serialize for Summary {
                 map.end()
             }
         }
-        serializer.collect_map(self.figures.iter().map(|figure| (figure.name, Entry(figure))))
+        serializer.collect_map(self.figures.iter().map(|figure| (key(figure.name), Entry(figure))))
     }
+}
+
+/// A quantity's name as a key in JSON and CSV.
+pub(super) fn key(name: &str) -> String {
+    name.replace('.', "_")
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The report as tables: every number that people read is written here, once, for Markdown and HTML alike.
+//! The report as tables, for Markdown, HTML and the terminal.
 
 use super::plan::Axis;
 use super::report::{Report, Run};
@@ -9,19 +9,19 @@ use crate::settings::Settings;
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// What stands above.
+    /// Title.
     pub title: String,
-    /// What the figures mean.
+    /// Explanation of the figures.
     pub note: String,
-    /// Heads of the columns; the first names the rows.
+    /// Column headings; the first column names the rows.
     pub columns: Vec<String>,
     /// A cell for each column.
     pub rows: Vec<Vec<String>>,
-    /// Whether it is one of many that only few people want to see.
+    /// Whether it belongs to the details.
     pub detail: bool,
 }
 
-/// Runs laid out for one axis: rows of what else differs, columns of its values.
+/// Runs arranged for one axis: columns are its values, rows the other varied settings.
 pub(super) struct Grid<'a> {
     pub axis: Axis,
     /// The values of the axis.
@@ -31,7 +31,7 @@ pub(super) struct Grid<'a> {
 
 /// The runs of one row.
 pub(super) struct GridRow<'a> {
-    /// The scene, and whatever else differs among the rows.
+    /// The scene and the other varied settings.
     pub label: String,
     /// One for each column.
     pub runs: Vec<Option<&'a Run>>,
@@ -50,13 +50,13 @@ pub fn tables(report: &Report) -> Vec<Table> {
     tables
 }
 
-/// The settings that get tables and plots of their own: those with several values, temporal sets in any case.
+/// The settings with tables and plots of their own: those with several values, and temporal sets.
 pub(super) fn axes(report: &Report) -> Vec<Axis> {
     let varied = report.varied();
     if varied.is_empty() { vec![Axis::TemporalSets] } else { varied }
 }
 
-/// Lays out all runs for one axis.
+/// Arranges all runs for one axis.
 pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
     let others: Vec<Axis> = report.varied().into_iter().filter(|other| *other != axis).collect();
     let mut grid = Grid { axis, columns: Vec::new(), rows: Vec::<GridRow<'_>>::new() };
@@ -81,13 +81,13 @@ pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
     grid
 }
 
-/// A run by its scene and the settings that differ.
+/// Label of a run: its scene and the varied settings.
 fn label(run: &Run, varied: &[Axis]) -> String {
     let phrases = varied.iter().map(|axis| axis.phrase(&run.settings));
     std::iter::once(run.scene.clone()).chain(phrases).collect::<Vec<_>>().join(", ")
 }
 
-/// What all runs have in common.
+/// The settings common to all runs.
 pub(super) fn common_settings(report: &Report) -> String {
     let varied = report.varied();
     let Some(first) = report.runs.first() else { return String::new() };
@@ -101,7 +101,7 @@ pub(super) fn common_settings(report: &Report) -> String {
     .join(", ")
 }
 
-/// Frame times in the layout of Tonna 2019, figure 24, and frames a second.
+/// Frame times in the layout of Tonna 2019, figure 24, and frames per second.
 fn times(grid: &Grid<'_>, noise: &Noise) -> Vec<Table> {
     let table = |title: String, note: &str, cell: &dyn Fn(&Summary) -> String| {
         grid_table(grid, title, note, &|run| Summary::of(run, noise).map(|summary| cell(&summary)))
@@ -115,19 +115,19 @@ fn times(grid: &Grid<'_>, noise: &Noise) -> Vec<Table> {
     vec![
         table(
             format!("Frame time in ms, by {by}"),
-            "Median over all measured frames, from the beginning of a frame until the device is done with it.",
+            "Median over all measured frames, from the start of a frame until the device has finished it.",
             &frame,
         ),
         table(
-            format!("Frames a second, by {by}"),
+            format!("Frames per second, by {by}"),
             "Median; frames do not overlap here, as they do in the window.",
             &|summary| format!("{:.1}", summary.median(FPS)),
         ),
         Table {
             detail: true,
             ..table(
-                format!("Certainty of the frame time, ± %, by {by}"),
-                "The median of another run on this machine is to be expected within, with 95 % confidence.",
+                format!("Confidence interval of the frame time, ± %, by {by}"),
+                "95 % confidence interval of the median of another run on this machine.",
                 &certain,
             )
         },
@@ -143,7 +143,7 @@ fn grid_table(grid: &Grid<'_>, title: String, note: &str, cell: &dyn Fn(&Run) ->
     Table { title, note: note.to_owned(), columns, rows: grid.rows.iter().map(row).collect(), detail: false }
 }
 
-/// What stands above the names of the rows, beside the values of the axis.
+/// Heading of the row labels.
 fn corner(grid: &Grid<'_>) -> String {
     match grid.axis {
         Axis::TemporalSets => "T".to_owned(),
@@ -151,7 +151,7 @@ fn corner(grid: &Grid<'_>) -> String {
     }
 }
 
-/// How many times as fast as with a single set.
+/// Speed-up over a single set.
 fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
     let ones = |row: &GridRow<'_>| single_set_time(row, noise);
     if grid.axis != Axis::TemporalSets
@@ -180,11 +180,11 @@ fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
 
 /// Median frame time of the run with a single temporal set.
 pub(super) fn single_set_time(row: &GridRow<'_>, noise: &Noise) -> Option<f64> {
-    let one = row.runs.iter().flatten().find(|run| run.settings.temporal_sets == 1)?;
+    let one = row.runs.iter().flatten().find(|run| run.settings.vpl.temporal_sets == 1)?;
     Some(Summary::of(one, noise)?.median(TOTAL))
 }
 
-/// What each stage takes.
+/// Time of each stage.
 fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
     let summaries: Vec<Option<Summary>> =
         row.runs.iter().map(|run| run.and_then(|run| Summary::of(run, noise))).collect();
@@ -196,16 +196,16 @@ fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
     };
     Table {
         title: format!("Stages of {} in ms, by {}", row.label, grid.axis.label()),
-        note: "Means over the middle half of the frames, so they add up to the whole and slow frames do not count. \
-               `other` is what lies between the passes: recording, uploads, submission, waiting."
+        note: "Interquartile means over the frames: they add up to the total and ignore slow frames. \
+               `other` is the time between passes: recording, uploads, submission, waiting."
             .to_owned(),
         columns: std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect(),
-        rows: stages().chain([TOTAL]).map(line).collect(),
+        rows: stages(row.runs.iter().copied().flatten()).into_iter().chain([TOTAL]).map(line).collect(),
         detail: true,
     }
 }
 
-/// How frame times are spread.
+/// Distribution of frame times.
 fn spread(report: &Report, noise: &Noise) -> Table {
     let row = |run: &Run, varied: &[Axis]| {
         let figure = *Summary::of(run, noise)?.figure(TOTAL)?;
@@ -217,8 +217,8 @@ fn spread(report: &Report, noise: &Noise) -> Table {
     let varied = row_axes(report);
     Table {
         title: "Spread of the frame time in ms".to_owned(),
-        note: "low and high: where the median of another run on this machine is to be expected, with 95 % \
-               confidence. p5 and p95: 5 % of the frames are at or below the one, 95 % at or below the other."
+        note: "low and high: 95 % confidence interval of the median of another run on this machine. p5 and p95: \
+               5th and 95th percentile of the frames."
             .to_owned(),
         columns: ["run", "median", "low", "high", "mean", "p5", "p95", "worst"].map(str::to_owned).into(),
         rows: report.runs.iter().filter_map(|run| row(run, &varied)).collect(),
@@ -232,7 +232,7 @@ fn counters(report: &Report, noise: &Noise) -> Table {
     let row = |run: &Run, varied: &[Axis]| {
         let summary = Summary::of(run, noise)?;
         let mut cells = vec![label(run, varied)];
-        for name in ["vpls_valid", "vpls_escaped", "vpls_stale", "vpls_invalidated", "vpls_shot"] {
+        for name in ["vpls.valid", "vpls.escaped", "vpls.stale", "vpls.invalidated", "vpls.shot"] {
             cells.push(format!("{:.1}", summary.mean(name)));
         }
         cells.push(format!("{:.0}", summary.mean("shadow_rays")));
@@ -254,7 +254,7 @@ fn counters(report: &Report, noise: &Noise) -> Table {
     }
 }
 
-/// The settings that a row of its own names.
+/// The settings that row labels name.
 fn row_axes(report: &Report) -> Vec<Axis> {
     let mut axes = report.varied();
     if !axes.contains(&Axis::TemporalSets) {
@@ -263,7 +263,7 @@ fn row_axes(report: &Report) -> Vec<Axis> {
     axes
 }
 
-/// What larger T cost in quality.
+/// Quality against frame time.
 fn quality(report: &Report, noise: &Noise) -> Option<Table> {
     let varied = row_axes(report);
     let row = |run: &Run| {
@@ -283,12 +283,12 @@ fn quality(report: &Report, noise: &Noise) -> Option<Table> {
     let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
     let heads = ["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"];
     Some(Table {
-        title: "Quality while things move, and when they stop".to_owned(),
+        title: "Quality in motion, and after it stops".to_owned(),
         note: format!(
             "Means over frames {} of the animation, against a converged picture of the same moment: the same renderer \
              with 16 times the VPLs, all of them fresh, in one set. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; \
-             relative error of luminance. Settling: frames until the picture stands still after everything has \
-             stopped; temporal error: what changes from frame to frame after that, W/m²/sr.",
+             relative error of luminance. Settling: frames until the picture is stationary after all motion \
+             stops; temporal error: mean change from frame to frame after that, W/m²/sr.",
             frames.join(", ")
         ),
         columns: heads.map(str::to_owned).into(),
@@ -297,7 +297,7 @@ fn quality(report: &Report, noise: &Noise) -> Option<Table> {
     })
 }
 
-/// Milliseconds as they are written everywhere.
+/// Formats milliseconds.
 pub fn milliseconds(value: f64) -> String {
     format!("{value:.3}")
 }
@@ -310,7 +310,7 @@ fn percent(share: f64) -> String {
     format!("{:.1}", share * 100.0)
 }
 
-/// The settings of the run that stands for all others of a scene.
+/// Whether settings are those of a scene's representative run.
 pub(super) fn is_shown(report: &Report, settings: &Settings) -> bool {
-    settings.temporal_sets == report.shown_sets()
+    settings.vpl.temporal_sets == report.shown_sets()
 }

@@ -1,7 +1,7 @@
 //! The bottom levels: one CWBVH per mesh, all in flat arrays with absolute indices.
 //!
-//! In: meshes and materials. Out: nodes, triangles in leaf order and what alpha masks need, as the
-//! shaders read them too.
+//! In: meshes and materials. Out: nodes, triangles in leaf order and the data of alpha tests, for the
+//! CPU and for shaders.
 
 use glam::{Vec3, Vec3A};
 use obvhs::{
@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::{
     gpu::{GpuMaskedTriangle, GpuTriangle},
-    nodes::{Child, LeafCost, Node, WideTree, widen},
+    nodes::{Child, LeafCost, Node, WideTree, collapse},
     traverse,
-    tree::{References, clustered, median_split},
+    tree::{References, build_ploc, median_split},
     triangle::{LANES, TriangleBlock, is_degenerate},
     wide,
 };
@@ -30,17 +30,17 @@ const PARAMS: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::medium_build()
 };
 
-/// A block of triangles in comparison with a node.
-const LEAF_COST: LeafCost = LeafCost { at_a_time: LANES, most: 2, cost: 1.5 };
+/// Cost of testing a block of triangles, relative to a node.
+const LEAF_COST: LeafCost = LeafCost { batch: LANES, max_tests: 2, cost: 1.5 };
 
-/// What the top levels need to know of a mesh's BVH.
+/// A mesh's BVH as the top levels reference it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshRoot {
-    /// Where to start in [`BottomLevels::nodes`].
+    /// Root, with absolute indices into [`BottomLevels::nodes`] and [`BottomLevels::blocks`].
     pub(super) root: Child,
     /// Index of its root in [`BottomLevels::gpu_nodes`].
     pub(super) gpu_root: u32,
-    /// Its first triangle in [`BottomLevels::gpu_triangles`], and the end.
+    /// First index in [`BottomLevels::gpu_triangles`], and one past the last.
     pub(super) gpu_triangles: [u32; 2],
     /// Object-space bounds of its triangles.
     pub(super) bounds: Aabb,
@@ -55,12 +55,12 @@ pub(super) struct BottomLevels {
     /// In the order of the leaves of `gpu_nodes`.
     pub(super) gpu_triangles: Vec<GpuTriangle>,
     pub(super) masked: Vec<GpuMaskedTriangle>,
-    /// None for a mesh without a triangle that could be hit.
+    /// None for a mesh whose triangles are all degenerate.
     pub(super) roots: Vec<Option<MeshRoot>>,
 }
 
 impl BottomLevels {
-    /// Builds all meshes over all cores.
+    /// Builds the BVHs of all meshes, in parallel.
     pub(super) fn build(scene: &Scene) -> Self {
         let built: Vec<_> =
             scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
@@ -83,7 +83,7 @@ impl BottomLevels {
         let first_triangle = self.gpu_triangles.len() as u32;
         let first_masked = self.masked.len() as u32;
         for node in &mut mesh.tree.nodes {
-            node.children = node.children.map(|child| child.moved(first_node, first_block));
+            node.children = node.children.map(|child| child.offset(first_node, first_block));
         }
         for node in &mut mesh.gpu.nodes {
             node.child_base_idx += gpu_root;
@@ -95,7 +95,7 @@ impl BottomLevels {
             *masked += first_masked;
         }
         self.roots.push(Some(MeshRoot {
-            root: mesh.tree.root.moved(first_node, first_block),
+            root: mesh.tree.root.offset(first_node, first_block),
             gpu_root,
             gpu_triangles: [first_triangle, first_triangle + mesh.gpu_triangles.len() as u32],
             bounds: mesh.bounds,
@@ -119,9 +119,9 @@ struct MeshBvh {
 }
 
 impl MeshBvh {
-    /// None without a triangle that could be hit.
+    /// None if all triangles are degenerate.
     fn build(mesh: &Mesh, materials: &[Material]) -> Option<Self> {
-        // Leave out what could never be hit.
+        // Drop degenerate triangles, which can never be hit.
         let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
             .filter(|&id| {
@@ -133,7 +133,7 @@ impl MeshBvh {
             return None;
         }
 
-        // Find what alpha tests need.
+        // Collect the data of alpha tests.
         let mut masked = Vec::new();
         let triangles: Vec<GpuTriangle> = ids
             .iter()
@@ -159,7 +159,7 @@ impl MeshBvh {
 
         // Lay out the triangles in the order of the leaves, for the CPU and for shaders.
         let mut bounds = Aabb::empty();
-        let references = References::to_triangles(
+        let references = References::from_triangles(
             &triangles
                 .iter()
                 .map(|triangle| {
@@ -171,7 +171,7 @@ impl MeshBvh {
                 .collect::<Vec<_>>(),
         );
         let boxes = &references.boxes;
-        let binary = clustered(boxes, &PARAMS);
+        let binary = build_ploc(boxes, &PARAMS);
         let (mut tree, mut blocks) = blocks_of(&binary, &references, &triangles);
         if tree.depth > traverse::BOTTOM_DEPTH {
             (tree, blocks) = blocks_of(&median_split(boxes), &references, &triangles);
@@ -185,7 +185,7 @@ impl MeshBvh {
     }
 }
 
-/// The wide tree over `triangles`, and these in blocks.
+/// Collapses `binary` into a wide tree, and packs `triangles` into blocks in leaf order.
 fn blocks_of(
     binary: &Bvh2,
     references: &References,
@@ -193,7 +193,7 @@ fn blocks_of(
 ) -> (WideTree, Vec<TriangleBlock>) {
     let mut blocks = Vec::new();
     let mut members = Vec::new();
-    let tree = widen(binary, LEAF_COST, |leaf| {
+    let tree = collapse(binary, LEAF_COST, |leaf| {
         members.clear();
         members.extend(leaf.iter().map(|&i| references.primitives[i as usize]));
         members.sort_unstable();

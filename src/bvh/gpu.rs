@@ -1,7 +1,7 @@
 //! The two-level BVH in the layout that `shaders/include/tracer_software.glsl` traverses.
 //!
 //! Out: flat arrays, one per storage buffer, whose sizes never change. Nodes: the bottom levels of all
-//! meshes, then room for the static top level, then for the dynamic one. Instances: likewise in two
+//! meshes, then capacity for the static top level, then for the dynamic one. Instances: likewise in two
 //! regions, in the order of the leaves. All indices are absolute, so moving an instance rewrites the
 //! dynamic regions only.
 
@@ -33,7 +33,7 @@ pub struct GpuTriangle {
     pub material: u32,
 }
 
-/// What the alpha test of a triangle needs. 32 bytes: two vec4.
+/// The data of a triangle's alpha test. 32 bytes: two vec4.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuMaskedTriangle {
@@ -49,7 +49,7 @@ pub struct GpuMaskedTriangle {
     pub pad: u32,
 }
 
-/// Where an alpha mask's bits are. 16 bytes: one uvec4.
+/// Location and size of an alpha mask's bits. 16 bytes: one uvec4.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuMask {
@@ -77,7 +77,7 @@ pub struct GpuInstance {
     pub pad: [u32; 2],
 }
 
-/// Where rays begin. 16 bytes: one uvec4.
+/// Roots of traversal. 16 bytes: one uvec4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuBvhRoots {
@@ -87,13 +87,13 @@ pub struct GpuBvhRoots {
     pub dynamic_group: GpuGroup,
 }
 
-/// A top level as traversal takes it.
+/// A top level as an entry of the traversal stack: a group of nodes or instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuGroup {
     /// Index of its root in [`GpuBvh::nodes`], or of its only instance in [`GpuBvh::instances`].
     pub first: u32,
-    /// 0: nothing; 1: a single instance, whose box is not worth a test of its own; [`GpuGroup::NODE`]: a node.
+    /// 0: empty; 1: a single instance, entered without a box test; [`GpuGroup::NODE`]: a node.
     pub bits: u32,
 }
 
@@ -102,7 +102,7 @@ impl GpuGroup {
     pub const NODE: u32 = 1 << 31;
 }
 
-/// What alpha tests need, whichever tracer finds the triangles; no array is empty.
+/// The data of alpha tests, for both tracers; no array is empty.
 #[derive(Clone, Debug)]
 pub struct GpuAlphaMasks {
     /// Texture coordinates of those triangles that have an alpha mask.
@@ -120,24 +120,24 @@ pub struct GpuBvh {
     pub nodes: Vec<CwBvhNode>,
     /// Triangles of all meshes, in the order of the leaves.
     pub triangles: Vec<GpuTriangle>,
-    /// What their alpha tests need.
+    /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
     /// Static, then dynamic instances.
     pub instances: Vec<GpuInstance>,
-    /// Where to start.
+    /// Roots of traversal.
     pub roots: GpuBvhRoots,
 }
 
-/// What one top level writes into the arrays of [`GpuBvh`].
+/// The part of [`GpuBvh`] that one top level rewrites.
 #[derive(Clone, Debug)]
 pub struct GpuBvhUpdate {
     /// Index of the first of `nodes` in [`GpuBvh::nodes`].
     pub node_offset: u32,
-    /// New nodes, perhaps none.
+    /// New nodes, may be empty.
     pub nodes: Vec<CwBvhNode>,
     /// Index of the first of `instances` in [`GpuBvh::instances`].
     pub instance_offset: u32,
-    /// New instances, perhaps none.
+    /// New instances, may be empty.
     pub instances: Vec<GpuInstance>,
     /// Replaces [`GpuBvh::roots`].
     pub roots: GpuBvhRoots,
@@ -155,14 +155,14 @@ impl GpuBvh {
 }
 
 impl TwoLevelBvh {
-    /// Everything that shaders traverse.
+    /// The whole BVH in the layout of the shaders.
     pub fn gpu_layout(&self) -> GpuBvh {
         let regions = Regions::of(self);
         let mut nodes = self.bottom.gpu_nodes.clone();
         nodes.resize(regions.node_end.max(1), CwBvhNode::default());
         let mut layout = GpuBvh {
             nodes,
-            triangles: never_empty(self.bottom.gpu_triangles.clone()),
+            triangles: non_empty(self.bottom.gpu_triangles.clone()),
             alpha: self.gpu_alpha_masks(),
             instances: vec![GpuInstance::default(); regions.instance_end.max(1)],
             roots: self.roots(&regions),
@@ -175,20 +175,20 @@ impl TwoLevelBvh {
     pub(super) fn gpu_alpha_masks(&self) -> GpuAlphaMasks {
         let (masks, mask_bits) = pack_masks(&self.alpha_masks);
         GpuAlphaMasks {
-            triangle_uvs: never_empty(self.bottom.masked.clone()),
-            masks: never_empty(masks),
-            mask_bits: never_empty(mask_bits),
+            triangle_uvs: non_empty(self.bottom.masked.clone()),
+            masks: non_empty(masks),
+            mask_bits: non_empty(mask_bits),
         }
     }
 
-    /// What changes when dynamic instances move.
+    /// The dynamic top level, to upload after a dynamic instance moved.
     pub fn dynamic_gpu_layout(&self) -> GpuBvhUpdate {
         let regions = Regions::of(self);
         self.level_layout(&self.dynamic_level, regions.dynamic_node, regions.dynamic_instance)
     }
 
-    /// What changes in the rare case that a static instance was moved: when
-    /// [`TwoLevelBvh::static_builds`] grew.
+    /// The static top level, to upload after a static instance moved: when [`TwoLevelBvh::static_builds`]
+    /// increased.
     pub fn static_gpu_layout(&self) -> GpuBvhUpdate {
         let regions = Regions::of(self);
         self.level_layout(&self.static_level, regions.static_node, 0)
@@ -227,7 +227,7 @@ impl TwoLevelBvh {
     }
 }
 
-/// Where each top level lies in the arrays.
+/// The regions of both top levels in the arrays.
 struct Regions {
     static_node: usize,
     dynamic_node: usize,
@@ -241,19 +241,19 @@ impl Regions {
         let members = |dynamic| bvh.members(dynamic).count();
         let (fixed, moving) = (members(false), members(true));
         let static_node = bvh.bottom.gpu_nodes.len();
-        let dynamic_node = static_node + most_nodes(fixed);
+        let dynamic_node = static_node + max_nodes(fixed);
         Self {
             static_node,
             dynamic_node,
-            node_end: dynamic_node + most_nodes(moving),
+            node_end: dynamic_node + max_nodes(moving),
             dynamic_instance: fixed,
             instance_end: fixed + moving,
         }
     }
 }
 
-/// Most nodes that a top level can have: each but a lone root has two children or more.
-fn most_nodes(members: usize) -> usize {
+/// Upper bound of a top level's node count: every node but a lone root has at least two children.
+fn max_nodes(members: usize) -> usize {
     members.saturating_sub(1).max(members.min(1))
 }
 
@@ -266,7 +266,7 @@ fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
     }
 }
 
-/// The rows of a 3x4 matrix, as shaders take them.
+/// The rows of a 3x4 matrix.
 pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     let matrix = transform.matrix3.transpose();
     let translation = transform.translation;
@@ -290,8 +290,8 @@ fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
     (table, bits)
 }
 
-/// Vulkan has no empty buffers.
-pub(super) fn never_empty<T: Zeroable>(mut elements: Vec<T>) -> Vec<T> {
+/// Pads an empty array with one zeroed element, since Vulkan has no empty buffers.
+pub(super) fn non_empty<T: Zeroable>(mut elements: Vec<T>) -> Vec<T> {
     if elements.is_empty() {
         elements.push(T::zeroed());
     }

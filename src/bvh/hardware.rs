@@ -1,17 +1,17 @@
-//! What acceleration structures of the device are built from, and the tables that
+//! The build inputs of Vulkan acceleration structures, and the tables that
 //! `shaders/include/tracer_hardware.glsl` reads.
 //!
 //! Out: the same triangles as in the two-level BVH, each once, mesh by mesh, in each mesh first those without an
-//! alpha mask; and which meshes stand where.
+//! alpha mask; and the placed meshes.
 
 use glam::Affine3A;
 
 use super::{
     TwoLevelBvh,
-    gpu::{GpuAlphaMasks, GpuTriangle, never_empty},
+    gpu::{GpuAlphaMasks, GpuTriangle, non_empty},
 };
 
-/// Triangles of one kind in one mesh.
+/// A contiguous run of triangles: one geometry of a bottom level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Run {
     /// Index into [`HardwareLayout::triangles`].
@@ -20,7 +20,7 @@ pub struct Run {
     pub count: u32,
 }
 
-/// The triangles of one mesh; none has any in a mesh that cannot be hit.
+/// The triangles of one mesh; both runs are empty for a mesh that cannot be hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRuns {
     /// Those without an alpha mask.
@@ -30,24 +30,24 @@ pub struct MeshRuns {
 }
 
 impl MeshRuns {
-    /// The runs that have triangles, with whether they are opaque, in the order in which they are built.
+    /// The non-empty runs, with whether they are opaque, in build order.
     pub fn present(&self) -> impl Iterator<Item = (Run, bool)> {
         [(self.opaque, true), (self.masked, false)].into_iter().filter(|(run, _)| run.count > 0)
     }
 }
 
-/// All that does not move; no array is empty.
+/// The static build inputs; `triangles` and `alpha` are never empty.
 #[derive(Clone, Debug)]
 pub struct HardwareLayout {
     /// Triangles of all meshes: three vertices of 16 bytes each.
     pub triangles: Vec<GpuTriangle>,
-    /// What their alpha tests need.
+    /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
     /// The runs of each mesh.
     pub meshes: Vec<MeshRuns>,
 }
 
-/// A mesh in its place.
+/// An instance of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedMesh {
     /// Index into `Scene::instances`.
@@ -59,7 +59,7 @@ pub struct PlacedMesh {
 }
 
 impl TwoLevelBvh {
-    /// What the device's structures are built from.
+    /// The build inputs of the bottom levels.
     pub fn hardware_layout(&self) -> HardwareLayout {
         let mut triangles = Vec::new();
         let meshes = self
@@ -72,10 +72,10 @@ impl TwoLevelBvh {
                 append_runs(&mut triangles, &self.bottom.gpu_triangles[first..end])
             })
             .collect();
-        HardwareLayout { triangles: never_empty(triangles), alpha: self.gpu_alpha_masks(), meshes }
+        HardwareLayout { triangles: non_empty(triangles), alpha: self.gpu_alpha_masks(), meshes }
     }
 
-    /// The instances that can be hit, as they stand now.
+    /// The instances that can be hit, at their current transforms.
     pub fn placed_meshes(&self) -> impl Iterator<Item = PlacedMesh> {
         [&self.static_level, &self.dynamic_level].into_iter().flat_map(|level| &level.placed).map(|placed| {
             let state = &self.instances[placed.instance as usize];
@@ -83,13 +83,13 @@ impl TwoLevelBvh {
         })
     }
 
-    /// The most instances that [`Self::placed_meshes`] can ever give.
+    /// Upper bound of the length of [`Self::placed_meshes`] for any transforms.
     pub fn most_placed(&self) -> usize {
         self.members(false).count() + self.members(true).count()
     }
 }
 
-/// Appends a mesh's triangles, which leaves of the BVH may have in common, each once.
+/// Appends a mesh's triangles, each once: spatial splits may have put one into several leaves.
 fn append_runs(all: &mut Vec<GpuTriangle>, leaves: &[GpuTriangle]) -> MeshRuns {
     let mut triangles = leaves.to_vec();
     triangles.sort_unstable_by_key(|triangle| (triangle.masked != 0, triangle.id));

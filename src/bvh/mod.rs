@@ -1,6 +1,6 @@
 //! The two-level BVH: one bottom-level CWBVH per mesh (obvhs), a top level over instance bounds.
 //!
-//! In: a scene's meshes and instance transforms. Out: closest hits, occlusion answers, single and in
+//! In: a scene's meshes and instance transforms. Out: closest-hit and any-hit queries, single and in
 //! batches over all cores, and the same structure in the layout that shaders traverse
 //! (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
 
@@ -24,7 +24,7 @@ use bottom::{BottomLevels, MeshRoot};
 use query::{query, query_all};
 use top::TopLevel;
 
-/// Fewest rays that are worth a task of their own.
+/// Rays of one parallel task: fewer would not pay for its overhead.
 const RAYS_PER_TASK: usize = 256;
 
 /// A ray segment: points `origin + t * direction` with `t_min < t < t_max`. The direction need not be
@@ -60,7 +60,7 @@ pub struct Hit {
 /// static one is built once. An instance whose transform has no inverse is not hit.
 #[derive(Clone, Debug)]
 pub struct TwoLevelBvh {
-    /// The instructions, where the processor has them.
+    /// The instruction set, if the processor has it.
     #[cfg(target_arch = "x86_64")]
     avx2: Option<simd::Avx2>,
     bottom: BottomLevels,
@@ -72,7 +72,7 @@ pub struct TwoLevelBvh {
     dynamic_builds: u32,
 }
 
-/// What `update` must know of a scene's instance.
+/// The state of one instance, for `update`.
 #[derive(Clone, Copy, Debug)]
 struct InstanceState {
     mesh: usize,
@@ -115,9 +115,8 @@ impl TwoLevelBvh {
         bvh
     }
 
-    /// Moves the dynamic instances. Returns the indices of those whose transform changed.
-    ///
-    /// A static instance may be moved too: it is returned, and the static level is built again.
+    /// Sets all transforms (object to world) and rebuilds the top levels whose instances moved. Returns the indices
+    /// of the instances whose transform changed. Moving a static instance is allowed, and rebuilds the static level.
     ///
     /// # Panics
     /// If `transforms` has not one element per instance.
@@ -168,29 +167,29 @@ impl TwoLevelBvh {
         }
     }
 
-    /// The closest hit along `ray`. Of several at the same t, the one of the lowest instance, then triangle.
+    /// The closest hit along `ray`. Ties in t go to the lowest instance, then to the lowest triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         query::<false>(self, &self.levels(), ray)
     }
 
-    /// Whether anything lies on the segment.
+    /// Whether anything occludes the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
         query::<true>(self, &self.levels(), ray).is_some()
     }
 
-    /// Whether any dynamic instance lies on the segment.
+    /// Whether a dynamic instance occludes the segment.
     pub fn occluded_by_dynamic(&self, ray: &Ray) -> bool {
         query::<true>(self, &[&self.dynamic_level], ray).is_some()
     }
 
-    /// [`Self::intersect`] for many rays on this thread, answers in the order of the rays.
+    /// [`Self::intersect`] for many rays on this thread; results in the order of the rays.
     pub fn intersect_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let mut hits = vec![None; rays.len()];
         query_all::<false>(self, rays, &mut |ray, hit| hits[ray] = hit);
         hits
     }
 
-    /// [`Self::occluded`] for many rays on this thread, answers in the order of the rays.
+    /// [`Self::occluded`] for many rays on this thread; results in the order of the rays.
     pub fn occluded_all(&self, rays: &[Ray]) -> Vec<bool> {
         let mut occluded = vec![false; rays.len()];
         query_all::<true>(self, rays, &mut |ray, hit| occluded[ray] = hit.is_some());
@@ -216,12 +215,12 @@ impl TwoLevelBvh {
             .map_or((Vec3::splat(-0.5), Vec3::splat(0.5)), |bounds| (bounds.min.into(), bounds.max.into()))
     }
 
-    /// How often the static top level was built: 1 unless a static instance was moved.
+    /// Number of builds of the static top level: 1 unless a static instance moved.
     pub fn static_builds(&self) -> u32 {
         self.static_builds
     }
 
-    /// How often the dynamic top level was built: 1 and once more for each update that moved something.
+    /// Number of builds of the dynamic top level: 1, plus 1 for each update that moved a dynamic instance.
     pub fn dynamic_builds(&self) -> u32 {
         self.dynamic_builds
     }

@@ -1,7 +1,7 @@
-//! One ray through both levels: the closest hit or any hit.
+//! Closest-hit and any-hit queries through both levels.
 //!
-//! In: the two-level BVH and a ray. Out: a hit. A ray enters an instance by transforming its origin and
-//! direction without normalising, so that t means the same in both spaces.
+//! In: the two-level BVH and a ray. Out: a hit. Rays are transformed into
+//! object space without normalising the direction, so t is the same in both spaces.
 
 use std::cell::RefCell;
 
@@ -17,11 +17,11 @@ use super::{
 };
 
 thread_local! {
-    /// Kept, because clearing it for each ray would take long.
+    /// Reused, because initialising it for each ray would be slow.
     static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
 }
 
-/// The closest hit along `ray` with what is in `levels` of `bvh`, or, with `ANY`, any hit.
+/// The closest hit along `ray` in `levels` of `bvh`, or, with `ANY`, any hit.
 pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Option<Hit> {
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
@@ -35,7 +35,7 @@ pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ra
     })
 }
 
-/// [`query`] in both levels for many rays; gives each answer to `found` with the index of its ray.
+/// [`query`] in both levels for many rays; calls `found` with each ray's index and hit.
 pub(super) fn query_all<const ANY: bool>(
     bvh: &TwoLevelBvh,
     rays: &[Ray],
@@ -65,8 +65,7 @@ struct Query<'a, S, const ANY: bool> {
     simd: S,
     bvh: &'a TwoLevelBvh,
     ray: Ray,
-    /// The best so far. Until there is one, its t is the ray's t_max and its indices are the lowest, so that
-    /// nothing at t_max comes before it.
+    /// The closest hit so far. Initially t is t_max and the indices are the lowest, so that no hit at t_max is closer.
     best: Hit,
 }
 
@@ -77,34 +76,34 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
         Self { simd, bvh, ray: *ray, best }
     }
 
-    /// The closest hit, or any one.
+    /// Runs the query: the closest hit, or any hit with `ANY`.
     #[inline(always)]
     fn run(mut self, levels: &[&'a TopLevel], stack: &mut Stack) -> Option<Hit> {
         for &level in levels {
             let (simd, ray) = (self.simd, self.ray);
             let mut visitor = InstanceVisitor { query: &mut self, level };
-            let enough = if level.root.is_leaf() {
-                // One instance or none: no box to meet on the way.
+            let done = if level.root.is_leaf() {
+                // One instance or none: there are no boxes to test.
                 visitor.visit(level.root, stack)
             } else {
                 let ray = BoxRay::new(simd, ray.origin.into(), ray.direction.into(), ray.t_min);
                 traverse(&level.nodes, level.root, &ray, stack, &mut visitor)
             };
-            if enough {
+            if done {
                 break;
             }
         }
         (self.best.t < self.ray.t_max).then_some(self.best)
     }
 
-    /// Keeps the best of some triangles' hits. True if that is enough.
+    /// Updates the closest hit with those of a block. True if the query is done.
     #[inline(always)]
-    fn offer(&mut self, instance: u32, block: &TriangleBlock, hits: &BlockHits) -> bool {
-        let mut met = hits.met;
+    fn accept(&mut self, instance: u32, block: &TriangleBlock, hits: &BlockHits) -> bool {
+        let mut mask = hits.mask;
         let t = hits.t.to_array();
-        while met != 0 {
-            let lane = met.trailing_zeros() as usize % t.len();
-            met &= met - 1;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % t.len();
+            mask &= mask - 1;
             let best = &self.best;
             let triangle = block.ids[lane];
             let nearer = t[lane] < best.t
@@ -122,7 +121,7 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
     }
 }
 
-/// Goes down from a top level into its instances.
+/// Traverses the bottom levels of a top level's instances.
 struct InstanceVisitor<'q, 'a, S, const ANY: bool> {
     query: &'q mut Query<'a, S, ANY>,
     level: &'a TopLevel,
@@ -137,7 +136,7 @@ impl<S: Simd, const ANY: bool> Visitor for InstanceVisitor<'_, '_, S, ANY> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: Child, stack: &mut Stack) -> bool {
-        for placed in &self.level.placed[leaf.run()] {
+        for placed in &self.level.placed[leaf.range()] {
             let bottom = &self.query.bvh.bottom;
             let (origin, direction) = to_object(placed, &self.query.ray);
             let (simd, t_min) = (self.query.simd, self.query.ray.t_min);
@@ -175,9 +174,9 @@ impl<S: Simd, const ANY: bool> Visitor for TriangleVisitor<'_, '_, S, ANY> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: Child, _stack: &mut Stack) -> bool {
-        for block in &self.blocks[leaf.run()] {
+        for block in &self.blocks[leaf.range()] {
             if let Some(hits) = self.ray.intersect(block, self.t_min, self.query.best.t)
-                && self.query.offer(self.instance, block, &hits)
+                && self.query.accept(self.instance, block, &hits)
             {
                 return true;
             }
@@ -195,7 +194,7 @@ fn to_object(placed: &PlacedInstance, ray: &Ray) -> (Vec3A, Vec3A) {
     (origin, direction)
 }
 
-/// Whether the alpha mask of the masked triangle `masked`, counted from 1, leaves the surface there.
+/// Whether the alpha test of masked triangle `masked` (from 1) passes at these barycentrics.
 #[inline(never)]
 fn is_opaque(bvh: &TwoLevelBvh, masked: u32, barycentrics: Vec2) -> bool {
     let masked = &bvh.bottom.masked[masked as usize - 1];

@@ -1,29 +1,29 @@
-//! Eight floats at a time, on whatever the processor offers.
+//! SIMD over eight floats.
 //!
-//! One implementation is made of two `Vec4`, which compile to SSE2, NEON or scalars; the other needs AVX2
-//! and FMA, which is found out when the program runs. They round differently, so they are for bounds only.
+//! The portable implementation uses two `Vec4`, which compile to SSE2, NEON or scalars; the other needs AVX2 and FMA,
+//! detected at run time. They round differently, so they serve conservative box tests only.
 
 use glam::Vec4;
 
-/// Eight floats.
+/// Eight floats in memory.
 pub(super) type Eight = [f32; 8];
 
-/// A set of instructions for eight floats.
+/// An instruction set for eight floats.
 pub(super) trait Simd: Copy {
     /// Eight floats in registers.
     type Floats: Copy;
     fn splat(self, value: f32) -> Self::Floats;
     fn load(self, values: &Eight) -> Self::Floats;
     fn store(self, values: Self::Floats) -> Eight;
-    /// `a * b + c`, rounded once or twice.
+    /// `a * b + c`, fused or not.
     fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     fn min(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
-    /// A bit for each lane in which `a <= b`.
+    /// Bit mask of the lanes where `a <= b`.
     fn le(self, a: Self::Floats, b: Self::Floats) -> u32;
 }
 
-/// Any processor.
+/// For any processor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portable;
 
@@ -109,7 +109,7 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn le(self, a: Self::Floats, b: Self::Floats) -> u32 {
-        let met = self.avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LE_OQ }>(a, b);
-        self.avx._mm256_movemask_ps(met) as u32
+        let mask = self.avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LE_OQ }>(a, b);
+        self.avx._mm256_movemask_ps(mask) as u32
     }
 }

@@ -1,4 +1,4 @@
-//! A top level: a BVH over the world bounds of some instances.
+//! A top level: a BVH over the world bounds of instances.
 //!
 //! In: instances with their object-to-world transforms and the roots of their meshes. Out: nodes whose
 //! leaves are placed instances, for the CPU and for shaders.
@@ -8,9 +8,9 @@ use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh};
 
 use super::{
     bottom::MeshRoot,
-    nodes::{Child, LeafCost, Node, WideTree, widen},
+    nodes::{Child, LeafCost, Node, WideTree, collapse},
     traverse::{self, SLAB_PADDING},
-    tree::{clustered, median_split},
+    tree::{build_ploc, median_split},
     wide,
 };
 
@@ -18,9 +18,9 @@ use super::{
 const PARAMS: BvhBuildParams = BvhBuildParams::fast_build();
 
 /// One instance a leaf.
-const LEAF_COST: LeafCost = LeafCost { at_a_time: 1, most: 1, cost: 1.0 };
+const LEAF_COST: LeafCost = LeafCost { batch: 1, max_tests: 1, cost: 1.0 };
 
-/// A mesh's BVH in its place.
+/// An instance as a leaf of the top level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedInstance {
     pub(super) world_to_object: Affine3A,
@@ -33,18 +33,17 @@ pub(super) struct PlacedInstance {
 #[derive(Clone, Debug)]
 pub(super) struct TopLevel {
     pub(super) nodes: Vec<Node>,
-    /// Where to start.
     pub(super) root: Child,
-    /// For shaders. Without nodes when there is nothing to hit.
+    /// For shaders. Without nodes if there are no instances.
     pub(super) gpu: CwBvh,
     pub(super) placed: Vec<PlacedInstance>,
-    /// World bounds, without padding; none when there is nothing to hit.
+    /// World bounds, without padding; none if there are no instances.
     pub(super) bounds: Option<Aabb>,
 }
 
 impl TopLevel {
-    /// Builds over `members`: (instance, its mesh's root, its transform). Leaves out instances
-    /// whose transform is not finite or cannot be inverted.
+    /// Builds over `members`: (instance, root of its mesh, object to world). Skips instances whose transform is not
+    /// finite or not invertible.
     pub(super) fn build(members: impl Iterator<Item = (u32, MeshRoot, Affine3A)>) -> Self {
         let mut placed = Vec::new();
         let mut boxes = Vec::new();
@@ -59,13 +58,12 @@ impl TopLevel {
             bounds = Some(bounds.map_or(tight, |sum| sum.union(&tight)));
             placed.push(PlacedInstance { world_to_object, mesh, instance });
         }
-        let mut level =
-            Self { nodes: Vec::new(), root: Child::NOTHING, gpu: CwBvh::default(), placed, bounds };
+        let mut level = Self { nodes: Vec::new(), root: Child::EMPTY, gpu: CwBvh::default(), placed, bounds };
         if !boxes.is_empty() {
-            let binary = clustered(&boxes, &PARAMS);
-            let mut tree = widened(&binary);
+            let binary = build_ploc(&boxes, &PARAMS);
+            let mut tree = collapse_top(&binary);
             if tree.depth > traverse::TOP_DEPTH {
-                tree = widened(&median_split(&boxes));
+                tree = collapse_top(&median_split(&boxes));
             }
             assert!(tree.depth <= traverse::TOP_DEPTH, "a balanced tree is shallow");
             level.nodes = tree.nodes;
@@ -76,8 +74,8 @@ impl TopLevel {
     }
 }
 
-fn widened(binary: &Bvh2) -> WideTree {
-    widen(binary, LEAF_COST, |members| Child::leaf(members[0] as usize, members.len()))
+fn collapse_top(binary: &Bvh2) -> WideTree {
+    collapse(binary, LEAF_COST, |members| Child::leaf(members[0] as usize, members.len()))
 }
 
 /// Bounds of a transformed box.
@@ -87,7 +85,7 @@ fn transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     Aabb::new(centre - extent, centre + extent)
 }
 
-/// Grows bounds by what rounding may move a ray when it is taken into object space and back.
+/// Pads bounds by the rounding error of transforming a ray to object space.
 fn padded(bounds: Aabb, transform: &Affine3A, world_to_object: &Affine3A) -> Aabb {
     let reach = bounds.min.abs().max(bounds.max.abs()) + transform.translation.abs();
     let in_object = absolute(&world_to_object.matrix3) * reach + world_to_object.translation.abs();

@@ -1,8 +1,7 @@
 //! Depth-first traversal of a wide BVH, nearest child first.
 //!
-//! In: nodes, where to start and a ray. Out: each leaf whose box the ray may touch, roughly front to back.
-//! The slab test is conservative at every scale: its padding follows from the magnitudes that were
-//! rounded, never from an absolute epsilon.
+//! In: nodes, a root and a ray. Out: each leaf whose box the ray may hit, roughly front to back. The slab test is
+//! conservative at every scale: its padding is relative to the rounded magnitudes, never an absolute epsilon.
 
 use glam::Vec3A;
 
@@ -11,23 +10,23 @@ use super::{
     simd::{Eight, Simd},
 };
 
-/// Padding of the slab test, relative to the coordinates of a box, which is padded when it is built, and to
-/// those of a ray's origin: covers the rounding of both the slab test and the triangle test.
+/// Padding of the slab test, relative to the coordinates of boxes (padded at build time) and of ray origins: bounds
+/// the rounding errors of the slab test and the triangle test.
 pub(super) const SLAB_PADDING: f32 = 1.0 / (1 << 19) as f32;
 
-/// A direction component below this share of the largest counts as this much.
+/// Smallest magnitude of a direction component, relative to the largest; smaller ones are raised to it.
 const SMALLEST_DIRECTION: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// Most nodes on the way from a bottom level's root to a leaf.
+/// Most nodes on a path from a bottom level's root to a leaf.
 pub(super) const BOTTOM_DEPTH: usize = 32;
 
-/// Most nodes on the way from a top level's root to a leaf.
+/// Most nodes on a path from a top level's root to a leaf.
 pub(super) const TOP_DEPTH: usize = 24;
 
-/// Deepest stack that a query can need: each node on the way leaves all of its children but one for later.
+/// Worst-case stack size of a query: each node on the path pushes all of its children but one.
 const STACK_SIZE: usize = (BOTTOM_DEPTH + TOP_DEPTH) * (WIDTH - 1);
 
-/// What is still to be visited, shared by both levels of one query.
+/// The traversal stack, shared by both levels of one query.
 #[derive(Debug)]
 pub(super) struct Stack {
     entries: [Entry; STACK_SIZE],
@@ -42,7 +41,7 @@ struct Entry {
 
 impl Stack {
     pub(super) const EMPTY: Self =
-        Self { entries: [Entry { child: Child::NOTHING, near: 0.0 }; STACK_SIZE], len: 0 };
+        Self { entries: [Entry { child: Child::EMPTY, near: 0.0 }; STACK_SIZE], len: 0 };
 
     #[inline(always)]
     fn push(&mut self, entry: Entry) {
@@ -57,7 +56,7 @@ impl Stack {
     }
 }
 
-/// A ray prepared for box tests: it meets the plane `x` at `x * inverse + start`, padded towards both ends.
+/// A ray prepared for slab tests: it crosses the plane `x` at t = `x * inverse + start`, padded towards both ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRay<S: Simd> {
     simd: S,
@@ -70,7 +69,7 @@ pub(super) struct BoxRay<S: Simd> {
 }
 
 impl<S: Simd> BoxRay<S> {
-    /// Prepares a ray; zero components of the direction are made tiny, so that nothing divides by zero.
+    /// Prepares a ray; zero components of the direction become tiny, which avoids a division by zero.
     #[inline(always)]
     pub(super) fn new(simd: S, origin: Vec3A, direction: Vec3A, t_min: f32) -> Self {
         let size = direction.abs();
@@ -90,9 +89,9 @@ impl<S: Simd> BoxRay<S> {
         }
     }
 
-    /// Where the ray enters the boxes of a node's children, and a bit for each that it meets.
+    /// Tests the boxes of a node's children: entry distances, and the bit mask of the lanes hit.
     #[inline(always)]
-    fn meet(&self, node: &Node, t_max: f32) -> (Eight, u32) {
+    fn intersect_children(&self, node: &Node, t_max: f32) -> (Eight, u32) {
         let simd = self.simd;
         let slab = |axis: usize| {
             let near = self.near[axis] & 1;
@@ -109,17 +108,18 @@ impl<S: Simd> BoxRay<S> {
     }
 }
 
-/// What a traversal does with the leaves that it finds.
+/// Receives the leaves of a traversal.
 pub(super) trait Visitor {
+    /// Whether any hit ends the traversal.
     const ANY: bool;
-    /// Where what is of interest ends.
+    /// Upper bound of t, the closest hit so far.
     fn t_max(&self) -> f32;
     /// Tests a leaf; true ends the traversal.
     fn visit(&mut self, leaf: Child, stack: &mut Stack) -> bool;
 }
 
-/// Visits all leaves below `root` whose boxes the ray meets before the visitor's t_max. True if the
-/// visitor ended it.
+/// Visits all leaves below `root` whose boxes the ray hits before the visitor's t_max. True if the visitor ended the
+/// traversal.
 #[inline(always)]
 pub(super) fn traverse<S: Simd, V: Visitor>(
     nodes: &[Node],
@@ -144,21 +144,21 @@ fn traverse_closest<S: Simd, V: Visitor>(
     stack: &mut Stack,
     visitor: &mut V,
 ) {
-    let floor = stack.len;
+    let base = stack.len;
     let mut child = root;
     loop {
         if child.is_leaf() {
             visitor.visit(child, stack);
         } else {
             let node = &nodes[child.index()];
-            let (near, mut met) = ray.meet(node, visitor.t_max());
-            if met != 0 {
-                // Go on with the nearest child, and leave the others for later.
-                let mut lane = met.trailing_zeros() as usize % WIDTH;
-                met &= met - 1;
-                while met != 0 {
-                    let mut other = met.trailing_zeros() as usize % WIDTH;
-                    met &= met - 1;
+            let (near, mut mask) = ray.intersect_children(node, visitor.t_max());
+            if mask != 0 {
+                // Descend into the nearest child and push the others.
+                let mut lane = mask.trailing_zeros() as usize % WIDTH;
+                mask &= mask - 1;
+                while mask != 0 {
+                    let mut other = mask.trailing_zeros() as usize % WIDTH;
+                    mask &= mask - 1;
                     if near[other] < near[lane] {
                         (lane, other) = (other, lane);
                     }
@@ -169,7 +169,7 @@ fn traverse_closest<S: Simd, V: Visitor>(
             }
         }
         loop {
-            if stack.len == floor {
+            if stack.len == base {
                 return;
             }
             let entry = stack.pop();
@@ -189,31 +189,31 @@ fn traverse_any<S: Simd, V: Visitor>(
     stack: &mut Stack,
     visitor: &mut V,
 ) -> bool {
-    let floor = stack.len;
+    let base = stack.len;
     let mut child = root;
     loop {
-        let (mut index, mut met) = (child.index(), 0);
+        let (mut index, mut mask) = (child.index(), 0);
         if child.is_leaf() {
             if visitor.visit(child, stack) {
-                stack.len = floor;
+                stack.len = base;
                 return true;
             }
         } else {
-            met = ray.meet(&nodes[index], visitor.t_max()).1;
+            mask = ray.intersect_children(&nodes[index], visitor.t_max()).1;
         }
-        if met == 0 {
-            if stack.len == floor {
+        if mask == 0 {
+            if stack.len == base {
                 return false;
             }
             let entry = stack.pop();
             index = entry.child.index();
-            met = entry.near.to_bits();
+            mask = entry.near.to_bits();
         }
-        // Go on with the first child, and leave the others for later.
-        let lane = met.trailing_zeros() as usize % WIDTH;
-        met &= met - 1;
-        stack.entries[stack.len] = Entry { child: Child::node(index), near: f32::from_bits(met) };
-        stack.len += usize::from(met != 0);
+        // Descend into the first child and push the node with the mask of the others, as one entry.
+        let lane = mask.trailing_zeros() as usize % WIDTH;
+        mask &= mask - 1;
+        stack.entries[stack.len] = Entry { child: Child::node(index), near: f32::from_bits(mask) };
+        stack.len += usize::from(mask != 0);
         child = nodes[index].children[lane];
     }
 }

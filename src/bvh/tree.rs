@@ -1,8 +1,8 @@
-//! Binary trees over boxes, from which the wide ones are made.
+//! Binary trees over boxes, which are collapsed into the wide ones.
 //!
 //! In: boxes. Out: obvhs's `Bvh2` with one box a leaf: PLOC (Meister and Bittner 2018, "Parallel
-//! Locally-Ordered Clustering") with reinsertion (Meister and Bittner 2018, "Parallel Reinsertion"), or, where that
-//! would be too deep, a median split.
+//! Locally-Ordered Clustering") with reinsertion (Meister and Bittner 2018, "Parallel Reinsertion"), or a
+//! median split where that would be too deep.
 
 use glam::Vec3A;
 use obvhs::{
@@ -16,18 +16,18 @@ use obvhs::{
 
 use super::traverse::SLAB_PADDING;
 
-/// Boxes to build over, of which several may bound the same primitive.
+/// Build references: boxes, of which several may bound parts of one primitive (spatial splits).
 #[derive(Clone, Debug, Default)]
 pub(super) struct References {
     pub(super) boxes: Vec<Aabb>,
-    /// What each bounds.
+    /// The primitive of each box.
     pub(super) primitives: Vec<u32>,
 }
 
 impl References {
-    /// One box for each triangle, and more for those that are large and fill theirs badly. Each box is padded
-    /// by what rounding may move a hit on its triangle.
-    pub(super) fn to_triangles(triangles: &[Triangle]) -> Self {
+    /// One box for each triangle, and several for large triangles that fill their box poorly. Each box is padded by
+    /// the rounding error of a hit on its triangle.
+    pub(super) fn from_triangles(triangles: &[Triangle]) -> Self {
         let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
         let mut primitives: Vec<u32> = (0..triangles.len() as u32).collect();
         let areas = || boxes.iter().map(Aabb::half_area);
@@ -35,7 +35,7 @@ impl References {
         let mean = sum / triangles.len() as f32;
         split_aabbs_preset(&mut boxes, &mut primitives, triangles, mean, largest);
         for (bounds, &primitive) in boxes.iter_mut().zip(&primitives) {
-            // The whole triangle takes part in the test, not only what lies in the box.
+            // The triangle test runs on the whole triangle, not only on its part in the box.
             let Triangle { v0, v1, v2 } = triangles[primitive as usize];
             let reach = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
             let padding = Vec3A::splat(SLAB_PADDING * reach);
@@ -45,8 +45,8 @@ impl References {
     }
 }
 
-/// Builds over `boxes`; `params` decides on quality against time.
-pub(super) fn clustered(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
+/// Builds by PLOC with reinsertion over `boxes`; `params` trades quality for build time.
+pub(super) fn build_ploc(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
     let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
         params.ploc_search_distance,
         boxes,
@@ -58,7 +58,7 @@ pub(super) fn clustered(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
     bvh
 }
 
-/// A binary tree whose every node halves its boxes at the median of the longest axis.
+/// Builds a balanced binary tree: each node splits its boxes at the median of the longest axis.
 pub(super) fn median_split(boxes: &[Aabb]) -> Bvh2 {
     let mut bvh = Bvh2 {
         nodes: vec![Bvh2Node::default()],

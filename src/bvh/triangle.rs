@@ -1,43 +1,43 @@
-//! The ray-triangle test, after Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for four
-//! triangles at a time.
+//! The watertight ray-triangle test (Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection"), on four
+//! triangles at once.
 //!
-//! In: a ray in object space and four triangles side by side. Out: t and barycentrics. Two triangles that
-//! share an edge compute the same edge function with opposite sign, so that with inclusive edges no ray
-//! slips between them. `shaders/include/tracer_software.glsl` repeats these operations in this order.
+//! In: a ray in object space and four triangles in SIMD layout. Out: t and barycentrics. Two triangles that share
+//! an edge compute the same edge function with opposite sign, so with inclusive edges no ray passes between them.
+//! `shaders/include/tracer_software.glsl` repeats these operations in this order.
 
 use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::gpu::GpuTriangle;
 
-/// Triangles that are tested at a time.
+/// Triangles per test.
 pub(super) const LANES: usize = 4;
 
-/// Up to four triangles side by side.
+/// Up to four triangles in SIMD layout.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct TriangleBlock {
-    /// Coordinates by axis and corner. A lane without a triangle holds one of no size, which is never hit.
+    /// Coordinates by axis and corner. Unused lanes hold a degenerate triangle, which is never hit.
     corners: [[Vec4; 3]; 3],
     /// Indices into the mesh's triangles.
     pub(super) ids: [u32; LANES],
-    /// 0, or 1 + index of what their alpha tests need.
+    /// 0, or 1 + index of their [`GpuMaskedTriangle`](super::gpu::GpuMaskedTriangle).
     pub(super) masked: [u32; LANES],
-    /// Up to three cache lines.
+    /// Pads to three cache lines.
     padding: [u32; 4],
 }
 
 impl TriangleBlock {
-    /// A block full of triangles without size at `place`.
-    pub(super) fn empty(place: Vec3) -> Self {
+    /// A block of degenerate triangles at `position`.
+    pub(super) fn empty(position: Vec3) -> Self {
         Self {
-            corners: place.to_array().map(|coordinate| [Vec4::splat(coordinate); 3]),
+            corners: position.to_array().map(|coordinate| [Vec4::splat(coordinate); 3]),
             ids: [0; LANES],
             masked: [0; LANES],
             padding: [0; 4],
         }
     }
 
-    /// Puts a triangle into a lane.
+    /// Stores a triangle in a lane.
     pub(super) fn set(&mut self, lane: usize, triangle: &GpuTriangle) {
         let corners = [triangle.v0, triangle.v1, triangle.v2];
         for (axis, planes) in self.corners.iter_mut().enumerate() {
@@ -50,36 +50,36 @@ impl TriangleBlock {
     }
 }
 
-/// The two axes after each, and it.
+/// For each main axis: the next two axes, then itself.
 static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-/// A ray in object space, sheared so that it runs along one axis.
+/// A ray in object space with the shear that aligns it with its main axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleRay {
-    /// The axis of the largest direction component and the two after it, as indices.
+    /// The row of [`AXES`] for the main axis, that of the largest direction component.
     axes: [usize; 3],
-    /// In the order of the axes.
+    /// In the order of `axes`.
     origin: [Vec4; 3],
-    /// Direction of the other two axes over that of the main one, and 1 over that of the main one.
+    /// The other two direction components over the main one, and 1 over the main one.
     shear: [Vec4; 3],
 }
 
-/// Where a ray meets the planes of a block's triangles.
+/// Intersections of a ray with a block's triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockHits {
-    /// A bit for each triangle that is met within its edges and within the interval.
-    pub(super) met: u32,
+    /// Bit mask of the triangles hit.
+    pub(super) mask: u32,
     pub(super) t: Vec4,
     /// Weights of the second and of the third corner.
     pub(super) barycentrics: [Vec4; 2],
 }
 
 impl TriangleRay {
-    /// Prepares a ray; the direction may have any length, and t is in units of it.
+    /// Prepares a ray; the direction need not be of unit length, and t is in units of it.
     #[inline(always)]
     pub(super) fn new(origin: Vec3A, direction: Vec3A) -> Self {
         let size = direction.abs();
-        // Both sides are evaluated: which is the longest is anyone's guess, and a wrong one costs more.
+        // Without branches, which would be unpredictable: evaluating both sides costs less than a misprediction.
         let main = if (size.x > size.y) & (size.x > size.z) { 0 } else { 2 - usize::from(size.y > size.z) };
         let axes = AXES[main];
         let (origin, direction) = (origin.to_array(), direction.to_array());
@@ -92,11 +92,10 @@ impl TriangleRay {
         }
     }
 
-    /// Meets the planes within the edges, both sides, where t_min < t <= t_max. A triangle without size is
-    /// never hit.
+    /// Intersects both sides of the triangles where t_min < t <= t_max. Degenerate triangles are never hit.
     #[inline(always)]
     pub(super) fn intersect(&self, block: &TriangleBlock, t_min: Vec4, t_max: f32) -> Option<BlockHits> {
-        // Move the vertices into the frame of the ray.
+        // Transform the vertices into the sheared ray space.
         let [ax, ay, az] = self.shear_corner(block, 0);
         let [bx, by, bz] = self.shear_corner(block, 1);
         let [cx, cy, cz] = self.shear_corner(block, 2);
@@ -107,16 +106,16 @@ impl TriangleRay {
         let w = bx * ay - by * ax;
         let outside = u.min(v).min(w).cmplt(Vec4::ZERO) & u.max(v).max(w).cmpgt(Vec4::ZERO);
         let det = u + v + w;
-        let met = !outside & det.cmpne(Vec4::ZERO);
-        if !met.any() {
+        let inside = !outside & det.cmpne(Vec4::ZERO);
+        if !inside.any() {
             return None;
         }
 
         // Interpolate the distance along the main axis.
         let scale = 1.0 / det;
         let t = (u * az + v * bz + w * cz) * scale * self.shear[2];
-        let met = (met & t.cmpgt(t_min) & t.cmple(Vec4::splat(t_max))).bitmask();
-        (met != 0).then(|| BlockHits { met, t, barycentrics: [v * scale, w * scale] })
+        let mask = (inside & t.cmpgt(t_min) & t.cmple(Vec4::splat(t_max))).bitmask();
+        (mask != 0).then(|| BlockHits { mask, t, barycentrics: [v * scale, w * scale] })
     }
 
     #[inline(always)]
@@ -127,8 +126,8 @@ impl TriangleRay {
     }
 }
 
-/// Whether a triangle has no area worth hitting: a corner that is not finite, or a height below what
-/// its own coordinates can resolve.
+/// Whether a triangle is degenerate: a corner is not finite, or its height is below f32 precision relative to its
+/// longest edge.
 pub(super) fn is_degenerate(v0: Vec3, v1: Vec3, v2: Vec3) -> bool {
     if !(v0.is_finite() && v1.is_finite() && v2.is_finite()) {
         return true;

@@ -1,7 +1,7 @@
 //! The compressed wide BVH that shaders traverse (Ylitie et al. 2017), with a bound on its depth.
 //!
-//! In: boxes and a binary tree over them. Out: obvhs's CWBVH. Boxes nested in each other can drive a
-//! tree arbitrarily deep; then a median-split tree takes its place, so that traversal stacks have a fixed size.
+//! In: boxes and a binary tree over them. Out: obvhs's CWBVH. Nested boxes can make a tree arbitrarily deep; then a
+//! median-split tree replaces it, so that traversal stacks have a fixed size.
 
 use obvhs::{
     aabb::Aabb,
@@ -11,16 +11,16 @@ use obvhs::{
 
 use super::tree::median_split;
 
-/// Most nodes on the way from a bottom level's root to a leaf.
+/// Most nodes on a path from a bottom level's root to a leaf.
 pub(super) const BOTTOM_DEPTH: usize = 24;
 
-/// Most nodes on the way from a top level's root to a leaf.
+/// Most nodes on a path from a top level's root to a leaf.
 pub(super) const TOP_DEPTH: usize = 14;
 
-/// Most primitives of a leaf.
+/// Most primitives in a leaf.
 const LEAF_SIZE: u32 = 3;
 
-/// Widens `tree`, which is over `boxes`; without boxes the result has no nodes.
+/// Collapses and compresses `tree`, which is over `boxes`; without boxes the result has no nodes.
 pub(super) fn compress(tree: &Bvh2, boxes: &[Aabb], leaf_size: u32, max_depth: usize) -> CwBvh {
     if boxes.is_empty() {
         return CwBvh::default();
@@ -35,7 +35,7 @@ pub(super) fn compress(tree: &Bvh2, boxes: &[Aabb], leaf_size: u32, max_depth: u
     bvh
 }
 
-/// Nodes on the longest way from the root to a leaf.
+/// Nodes on the longest path from the root to a leaf.
 fn depth(nodes: &[CwBvhNode]) -> usize {
     let mut deepest = 0;
     let mut pending = vec![(0u32, 1)];

@@ -1,4 +1,4 @@
-//! `glowworm bench`: how fast scenes are, what speed costs, and what has changed.
+//! `glowworm bench`: frame times and quality of scenes, and changes since an earlier report.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,14 +13,14 @@ use crate::bench::{
 };
 use crate::output::OutputFile;
 use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
-use crate::settings::Settings;
+use crate::settings::{Settings, VplSettings};
 use crate::vulkan::Device;
 
-/// Measured frames where nothing else is said.
+/// Default number of measured frames.
 const FRAMES: u32 = 240;
-/// Rounds where nothing else is said.
+/// Default number of rounds.
 const ROUNDS: u32 = 2;
-/// What a CPU driver, which takes some 50 ms for such a frame, is measured with where nothing else is said.
+/// Defaults on a CPU driver, which takes some 50 ms for such a frame.
 pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
 pub(super) struct OnCpu {
@@ -29,15 +29,14 @@ pub(super) struct OnCpu {
     time_step: f64,
 }
 
-/// What is measured, and what comes of it.
+/// Help after the options.
 const HELP: &str = "\
-A frame's time runs from its beginning until the device is done with it; nothing overlaps and nothing is shown. Each \
-run warms up until all set buffers are filled; then the same moments of the animation are measured with every setting. \
-On a CPU driver less is measured unless options say otherwise: 20 frames, or as many as there are temporal sets, \
-so that each has its turn, 256x256 pixels, 1/20 s apart. \
---out gets report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds what an \
-interrupted run has measured. --against exits with 3 if something is slower beyond noise; to compare a report that is \
-there already, name its folder with --out and add --resume.";
+A frame's time runs from its start until the device has finished it; frames do not overlap and are not presented. Each \
+run warms up until all set buffers are filled; then all settings are measured at the same moments of the animation. \
+Defaults on a CPU driver: 256x256 pixels, 1/20 s per frame, 20 frames or, if greater, one per temporal set. \
+--out receives report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds the \
+results of an interrupted run. --against exits with 3 if something is slower beyond noise; to compare an existing report, \
+name its folder with --out and add --resume.";
 
 /// Options of `bench`.
 #[derive(Clone, Debug, clap::Args)]
@@ -47,36 +46,35 @@ pub(super) struct BenchOptions {
     /// built-in set-ups of the dissertation.
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
-    /// Measure the set-ups of the dissertation with the real models below --assets; those that are not there are left
-    /// out.
+    /// Measure the set-ups of the dissertation with the real models in --assets; missing ones are skipped.
     #[arg(long, conflicts_with = "scenes")]
     pub models: bool,
-    /// Frames to measure in each run; fewer than temporal sets leave some sets out. More: figures that are more
-    /// certain. Otherwise that of --against, or 240, or on a CPU driver the most temporal sets, but at least 20.
+    /// Frames to measure in each run; fewer than the temporal sets miss some sets. More: narrower confidence intervals.
+    /// Otherwise that of --against, or 240, or on a CPU driver the most temporal sets, but at least 20.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
-    /// How often to measure each setting. From two on, the intervals come from how far the rounds differ. Otherwise that
-    /// of --against, or 2.
+    /// Measurements of each setting. From two on, confidence intervals come from the variance between rounds. Otherwise
+    /// that of --against, or 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: Option<u32>,
-    /// Compare pictures with converged ones of the same moments too.
+    /// Also compare pictures with converged ones of the same moments.
     #[arg(long)]
     pub quality: bool,
-    /// Say what has become faster or slower than in this bench.json, and exit with 3 if anything is slower.
+    /// Report what is faster or slower than in this bench.json, and exit with 3 if anything is slower.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub against: Option<PathBuf>,
-    /// Measure small things by themselves instead: rays per second of each tracer, what the BVH takes, each pass alone.
-    /// Of lists the first value counts. Writes micro.json and micro.md.
+    /// Run micro-benchmarks instead: rays per second of each tracer, BVH operations, each pass. Lists use their first
+    /// value. Writes micro.json and micro.md.
     #[arg(long, conflicts_with_all = ["frames", "quality", "against", "resume"])]
     pub micro: bool,
-    /// Most rays of a set that tracers are compared with. More: rates that are more certain.
+    /// Most rays in a set. More: less noise in the rates.
     #[arg(long, value_name = "N", default_value = "262144", requires = "micro")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub rays: u32,
     /// Folder of the report; an earlier report in it is replaced once the new one is complete.
     #[arg(long, value_name = "DIR", default_value = "glowworm-bench", help_heading = "Files")]
     pub out: PathBuf,
-    /// Go on with what an interrupted run has left in the folder; options that are not given are as they were.
+    /// Resume the interrupted run in the folder; options that are not given keep their values.
     #[arg(long, help_heading = "Files")]
     pub resume: bool,
     #[command(flatten)]
@@ -85,14 +83,14 @@ pub(super) struct BenchOptions {
     pub run: RunOptions,
 }
 
-/// The settings, several values of some.
+/// The settings, some with several values.
 #[derive(Clone, Debug)]
 pub(super) struct SweptSettings {
     pub settings: Settings,
     sweep: Sweep,
 }
 
-/// The settings of which there may be several values.
+/// The settings that accept several values.
 const SWEPT: [&str; 5] = ["temporal_sets", "size", "vpls", "bounces", "interleave"];
 
 impl clap::Args for SweptSettings {
@@ -110,11 +108,11 @@ impl clap::Args for SweptSettings {
             .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
             .mut_arg("time_step", |argument| {
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.help(format!("{help}. On a CPU driver 1/20 unless it is given"))
+                argument.help(format!("{help}. On a CPU driver the default is 1/20"))
             })
             .mut_arg("size", |argument| {
                 argument.default_value("1024x1024").help(
-                    "Width and height of the picture in pixels; 256x256 on a CPU driver unless it is given. A list \
+                    "Width and height of the picture in pixels; the default on a CPU driver is 256x256. A list \
                      such as A,B measures each",
                 )
             })
@@ -149,7 +147,7 @@ impl clap::FromArgMatches for SweptSettings {
 /// Measures, reports and compares. `given` are the settings given on the command line.
 pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
-    // Before anything is written: it may lie where the new report goes.
+    // Read it before anything is written: the new report may replace it.
     let old = options.against.as_deref().map(read_report).transpose()?;
     check(options, given)?;
     let folder = Folder::new(&options.out)?;
@@ -162,7 +160,7 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     plan.quality |= earlier.is_some_and(|earlier| earlier.plan.quality);
     let mut bench = Bench::new(&device, plan, folder, options.run.files.assets_folder())?;
     if options.resume && !bench.resume()? {
-        say::note(&format!("{}: nothing to go on with; beginning anew", options.out.display()));
+        say::note(&format!("{}: no earlier run to resume; starting over", options.out.display()));
     }
     device::note_slow(&device);
     controlled(bench.work_left(), |control| bench.run(control))?;
@@ -178,28 +176,31 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     let table = tables(report).into_iter().next().map(|table| text(&table)).unwrap_or_default();
     say::print(&format!("{table}{}\n", options.out.join("report.html").display()))?;
     match (&old, &options.against) {
-        (Some(old), Some(path)) => say_changes(&compare_reports(old, report), path),
+        (Some(old), Some(path)) => print_changes(&compare_reports(old, report), path),
         _ => Ok(()),
     }
 }
 
-/// Checks every value of every setting by itself.
+/// Checks every value of every setting.
 fn check(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
     let error = |error| CliError::Settings { scene: "bench".to_owned(), error };
     let SweptSettings { settings, sweep } = &options.settings;
     let check = |settings: Settings| settings.check_options(given).map_err(error);
     check(settings.clone())?;
-    sweep
-        .temporal_sets
-        .iter()
-        .try_for_each(|&temporal_sets| check(Settings { temporal_sets, ..settings.clone() }))?;
+    sweep.temporal_sets.iter().try_for_each(|&temporal_sets| {
+        check(Settings { vpl: VplSettings { temporal_sets, ..settings.vpl }, ..settings.clone() })
+    })?;
     sweep.size.iter().try_for_each(|&size| check(Settings { size, ..settings.clone() }))?;
-    sweep.vpls.iter().try_for_each(|&vpls| check(Settings { vpls, ..settings.clone() }))?;
+    sweep.vpls.iter().try_for_each(|&vpls| {
+        check(Settings { vpl: VplSettings { slots: vpls, ..settings.vpl }, ..settings.clone() })
+    })?;
     sweep.bounces.iter().try_for_each(|&bounces| check(Settings { bounces, ..settings.clone() }))?;
-    sweep.interleave.iter().try_for_each(|&interleave| check(Settings { interleave, ..settings.clone() }))
+    sweep.interleave.iter().try_for_each(|&interleave| {
+        check(Settings { vpl: VplSettings { interleave, ..settings.vpl }, ..settings.clone() })
+    })
 }
 
-/// What the options ask for; what they leave open is as in the `old` report, but for `--quality`.
+/// The plan of the options; defaults come from the `old` report, except for `--quality`.
 fn plan(
     options: &BenchOptions,
     given: &[&str],
@@ -214,7 +215,7 @@ fn plan(
         None => BENCH_SCENES.map(str::to_owned).into(),
     };
     let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
-    let own = toml::Table::try_from(&options.settings.settings).unwrap_or_default();
+    let own = options.settings.settings.to_table();
     settings.extend(
         own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
     );
@@ -223,7 +224,7 @@ fn plan(
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }
     let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
-    // Sets may cast very different numbers of rays: each has its turn.
+    // Sets may cast very different numbers of rays, so measure each.
     let least = if on_cpu { ON_CPU.frames } else { FRAMES };
     let default = sweep.temporal_sets.iter().fold(least, |frames, &sets| frames.max(sets));
     let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(default);
@@ -231,15 +232,13 @@ fn plan(
     Ok(Plan { scenes, frames, rounds, quality: options.quality, sweep, settings })
 }
 
-/// Those scenes of models that are there.
+/// The scenes whose models are present.
 pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
     let assets = options.run.files.assets_folder();
     let mut scenes = Vec::new();
     for scene in BENCH_SCENES_OF_ASSETS {
         if lacks_models(scene, assets.as_deref())? {
-            say::warning(&format!(
-                "{scene} is left out: its models are not below --assets or GLOWWORM_ASSETS"
-            ));
+            say::warning(&format!("{scene} is skipped: its models are not in --assets or GLOWWORM_ASSETS"));
         } else {
             scenes.push(scene.to_owned());
         }
@@ -247,8 +246,8 @@ pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
     Ok(scenes)
 }
 
-/// The lists that were given; without them those of the `old` plan; without that what the scenes say, but one size
-/// and the usual sets for all.
+/// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and sets
+/// for all.
 fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Sweep {
     let list = |name: &str, own: &[u32], old: Option<&Vec<u32>>, default: &[u32]| {
         if given.contains(&name) { own.to_vec() } else { old.map_or(default, Vec::as_slice).to_vec() }
@@ -273,7 +272,7 @@ fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Swee
     }
 }
 
-/// A table as a person reads it in a terminal.
+/// Formats a table for the terminal.
 pub(super) fn text(table: &Table) -> String {
     let lines = || std::iter::once(&table.columns).chain(&table.rows);
     let width =
@@ -289,18 +288,18 @@ pub(super) fn text(table: &Table) -> String {
     text
 }
 
-/// Says what has changed; an error if anything is slower.
-fn say_changes(comparison: &Comparison, path: &std::path::Path) -> Result<(), CliError> {
+/// Prints the changes; an error if anything is slower.
+fn print_changes(comparison: &Comparison, path: &std::path::Path) -> Result<(), CliError> {
     let path = path.display();
     if let Some(what) = comparison.other_machine {
         say::warning(&format!(
-            "--against {path}: was measured with another {what}, so differences are not glowworm's"
+            "--against {path}: was measured with another {what}, so differences may not come from glowworm"
         ));
     }
     if comparison.compared == 0 {
         return Err(BenchError::Report {
             path: path.to_string().into(),
-            reason: "has no run with a scene and the settings of this one; nothing was compared".to_owned(),
+            reason: "has no run with the scenes and settings of this one; nothing was compared".to_owned(),
         }
         .into());
     }

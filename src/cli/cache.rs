@@ -1,4 +1,4 @@
-//! Where what can be made again is kept from run to run.
+//! The user's cache folder.
 
 use std::env::var_os;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `glowworm compare`: how far a picture or a sequence is from its reference.
+//! `glowworm compare`: error metrics of a picture or a sequence against its reference.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ use crate::output::{NumberedPath, OutputFile};
 use crate::plot::{Heatmap, PlotFile, round_limit, short};
 use crate::statistics::percentile;
 
-/// What is compared in which units, after the options.
+/// Help after the options.
 const HELP: &str = "\
 Two .png are compared by their sRGB values as they are, two .exr by their linear ones: MAE, RMSE and relative \
 MSE. Luminance is linear in both cases: ratio of the means, relative errors of pixels and blocks, temporal \
@@ -25,41 +25,39 @@ error. FLIP of .exr is HDR-FLIP. A name with {frame} or {frame:04} stands for a 
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true, after_help = HELP)]
 pub(super) struct CompareArguments {
-    /// Picture to be judged: .png or .exr.
+    /// Picture to compare: .png or .exr.
     pub image: PathBuf,
-    /// What it should look like: a picture of the same size and kind; of a sequence, also a single picture
-    /// for all frames.
+    /// Reference: a picture of the same size and kind; for a sequence, also a single picture for all frames.
     pub reference: PathBuf,
     /// Layer of an .exr to compare, such as direct or indirect. Otherwise the first with R, G and B (or Y).
     #[arg(long, value_name = "NAME")]
     pub layer: Option<String>,
-    /// Layer of the reference, where it is not that of --layer; "" for the first.
+    /// Layer of the reference, if not that of --layer; "" for the first.
     #[arg(long, value_name = "NAME")]
     pub reference_layer: Option<String>,
-    /// Stops by which an .exr is brightened for PSNR and SSIM, which are of display values: clamped to 0..1
-    /// and encoded as sRGB. Nothing else depends on it.
+    /// Exposure of an .exr in stops for PSNR and SSIM, which compare display values: clamped to 0..1 and encoded as
+    /// sRGB. No other metric depends on it.
     /// [default: 0]
     #[arg(long, value_name = "EV", value_parser = parse_stops, allow_negative_numbers = true)]
     pub exposure: Option<f32>,
     /// Side in pixels of the blocks whose mean luminances are compared.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub blocks: u32,
-    /// Frames of a sequence to compare, such as 16-31. Otherwise all that are there, and none may be missing
-    /// between them.
+    /// Frames of a sequence to compare, such as 16-31. Otherwise all that exist, without gaps.
     #[arg(long, value_name = "FIRST-LAST", value_parser = parse_frames)]
     pub frames: Option<RangeInclusive<u64>>,
-    /// Draw the difference as a .png with its scale; of a sequence the last frame, or every frame where the
-    /// name has a {frame}.
+    /// Draw the error as a .png with its scale; of a sequence the last frame, or every frame if the name has a
+    /// {frame}.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub heatmap: Option<PathBuf>,
-    /// What the heat map shows: flip; relative, the relative error of luminance; absolute, the mean absolute
-    /// error of the three channels.
+    /// Error of the heat map: flip; relative, the relative error of luminance; absolute, the mean absolute error of
+    /// the three channels.
     #[arg(long, value_name = "WHAT", default_value = "flip", requires = "heatmap", help_heading = "Files")]
     pub heatmap_of: HeatmapOf,
     /// Value of the heat map's brightest colour. Otherwise 1 for flip, else about the 99th percentile.
     #[arg(long, value_name = "VALUE", value_parser = parse_limit, requires = "heatmap", help_heading = "Files")]
     pub heatmap_limit: Option<f64>,
-    /// Draw the metrics of a sequence over its frames: .svg or .png.
+    /// Plot the metrics of a sequence over its frames: .svg or .png.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub plot: Option<PathBuf>,
     /// Write the metrics to FILE.
@@ -67,7 +65,7 @@ pub(super) struct CompareArguments {
     pub json: Option<PathBuf>,
 }
 
-/// What a heat map shows.
+/// Error of a heat map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum HeatmapOf {
     Flip,
@@ -87,18 +85,18 @@ pub(super) struct CompareReport {
     pub width: usize,
     pub height: usize,
     pub encoding: Encoding,
-    /// That of linear pictures.
+    /// Exposure of linear pictures, stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
     /// The exposures of HDR-FLIP, of the last frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flip_exposures: Option<Exposures>,
-    /// Of a single picture only the means, which are its own figures.
+    /// For a single picture only the means.
     #[serde(flatten)]
     pub metrics: SequenceMetrics,
 }
 
-/// What to compare, and where the outcome goes: all names were checked.
+/// Inputs and outputs of a comparison, with checked names.
 struct Job<'a> {
     arguments: &'a CompareArguments,
     image: NumberedPath,
@@ -110,7 +108,7 @@ struct Job<'a> {
     json: Option<OutputFile>,
 }
 
-/// Compares, and says, writes and draws the outcome.
+/// Compares, and prints, writes and plots the result.
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     let job = Job::new(arguments)?;
     let report = job.run()?;
@@ -146,8 +144,7 @@ impl<'a> Job<'a> {
         Ok(job)
     }
 
-    /// Fails where one output would be written over an input, be it a frame that is not compared, or over
-    /// another output.
+    /// Fails if an output would overwrite another output or any frame of an input.
     fn check_apart(&self) -> Result<(), CliError> {
         let check = |option: &str, file: &OutputFile, taken: &[(&str, &NumberedPath)]| match taken
             .iter()
@@ -155,7 +152,7 @@ impl<'a> Job<'a> {
         {
             None => Ok(()),
             Some((taken, _)) => Err(CliError::Usage(format!(
-                "{option} {}: would be written over a file of {taken}; give it another name",
+                "{option} {}: would overwrite a file of {taken}; give it another name",
                 file.path().display()
             ))),
         };
@@ -177,7 +174,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Whether there is a heat map of this frame: of every one, or of the last.
+    /// Whether this frame gets a heat map: every one, or the last.
     fn is_drawn(&self, heatmap: &NumberedPath, frame: u64) -> bool {
         heatmap.is_sequence() || frame == *self.frames.end()
     }
@@ -237,7 +234,7 @@ impl<'a> Job<'a> {
         let image = Image::read(&self.image.path_of(frame), self.arguments.layer.as_deref())?;
         if self.arguments.exposure.is_some() && image.encoding() == Encoding::Display {
             return Err(CliError::Usage(format!(
-                "--exposure: {} is a PNG, whose values are compared as they are; leave it out",
+                "--exposure: {} is a PNG, which has no exposure; omit the option",
                 image.name()
             )));
         }
@@ -282,7 +279,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Fails where an option or a reference for sequences meets a single picture.
+/// Fails if options or a reference for sequences are given for a single picture.
 fn check_sequence_options(
     arguments: &CompareArguments,
     image: &NumberedPath,
@@ -304,7 +301,7 @@ fn check_sequence_options(
     Err(CliError::Usage(message))
 }
 
-/// The frames asked for, if all are there.
+/// The requested frames, if all exist.
 fn given_frames(
     frames: &RangeInclusive<u64>,
     image: &NumberedPath,
@@ -318,7 +315,7 @@ fn given_frames(
     Ok(frames.clone())
 }
 
-/// All frames of both sequences, if none is missing in either.
+/// All frames of both sequences, if neither has gaps.
 fn all_frames(image: &NumberedPath, reference: &NumberedPath) -> Result<RangeInclusive<u64>, MetricsError> {
     let on_disk = |name: &NumberedPath| {
         let frames = name.frames_on_disk();

@@ -1,4 +1,4 @@
-//! What `compare` shows of its figures: a table, and curves over the frames of a sequence.
+//! Output of `compare`: a table, and curves over the frames of a sequence.
 
 use std::fmt::Write as _;
 
@@ -6,10 +6,10 @@ use super::compare::CompareReport;
 use crate::metrics::{Encoding, FrameMetrics, Metrics};
 use crate::plot::{Axis, Curves, Line, Panel, short};
 
-/// A figure of one frame; none where the frame has none.
+/// A figure of one frame; none if undefined.
 type Figure = fn(&FrameMetrics) -> Option<f64>;
 
-/// The figures as a person reads them. Of a sequence: means, and the least and greatest of all frames.
+/// The figures as a table. For a sequence: mean, minimum and maximum over the frames.
 pub(super) fn table(report: &CompareReport) -> String {
     let (metrics, frames) = (&report.metrics.means, &report.metrics.frames);
     let mut text = format!("{} against {}: {}\n", report.image, report.reference, described(report));

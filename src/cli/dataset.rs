@@ -1,4 +1,4 @@
-//! `glowworm dataset`: pictures for denoisers.
+//! `glowworm dataset`: training and test data for denoisers.
 
 use std::path::PathBuf;
 
@@ -10,20 +10,20 @@ use crate::dataset::{Dataset, DatasetPlan};
 use crate::output::OutputFile;
 use crate::settings::text;
 
-/// What is written, and how it is to be read.
+/// Help after the options: the format.
 const HELP: &str = "\
 The layout is that of the data set of BMFR (Koskela et al. 2019). For each frame f, counted from 0, as EXR with the 32-bit \
 channels R, G, B:
-  color{f}.exr           one path a pixel: radiance over the albedo of the visible surface
-  reference{f}.exr       --spp other paths a pixel: radiance, with albedo
-  albedo{f}.exr          color times this is the path-traced image; 1 where no surface is and where it would be below 0.001
-  shading_normal{f}.exr  unit normals in world space; 0 where no surface is
-  world_position{f}.exr  points in world space; 0 where no surface is
+  color{f}.exr           one path per pixel: radiance over the albedo of the visible surface
+  reference{f}.exr       --spp other paths per pixel: radiance, with albedo
+  albedo{f}.exr          color times this is the path-traced image; 1 on the background and where it would be below 0.001
+  shading_normal{f}.exr  unit normals in world space; 0 on the background
+  world_position{f}.exr  points in world space; 0 on the background
 camera_matrices.h holds, for C, camera_matrices[FRAMES][4][4]: the row vector (position, 1) times the matrix is (x, y, z, \
 w), and the pixel, from the top left, is ((x, y) / w + 1) / 2 * size - pixel_offsets[f]; pixel_offsets[FRAMES][2], which \
-are 0.5: all paths start in the middle of their pixels; and position_limit_squared and normal_limit_squared, how far apart two \
-points or normals of one surface may be when a denoiser looks back: a value to begin with.
-glowworm-dataset.json says what has been rendered, for --resume.";
+are 0.5: all paths go through pixel centres; and position_limit_squared and normal_limit_squared, default limits for \
+the squared distances of points and normals of one surface in a denoiser's reprojection.
+glowworm-dataset.json records the progress, for --resume.";
 
 /// Options of `dataset`.
 #[derive(Clone, Debug, clap::Args)]
@@ -34,16 +34,16 @@ pub(super) struct DatasetOptions {
     /// Frames of its animation.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), default_value = "60")]
     pub frames: u32,
-    /// Paths a pixel of the reference. More: less noise, which falls with about the square root, or faster.
+    /// Paths per pixel of the reference. More: less noise, about as 1 / sqrt(N).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "4096")]
     pub spp: u64,
     /// Seed of the samples. Otherwise the scene's, or 0.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
     pub seed: Option<u32>,
-    /// Folder to write to: a new or an empty one.
+    /// Folder to write to, new or empty.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: PathBuf,
-    /// Go on in the folder of an interrupted run with the same options.
+    /// Resume the interrupted run in the folder, with the same options.
     #[arg(long, help_heading = "Files")]
     pub resume: bool,
     #[command(flatten)]
@@ -81,7 +81,7 @@ pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
     }
     let (frames, spp) = (options.frames, options.spp);
     say::print(&format!(
-        "{}: {frames} frames of {}, reference of {spp} paths a pixel\n",
+        "{}: {frames} frames of {}, reference of {spp} paths per pixel\n",
         options.out.display(),
         scene.name
     ))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::options::RunOptions;
+use super::options::{CameraOptions, RunOptions};
 use super::render::{RenderOptions, ViewOptions, render};
 use super::scene::GivenSettings;
 use super::{CliError, device, say};
@@ -22,8 +22,8 @@ pub(super) struct DemoOptions {
     pub run: RunOptions,
 }
 
-/// Shows the scene in a window. Without a display it says so and renders the scene to a file in the current
-/// folder. `given` are the settings given on the command line.
+/// Shows the scene in a window. Without a display it warns and renders the scene to a file in the current folder.
+/// `given`: names of the settings on the command line.
 pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError> {
     GivenSettings::new(&options.scene, &options.settings, given).check()?;
     let launch = Launch {
@@ -47,8 +47,9 @@ fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<
     let out = format!("glowworm-{name}.png");
     say::warning(&format!("no display to open a window on ({reason}); rendering {} to {out}", options.scene));
     let DemoOptions { scene, settings, run } = options;
-    let view = ViewOptions::default();
-    render(&RenderOptions { scene, frames: None, out: out.into(), layers: false, view, settings, run }, given)
+    let (camera, view) = (CameraOptions::default(), ViewOptions::default());
+    let out = out.into();
+    render(&RenderOptions { scene, frames: None, out, layers: false, camera, view, settings, run }, given)
 }
 
 impl From<DemoError> for CliError {

@@ -1,4 +1,4 @@
-//! From options to a Vulkan device, and what its validation layer has to say in the end.
+//! Opens the Vulkan device of the options, and checks its validation messages.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::options::DeviceOptions;
 use super::{CliError, say};
 use crate::vulkan::{Device, Instance, InstanceOptions};
 
-/// Loads Vulkan, with validation if asked for.
+/// Loads Vulkan, with validation if requested.
 pub(super) fn instance(options: &DeviceOptions) -> Result<Arc<Instance>, CliError> {
     Ok(Instance::new(InstanceOptions { validate: options.validate, display: None })?)
 }
@@ -16,15 +16,15 @@ pub(super) fn open(options: &DeviceOptions) -> Result<Arc<Device>, CliError> {
     Ok(Device::open(&instance(options)?, options.device.as_deref())?)
 }
 
-/// Says so where the device is the CPU, on which everything is slow.
+/// Notes that the device is a slow CPU driver.
 pub(super) fn note_slow(device: &Device) {
     let info = device.info();
     if info.is_cpu() {
-        say::note(&format!("{} runs on the CPU: slow; see glowworm info", info.name));
+        say::note(&format!("{} is a slow CPU driver; glowworm info lists all devices", info.name));
     }
 }
 
-/// Fails where the validation layer found fault: with its first message, and the rest as warnings.
+/// Fails if there are validation messages: with the first one, and the rest as warnings.
 pub(super) fn check_validation(messages: &[String]) -> Result<(), CliError> {
     let Some((first, others)) = messages.split_first() else { return Ok(()) };
     others.iter().for_each(|message| say::warning(message));

@@ -1,4 +1,4 @@
-//! Why a run failed, and with which exit code it ends.
+//! Errors of a run, and their exit codes.
 
 use std::path::PathBuf;
 
@@ -58,18 +58,18 @@ pub enum CliError {
     /// A benchmark failed.
     #[error("{0}")]
     Bench(BenchError),
-    /// Something has become slower.
+    /// Something is slower than in the earlier report.
     #[error("--against {path}: {slower} {} slower beyond noise", if *.slower == 1 { "time is" } else { "times are" })]
     Regression {
         /// The earlier report.
         path: String,
-        /// How many times.
+        /// Number of slower times.
         slower: usize,
     },
     /// The window could not be opened or was lost.
     #[error("{0}")]
     Window(String),
-    /// The picture to go on with is another one.
+    /// The picture cannot be resumed.
     #[error("{path}: {reason}")]
     Resume {
         /// The picture.
@@ -77,26 +77,26 @@ pub enum CliError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Somebody interrupted a reference.
+    /// A reference was interrupted.
     #[error(
-        "interrupted after {samples} of {spp} samples a pixel; {}{}",
+        "interrupted after {samples} of {spp} samples per pixel; {}{}",
         if *.samples > 0 { format!("{} holds them", .path.display()) } else { "nothing was written".to_owned() },
-        if *.samples > 0 && *.resumable { "; --resume goes on" } else { "" }
+        if *.samples > 0 && *.resumable { "; --resume continues" } else { "" }
     )]
     Interrupted {
-        /// Where they are.
+        /// The picture.
         path: PathBuf,
-        /// How many there are.
+        /// Completed samples per pixel.
         samples: u64,
-        /// How many were asked for.
+        /// Requested samples per pixel.
         spp: u64,
-        /// Whether a later run can go on.
+        /// Whether a later run can resume.
         resumable: bool,
     },
-    /// The validation layer found fault with the program.
+    /// The validation layer reported errors.
     #[error("--validate: {count} messages of the validation layer, the first: {first}")]
     Validation {
-        /// How many messages.
+        /// Number of messages.
         count: usize,
         /// The first.
         first: String,
@@ -107,7 +107,7 @@ pub enum CliError {
 }
 
 impl From<BenchError> for CliError {
-    /// What other commands fail with too reads the same.
+    /// Errors shared with other commands keep their text.
     fn from(error: BenchError) -> Self {
         match error {
             BenchError::Scene(error) => error.into(),
@@ -134,7 +134,7 @@ impl CliError {
         Self::Usage(format!("{}; see glowworm --help", message.trim_start_matches("error: ")))
     }
 
-    /// 2 for wrong usage, 3 for something that has become slower, 1 for everything else.
+    /// 2 for wrong usage, 3 for a slowdown, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         let is_usage = match self {
             Self::Regression { .. } => return 3,

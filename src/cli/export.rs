@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::options::FileOptions;
+use super::options::{CameraOptions, FileOptions};
 use super::scene::SceneOptions;
 use super::{CliError, say};
 use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, Specular, export_mitsuba};
@@ -10,7 +10,7 @@ use crate::output::OutputFile;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
-/// For which renderer.
+/// Target renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Format {
     /// Mitsuba 3: scene.xml, meshes as PLY, textures as PNG.
@@ -29,15 +29,17 @@ pub(super) struct ExportOptions {
     /// Frame of the scene's animation, from 0.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
-    /// Samples of each pixel, which `mitsuba -D spp=N` changes.
+    /// Samples per pixel, overridden by `mitsuba -D spp=N`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u32,
-    /// Highlights (Ks, Ns). Here they reflect point, spot and directional lights on visible surfaces only, which
-    /// no material of Mitsuba does: omit leaves them out, so that all the rest agrees; convert makes them
-    /// rough conductors, which reflect all light.
+    /// Highlights (Ks, Ns). Here they reflect point, spot and directional lights on visible surfaces only, unlike any
+    /// material of Mitsuba: omit drops them, so that all else agrees; convert makes rough conductors, which reflect
+    /// all light.
     #[arg(long, value_enum, default_value = "omit")]
     pub specular: Specular,
-    /// Folder to write to: a new or an empty one, or one that holds an earlier export, which is replaced.
+    #[command(flatten)]
+    pub camera: CameraOptions,
+    /// Folder to write to: new, empty, or an earlier export, which is replaced.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: PathBuf,
     #[command(flatten)]
@@ -49,6 +51,7 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     let Format::Mitsuba = options.format;
     let given = options.scene.given();
     given.check()?;
+    options.camera.check()?;
     let folder = ExportFolder::new(&options.out)?;
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
     if let Some(json) = &json
@@ -56,10 +59,11 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     {
         let path = json.path().display();
         return Err(CliError::Usage(format!(
-            "--json {path}: would be written over the export or the scene; give it another name"
+            "--json {path}: would overwrite the export or the scene; give it another name"
         )));
     }
-    let (scene, settings) = given.load(&options.files)?;
+    let (mut scene, settings) = given.load(&options.files)?;
+    options.camera.place(&mut scene)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {
         json.save_json(&report)?;
@@ -86,7 +90,7 @@ impl ExportOptions {
     }
 }
 
-/// What was written, and what is not exact about it.
+/// Summary of the export, with what is not exact.
 fn headline(scene: &Path, report: &ExportReport) -> String {
     let mut text = format!(
         "{}: {} shapes, {} triangles, {} materials, {} textures, {} lights; render it with mitsuba {0}\n",

@@ -1,4 +1,4 @@
-//! `glowworm info`: the Vulkan devices.
+//! `glowworm info`: the Vulkan devices, or the passes of a frame.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::options::DeviceOptions;
 use super::{CliError, device, say};
+use crate::estimators;
 use crate::output::OutputFile;
 use crate::report::COMMIT;
 use crate::vulkan::{Device, DeviceInfo};
@@ -15,6 +16,9 @@ use crate::vulkan::{Device, DeviceInfo};
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
 pub(super) struct InfoOptions {
+    /// List the passes of a frame in order, each with the method that runs it, in place of the devices.
+    #[arg(long)]
+    pub passes: bool,
     #[command(flatten)]
     pub device: DeviceOptions,
     /// Write the list to FILE.
@@ -30,9 +34,30 @@ struct InfoReport {
     used: Option<usize>,
 }
 
-/// Lists the devices, best first, and marks the one that would be used. Fails if none can be.
+#[derive(Debug, Serialize)]
+struct PassesReport {
+    commit: &'static str,
+    passes: Vec<PassInfo>,
+}
+
+#[derive(Debug, Serialize)]
+struct PassInfo {
+    name: &'static str,
+    method: &'static str,
+}
+
+/// Lists the passes, or the devices, best first, and marks the one that would be used. Fails if none is usable.
 pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
     let json = options.json.as_ref().map(OutputFile::new).transpose()?;
+    if options.passes {
+        let passes =
+            estimators::passes().map(|(method, pass)| PassInfo { name: pass.name, method }).collect();
+        let report = PassesReport { commit: COMMIT, passes };
+        let lines: String =
+            report.passes.iter().map(|pass| format!("{:<22}{}\n", pass.name, pass.method)).collect();
+        say::print(&lines)?;
+        return json.map_or(Ok(()), |json| Ok(json.save_json(&report)?));
+    }
     let instance = device::instance(&options.device)?;
     let devices = Device::list(&instance)?;
     let opened = Device::open(&instance, options.device.device.as_deref());

@@ -1,4 +1,4 @@
-//! `glowworm bench --micro`: tracers, the BVH and the passes by themselves.
+//! `glowworm bench --micro`: micro-benchmarks of tracers, BVH and passes.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::scene::{BENCH_SCENES, load_scene};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
-/// Turns where nothing else is said.
+/// Default number of turns.
 const TURNS: u32 = 9;
 
-/// Measures and reports. `given` are the settings given on the command line.
+/// Measures and reports. `given`: names of the settings on the command line.
 pub(super) fn micro(
     options: &BenchOptions,
     given: &[&str],

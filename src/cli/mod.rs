@@ -1,4 +1,4 @@
-//! The command line: from arguments to a subcommand, and from its outcome to an exit code.
+//! The command line: parses arguments, runs a subcommand, maps errors to exit codes.
 //!
 //! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
 
@@ -42,7 +42,7 @@ struct Arguments {
     command: Option<Command>,
     #[command(flatten)]
     demo: demo::DemoOptions,
-    /// Say more: -v notes, -vv details. `RUST_LOG` overrides it.
+    /// Log more: -v notes, -vv details. `RUST_LOG` overrides it.
     #[arg(short, long, action = clap::ArgAction::Count, global = true)]
     verbose: u8,
 }
@@ -57,20 +57,20 @@ enum Command {
     Bench(bench::BenchOptions),
     /// Path trace a scene on the CPU: the ground truth.
     Reference(reference::ReferenceOptions),
-    /// Path trace noisy and clean pictures of an animation, with features, for denoisers.
+    /// Path trace noisy and converged pictures of an animation, with features, for denoisers.
     Dataset(dataset::DatasetOptions),
     /// Export a scene at one frame for another renderer.
     Export(export::ExportOptions),
     /// Compare a picture or a sequence with its reference.
     Compare(compare::CompareArguments),
-    /// List the Vulkan devices, what each can do, and which would be used.
+    /// List the Vulkan devices, what each can do, and which would be used; or the passes of a frame.
     Info(info::InfoOptions),
 }
 
-/// Does what `arguments` (the program's name first) ask for.
+/// Runs the program with `arguments`, the program's name first.
 ///
 /// # Errors
-/// Whatever made it fail, to be shown with [`say_error`] and ended with [`CliError::exit_code`].
+/// The failure, to be printed with [`say_error`]; exit with [`CliError::exit_code`].
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError> {
     let matches = match Arguments::command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
@@ -106,6 +106,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     fn parse(arguments: &[&str]) -> Arguments {
@@ -130,7 +132,7 @@ mod tests {
         let arguments = parse(&["sponza", "--vpls", "64"]);
         assert!(arguments.command.is_none());
         assert_eq!(arguments.demo.scene, "sponza");
-        assert_eq!(arguments.demo.settings.vpls, 64);
+        assert_eq!(arguments.demo.settings.vpl.slots, 64);
     }
 
     #[test]
@@ -163,6 +165,52 @@ mod tests {
         assert_eq!(render.run.device.device.as_deref(), Some("1"));
         assert!(render.run.device.validate);
         assert_eq!(render.run.files.assets_folder(), Some("models".into()));
+    }
+
+    const PAGE: &str = include_str!("../../docs/OPTIONS.md");
+
+    /// The options that a part of the page lists, each with its next cell.
+    fn rows(part: &'static str) -> Vec<(&'static str, &'static str)> {
+        let row = |line: &'static str| {
+            let (cell, rest) = line.strip_prefix("| `--")?.split_once(" | ")?;
+            let name = cell.split(|c: char| c != '-' && !c.is_ascii_lowercase()).next()?;
+            Some((name, rest.split(" | ").next()?))
+        };
+        part.lines().filter_map(row).collect()
+    }
+
+    #[test]
+    fn the_page_of_options_has_each_of_them_and_no_other() {
+        let long = |command: &clap::Command| -> BTreeSet<String> {
+            command.get_arguments().filter_map(|option| option.get_long()).map(str::to_owned).collect()
+        };
+        let program = Arguments::command();
+        let all: BTreeSet<_> = program.get_subcommands().chain([&program]).flat_map(&long).collect();
+        assert_eq!(rows(PAGE).into_iter().map(|(name, _)| name.to_owned()).collect::<BTreeSet<_>>(), all);
+        for section in PAGE.split("\n## ").filter(|section| section.starts_with('`')) {
+            let heading = section.lines().next().unwrap();
+            let commands =
+                program.get_subcommands().filter(|of| heading.contains(&format!("`{}`", of.get_name())));
+            let options: BTreeSet<_> = commands.flat_map(&long).collect();
+            for (name, _) in rows(section) {
+                assert!(options.contains(name), "{heading}: --{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_page_of_options_has_the_settings_by_group_with_their_defaults() {
+        use clap::Args;
+        let command = crate::settings::Settings::augment_args(clap::Command::new("settings"));
+        for group in crate::settings::groups() {
+            let part = PAGE.split(&format!("# {}\n", group.heading)).nth(1).unwrap();
+            let part = part.split("\n##").next().unwrap();
+            let default = |key: &String| {
+                let option = command.get_arguments().find(|option| option.get_id() == key.as_str()).unwrap();
+                (option.get_long().unwrap(), option.get_default_values()[0].to_str().unwrap())
+            };
+            assert_eq!(rows(part), group.settings.iter().map(default).collect::<Vec<_>>());
+        }
     }
 
     #[test]

@@ -2,19 +2,77 @@
 
 use std::path::PathBuf;
 
-/// Which device does the work.
+use glam::Vec3;
+
+use super::CliError;
+use crate::scene::{CameraOverride, MAX_COORDINATE, Scene};
+
+/// Overrides of the scene's camera.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Camera")]
+pub(super) struct CameraOptions {
+    /// Eye point, in scene units. Otherwise the scene's. With --eye or --target the camera does not move.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    eye: Option<Vec3>,
+    /// The point at the centre of the picture, in scene units. Otherwise the scene's.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    target: Option<Vec3>,
+    /// Vertical field of view in degrees, 0.01 to 170. Otherwise the scene's.
+    #[arg(long, value_name = "DEG", value_parser = parse_vfov, allow_negative_numbers = true)]
+    vfov: Option<f32>,
+}
+
+impl CameraOptions {
+    /// The given parts.
+    pub fn parts(&self) -> CameraOverride {
+        let vertical_fov = self.vfov.map(f32::to_radians);
+        CameraOverride { eye: self.eye, target: self.target, vertical_fov }
+    }
+
+    /// Fails if they are invalid for any scene. To be called before any slow work or output.
+    pub fn check(&self) -> Result<(), CliError> {
+        match (self.eye, self.target) {
+            (Some(eye), Some(target)) if eye == target => Err(unusable("eye and target must differ")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Applies the overrides to the scene's camera.
+    pub fn place(&self, scene: &mut Scene) -> Result<(), CliError> {
+        scene.override_camera(&self.parts()).map_err(unusable)
+    }
+}
+
+fn unusable(problem: &str) -> CliError {
+    CliError::Usage(format!("--eye, --target: {problem}"))
+}
+
+fn parse_point(text: &str) -> Result<Vec3, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let point = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok()).map(Vec3::from_array);
+    point
+        .filter(|point| point.abs().cmple(Vec3::splat(MAX_COORDINATE)).all())
+        .ok_or_else(|| format!("must be three numbers such as 1,2.5,-3, each within +-{MAX_COORDINATE:e}"))
+}
+
+fn parse_vfov(text: &str) -> Result<f32, String> {
+    let degrees = text.parse().ok().filter(|degrees| (0.01..=170.0).contains(degrees));
+    degrees.ok_or_else(|| "must be degrees from 0.01 to 170".to_owned())
+}
+
+/// Device options.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Device")]
 pub(super) struct DeviceOptions {
     /// Vulkan device: its index in `glowworm info` or a part of its name. Otherwise the best one.
     #[arg(long, value_name = "NAME|INDEX")]
     pub device: Option<String>,
-    /// Switch the Vulkan validation layer on; slow, and any message of it makes the run fail.
+    /// Enable the Vulkan validation layer; slow, and any message fails the run.
     #[arg(long)]
     pub validate: bool,
 }
 
-/// What every run over a scene on a device takes.
+/// Options of commands that render on a device.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct RunOptions {
     #[command(flatten)]
@@ -23,7 +81,7 @@ pub(super) struct RunOptions {
     pub files: FileOptions,
 }
 
-/// What every command over a scene reads and writes.
+/// Files of commands that read a scene.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(super) struct FileOptions {
     /// Folder with the downloaded models of scenes whose models are not shipped. Otherwise the

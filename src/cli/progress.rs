@@ -1,4 +1,4 @@
-//! Progress on a terminal, and what an interruption does.
+//! Progress bars and interruption.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::bench::Control;
 
-/// A bar of that length, written as `template` says (indicatif's words), on a terminal; else nothing.
+/// A bar of this length with an indicatif `template`, on a terminal; hidden otherwise.
 pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -25,7 +25,7 @@ pub(super) fn frames_bar(frames: u64) -> ProgressBar {
     bar(frames, "{bar:40} frame {pos} of {len}, {eta} left")
 }
 
-/// Has a benchmark of so much `work` run with a bar, until it is done or somebody interrupts it.
+/// Runs a benchmark of total `work` with a progress bar, until it is done or interrupted.
 pub(super) fn controlled<T>(work: u64, run: impl FnOnce(&mut Control<'_>) -> T) -> T {
     let stop = interruption();
     let bar = bar(work, "{bar:40} {msg}, {eta} left");
@@ -38,7 +38,7 @@ pub(super) fn controlled<T>(work: u64, run: impl FnOnce(&mut Control<'_>) -> T) 
     done
 }
 
-/// What is set once somebody interrupts the program. A second interruption ends it at once.
+/// A flag set by the first interruption (Ctrl-C). A second interruption ends the program at once.
 pub(super) fn interruption() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&stop);
@@ -47,7 +47,7 @@ pub(super) fn interruption() -> Arc<AtomicBool> {
             std::process::exit(130);
         }
     };
-    // A second handler in one process, as in tests, is refused, and the first one stays.
+    // Installing a second handler in one process, as in tests, fails; the first one stays.
     let _ = ctrlc::set_handler(on_interrupt);
     stop
 }

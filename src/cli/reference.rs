@@ -5,26 +5,26 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::options::FileOptions;
+use super::options::{CameraOptions, FileOptions};
 use super::progress::interruption;
 use super::scene::SceneOptions;
 use super::{CliError, progress, say};
 use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
-use crate::report::COMMIT;
+use crate::report::{COMMIT, LoadTimes};
 use crate::scene::Scene;
 use crate::settings::{Settings, text};
 
-/// The note in an .exr that says what is in it and how far it is.
+/// The attribute of an .exr with its identity and progress.
 const NOTE: &str = "glowworm reference";
 
-/// Shortest time from one saving of an unfinished picture to the next.
+/// Minimum time between saves of an unfinished picture.
 const SAVING_INTERVAL: Duration = Duration::from_secs(10);
 
-/// An unfinished picture is saved again after this many times what the last saving took.
+/// Minimum time between saves, in units of the duration of the last save.
 const SAVING_SHARE: u32 = 20;
 
-/// Shortest time from one look at the error to the next.
+/// Minimum time between updates of the error.
 const ERROR_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Options of `reference`.
@@ -33,14 +33,14 @@ const ERROR_INTERVAL: Duration = Duration::from_millis(500);
 pub(super) struct ReferenceOptions {
     #[command(flatten)]
     pub scene: SceneOptions,
-    /// Samples of each pixel in all. More: less noise, which falls with about the square root, or faster.
+    /// Total samples per pixel. More: less noise, about as 1 / sqrt(N).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u64,
     /// Frame of the scene's animation, from 0.
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
-    /// Where in a pixel the paths start: all over it (box) for smooth edges, or in its middle (center) for
-    /// those of `render`.
+    /// Positions of paths in a pixel: all over it (box) for antialiased edges, or at its centre (center) for the edges
+    /// of `render`.
     #[arg(long, value_enum, default_value = "box")]
     pub pixel_filter: PixelFilter,
     /// Seed of the samples. Otherwise the scene's, or 0.
@@ -49,15 +49,17 @@ pub(super) struct ReferenceOptions {
     /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
     #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
     pub exposure: Option<Exposure>,
-    /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is written anew now and then,
-    /// so that it holds what there is if the run is cut off.
+    #[command(flatten)]
+    pub camera: CameraOptions,
+    /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is saved periodically, so that an
+    /// aborted run leaves one.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub out: PathBuf,
-    /// Add to an .exr: direct light (that shadow maps carry), indirect light (that VPLs carry, as irradiance),
+    /// Add to an .exr: direct light (of point, spot and directional lights), indirect light (as irradiance),
     /// albedo, normal, position, depth, instance.
     #[arg(long, help_heading = "Files")]
     pub layers: bool,
-    /// Go on with the .exr of an earlier run with the same options, if it is there, up to --spp samples in all.
+    /// Resume the .exr of an earlier run with the same options, if it exists, up to --spp samples in total.
     #[arg(long, help_heading = "Files")]
     pub resume: bool,
     #[command(flatten)]
@@ -72,7 +74,7 @@ fn parse_exposure(text: &str) -> Result<Exposure, String> {
     text::parse_exposure(text).map(Exposure)
 }
 
-/// What a run did, for `--json`.
+/// Report of a run, for `--json`.
 #[derive(Debug, Serialize)]
 struct ReferenceReport {
     #[serde(flatten)]
@@ -80,14 +82,16 @@ struct ReferenceReport {
     spp: u64,
     interrupted: bool,
     mean_luminance: f64,
-    /// The standard error over the mean luminance.
+    /// Standard error / mean luminance.
     relative_error: Option<f64>,
-    /// Samples of this run, of all pixels, and its seconds without loading and saving.
+    /// Samples of this run over all pixels, and its time without loading and saving, seconds.
     new_samples: u64,
     seconds: f64,
     samples_per_second: f64,
     threads: usize,
     commit: &'static str,
+    #[serde(flatten)]
+    load: LoadTimes,
 }
 
 /// Renders the reference.
@@ -98,9 +102,10 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
         |settings, Exposure(stops)| settings.exposure = stops,
     );
     given.check()?;
+    options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     if options.resume && !target.is_linear() {
-        return Err(CliError::Usage("--resume: only an .exr can be gone on with; see --out".to_owned()));
+        return Err(CliError::Usage("--resume: needs an .exr as --out".to_owned()));
     }
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
     if let Some(json) = &json
@@ -108,14 +113,16 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
     {
         let path = json.path().display();
         return Err(CliError::Usage(format!(
-            "--json {path}: would be written over the picture or the scene; give it another name"
+            "--json {path}: would overwrite the picture or the scene; give it another name"
         )));
     }
-    let (scene, settings) = given.load(&options.files)?;
+    let (mut scene, settings, load_ms) = given.load_timed(&options.files)?;
+    options.camera.place(&mut scene)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);
     let reference = Reference::new(&scene, &pose, &run.settings);
     let mut film = run.start(&reference)?;
+    run.load = LoadTimes { load_ms, bvh_ms: reference.bvh_ms() };
     let report = run.finish(&reference, &mut film)?;
     if let Some(json) = json {
         json.save_json(&report)?;
@@ -130,8 +137,9 @@ struct Run<'a> {
     identity: Identity,
     settings: ReferenceSettings,
     exposure: Option<f32>,
-    /// Samples of each pixel before this run.
+    /// Samples per pixel before this run.
     resumed: u64,
+    load: LoadTimes,
 }
 
 impl<'a> Run<'a> {
@@ -145,6 +153,7 @@ impl<'a> Run<'a> {
             bounces,
             seed: settings.seed,
             pixel_filter: options.pixel_filter,
+            camera: options.camera.parts(),
             layers: options.layers,
         };
         let exposure = settings.exposure;
@@ -155,10 +164,10 @@ impl<'a> Run<'a> {
             filter: options.pixel_filter,
             layers: options.layers,
         };
-        Self { options, target, identity, settings, exposure, resumed: 0 }
+        Self { options, target, identity, settings, exposure, resumed: 0, load: LoadTimes::default() }
     }
 
-    /// An empty film, or with --resume what the file holds.
+    /// An empty film, or with --resume that of the file.
     fn start(&mut self, reference: &Reference<'_>) -> Result<Film, CliError> {
         let path = self.target.path_of(self.options.frame);
         if !(self.options.resume && path.exists()) {
@@ -167,13 +176,14 @@ impl<'a> Run<'a> {
         let cannot = |reason: String| CliError::Resume { path: path.clone(), reason };
         let picture = Picture::read_exr(&path)?;
         let note = picture.notes.get(NOTE).ok_or_else(|| {
-            cannot("was not written by glowworm reference; leave --resume out to begin anew".to_owned())
+            cannot("was not written by glowworm reference; omit --resume to start over".to_owned())
         })?;
-        let progress: Progress = serde_json::from_str(note)
-            .map_err(|error| cannot(format!("says nothing that can be understood of itself ({error})")))?;
+        let progress: Progress = serde_json::from_str(note).map_err(|error| {
+            cannot(format!("has an invalid progress attribute ({error}); omit --resume to start over"))
+        })?;
         if let Some(option) = progress.identity.difference(&self.identity) {
             return Err(cannot(format!(
-                "was rendered with another {option}; give the same one, or leave --resume out to begin anew"
+                "was rendered with another {option}; give the same one, or omit --resume to start over"
             )));
         }
         self.resumed = progress.samples;
@@ -183,7 +193,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Samples until there are enough of them or somebody interrupts, saving now and then and at the end.
+    /// Samples until complete or interrupted; saves periodically and at the end.
     fn finish(&self, reference: &Reference<'_>, film: &mut Film) -> Result<ReferenceReport, CliError> {
         let stop = interruption();
         let progress =
@@ -252,20 +262,21 @@ impl<'a> Run<'a> {
             samples_per_second: if seconds > 0.0 { new_samples as f64 / seconds } else { 0.0 },
             threads: rayon::current_num_threads(),
             commit: COMMIT,
+            load: self.load,
         }
     }
 
     fn say_outcome(&self, film: &Film, report: &ReferenceReport) -> Result<(), CliError> {
         let path = self.target.path_of(self.options.frame);
         if film.dropped() > 0 {
-            say::warning(&format!("{} samples were not finite and count as black", film.dropped()));
+            say::warning(&format!("{} samples were not finite; they count as black", film.dropped()));
         }
         let (samples, spp) = (report.progress.samples, report.spp);
         if report.interrupted {
             return Err(CliError::Interrupted { path, samples, spp, resumable: self.target.is_linear() });
         }
         say::print(&format!(
-            "{}: {samples} samples a pixel, error {} of the mean luminance, {:.1} s, {:.2} million samples/s\n",
+            "{}: {samples} samples per pixel, error {} of the mean luminance, {:.1} s, {:.2} million samples/s\n",
             path.display(),
             percent(report.relative_error),
             report.seconds,
@@ -274,7 +285,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The standard error over the mean luminance.
+/// Standard error / mean luminance.
 fn relative_error(film: &Film) -> Option<f64> {
     let mean = film.mean_luminance();
     film.standard_error().map(|error| error / mean).filter(|error| error.is_finite())

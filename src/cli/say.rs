@@ -1,5 +1,5 @@
-//! What the program says: results on standard output; errors, warnings and notes, a line each, on
-//! standard error. A reader that has gone away is no error.
+//! Output: results on standard output; errors, warnings and notes, one line each, on standard error. A closed
+//! pipe is no error.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::io::{self, Write};
@@ -10,24 +10,24 @@ use log::{Level, LevelFilter};
 
 use super::CliError;
 
-/// Says in one line why the run failed.
+/// Prints why the run failed, in one line.
 pub fn say_error(error: &CliError) {
     say("error", &error.to_string());
 }
 
-/// Says in one line what is odd but could be helped.
+/// Prints a warning, in one line.
 pub(super) fn warning(message: &str) {
     say("warning", message);
 }
 
-/// Says in one line what a person should know.
+/// Prints a note, in one line.
 pub(super) fn note(message: &str) {
     say("note", message);
 }
 
 fn say(kind: &str, message: &str) {
     let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    // Where standard error is gone there is nobody to tell.
+    // If standard error is closed there is nowhere to report that.
     let _ = writeln!(io::stderr(), "glowworm: {kind}: {line}");
 }
 
@@ -40,8 +40,7 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
     }
 }
 
-/// Makes a broken promise inside the program end in one line too. With `RUST_BACKTRACE=1` the
-/// backtrace follows.
+/// Prints panics in one line too. With `RUST_BACKTRACE=1` the backtrace follows.
 pub fn install_panic_hook() {
     static SAID: AtomicBool = AtomicBool::new(false);
     std::panic::set_hook(Box::new(|panic| {
@@ -64,7 +63,7 @@ fn describe(panic: &PanicHookInfo) -> String {
     format!("internal error at {place}: {what} (a bug in glowworm; please report it)")
 }
 
-/// Shows the library's log on standard error: warnings; with `verbose` 1 notes, with 2 details.
+/// Prints the library's log to standard error: warnings; with `verbose` 1 notes, with 2 details.
 pub(super) fn start_log(verbose: u8) {
     let level = match verbose {
         0 => LevelFilter::Warn,
@@ -82,6 +81,6 @@ pub(super) fn start_log(verbose: u8) {
         };
         writeln!(line, "glowworm: {kind}: {}", record.args())
     });
-    // A second call, as from tests, keeps the first log.
+    // A second call, as from tests, fails and keeps the first log.
     let _ = builder.try_init();
 }

@@ -1,19 +1,19 @@
-//! The scene that a command is about, and the settings it is used with: what the command line says, over what the scene
-//! file says, over the defaults.
+//! The scene of a command and its settings: command line over scene file over defaults.
+
+use std::time::Instant;
 
 use super::options::FileOptions;
 use super::{CliError, say};
 use crate::scene::{Scene, load_scene};
 use crate::settings::{Settings, text};
 
-/// The scene of a command that path traces or exports, and the settings that all of those have.
+/// Scene and common settings of the commands that path trace or export.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct SceneOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj).
     #[arg(value_name = "SCENE")]
     pub name: String,
-    /// Surfaces that may pass light on before it reaches the visible one, 0 to 1,000, or inf. Otherwise the
-    /// scene's, or 2.
+    /// Bounces of light before the visible surface, 0 to 1,000, or inf. Otherwise the scene's, or 2.
     #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
     bounces: Option<Bounces>,
     /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
@@ -42,14 +42,14 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
 }
 
 impl SceneOptions {
-    /// The scene and those of its settings that were given.
+    /// The scene and the given settings.
     pub fn given(&self) -> GivenSettings<'_> {
         GivenSettings { scene: &self.name, settings: Settings::default(), names: Vec::new() }
             .with("size", self.size, |settings, size| settings.size = size)
             .with("time_step", self.time_step, |settings, seconds| settings.time_step = seconds)
     }
 
-    /// The most bounces that there may be, if there is such a number.
+    /// The bounce limit, if any.
     pub fn bounces(&self, settings: &Settings) -> Option<u32> {
         match self.bounces {
             None => Some(settings.bounces),
@@ -69,12 +69,12 @@ pub(super) struct GivenSettings<'a> {
 }
 
 impl<'a> GivenSettings<'a> {
-    /// All `settings` of a command, of which those called `names` were given.
+    /// All `settings` of a command; `names` are those given.
     pub fn new(scene: &'a str, settings: &Settings, names: &[&'a str]) -> Self {
         Self { scene, settings: settings.clone(), names: names.to_vec() }
     }
 
-    /// And this setting, if there is a value for it.
+    /// Adds a setting, if it has a value.
     pub fn with<T>(
         mut self,
         name: &'static str,
@@ -88,17 +88,24 @@ impl<'a> GivenSettings<'a> {
         self
     }
 
-    /// Fails where a setting is out of its range. To be asked before anything slow is done or anything is written.
+    /// Fails if a setting is out of range. To be called before any slow work or output.
     pub fn check(&self) -> Result<(), CliError> {
         self.settings.check_options(&self.names).map_err(|error| self.error(error))
     }
 
-    /// Loads the scene, says what is odd about it, and puts the settings together.
+    /// Loads the scene, prints its warnings, and resolves the settings.
     pub fn load(&self, files: &FileOptions) -> Result<(Scene, Settings), CliError> {
+        self.load_timed(files).map(|(scene, settings, _)| (scene, settings))
+    }
+
+    /// [`Self::load`], and the load time, ms.
+    pub fn load_timed(&self, files: &FileOptions) -> Result<(Scene, Settings, f64), CliError> {
+        let begun = Instant::now();
         let scene = load_scene(self.scene, files.assets_folder().as_deref())?;
+        let load_ms = begun.elapsed().as_secs_f64() * 1e3;
         scene.warnings.iter().for_each(|warning| say::warning(warning));
         let settings = Settings::resolve(&scene.settings, &self.settings, &self.names);
-        Ok((scene, settings.map_err(|error| self.error(error))?))
+        Ok((scene, settings.map_err(|error| self.error(error))?, load_ms))
     }
 
     fn error(&self, error: crate::settings::SettingsError) -> CliError {

@@ -1,4 +1,4 @@
-//! What a person can ask for, by key or in the panel, and which key asks for what.
+//! User actions, and their key bindings.
 
 use std::path::PathBuf;
 
@@ -11,88 +11,88 @@ use crate::scene::{InstanceEntry, LightEntry, LightType};
 use crate::settings::Settings;
 use crate::vulkan::PresentMode;
 
-/// One wish. They are carried out one after the other, between frames, and each is in the log.
+/// A user action, by key or from the panel. Actions run in order between frames; each is logged.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Action {
     /// Shows or hides the list of keys.
     ToggleHelp,
-    /// Shows or hides the panel and everything else that is drawn over the picture.
+    /// Shows or hides the panel and all overlays.
     TogglePanel,
-    /// Stops or starts the animation.
+    /// Pauses or resumes the animation.
     TogglePause,
-    /// Goes to a time of the animation, seconds.
+    /// Sets the animation time, seconds.
     Scrub(f64),
-    /// Back to the scene's own camera.
+    /// Resets the camera to the scene's.
     Home,
-    /// Keeps the camera under a number, 0 to 8.
+    /// Stores the camera as bookmark 0 to 8.
     StoreBookmark(usize),
-    /// Goes to a camera that was kept.
+    /// Restores a bookmarked camera.
     GoToBookmark(usize),
     /// Enters or leaves full screen.
     ToggleFullscreen,
-    /// Changes how frames reach the screen.
+    /// Sets the swapchain's present mode.
     SetPresentMode(PresentMode),
-    /// Makes the device and everything on it anew: the one of this index in `glowworm info`, or the same.
+    /// Recreates the device and everything on it: the device of this index in `glowworm info`, or the same one.
     RestartDevice(Option<usize>),
-    /// Loads a scene by name or file and shows it instead of this one.
+    /// Loads a scene by name or file and replaces the current one.
     Open(String),
-    /// How many pixels of the window, each way, one pixel of the picture covers.
+    /// Sets the window pixels per picture pixel in each direction.
     SetCoarseness(u32),
-    /// Loads the scene again as it is on disk.
+    /// Reloads the scene from disk.
     Reload,
     /// Changes the settings.
     Set(Box<Settings>),
-    /// Shows something else in place of the picture, or over it.
+    /// Sets the debug view.
     View(Box<DebugView>),
-    /// Shows the next buffer, or the one before.
+    /// Steps to the next (+1) or previous (-1) buffer view.
     StepBuffer(i32),
-    /// Shows the light of the next VPL alone, or of the one before.
+    /// Isolates the next (+1) or previous (-1) VPL.
     StepVpl(i32),
     /// Shows the light of all VPLs again.
     AllVpls,
-    /// Draws the paths of VPLs, or no longer.
+    /// Toggles the display of VPL paths.
     TogglePaths,
-    /// Lists the VPLs that light the next point that is clicked, or no longer.
+    /// Toggles the inspector, which lists the VPLs that light the clicked point.
     ToggleInspector,
-    /// Chooses a light or an instance, or nothing.
+    /// Selects a light or an instance, or nothing.
     Select(Option<Selected>),
-    /// Handles that turn in place of those that move, and back.
+    /// Toggles between move and rotate handles.
     ToggleHandles,
     /// Changes a light.
     EditLight(usize, Box<LightEntry>),
     /// Changes an instance.
     EditInstance(usize, Box<InstanceEntry>),
-    /// Adds a light where the camera looks.
+    /// Adds a light in view of the camera.
     AddLight(LightType),
-    /// Adds a light like the one that is chosen.
+    /// Duplicates the selected light.
     Duplicate,
-    /// Deletes the light that is chosen.
+    /// Deletes the selected light.
     Delete,
-    /// The chosen light goes with the camera, or stays where it is.
+    /// Attaches the selected light to the camera, or detaches it.
     ToggleHeadlamp,
-    /// Writes the scene as it is now.
+    /// Saves the current scene.
     Save(PathBuf),
-    /// Asks for a file to open.
+    /// Opens the file dialog to open a scene.
     AskOpen,
-    /// Asks for a file to save the scene to.
+    /// Opens the file dialog to save the scene.
     AskSave,
-    /// Writes the picture to a file: PNG, or EXR.
+    /// Saves the picture as PNG or EXR.
     Screenshot {
-        /// Linear radiance instead of what is on screen.
+        /// EXR with linear radiance, instead of the tone-mapped PNG.
         exr: bool,
     },
-    /// Records all that is done from now on; the second time, writes it to a file.
+    /// Starts recording; the second time, stops and saves the recording.
     ToggleRecording,
-    /// Puts the command line that renders this picture into the clipboard.
+    /// Copies the command line that renders this picture to the clipboard.
     CopyCommand,
     /// Closes the window.
     Quit,
 }
 
-/// A key with what it asks for.
+/// A key binding.
 pub(super) struct Binding {
-    /// As people write it.
+    /// Key as shown in the list of keys.
     pub keys: &'static str,
     pub what: &'static str,
     code: KeyCode,
@@ -107,48 +107,48 @@ const CONTROL: ModifiersState = ModifiersState::CONTROL;
 /// Keys that do one thing when pressed.
 pub(super) const BINDINGS: &[Binding] = &[
     bind("F1", "this list", KeyCode::F1, NONE, || Action::ToggleHelp),
-    bind("Tab", "panel and handles on and off", KeyCode::Tab, NONE, || Action::TogglePanel),
-    bind("Space", "animation on and off", KeyCode::Space, NONE, || Action::TogglePause),
-    bind("Home", "the scene's own camera", KeyCode::Home, NONE, || Action::Home),
-    bind("F11", "full screen on and off", KeyCode::F11, NONE, || Action::ToggleFullscreen),
+    bind("Tab", "show or hide panel and handles", KeyCode::Tab, NONE, || Action::TogglePanel),
+    bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
+    bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
+    bind("F11", "toggle full screen", KeyCode::F11, NONE, || Action::ToggleFullscreen),
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
-    bind("F4", "copy the command line of this picture", KeyCode::F4, NONE, || Action::CopyCommand),
-    bind("F5", "load the scene again", KeyCode::F5, NONE, || Action::Reload),
+    bind("F4", "copy the command line that renders this picture", KeyCode::F4, NONE, || Action::CopyCommand),
+    bind("F5", "reload the scene", KeyCode::F5, NONE, || Action::Reload),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
-    bind("Shift+V", "buffer before", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
-    bind("P", "paths of VPLs on and off", KeyCode::KeyP, NONE, || Action::TogglePaths),
-    bind(".", "next VPL alone", KeyCode::Period, NONE, || Action::StepVpl(1)),
-    bind(",", "VPL before alone", KeyCode::Comma, NONE, || Action::StepVpl(-1)),
-    bind("/", "all VPLs again", KeyCode::Slash, NONE, || Action::AllVpls),
-    bind("I", "inspector: which VPLs light the point that is clicked", KeyCode::KeyI, NONE, || {
+    bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
+    bind("P", "show or hide VPL paths", KeyCode::KeyP, NONE, || Action::TogglePaths),
+    bind(".", "isolate the next VPL", KeyCode::Period, NONE, || Action::StepVpl(1)),
+    bind(",", "isolate the previous VPL", KeyCode::Comma, NONE, || Action::StepVpl(-1)),
+    bind("/", "show all VPLs", KeyCode::Slash, NONE, || Action::AllVpls),
+    bind("I", "inspector: list the VPLs that light the clicked point", KeyCode::KeyI, NONE, || {
         Action::ToggleInspector
     }),
-    bind("T", "handles that move, handles that turn", KeyCode::KeyT, NONE, || Action::ToggleHandles),
-    bind("Esc", "choose nothing", KeyCode::Escape, NONE, || Action::Select(None)),
-    bind("H", "the chosen light goes with the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
-    bind("Ctrl+D", "copy the chosen light", KeyCode::KeyD, CONTROL, || Action::Duplicate),
-    bind("Del", "delete the chosen light", KeyCode::Delete, NONE, || Action::Delete),
+    bind("T", "switch between move and rotate handles", KeyCode::KeyT, NONE, || Action::ToggleHandles),
+    bind("Esc", "clear the selection", KeyCode::Escape, NONE, || Action::Select(None)),
+    bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
+    bind("Ctrl+D", "duplicate the selected light", KeyCode::KeyD, CONTROL, || Action::Duplicate),
+    bind("Del", "delete the selected light", KeyCode::Delete, NONE, || Action::Delete),
     bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || Action::AskOpen),
     bind("Ctrl+S", "save the scene", KeyCode::KeyS, CONTROL, || Action::AskSave),
-    bind("Ctrl+R", "record all that is done; again: save it", KeyCode::KeyR, CONTROL, || {
+    bind("Ctrl+R", "start recording; again: stop and save", KeyCode::KeyR, CONTROL, || {
         Action::ToggleRecording
     }),
     bind("Ctrl+Q", "close", KeyCode::KeyQ, CONTROL, || Action::Quit),
 ];
 
-/// What is held or dragged, for the list of keys.
+/// Held keys and mouse gestures, for the list of keys.
 pub(super) const GESTURES: &[(&str, &str)] = &[
     ("W A S D", "fly forwards, left, back, right"),
     ("Q E", "fly down, up"),
     ("Shift", "fly four times as fast"),
     ("Wheel", "fly slower, faster"),
-    ("Click", "choose a thing or a light"),
-    ("Left drag", "a handle: move or turn what is chosen"),
+    ("Click", "select an object or a light"),
+    ("Left drag", "a handle: move or rotate the selection"),
     ("Right drag", "look around"),
-    ("Middle drag", "orbit about the point under the pointer"),
-    ("Ctrl+1 … 9", "keep this camera"),
-    ("1 … 9", "go to a kept camera"),
+    ("Middle drag", "orbit around the point under the pointer"),
+    ("Ctrl+1 … 9", "store a camera bookmark"),
+    ("1 … 9", "go to a camera bookmark"),
 ];
 
 const fn bind(
@@ -161,7 +161,7 @@ const fn bind(
     Binding { keys, what, code, with, action }
 }
 
-/// What pressing `code` with these modifiers asks for.
+/// The action bound to `code` with these modifiers.
 pub(super) fn action_of(code: KeyCode, modifiers: ModifiersState) -> Option<Action> {
     let with = modifiers & (SHIFT | CONTROL | ModifiersState::ALT);
     let bound = BINDINGS.iter().find(|binding| binding.code == code && binding.with == with);

@@ -1,4 +1,4 @@
-//! The window's events, and one frame after the other.
+//! The window's event loop.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -28,37 +28,37 @@ use super::{DemoError, Launch};
 use crate::renderer::DebugView;
 use crate::vulkan::Instance;
 
-/// Size of the window on a CPU driver, where nobody asks for another, in pixels of a display of scale 1.
+/// Default size of the window on a CPU driver, logical pixels.
 const CPU_SIZE: [u32; 2] = [640, 360];
-/// Such pixels, each way, to a pixel of the picture there.
+/// Default logical pixels per picture pixel in each direction, on a CPU driver.
 const CPU_COARSENESS: f64 = 2.0;
-/// How often to look whether a hidden window can be seen again.
+/// Poll interval while the window is hidden.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
-/// How long a window must keep its size before the picture follows; until then it is stretched.
+/// Delay from the last resize of the window to that of the picture, which is scaled meanwhile.
 pub(super) const RESIZE_DELAY: Duration = Duration::from_millis(150);
 
-/// The program while its window is open.
+/// The application.
 pub(super) struct App {
     pub launch: Launch,
     /// None before the window is open and after it is closed.
     pub open: Option<Open>,
     pub log: Log,
-    /// Outlives the device, to ask what validation said.
+    /// Outlives the device, for its validation messages.
     instance: Option<Arc<Instance>>,
     failed: Option<DemoError>,
 }
 
-/// Whether what is done is recorded.
+/// State of the recording.
 #[derive(Default)]
 pub(super) enum Recording {
     #[default]
     Off,
-    /// It begins with the renderer that is being made.
+    /// Starts with the renderer that is being built.
     Waiting,
     On(Box<Recorder>),
 }
 
-/// What there is while the window is open. Dropped in this order: what uses the device, then the device.
+/// State while the window is open. Drop order: users of the device, then the device.
 pub(super) struct Open {
     pub stage: Option<Stage>,
     pub loader: Loader,
@@ -66,30 +66,30 @@ pub(super) struct Open {
     pub window: Arc<Window>,
     pub egui: egui_winit::State,
     pub panel: PanelState,
-    /// Where the panel's things were in the log.
+    /// The panel's widget rectangles as last logged.
     pub places: Places,
     pub clock: Clock,
     pub flight: Flight,
     pub pointer: Pointer,
     pub history: History,
     pub inspector: Inspector,
-    /// What handles do.
+    /// Mode of the handles.
     pub mode: Mode,
     pub modifiers: ModifiersState,
-    /// Textures of the user interface that have not reached the device.
+    /// Textures of the user interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
-    /// Pixels of the window, each way, to a pixel of the picture.
+    /// Window pixels per picture pixel in each direction.
     pub coarseness: u32,
-    /// When the window last changed its size.
+    /// Time of the last resize.
     pub resized: Option<Instant>,
     pub hidden: bool,
-    /// What the scene's view was before the device was closed.
-    pub parked: Option<DebugView>,
-    /// Wishes from events, for the next frame.
-    pub wishes: Vec<Action>,
+    /// The debug view to restore after the device is recreated.
+    pub saved_view: Option<DebugView>,
+    /// Actions from events, for the next frame.
+    pub actions: Vec<Action>,
     pub closing: bool,
     pub recording: Recording,
-    /// Files on their way to disk.
+    /// Files being written.
     pub saving: Vec<Saving>,
 }
 
@@ -99,7 +99,7 @@ impl App {
         Ok(Self { launch, open: None, log, instance: None, failed: None })
     }
 
-    /// What the run came to: what validation has said.
+    /// Returns the validation messages, or the error that ended the run.
     pub fn finish(mut self) -> Result<Vec<String>, DemoError> {
         self.open = None;
         let messages = self.instance.take().map(|instance| instance.validation_messages());
@@ -132,7 +132,7 @@ impl App {
             let _ = window.request_inner_size(winit::dpi::LogicalSize::new(width, height));
             coarseness = coarseness_at(window.scale_factor());
         }
-        let context = patient_context();
+        let context = slow_click_context();
         let scale = Some(window.scale_factor() as f32);
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
         self.open = Some(Open {
@@ -154,8 +154,8 @@ impl App {
             coarseness,
             resized: None,
             hidden: false,
-            parked: None,
-            wishes: vec![Action::Open(self.launch.scene.clone())],
+            saved_view: None,
+            actions: vec![Action::Open(self.launch.scene.clone())],
             closing: false,
             recording: Recording::default(),
             saving: Vec::new(),
@@ -171,13 +171,13 @@ impl App {
         self.launch.settings.size
     }
 
-    /// Ends the program because of an error.
+    /// Exits because of an error.
     fn fail(&mut self, events: &ActiveEventLoop, error: DemoError) {
         self.failed.get_or_insert(error);
         events.exit();
     }
 
-    /// Makes the next frame, and everything on the device anew where that is gone.
+    /// Draws the next frame; recreates the device if it was lost.
     fn draw(&mut self, events: &ActiveEventLoop) {
         let drawn = self.frame();
         let drawn = match drawn {
@@ -196,13 +196,13 @@ impl App {
     }
 }
 
-/// Pixels of the window, each way, to a pixel of the picture on a CPU driver, on a display of this scale.
+/// Default window pixels per picture pixel on a CPU driver, for this scale factor of the display.
 fn coarseness_at(scale: f64) -> u32 {
     (CPU_COARSENESS * scale).round().clamp(1.0, 8.0) as u32
 }
 
-/// A user interface that takes a slow press for a click: at a few frames a second every press is slow.
-pub(super) fn patient_context() -> egui::Context {
+/// An egui context that accepts slow clicks: at a few frames per second every press is slow.
+pub(super) fn slow_click_context() -> egui::Context {
     let context = egui::Context::default();
     context.options_mut(|options| options.input_options.max_click_duration = 5.0);
     context
@@ -219,8 +219,7 @@ impl ApplicationHandler for App {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
-        // A widget that was clicked keeps the focus, but takes keys only while text is typed into it; Escape closes
-        // what it has opened.
+        // A clicked widget keeps the focus, but consumes keys only during text input; Escape closes its popups.
         let typing = open.egui.egui_ctx().text_edit_focused();
         let ours = matches!(&event, WindowEvent::KeyboardInput { event, .. }
             if !typing && event.physical_key != PhysicalKey::Code(KeyCode::Escape));
@@ -261,7 +260,7 @@ impl ApplicationHandler for App {
                 });
             }
             WindowEvent::DroppedFile(path) => {
-                open.wishes.push(Action::Open(path.to_string_lossy().into_owned()));
+                open.actions.push(Action::Open(path.to_string_lossy().into_owned()));
             }
             _ => {}
         }
@@ -286,7 +285,7 @@ impl ApplicationHandler for App {
     fn exiting(&mut self, _: &ActiveEventLoop) {
         if let Some(open) = &mut self.open {
             open.loader.stop();
-            // What was being saved is saved.
+            // Finish pending saves.
             while !open.saving.iter().all(Saving::is_done) {
                 std::thread::sleep(Duration::from_millis(10));
             }

@@ -1,20 +1,20 @@
-//! The time of the animation, and how long frames take.
+//! Animation time and frame intervals.
 
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-/// Longest step of real time, seconds: after a longer pause the animation goes on where it was.
+/// Longest step of real time, seconds; longer frames do not advance the animation further.
 const LONGEST_STEP: f64 = 0.1;
 
-/// How animation time passes.
+/// How animation time advances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Pace {
-    /// As on the wall.
+    /// With real time.
     #[default]
     RealTime,
-    /// By the setting `time_step` each frame.
+    /// By the setting `time_step` per frame.
     Steps,
 }
 
@@ -33,7 +33,7 @@ impl Clock {
         Self { time: 0.0, paused: false, pace, last_frame: Instant::now(), interval: Duration::ZERO }
     }
 
-    /// A frame begins; `step` is the setting `time_step`.
+    /// Starts a frame; `step` is the setting `time_step`.
     pub fn tick(&mut self, step: f64) {
         let now = Instant::now();
         self.interval = now - self.last_frame;
@@ -46,12 +46,12 @@ impl Clock {
         }
     }
 
-    /// What passed since the last frame, seconds, for things that move with real time.
+    /// Time since the last frame, seconds, limited for motion by real time.
     pub fn seconds(&self) -> f64 {
         self.interval.as_secs_f64().min(LONGEST_STEP)
     }
 
-    /// What really passed since the last frame, milliseconds.
+    /// Time since the last frame, ms.
     pub fn interval_ms(&self) -> f64 {
         self.interval.as_secs_f64() * 1e3
     }

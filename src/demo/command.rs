@@ -1,4 +1,4 @@
-//! The command line that renders what is on screen.
+//! The command line that renders the current picture.
 
 use std::path::PathBuf;
 
@@ -8,8 +8,8 @@ use super::screenshot::free_name;
 use super::stage::Stage;
 
 impl Open {
-    /// The command line that renders the scene as it is now. A scene that was edited, or is seen by another
-    /// camera, is saved to a new file for that.
+    /// The command line that renders the current scene. If the scene was edited or the camera moved, it is first
+    /// saved to a new file.
     pub(super) fn command(&mut self) -> Option<String> {
         let stage = self.stage.as_ref()?;
         let camera_moved = self.flight.has_moved();
@@ -18,12 +18,12 @@ impl Open {
         if stage.edited || stage.headlamp.is_some() || camera_moved {
             let path: PathBuf = free_name(&stem, "toml").ok()?;
             scene = path.to_string_lossy().into_owned();
-            self.wishes.push(Action::Save(path));
+            self.actions.push(Action::Save(path));
         }
-        // As many frames as bring the animation where it is, and at least each set once.
+        // Render enough frames to reach the current animation time, and at least one per temporal set.
         let step = stage.settings.time_step;
         let passed = if step > 0.0 { (self.clock.time / step).round() as u64 + 1 } else { 1 };
-        let frames = passed.clamp(u64::from(stage.settings.temporal_sets), 100_000);
+        let frames = passed.clamp(u64::from(stage.settings.vpl.temporal_sets), 100_000);
         Some(command_line(stage, &scene, frames))
     }
 }
@@ -39,7 +39,7 @@ fn command_line(stage: &Stage, scene: &str, frames: u64) -> String {
     format!("glowworm render {} --frames {frames}{options} --out {out}", quoted(scene))
 }
 
-/// As a shell takes it for one word.
+/// Quotes a word for the shell.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./".contains(c);
     if text.chars().all(plain) { text.to_owned() } else { format!("'{}'", text.replace('\'', "'\\''")) }

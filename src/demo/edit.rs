@@ -1,4 +1,4 @@
-//! New lights and simple motions.
+//! Default lights and simple animations.
 
 use glam::Vec3;
 use toml::Spanned;
@@ -13,7 +13,7 @@ const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
 /// Corners of a path.
 const CORNERS: u32 = 8;
 
-/// A light of this kind where the camera looks, as bright as suits the scene's size.
+/// A light of this kind in view of the camera, with a power that suits the scene's size.
 pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
     let camera = &stage.pose.camera;
     let middle = glam::Vec2::splat(0.5);
@@ -65,18 +65,18 @@ pub(super) fn label(kind: LightType) -> &'static str {
     }
 }
 
-/// A motion that a person can give to a thing on the spot.
+/// An animation that the panel offers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Motion {
-    /// It rests.
+    /// None.
     Still,
-    /// It turns about the vertical axis, degrees a second.
+    /// Rotation about the vertical axis, degrees per second.
     Spin(f32),
-    /// It swings to and fro about the axis along z: degrees to either side, seconds there and back.
+    /// Oscillation about the z axis: amplitude in degrees, period in seconds.
     Sway(f32, f32),
-    /// It goes round a level circle: radius in scene units, seconds a round.
+    /// Horizontal circle: radius in scene units, period in seconds.
     Path(f32, f32),
-    /// It moves as its scene file says.
+    /// Keyframes of the scene file.
     Keys,
 }
 
@@ -103,7 +103,7 @@ impl Motion {
         candidates.into_iter().flatten().find(is_it).unwrap_or(Self::Keys)
     }
 
-    /// The animation of a motion; none at rest.
+    /// The animation entry; none for [`Self::Still`].
     pub fn animation(self) -> Option<AnimationEntry> {
         match self {
             Self::Still | Self::Keys => None,
@@ -125,7 +125,7 @@ impl Motion {
             }
             Self::Path(radius, period) => {
                 let key = |corner: u32| {
-                    // The first and the last are the same to the bit.
+                    // The first and last keyframes are bitwise equal.
                     let angle = (corner % CORNERS) as f32 / CORNERS as f32 * std::f32::consts::TAU;
                     KeyframeEntry {
                         time: f64::from(period) * f64::from(corner) / f64::from(CORNERS),

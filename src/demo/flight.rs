@@ -1,30 +1,30 @@
-//! The camera in a person's hands: flying, looking around, orbiting, bookmarks.
+//! Camera controller: fly, look, orbit, bookmarks.
 
 use glam::{Quat, Vec3};
 use winit::keyboard::KeyCode;
 
 use crate::scene::Camera;
 
-/// Radians a pixel.
+/// Radians per pixel.
 const LOOK_SPEED: f32 = 0.004;
-/// How much faster with shift.
+/// Speed factor with shift.
 const RUN: f32 = 4.0;
-/// Sight lines are kept this far from straight up and down, as a cosine.
+/// Limit of the cosine between view direction and up axis.
 const STEEPEST: f32 = 0.998;
 
-/// Where a person has brought the camera.
+/// State of the camera controller.
 pub(super) struct Flight {
     /// None: the scene's own camera, which may be animated.
     moved: Option<Camera>,
     bookmarks: [Option<Camera>; 9],
-    /// Scene units a second.
+    /// Speed, scene units per second.
     pub speed: f32,
     held: Vec<KeyCode>,
     pub running: bool,
 }
 
 impl Flight {
-    /// For a scene of this size, in scene units.
+    /// A controller for a scene of this radius, scene units.
     pub fn new(radius: f32) -> Self {
         Self { moved: None, bookmarks: [None; 9], speed: 0.3 * radius, held: Vec::new(), running: false }
     }
@@ -34,34 +34,34 @@ impl Flight {
         self.moved.unwrap_or(*own)
     }
 
-    /// Whether a person has taken the camera.
+    /// Whether the user moved the camera.
     pub fn has_moved(&self) -> bool {
         self.moved.is_some()
     }
 
-    /// Back to the scene's own camera.
+    /// Resets to the scene's camera.
     pub fn home(&mut self) {
         self.moved = None;
     }
 
-    /// Goes to `camera`.
+    /// Sets the camera.
     pub fn go_to(&mut self, camera: Camera) {
         self.moved = Some(camera);
     }
 
-    /// Keeps `camera` under a number.
+    /// Stores `camera` as a bookmark.
     pub fn store(&mut self, number: usize, camera: Camera) {
         if let Some(bookmark) = self.bookmarks.get_mut(number) {
             *bookmark = Some(camera);
         }
     }
 
-    /// The camera that was kept under a number.
+    /// A bookmarked camera.
     pub fn bookmark(&self, number: usize) -> Option<Camera> {
         self.bookmarks.get(number).copied().flatten()
     }
 
-    /// A key went down or up.
+    /// Handles a key press or release.
     pub fn key(&mut self, code: KeyCode, pressed: bool) {
         self.held.retain(|held| *held != code);
         if pressed && direction_of(code).is_some() {
@@ -69,41 +69,42 @@ impl Flight {
         }
     }
 
-    /// Lets go of all keys, as when the window loses the focus.
+    /// Releases all keys, as when the window loses the focus.
     pub fn release(&mut self) {
         self.held.clear();
         self.running = false;
     }
 
-    /// Flies on for some seconds.
+    /// Moves by the held keys for `seconds`.
     pub fn advance(&mut self, own: &Camera, seconds: f32) {
-        let wish: Vec3 = self.held.iter().filter_map(|code| direction_of(*code)).sum();
-        let Some(wish) = wish.try_normalize() else { return };
+        let direction: Vec3 = self.held.iter().filter_map(|code| direction_of(*code)).sum();
+        let Some(direction) = direction.try_normalize() else { return };
         let mut camera = self.camera(own);
         let forward = camera.forward();
         let up = upright(&camera);
         let right = forward.cross(up).normalize_or(Vec3::X);
         let run = if self.running { RUN } else { 1.0 };
-        let step = (right * wish.x + up * wish.y - forward * wish.z) * (self.speed * run * seconds);
+        let step =
+            (right * direction.x + up * direction.y - forward * direction.z) * (self.speed * run * seconds);
         camera.eye += step;
         camera.target += step;
         self.moved = Some(camera);
     }
 
-    /// Turns the sight line by a pointer's way in pixels.
+    /// Rotates the view direction by a pointer motion in pixels.
     pub fn look(&mut self, own: &Camera, pixels: [f32; 2]) {
         let mut camera = self.camera(own);
         let distance = camera.target.distance(camera.eye);
-        let forward = turned(&camera, pixels.map(|way| -way * LOOK_SPEED));
+        let forward = turned(&camera, pixels.map(|delta| -delta * LOOK_SPEED));
         camera.target = camera.eye + forward * distance;
         self.moved = Some(camera);
     }
 
-    /// Turns the camera about `pivot` by a pointer's way in pixels.
+    /// Orbits the camera around `pivot` by a pointer motion in pixels.
     pub fn orbit(&mut self, own: &Camera, pivot: Vec3, pixels: [f32; 2]) {
         let mut camera = self.camera(own);
         let before = camera.forward();
-        let after = turned(&camera, pixels.map(|way| -way * LOOK_SPEED));
+        let after = turned(&camera, pixels.map(|delta| -delta * LOOK_SPEED));
         let up = upright(&camera);
         let heading = |forward: Vec3| forward.reject_from(up).normalize_or(Vec3::NEG_Z);
         let yaw = Quat::from_rotation_arc(heading(before), heading(after));
@@ -115,13 +116,13 @@ impl Flight {
         self.moved = Some(camera);
     }
 
-    /// Flies faster or slower; one notch of a wheel is 1.
+    /// Changes the speed by wheel notches.
     pub fn change_speed(&mut self, notches: f32) {
         self.speed = (self.speed * 1.2f32.powf(notches)).clamp(1e-6, 1e9);
     }
 }
 
-/// Where a key flies to, in the camera's axes.
+/// Direction of a movement key, in camera axes.
 fn direction_of(code: KeyCode) -> Option<Vec3> {
     match code {
         KeyCode::KeyW => Some(Vec3::NEG_Z),
@@ -134,14 +135,14 @@ fn direction_of(code: KeyCode) -> Option<Vec3> {
     }
 }
 
-/// The axis of the world that is up for this camera. Scene files often give the picture's own up.
+/// The world axis that is up for this camera. Scene files often give the camera's own up vector.
 fn upright(camera: &Camera) -> Vec3 {
     let right = camera.forward().cross(camera.up);
     let level = right.normalize_or(Vec3::X).y.abs() < 1e-3;
     if level { Vec3::Y * camera.up.y.signum() } else { camera.up.normalize_or(Vec3::Y) }
 }
 
-/// The sight line after a turn by angles (to the left, upwards).
+/// The view direction after a rotation by angles (to the left, upwards).
 fn turned(camera: &Camera, [left, upwards]: [f32; 2]) -> Vec3 {
     let up = upright(camera);
     let forward = Quat::from_axis_angle(up, left) * camera.forward();

@@ -1,4 +1,4 @@
-//! One frame after the other: what has been loaded, the panel, wishes, the picture, the window.
+//! A frame of the window: loaded scenes, panel, actions, render, present.
 
 use std::time::Instant;
 
@@ -14,6 +14,7 @@ use super::panel::{self, Shown};
 use super::recorder::Recorder;
 use super::screenshot::Saving;
 use super::stage::{Change, Stage};
+use crate::estimators::vpls::VplManager;
 use crate::vulkan::{Presented, UiDrawing};
 
 impl App {
@@ -27,10 +28,10 @@ impl App {
         open.fly();
         open.drag_handle();
         let started = Instant::now();
-        let (primitives, pixels_per_point) = open.lay_out();
+        let (primitives, pixels_per_point) = open.run_panel();
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
-        for wish in std::mem::take(&mut open.wishes) {
-            self.perform(wish)?;
+        for action in std::mem::take(&mut open.actions) {
+            self.perform(action)?;
         }
         let Some(open) = &mut self.open else { return Ok(()) };
         if open.places != open.panel.places {
@@ -51,14 +52,14 @@ impl App {
             interval_ms: open.clock.interval_ms(),
             ui_cpu_ms,
             ui_device_ms: open.gpu.presenter.ui_ms(),
-            report: open.stage.as_ref().map(|stage| stage.report).unwrap_or_default(),
+            report: open.stage.as_ref().map(|stage| stage.report.clone()).unwrap_or_default(),
         };
-        open.history.push(sample);
         self.log.shown(&sample);
+        open.history.push(sample);
         Ok(())
     }
 
-    /// Shows the scene that has been loaded, if one has.
+    /// Shows a scene once it is loaded.
     fn take_built(&mut self) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         match open.loader.poll() {
@@ -75,7 +76,7 @@ impl App {
                 );
                 open.show(built)?;
             }
-            // Without a scene there is nothing to go on with.
+            // Without any scene this is fatal.
             Some(Err(error)) if open.stage.is_none() => return Err(error),
             Some(Err(error)) => {
                 self.log.event("scene-failed", error.to_string());
@@ -87,7 +88,7 @@ impl App {
 }
 
 impl App {
-    /// Says which files have reached the disk.
+    /// Reports finished file writes.
     pub(super) fn take_saved(&mut self) {
         let Some(open) = &mut self.open else { return };
         let (done, waiting) = std::mem::take(&mut open.saving).into_iter().partition(Saving::is_done);
@@ -108,7 +109,7 @@ impl App {
 }
 
 impl Open {
-    /// Shows a scene that has been loaded, or the one on show with a renderer that was made anew.
+    /// Shows a loaded scene, or the current one with a rebuilt renderer.
     fn show(&mut self, built: Built) -> Result<(), DemoError> {
         match &mut self.stage {
             Some(stage) if built.same && stage.name == built.name => {
@@ -122,18 +123,23 @@ impl Open {
                     Recording::Off => {}
                 }
                 if stage.settings != wanted {
-                    self.wishes.push(Action::Set(Box::new(wanted)));
+                    self.actions.push(Action::Set(Box::new(wanted)));
                 }
-                // What was edited meanwhile may need another one.
+                // Edits made meanwhile may need another rebuild.
                 if change == Change::Rebuild {
                     self.rebuild();
                 }
             }
             _ => {
                 let mut stage = Stage::new(built);
-                if let Some(view) = self.parked.take() {
+                if let Some(view) = self.saved_view.take() {
                     stage.renderer.set_view(&view)?;
                 } else {
+                    let warning = stage.renderer.vpls().and_then(VplManager::wasted_slots_warning);
+                    stage
+                        .rest
+                        .warnings
+                        .extend(warning.map(|warning| format!("{}: {warning}", stage.rest.name)));
                     stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
                     self.panel.message = stage.rest.warnings.join("; ");
                     self.window.set_title(&format!("{} - glowworm", stage.name));
@@ -141,19 +147,19 @@ impl Open {
                     self.clock.time = 0.0;
                 }
                 self.stage = Some(stage);
-                // A recording is of one scene.
+                // A recording covers one scene.
                 if !matches!(self.recording, Recording::Off) {
-                    self.wishes.push(Action::ToggleRecording);
+                    self.actions.push(Action::ToggleRecording);
                 }
             }
         }
         self.history.clear();
-        // The window may have changed its size meanwhile.
+        // The window may have been resized meanwhile.
         self.resized = Some(Instant::now());
         Ok(())
     }
 
-    /// Tells the presenter the window's size, and the renderer once that has come to rest.
+    /// Resizes the presenter at once, and the renderer after [`RESIZE_DELAY`].
     fn follow_size(&mut self) {
         let size = self.window.inner_size();
         self.gpu.presenter.resize([size.width, size.height]);
@@ -164,17 +170,17 @@ impl Open {
         let size = self.picture_size();
         if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
             let settings = crate::settings::Settings { size, ..stage.settings.clone() };
-            self.wishes.push(Action::Set(Box::new(settings)));
+            self.actions.push(Action::Set(Box::new(settings)));
         }
     }
 
-    /// Pixels of the picture in a window of this size.
+    /// Size of the picture for the current window, pixels.
     pub fn picture_size(&self) -> [u32; 2] {
         let size = self.window.inner_size();
         [size.width, size.height].map(|side| side.div_ceil(self.coarseness).max(1))
     }
 
-    /// Moves the camera by the keys that are held.
+    /// Moves the camera by the held keys.
     fn fly(&mut self) {
         let Some(stage) = &self.stage else { return };
         let own = stage.rest.pose(self.clock.time).camera;
@@ -182,10 +188,10 @@ impl Open {
         self.flight.advance(&own, self.clock.seconds() as f32);
     }
 
-    fn lay_out(&mut self) -> (Vec<egui::ClippedPrimitive>, f32) {
+    fn run_panel(&mut self) -> (Vec<egui::ClippedPrimitive>, f32) {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
-        let mut wishes = Vec::new();
+        let mut actions = Vec::new();
         let output = context.run_ui(input, |ui| {
             let mut shown = Shown {
                 stage: self.stage.as_ref(),
@@ -198,9 +204,9 @@ impl Open {
                 inspector: &self.inspector,
                 mode: self.mode,
             };
-            wishes.extend(panel::show(ui, &mut self.panel, &mut shown));
+            actions.extend(panel::show(ui, &mut self.panel, &mut shown));
         });
-        self.wishes.extend(wishes);
+        self.actions.extend(actions);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         self.textures.append(output.textures_delta);
         let scale = output.pixels_per_point;

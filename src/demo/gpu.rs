@@ -1,4 +1,4 @@
-//! The device that draws, and its way to the window.
+//! The device and its presenter.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use winit::window::Window;
 use super::{DemoError, Launch};
 use crate::vulkan::{Device, DeviceInfo, Instance, InstanceOptions, PresentMode, Presenter, Surface};
 
-/// A device that shows pictures in the window.
+/// A device that presents to the window.
 pub(super) struct Gpu {
     // Dropped first.
     pub presenter: Presenter,
@@ -19,14 +19,14 @@ pub(super) struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the device that the command line names, or the best one that can show pictures in the window.
+    /// Opens the device of the command line, or the best one that can present to the window.
     pub fn open(window: &Arc<Window>, launch: &Launch) -> Result<Self, DemoError> {
         let display = window.display_handle().map_err(|error| DemoError::Window(error.to_string()))?;
         let options = InstanceOptions { validate: launch.validate, display: Some(display.as_raw()) };
         Self::open_on(&Instance::new(options)?, window, launch.device.as_deref(), PresentMode::default())
     }
 
-    /// Opens another device, or the same one again, after everything on the last one is gone.
+    /// Opens a device after everything on the last one was dropped.
     pub fn open_on(
         instance: &Arc<Instance>,
         window: &Arc<Window>,

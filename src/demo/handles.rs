@@ -1,7 +1,6 @@
-//! Handles in the view: arrows that move what is chosen, rings that turn it, and marks for lights.
+//! Manipulation handles: arrows to move the selection, rings to rotate it, and light markers.
 //!
-//! In: the stage and the pointer. Out: which handle is under the pointer, and what a drag makes of the
-//! chosen entry.
+//! In: the stage and the pointer. Out: the handle under the pointer, and the selected entry after a drag.
 
 use egui::{Color32, Pos2, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
@@ -10,17 +9,17 @@ use super::stage::{Selected, Stage};
 use crate::bvh::Ray;
 use crate::scene::{AxisAngle, InstanceEntry, LightEntry, LightKind, RotationEntry};
 
-/// Length of arrows and radius of rings, as a share of the picture's height at the pivot.
+/// Length of arrows and radius of rings, as a fraction of the picture's height at the pivot.
 const REACH: f32 = 0.18;
-/// How near the pointer must come, points.
+/// Pick distance, points.
 const GRIP: f32 = 9.0;
-/// Corners of a ring.
+/// Segments of a ring.
 const RING: usize = 40;
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 80, 80), Color32::from_rgb(90, 210, 90), Color32::from_rgb(90, 140, 255)];
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
-/// What the handles do.
+/// Mode of the handles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Mode {
     #[default]
@@ -34,31 +33,31 @@ pub(super) struct HandleDrag {
     mode: Mode,
     axis: Vec3,
     pivot: Vec3,
-    /// Place along the axis, or angle about it, where the drag began.
+    /// Position along the axis, or angle about it, at the start of the drag.
     start: f32,
     original: Entry,
 }
 
-/// The entry as it was when the drag began.
+/// A document entry, as at the start of the drag.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Entry {
     Instance(usize, InstanceEntry),
     Light(usize, LightEntry),
 }
 
-/// World to points of the window.
+/// Projection from world space to window points.
 pub(super) struct Projector {
     view_projection: Mat4,
     size: Vec2,
 }
 
 impl Projector {
-    /// Into a window of `size` points.
+    /// For a window of `size` points.
     pub fn new(stage: &Stage, size: egui::Vec2) -> Self {
         Self { view_projection: stage.view_projection(), size: Vec2::new(size.x, size.y) }
     }
 
-    /// None behind the eye.
+    /// Projects a point; none behind the camera.
     pub fn point(&self, world: Vec3) -> Option<Pos2> {
         let clip = self.view_projection * world.extend(1.0);
         let at = (clip.xy() / clip.w * 0.5 + 0.5) * self.size;
@@ -66,7 +65,7 @@ impl Projector {
     }
 }
 
-/// The lines of one axis' handle.
+/// Polyline of one axis' handle, world space.
 fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
     match mode {
         Mode::Move => vec![pivot, pivot + axis * reach],
@@ -81,21 +80,21 @@ fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
     }
 }
 
-/// How long handles are at `pivot`, scene units.
+/// Length of handles at `pivot`, scene units.
 fn reach(stage: &Stage, pivot: Vec3) -> f32 {
     let camera = &stage.pose.camera;
     let depth = (pivot - camera.eye).dot(camera.forward()).max(camera.near);
     REACH * 2.0 * depth * (0.5 * camera.vertical_fov).tan()
 }
 
-/// Draws marks of lights, the box of what is chosen and its handles.
+/// Draws light markers, and the bounding box and handles of the selection.
 pub(super) fn paint(ui: &Ui, stage: &Stage, mode: Mode) {
     let projector = Projector::new(stage, ui.ctx().content_rect().size());
     let painter = ui.painter();
     for light in 0..stage.document.lights().len() {
-        let chosen = stage.selected == Some(Selected::Light(light));
+        let selected = stage.selected == Some(Selected::Light(light));
         if let Some(at) = mark(stage, &projector, light) {
-            painter.circle(at, 5.0, light_colour(stage, light), Stroke::new(1.5, edge(chosen)));
+            painter.circle(at, 5.0, light_colour(stage, light), Stroke::new(1.5, edge(selected)));
         }
     }
     let Some(selected) = stage.selected else { return };
@@ -116,15 +115,15 @@ pub(super) fn paint(ui: &Ui, stage: &Stage, mode: Mode) {
     }
 }
 
-fn edge(chosen: bool) -> Color32 {
-    if chosen { Color32::from_rgb(255, 200, 0) } else { Color32::from_black_alpha(160) }
+fn edge(selected: bool) -> Color32 {
+    if selected { Color32::from_rgb(255, 200, 0) } else { Color32::from_black_alpha(160) }
 }
 
-/// Where a light without a surface is in the window.
+/// Window position of the marker of a light without a surface.
 fn mark(stage: &Stage, projector: &Projector, light: usize) -> Option<Pos2> {
     let known = stage.pose.lights.get(stage.document.scene_light(light)?)?;
     let has_place = matches!(known.kind, LightKind::Point { .. } | LightKind::Spot { .. });
-    // The headlamp would be in the eye.
+    // The headlamp is at the camera itself.
     (has_place && stage.headlamp != Some(light)).then(|| projector.point(known.position)).flatten()
 }
 
@@ -135,7 +134,7 @@ fn light_colour(stage: &Stage, light: usize) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// The bounds of an instance, or of an area light's surface.
+/// Draws the bounding box of an instance or of an area light's surface.
 fn paint_box(ui: &Ui, stage: &Stage, projector: &Projector, selected: Selected) {
     let instance = match selected {
         Selected::Instance(index) => Some(index),
@@ -161,7 +160,7 @@ fn paint_box(ui: &Ui, stage: &Stage, projector: &Projector, selected: Selected) 
     }
 }
 
-/// The light whose mark is at a point of the window.
+/// The light whose marker is at a window position.
 pub(super) fn light_at(stage: &Stage, size: egui::Vec2, at: Pos2) -> Option<Selected> {
     let projector = Projector::new(stage, size);
     let distance = |light: usize| mark(stage, &projector, light).map(|mark| mark.distance(at));
@@ -171,7 +170,7 @@ pub(super) fn light_at(stage: &Stage, size: egui::Vec2, at: Pos2) -> Option<Sele
 }
 
 impl HandleDrag {
-    /// The drag that begins at a point of the window, if there is a handle.
+    /// Starts a drag at a window position, if there is a handle.
     pub fn begin(stage: &Stage, mode: Mode, size: egui::Vec2, at: Pos2) -> Option<Self> {
         let selected = stage.selected?;
         let pivot = stage.place_of(selected)?;
@@ -197,7 +196,7 @@ impl HandleDrag {
         Some(Self { start, ..drag })
     }
 
-    /// Place along the axis nearest to a ray, or the angle at which the ray meets the ring's plane.
+    /// Position along the axis closest to a ray, or the angle at which the ray hits the ring's plane.
     fn place(&self, ray: &Ray) -> Option<f32> {
         let direction = ray.direction.normalize();
         let along = direction.dot(self.axis);
@@ -216,7 +215,7 @@ impl HandleDrag {
         }
     }
 
-    /// The entry with the pointer on this ray.
+    /// The entry dragged to this ray.
     pub fn dragged(&self, ray: &Ray) -> Option<Entry> {
         let way = self.place(ray)? - self.start;
         Some(match (&self.original, self.mode) {
@@ -267,7 +266,7 @@ fn turned_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) -> InstanceEnt
     InstanceEntry { rotation: Some(RotationEntry::AxisAngle(turn)), ..entry.clone() }
 }
 
-/// A light somewhere else.
+/// A light translated by `way`.
 pub(super) fn moved_light(entry: &LightEntry, way: Vec3) -> LightEntry {
     LightEntry {
         position: entry.position.map(|position| plus(position, way)),

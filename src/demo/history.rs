@@ -1,23 +1,23 @@
-//! The last seconds in numbers, for the plots.
+//! Measurements of the last frames, for the plots.
 
 use std::collections::VecDeque;
 
 use crate::report::FrameReport;
 use crate::statistics::percentile;
 
-/// Frames that are kept.
+/// Frames to keep.
 const KEPT: usize = 240;
 
-/// What one frame of the window was.
-#[derive(Clone, Copy, Debug, Default)]
+/// Measurements of one frame of the window.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Sample {
-    /// Real time since the frame before, milliseconds.
+    /// Time since the previous frame, ms.
     pub interval_ms: f64,
-    /// Laying out the user interface, milliseconds of CPU.
+    /// CPU time of laying out the user interface, ms.
     pub ui_cpu_ms: f64,
-    /// Drawing it, milliseconds of the device.
+    /// Device time of drawing it, ms.
     pub ui_device_ms: f64,
-    /// What the renderer measured.
+    /// The renderer's report.
     pub report: FrameReport,
 }
 

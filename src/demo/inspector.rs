@@ -1,25 +1,25 @@
-//! Which VPLs light a point of the scene.
+//! Inspector: the VPLs that light a point.
 
 use glam::Vec2;
 
 use super::DemoError;
 use super::stage::Stage;
+use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution};
 use crate::renderer::{DebugView, Line, Picked};
-use crate::vpl::{SlotHistory, SlotView, VplContribution};
 
-/// VPLs that are listed.
+/// Most VPLs to list.
 const LISTED: usize = 24;
-/// Colours of visibility rays: free, blocked.
+/// Colours of visibility rays: unoccluded, occluded.
 const RAY_COLOURS: [[f32; 4]; 2] = [[0.3, 1.0, 0.4, 0.9], [1.0, 0.2, 0.2, 0.7]];
 
-/// The inspector: off, waiting for a click, or looking at a point.
+/// The inspector: off, awaiting a click, or inspecting a point.
 #[derive(Default)]
 pub(super) struct Inspector {
     on: bool,
     point: Option<Picked>,
     /// The VPLs that light it, the strongest first.
     pub found: Vec<Found>,
-    /// Whether lines of the inspector are in the renderer's view.
+    /// Whether the renderer's view holds lines of the inspector.
     drawn: bool,
 }
 
@@ -48,27 +48,28 @@ impl Inspector {
         self.point.is_some()
     }
 
-    /// Looks at the surface at a place of the picture.
+    /// Inspects the surface at a position of the picture.
     pub fn look(&mut self, stage: &Stage, at: Vec2) {
         self.point = stage.pick(at);
     }
 
-    /// Looks again, as the scene may have moved, and has the visibility rays drawn.
+    /// Updates the list for the current pose, and draws the visibility rays.
     pub fn refresh(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
         self.found.clear();
         let lines = match &self.point {
             None => Vec::new(),
             Some(point) => {
                 let renderer = &stage.renderer;
-                let slots: Vec<SlotView> = renderer.vpls().slots().collect();
+                let Some(vpls) = renderer.vpls() else { return Ok(()) };
+                let slots: Vec<SlotView> = vpls.slots().collect();
                 let contributions = renderer.inspect(&stage.pose, &point.surface);
                 self.found.extend(contributions.into_iter().take(LISTED).map(|contribution| {
                     let slot = slots[contribution.slot as usize];
                     Found {
                         contribution,
                         slot,
-                        path: renderer.vpls().path_to(contribution.slot),
-                        history: renderer.vpls().history(contribution.slot),
+                        path: vpls.path_to(contribution.slot),
+                        history: vpls.history(contribution.slot),
                     }
                 }));
                 let from = point.surface.position;

@@ -1,4 +1,4 @@
-//! Loads scenes and builds their renderers on a thread of its own, while the window goes on.
+//! Loads scenes and builds their renderers on a background thread.
 
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, OnceLock};
@@ -13,31 +13,31 @@ use crate::scene::{Scene, SceneDocument};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
-/// What to build.
+/// A request to load a scene.
 pub(super) struct Order {
-    /// Scene, by name or file, as people know it.
+    /// Scene, by name or file.
     pub name: String,
-    /// The scene itself where it has been edited; none: to be read.
+    /// The edited scene; none: read it from disk.
     pub document: Option<SceneDocument>,
     pub device: Arc<Device>,
-    /// Settings of a scene that is already on show; none: the scene's own, below those of the command line.
+    /// Settings of the current scene; none: those of the command line over the scene's.
     pub settings: Option<Settings>,
     /// Pixels of the window.
     pub size: [u32; 2],
 }
 
-/// What was built.
+/// A loaded scene with its renderer.
 pub(super) struct Built {
     pub name: String,
     pub document: SceneDocument,
     pub scene: Arc<Scene>,
     pub settings: Settings,
     pub renderer: Renderer,
-    /// Whether it is the scene that was on show already.
+    /// Whether it is a rebuild of the current scene.
     pub same: bool,
 }
 
-/// How far a job is.
+/// Progress of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     Reading,
@@ -53,7 +53,7 @@ impl Step {
     }
 }
 
-/// One job at a time; a newer order waits for the running one and replaces any that waits.
+/// Runs one job at a time; a newer request replaces any that waits.
 pub(super) struct Loader {
     launch: Launch,
     running: Option<Job>,
@@ -78,7 +78,7 @@ impl Loader {
         Self { launch: launch.clone(), running: None, waiting: None }
     }
 
-    /// Starts on `order`, or puts it in line.
+    /// Starts `order`, or queues it behind the running job.
     pub fn start(&mut self, order: Order) {
         if self.running.is_some() {
             self.waiting = Some(order);
@@ -89,18 +89,18 @@ impl Loader {
         let name = order.name.clone();
         let thread = std::thread::spawn(move || {
             let built = pool(|| build(order, &launch, &sender));
-            // The window may have closed meanwhile.
+            // The receiver may be gone if the window was closed.
             let _ = sender.send(Message::Done(Box::new(built)));
         });
         self.running = Some(Job { name, step: Step::Reading, started: Instant::now(), messages, thread });
     }
 
-    /// What is being loaded, how far it is and for how long.
+    /// Name, progress and elapsed time of the running job.
     pub fn progress(&self) -> Option<(&str, Step, Duration)> {
         self.running.as_ref().map(|job| (job.name.as_str(), job.step, job.started.elapsed()))
     }
 
-    /// The outcome of the running job, once, if it has ended.
+    /// The result of the running job, once, when it has ended.
     pub fn poll(&mut self) -> Option<Result<Built, DemoError>> {
         let job = self.running.as_mut()?;
         loop {
@@ -120,7 +120,7 @@ impl Loader {
         }
     }
 
-    /// Waits for the running job and throws away what it makes.
+    /// Waits for the running job and discards its result.
     pub fn stop(&mut self) {
         self.waiting = None;
         if let Some(job) = self.running.take() {
@@ -158,8 +158,8 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
     Ok(Built { name: order.name, document, scene, settings, renderer, same })
 }
 
-/// The settings of the scene and the command line, for the window's size. On a CPU what neither of them
-/// says is less than elsewhere.
+/// The settings of the scene and the command line, for the window's size. CPU drivers get a smaller default of
+/// VPLs.
 fn settings_for(scene: &Scene, order: &Order, launch: &Launch) -> Result<Settings, DemoError> {
     let mut table = scene.settings.clone();
     if order.device.is_cpu() {
@@ -171,11 +171,11 @@ fn settings_for(scene: &Scene, order: &Order, launch: &Launch) -> Result<Setting
     Ok(Settings { size: order.size, ..settings })
 }
 
-/// VPL slots on a CPU driver, where nobody asks for another number.
+/// Default VPL slots on a CPU driver.
 const CPU_VPLS: i64 = 128;
 
-/// Runs `work` on half of the cores at most, and away from those that frames need: a frame that waits for
-/// its own small task would otherwise get a large one of the loader's to do meanwhile.
+/// Runs `work` in a thread pool of its own, on at most half of the cores. In the global pool, a frame that waits
+/// for a small task could steal a large one of the loader.
 fn pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static POOL: OnceLock<Option<ThreadPool>> = OnceLock::new();
     let pool = POOL.get_or_init(|| {

@@ -1,5 +1,4 @@
-//! What happened in the window, frame by frame: with `--json` in a file, with `-v` on standard error,
-//! with `-vv` each frame too.
+//! Event log of the window: `--json` writes it to a file, `-v` logs events to standard error, `-vv` also frames.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -9,7 +8,7 @@ use super::history::Sample;
 use crate::output::{Growing, OutputFile};
 use crate::report::COMMIT;
 
-/// The log. It goes to disk as it grows, so a long session costs no memory.
+/// The log, streamed to disk.
 pub(super) struct Log {
     file: Option<Growing>,
     frame: u64,
@@ -27,7 +26,7 @@ impl Log {
         Ok(log)
     }
 
-    /// Something happened.
+    /// Logs an event.
     pub fn event(&mut self, name: &str, details: impl Serialize) {
         let details = serde_json::to_value(details).unwrap_or(Value::Null);
         let entry = json!({ "frame": self.frame, "event": name, "details": details });
@@ -35,7 +34,7 @@ impl Log {
         self.entry(&entry);
     }
 
-    /// A frame is on its way to the screen; what was measured is of the last frame that is known.
+    /// Logs a presented frame, with the latest measurements.
     pub fn shown(&mut self, sample: &Sample) {
         let entry = json!({
             "frame": self.frame,
@@ -50,7 +49,7 @@ impl Log {
         self.frame += 1;
     }
 
-    /// Closes the file and puts it in its place.
+    /// Completes the file and moves it to its target.
     pub fn finish(mut self) -> Result<(), DemoError> {
         self.write(b"\n]}\n");
         if let Some(error) = self.failed {

@@ -1,7 +1,7 @@
-//! The window: a scene that a person walks through, changes, and looks into.
+//! The interactive window: navigate, edit and inspect a scene.
 //!
-//! In: a scene and settings, as for `render`. Out: a window, and a log of what happened in it. What is
-//! seen outside of the panel is what `render` draws.
+//! In: a scene and settings, as for `render`. Out: a window, and a log of its events. The picture is the one that
+//! `render` draws.
 
 mod action;
 mod app;
@@ -42,22 +42,22 @@ pub struct Launch {
     pub scene: String,
     /// The settings of the command line.
     pub settings: Settings,
-    /// Which of them were given; others give way to the scene file's.
+    /// Names of those given explicitly; the scene file's win over the others.
     pub given: Vec<String>,
-    /// Where the downloadable models lie.
+    /// Folder of the downloaded models.
     pub assets: Option<PathBuf>,
-    /// Where to write the log.
+    /// File of the log.
     pub json: Option<PathBuf>,
     /// Device by name or index.
     pub device: Option<String>,
-    /// Whether to switch the validation layer on.
+    /// Whether to enable the validation layer.
     pub validate: bool,
 }
 
-/// Why there is no window, or no longer one.
+/// Errors of the window.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
-    /// There is no display to open a window on.
+    /// There is no display.
     #[error("no display to open a window on ({0})")]
     NoDisplay(String),
     /// The window could not be opened or was lost.
@@ -89,7 +89,7 @@ pub enum DemoError {
 }
 
 impl DemoError {
-    /// Whether the device is gone and everything on it must be made anew.
+    /// Whether the device is lost and must be recreated.
     fn is_device_lost(&self) -> bool {
         match self {
             Self::Vulkan(error) | Self::Render(RenderError::Vulkan(error)) => error.is_device_lost(),
@@ -98,10 +98,10 @@ impl DemoError {
     }
 }
 
-/// Shows the window until it is closed. Gives what the validation layer has said.
+/// Shows the window until it is closed. Returns the validation messages.
 ///
 /// # Errors
-/// [`DemoError::NoDisplay`] before anything was done; any other once the window was open.
+/// [`DemoError::NoDisplay`] before any side effect; any other after the window was opened.
 pub fn run(launch: Launch) -> Result<Vec<String>, DemoError> {
     let events = EventLoop::new().map_err(|error| match error {
         EventLoopError::NotSupported(_) | EventLoopError::Os(_) => DemoError::NoDisplay(reason(&error)),
@@ -112,7 +112,7 @@ pub fn run(launch: Launch) -> Result<Vec<String>, DemoError> {
     app.finish()
 }
 
-/// The message without the place in the library's source.
+/// The message without the source location in winit.
 fn reason(error: &EventLoopError) -> String {
     if std::env::var_os("DISPLAY").is_none() && std::env::var_os("WAYLAND_DISPLAY").is_none() {
         return "neither DISPLAY nor WAYLAND_DISPLAY is set".to_owned();

@@ -1,4 +1,4 @@
-//! Keys and the mouse, outside of the panel.
+//! Keyboard and mouse input outside of the panel.
 
 use egui::Pos2;
 use glam::Vec2;
@@ -11,7 +11,7 @@ use super::handles::{Entry, HandleDrag, light_at};
 use super::pointer::Drag;
 
 impl Open {
-    /// Where the pointer is in the picture, from (0, 0) at the top left to (1, 1).
+    /// Pointer position in the picture, from (0, 0) at the top left to (1, 1).
     fn pointer_in_picture(&self) -> Vec2 {
         let size = self.window.inner_size();
         let extent = Vec2::new(size.width.max(1) as f32, size.height.max(1) as f32);
@@ -25,7 +25,7 @@ impl Open {
             self.flight.key(code, pressed);
         }
         if pressed && !repeat {
-            self.wishes.extend(action_of(code, self.modifiers));
+            self.actions.extend(action_of(code, self.modifiers));
         }
     }
 
@@ -58,7 +58,7 @@ impl Open {
         }
     }
 
-    /// Takes the handle under the pointer, or chooses what is there.
+    /// Starts a drag of the handle under the pointer, or selects the object there.
     fn choose(&mut self) {
         let (at, size) = (self.pointer_in_points(), self.egui.egui_ctx().content_rect().size());
         let in_picture = self.pointer_in_picture();
@@ -71,14 +71,14 @@ impl Open {
             return;
         }
         let selected = light_at(stage, size, at).or_else(|| stage.selected_at(in_picture));
-        self.wishes.push(Action::Select(selected));
+        self.actions.push(Action::Select(selected));
     }
 
-    /// What the drag of a handle makes of the chosen entry, once a frame.
+    /// Applies the drag of a handle to the selected entry, once per frame.
     pub(super) fn drag_handle(&mut self) {
         let (Some(stage), Some(Drag::Handle(drag))) = (&self.stage, self.pointer.drag()) else { return };
         let dragged = drag.dragged(&stage.ray(self.pointer_in_picture()));
-        let wish = dragged.and_then(|entry| match entry {
+        let action = dragged.and_then(|entry| match entry {
             Entry::Instance(index, entry) => {
                 let changes = stage.document.instances().nth(index) != Some(&entry);
                 changes.then(|| Action::EditInstance(index, Box::new(entry)))
@@ -88,7 +88,7 @@ impl Open {
                 changes.then(|| Action::EditLight(index, Box::new(entry)))
             }
         });
-        self.wishes.extend(wish);
+        self.actions.extend(action);
     }
 
     fn pointer_in_points(&self) -> Pos2 {
@@ -110,8 +110,8 @@ impl Open {
         }
     }
 
-    /// Brings the pointer back to the middle when it comes near an edge, so that one can look around
-    /// without end. Some systems do not let programs move the pointer; there the edge is the end.
+    /// Warps the pointer to the centre when it nears an edge, for unlimited rotation. Where the system forbids
+    /// that, rotation stops at the edge.
     fn keep_pointer_inside(&mut self) {
         let size = self.window.inner_size();
         let sides = [size.width as f32, size.height as f32];

@@ -1,4 +1,4 @@
-//! Carries out wishes, between frames.
+//! Executes actions between frames.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::DemoError;
 use super::action::Action;
-use super::app::{App, Open, Recording, patient_context};
+use super::app::{App, Open, Recording, slow_click_context};
 use super::edit::new_light;
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_light};
@@ -14,19 +14,19 @@ use super::loader::Order;
 use super::panel::Purpose;
 use super::screenshot::{self, Saving};
 use super::stage::{Change, Selected, Stage, carry};
-use crate::renderer::{BufferView, DebugView, PathStyle};
+use crate::estimators;
+use crate::estimators::vpls::{PathStyle, SlotState};
+use crate::renderer::DebugView;
 use crate::scene::{LightEntry, SceneDocument, SceneError};
 use crate::settings::Settings;
-use crate::vpl::SlotState;
 
 impl App {
-    /// Does what a person asked for. What a person can get wrong is shown in the panel; an error ends the
-    /// program.
-    pub(super) fn perform(&mut self, wish: Action) -> Result<(), DemoError> {
-        self.log.event("action", &wish);
+    /// Executes an action. Invalid input is reported in the panel; an error ends the program.
+    pub(super) fn perform(&mut self, action: Action) -> Result<(), DemoError> {
+        self.log.event("action", &action);
         let Some(open) = &mut self.open else { return Ok(()) };
         let own = open.stage.as_ref().map(|stage| stage.rest.pose(open.clock.time).camera);
-        match wish {
+        match action {
             Action::ToggleHelp => open.panel.help = !open.panel.help,
             Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
             Action::TogglePause => open.clock.paused = !open.clock.paused,
@@ -35,7 +35,7 @@ impl App {
             Action::StoreBookmark(number) => {
                 if let Some(own) = own {
                     open.flight.store(number, open.flight.camera(&own));
-                    open.panel.message = format!("camera {} kept", number + 1);
+                    open.panel.message = format!("camera stored as bookmark {}", number + 1);
                 }
             }
             Action::GoToBookmark(number) => {
@@ -67,9 +67,10 @@ impl App {
             Action::View(view) => open.view(&view)?,
             Action::StepBuffer(by) => open.step_buffer(by)?,
             Action::StepVpl(by) => open.step_vpl(by)?,
-            Action::AllVpls => open.change_view(|view| view.single_vpl = None)?,
+            Action::AllVpls => open.change_view(|view| view.vpl.single_vpl = None)?,
             Action::TogglePaths => open.change_view(|view| {
-                view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
+                let paths = &mut view.vpl.vpl_paths;
+                *paths = if paths.is_some() { None } else { Some(PathStyle::default()) };
             })?,
             Action::ToggleInspector => open.inspector.toggle(),
             Action::Screenshot { exr } => {
@@ -91,7 +92,7 @@ impl App {
         Ok(())
     }
 
-    /// Closes the device and opens another, or the same one again, with the same scene.
+    /// Closes the device and opens another or the same one, with the same scene.
     pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
@@ -100,12 +101,12 @@ impl App {
         let mode = open.gpu.presenter.mode();
         open.gpu.presenter.close();
         open.gpu = Gpu::open_on(open.gpu.instance(), &open.window, wanted.as_deref(), mode)?;
-        open.forget_textures();
+        open.recreate_ui();
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(stage) = stage {
             let settings = stage.settings.clone();
-            open.parked = Some(stage.renderer.view().clone());
+            open.saved_view = Some(stage.renderer.view().clone());
             open.order(stage.name, Some(stage.document), Some(settings));
         }
         Ok(())
@@ -113,9 +114,9 @@ impl App {
 }
 
 impl Open {
-    /// Carries out the wishes that concern the document.
-    fn change(&mut self, wish: Action) {
-        match wish {
+    /// Executes the actions that edit or load documents.
+    fn change(&mut self, action: Action) {
+        match action {
             Action::Select(selected) => {
                 if let Some(stage) = &mut self.stage {
                     stage.selected = selected;
@@ -140,12 +141,12 @@ impl Open {
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
-            // All others are seen to by [`App::perform`].
+            // [`App::perform`] handles all others.
             _ => {}
         }
     }
 
-    /// Has a scene loaded and shown: with these settings, or with its own.
+    /// Requests a scene, with these settings or its own.
     fn order(&mut self, name: String, document: Option<SceneDocument>, settings: Option<Settings>) {
         let order = Order {
             name,
@@ -157,7 +158,7 @@ impl Open {
         self.loader.start(order);
     }
 
-    /// Carries out an edit, and has the renderer made anew where the edit needs that.
+    /// Executes an edit, and rebuilds the renderer if needed.
     fn edit(&mut self, edit: impl FnOnce(&mut Stage) -> Result<Change, SceneError>) {
         let Some(stage) = &mut self.stage else { return };
         match edit(stage) {
@@ -167,7 +168,7 @@ impl Open {
         }
     }
 
-    /// Has a renderer made for the document as it is now.
+    /// Rebuilds the renderer for the current document.
     pub(super) fn rebuild(&mut self) {
         let Some(stage) = &self.stage else { return };
         let (name, document) = (stage.name.clone(), stage.document.clone());
@@ -175,8 +176,8 @@ impl Open {
         self.order(name, Some(document), Some(settings));
     }
 
-    /// Starts a recording with a renderer that is made anew, since what is seen depends on all that came
-    /// before; or saves the one that is on.
+    /// Starts a recording with a new renderer, since the picture depends on its history; or saves the current
+    /// recording.
     fn toggle_recording(&mut self) {
         match std::mem::take(&mut self.recording) {
             Recording::Off => {
@@ -200,13 +201,13 @@ impl Open {
             let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
             let name = light.name.as_ref().map(|name| format!("{name} copy"));
             let copy = LightEntry { name, ..light.clone() };
-            // A little aside, so that both are seen.
+            // Offset the copy, so that both are visible.
             let way = glam::Vec3::splat(0.05 * stage.radius);
             stage.add_light(moved_light(&copy, way))
         });
     }
 
-    /// The chosen light goes with the camera from now on; the one that does stays where it is.
+    /// Attaches the selected light to the camera, and detaches the one attached before.
     fn toggle_headlamp(&mut self) {
         self.edit(|stage| {
             if let Some(lamp) = stage.headlamp.take() {
@@ -222,7 +223,7 @@ impl Open {
         });
     }
 
-    /// Writes the scene as it is now, with the camera as it is now.
+    /// Saves the current scene with the current camera.
     fn save(&mut self, path: PathBuf) {
         let Some(stage) = &mut self.stage else { return };
         let camera = self.flight.has_moved().then_some(&stage.pose.camera);
@@ -231,7 +232,7 @@ impl Open {
         self.saving.push(Saving::text(path, text));
     }
 
-    /// Changes the settings of the scene on show.
+    /// Changes the settings of the current scene.
     fn set(&mut self, settings: &Settings) -> Result<(), DemoError> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         if let Err(error) = settings.check() {
@@ -262,21 +263,23 @@ impl Open {
 
     fn step_buffer(&mut self, by: i32) -> Result<(), DemoError> {
         self.change_view(|view| {
-            let all = BufferView::ALL;
-            let now = all.iter().position(|buffer| *buffer == view.buffer).unwrap_or(0);
+            let all: Vec<&'static str> = estimators::views().map(|view| view.name).collect();
+            let now = all.iter().position(|name| *name == view.buffer).unwrap_or(0);
             let next = (now as i32 + by).rem_euclid(all.len() as i32);
-            view.buffer = all[next as usize];
+            view.buffer = all[next as usize].into();
         })
     }
 
-    /// Goes to the next valid VPL, or the one before; from all VPLs to the first.
+    /// Steps to the next or previous valid VPL; from all VPLs to the first.
     fn step_vpl(&mut self, by: i32) -> Result<(), DemoError> {
         let Some(stage) = &self.stage else { return Ok(()) };
-        let slots = stage.renderer.vpls().slots();
+        let Some(vpls) = stage.renderer.vpls() else { return Ok(()) };
+        let slots = vpls.slots();
         let valid: Vec<u32> =
             slots.filter(|slot| slot.state == SlotState::Valid).map(|slot| slot.slot).collect();
         self.change_view(|view| {
-            let next = match view.single_vpl {
+            let look = &mut view.vpl;
+            let next = match look.single_vpl {
                 None => 0,
                 Some(now) if by > 0 => valid.iter().position(|slot| *slot > now).unwrap_or(0),
                 Some(now) => {
@@ -284,15 +287,15 @@ impl Open {
                     before.unwrap_or(valid.len().saturating_sub(1))
                 }
             };
-            view.single_vpl = valid.get(next).copied();
-            // So that the path is seen as well.
-            view.vpl_paths.get_or_insert_default();
+            look.single_vpl = valid.get(next).copied();
+            // Show its path too.
+            look.vpl_paths.get_or_insert_default();
         })
     }
 
-    /// A new user interface that looks like the old one: it sends its textures again.
-    fn forget_textures(&mut self) {
-        let context = patient_context();
+    /// Recreates the egui context with its state, so that it uploads its textures again.
+    fn recreate_ui(&mut self) {
+        let context = slow_click_context();
         let memory = self.egui.egui_ctx().memory(Clone::clone);
         context.memory_mut(|fresh| *fresh = memory);
         let scale = Some(self.window.scale_factor() as f32);

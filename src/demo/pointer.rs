@@ -1,4 +1,4 @@
-//! What the mouse is doing in the picture.
+//! Pointer position and drags.
 
 use glam::Vec3;
 use winit::event::MouseButton;
@@ -8,11 +8,11 @@ use super::handles::HandleDrag;
 /// A drag, from button down to button up.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Drag {
-    /// Looks around.
+    /// Rotates the view.
     Look,
-    /// Orbits about a point.
+    /// Orbits around a point.
     Orbit(Vec3),
-    /// Moves or turns what is chosen.
+    /// Drags a handle.
     Handle(Box<HandleDrag>),
 }
 
@@ -29,12 +29,12 @@ impl Pointer {
         self.drag.as_ref().map(|(_, drag)| drag)
     }
 
-    /// A drag begins, unless there is one.
+    /// Begins a drag, unless one is in progress.
     pub fn begin(&mut self, button: MouseButton, drag: Drag) {
         self.drag.get_or_insert((button, drag));
     }
 
-    /// A button goes up; true if that ends the drag.
+    /// Handles a button release; true if it ends the drag.
     pub fn release(&mut self, button: MouseButton) -> bool {
         let ends = self.drag.as_ref().is_some_and(|(held, _)| *held == button);
         if ends {
@@ -48,7 +48,7 @@ impl Pointer {
         self.drag = None;
     }
 
-    /// The pointer is somewhere else now; gives its way.
+    /// Moves the pointer; returns the motion, pixels.
     pub fn move_to(&mut self, position: [f32; 2]) -> [f32; 2] {
         let last = std::mem::replace(&mut self.position, position);
         [position[0] - last[0], position[1] - last[1]]

@@ -1,4 +1,4 @@
-//! Records what is done, to be replayed by `render` to the same pictures.
+//! Records camera, edits and settings, for `render` to replay to the same pictures.
 
 use std::path::PathBuf;
 
@@ -7,19 +7,19 @@ use super::stage::Stage;
 use crate::scene::{Pose, RecordedFrame, SceneDocument};
 use crate::settings::Settings;
 
-/// A recording in progress: from the first frame of a renderer on.
+/// A recording in progress, from the first frame of a renderer.
 pub(super) struct Recorder {
     document: SceneDocument,
     frames: Vec<RecordedFrame>,
     next: u64,
     last_pose: Option<Pose>,
     last_settings: Settings,
-    /// The renderer was made anew for this text.
+    /// Scene file of a rebuilt renderer, for the next frame.
     new_scene: Option<String>,
 }
 
 impl Recorder {
-    /// Starts with the next frame, which is the first one of the stage's renderer.
+    /// Starts with the next frame, the first of the stage's renderer.
     pub fn new(stage: &Stage) -> Self {
         Self {
             document: stage.made_document(),
@@ -31,13 +31,13 @@ impl Recorder {
         }
     }
 
-    /// The renderer of the stage was made anew.
+    /// Notes that the stage's renderer was rebuilt.
     pub fn renewed(&mut self, stage: &Stage) {
         self.new_scene = Some(stage.made_document().text());
         self.last_pose = None;
     }
 
-    /// A frame was drawn.
+    /// Records a frame.
     pub fn frame(&mut self, stage: &Stage) {
         let mut frame = RecordedFrame::between(self.next, self.last_pose.as_ref(), &stage.pose);
         frame.scene = self.new_scene.take();
@@ -59,7 +59,7 @@ impl Recorder {
 
     /// Writes the recording.
     pub fn save(mut self, path: PathBuf) -> Saving {
-        // The last frame counts even where nothing moved.
+        // Include the last frame even if nothing moved in it.
         let last = self.next.saturating_sub(1);
         if self.frames.last().is_none_or(|frame| frame.frame != last) {
             self.frames.push(RecordedFrame { frame: last, ..RecordedFrame::default() });

@@ -1,4 +1,4 @@
-//! Pictures and scene files, written while the window goes on.
+//! Background writes of pictures and scene files.
 
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
@@ -7,10 +7,10 @@ use super::DemoError;
 use super::stage::Stage;
 use crate::output::{OutputFile, PictureTarget};
 
-/// Most pictures of one name in a folder.
+/// Most files of one name in a folder.
 const MOST: u32 = 9999;
 
-/// A file on its way to disk.
+/// A file being written.
 pub(super) struct Saving {
     thread: JoinHandle<Result<PathBuf, String>>,
 }
@@ -30,13 +30,13 @@ impl Saving {
         self.thread.is_finished()
     }
 
-    /// The file, or one line that says why it could not be written.
+    /// The path, or a one-line error.
     pub fn finish(self) -> Result<PathBuf, String> {
         self.thread.join().unwrap_or_else(|_| Err("the picture could not be written".to_owned()))
     }
 }
 
-/// Reads the picture of the last frame and writes it into the current folder, under a new name.
+/// Reads back the last frame's picture and writes it to the current folder under a new name.
 pub(super) fn take(stage: &Stage, exr: bool) -> Result<Saving, DemoError> {
     let picture = stage.renderer.read_picture(false)?;
     let stem = format!("glowworm-{}", stage.rest.name.replace(['/', '\\'], "-"));
@@ -49,10 +49,10 @@ pub(super) fn take(stage: &Stage, exr: bool) -> Result<Saving, DemoError> {
     Ok(Saving { thread })
 }
 
-/// A name in the current folder that nothing has.
+/// An unused file name in the current folder.
 pub(super) fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
     (1..=MOST)
         .map(|number| PathBuf::from(format!("{stem}-{number:04}.{extension}")))
         .find(|path| !Path::new(path).exists())
-        .ok_or_else(|| format!("{stem}-{MOST}.{extension} is there already; move the pictures away"))
+        .ok_or_else(|| format!("{stem}-{MOST}.{extension} exists; move the files {stem}-* to another folder"))
 }

@@ -1,4 +1,4 @@
-//! The scene that is shown: its document, its renderer, and what of the document is live.
+//! The current scene: document, renderer, and the edits applied without a rebuild.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::scene::{
 };
 use crate::settings::Settings;
 
-/// Something that can be chosen: an entry of the document.
+/// A selectable entry of the document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Selected {
@@ -24,39 +24,39 @@ pub enum Selected {
     Light(usize),
 }
 
-/// A scene on show.
+/// The current scene.
 pub(super) struct Stage {
-    /// As it was asked for.
+    /// Name or file it was loaded by.
     pub name: String,
     pub settings: Settings,
     pub renderer: Renderer,
-    /// What was loaded, with all edits.
+    /// The document with all edits.
     pub document: SceneDocument,
-    /// The document that `scene` was made of.
+    /// The document that `scene` was built from.
     made: SceneDocument,
-    /// What the renderer was made for.
+    /// The scene of the renderer.
     pub scene: Arc<Scene>,
-    /// Where everything rests now; without meshes.
+    /// The edited scene at rest, without meshes.
     pub rest: Scene,
     /// Radius of the scene's bounding sphere.
     pub radius: f32,
     pub selected: Option<Selected>,
-    /// The light that goes with the camera.
+    /// The light attached to the camera.
     pub headlamp: Option<usize>,
-    /// Whether anything was edited since the scene was loaded or saved.
+    /// Whether there are unsaved edits.
     pub edited: bool,
     /// The pose of the last frame.
     pub pose: Pose,
-    /// What was measured of the last frame that the device has finished.
+    /// Report of the last finished frame.
     pub report: FrameReport,
 }
 
-/// What an edit needs to be seen.
+/// How an edit takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// It is live.
+    /// Without a rebuild.
     Live,
-    /// The renderer must be made anew.
+    /// The renderer must be rebuilt.
     Rebuild,
 }
 
@@ -83,31 +83,31 @@ impl Stage {
         }
     }
 
-    /// Takes a renderer that was made for this scene after an edit, and keeps all that has been edited since.
+    /// Takes a rebuilt renderer of this scene; keeps later edits.
     pub fn renew(&mut self, built: Built) -> Result<Change, SceneError> {
         let Built { document, scene, settings, renderer, .. } = built;
         self.settings = settings;
         self.renderer = renderer;
         self.made = document;
         self.scene = scene;
-        // As a renderer that has not drawn anything has it.
+        // A new renderer has no report yet.
         self.pose = self.scene.pose(0.0);
         self.apply()
     }
 
-    /// The document that the renderer was made of, with its settings.
+    /// The document that the renderer was built from, with its settings.
     pub fn made_document(&self) -> SceneDocument {
         let mut document = self.made.clone();
         document.set_settings(self.settings.differing());
         document
     }
 
-    /// Draws the next frame with everything where it is at `time`, seen by `camera`.
+    /// Renders the next frame at animation time `time` with `camera`.
     pub fn render(&mut self, time: f64, camera: Camera) -> Result<(), RenderError> {
         self.pose = self.pose_at(time, camera);
         self.renderer.render(&self.pose)?;
-        if let Some(report) = self.renderer.take_reports().last() {
-            self.report = *report;
+        if let Some(report) = self.renderer.take_reports().pop() {
+            self.report = report;
         }
         Ok(())
     }
@@ -125,7 +125,7 @@ impl Stage {
     /// Changes a light of the document to `entry`.
     ///
     /// # Errors
-    /// What is wrong with the entry; nothing has changed then.
+    /// If the entry is invalid; then nothing changes.
     pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
         self.edit(|document| {
@@ -138,7 +138,7 @@ impl Stage {
     /// Changes an instance of the document to `entry`.
     ///
     /// # Errors
-    /// What is wrong with the entry; nothing has changed then.
+    /// If the entry is invalid; then nothing changes.
     pub fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
         self.edit(|document| {
@@ -148,7 +148,7 @@ impl Stage {
         })
     }
 
-    /// Adds a light and chooses it.
+    /// Adds a light and selects it.
     pub fn add_light(&mut self, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
         let change = self.edit(|document| document.add_light(entry))?;
@@ -178,9 +178,9 @@ impl Stage {
         change
     }
 
-    /// Brings the rest pose up to the document, where the renderer's scene can show it.
+    /// Applies the document to the rest pose, if that needs no rebuild.
     fn apply(&mut self) -> Result<Change, SceneError> {
-        if !is_shown_alike(&self.made, &self.document) {
+        if !differs_in_pose_only(&self.made, &self.document) {
             return Ok(Change::Rebuild);
         }
         let mut rest = self.scene.without_meshes();
@@ -194,7 +194,7 @@ impl Stage {
                 None => {}
             }
         }
-        // Lights that no entry names: instances that shine by their materials.
+        // Lights without an entry: instances with emissive materials.
         rest.lights.extend(areas);
         for (instance, entry) in rest.instances.iter_mut().zip(self.document.instances()) {
             let placement = self.document.placement(entry)?;
@@ -213,7 +213,7 @@ impl Stage {
         Ok(Change::Live)
     }
 
-    /// The document as it would be saved now: with `camera`, and the headlamp where it is.
+    /// The document to save: with `camera`, and the headlamp at its current position.
     pub fn document_to_save(&self, camera: Option<&Camera>) -> SceneDocument {
         let mut document = self.document.clone();
         if let Some(camera) = camera {
@@ -226,7 +226,7 @@ impl Stage {
         document
     }
 
-    /// What the pointer would choose at a place in the picture, by surface.
+    /// The entry whose surface is at a position of the picture.
     pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
         let instance = self.pick(at)?.instance;
         if instance < self.document.instances().len() {
@@ -236,7 +236,7 @@ impl Stage {
         lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
     }
 
-    /// Where a chosen thing is now, world space.
+    /// Current position of an entry, world space.
     pub fn place_of(&self, selected: Selected) -> Option<Vec3> {
         match selected {
             Selected::Instance(index) => {
@@ -249,7 +249,7 @@ impl Stage {
                 let light = self.pose.lights.get(self.document.scene_light(index)?)?;
                 match light.kind {
                     LightKind::Point { .. } | LightKind::Spot { .. } => Some(light.position),
-                    // It has no place; its handles stand in the middle of the scene.
+                    // It has no position; place its handles at the scene's centre.
                     LightKind::Directional { .. } => {
                         let (low, high) = self.renderer.bvh().bounds();
                         Some(0.5 * (low + high))
@@ -269,12 +269,12 @@ impl Stage {
         camera.projection_matrix(aspect) * camera.view_matrix()
     }
 
-    /// The nearest surface at a place in the picture, from (0, 0) at the top left to (1, 1).
+    /// The visible surface at a position of the picture, from (0, 0) at the top left to (1, 1).
     pub fn pick(&self, at: Vec2) -> Option<Picked> {
         self.renderer.pick(&self.pose, at * self.extent())
     }
 
-    /// The ray through a place in the picture.
+    /// The camera ray through a position of the picture.
     pub fn ray(&self, at: Vec2) -> Ray {
         camera_ray(&self.pose.camera, self.settings.size, at * self.extent())
     }
@@ -284,7 +284,7 @@ impl Stage {
     }
 }
 
-/// Puts a light where the camera is.
+/// Moves a light to the camera.
 pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
     if matches!(light.kind, LightType::Point | LightType::Spot) {
         light.position = Some(camera.eye.to_array());
@@ -294,9 +294,8 @@ pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
     }
 }
 
-/// Whether a renderer that was made for one document can show the other: only what it takes by the pose
-/// differs.
-fn is_shown_alike(made: &SceneDocument, now: &SceneDocument) -> bool {
+/// Whether two documents differ only in what the pose holds, so that no rebuild is needed.
+fn differs_in_pose_only(made: &SceneDocument, now: &SceneDocument) -> bool {
     let areas = |document: &SceneDocument| -> Vec<_> {
         let areas = document.lights().filter(|light| light.kind == LightType::Area);
         areas

@@ -1,7 +1,7 @@
-//! The folder of an export: nothing that is not of an earlier export is touched, and what is appears complete.
+//! The output folder of an export: replaced as a whole, without touching files that are not of an earlier export.
 //!
-//! Files are written into a folder of their own within it, and moved to their names when all of them are
-//! there. The report among them lists them all: it is what tells an earlier export, and what of it to remove.
+//! Files are written to a staging folder within it and moved when all are complete. The report lists all files; it
+//! identifies an earlier export and the files of it to remove.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -16,7 +16,7 @@ use crate::output::{OutputError, OutputFile};
 /// The report of the export, within its folder.
 pub(super) const REPORT_FILE: &str = "glowworm-export.json";
 
-/// How the names of folders begin in which exports are made.
+/// Name prefix of staging folders.
 const STAGING_PREFIX: &str = ".glowworm-export.";
 
 /// Folders within it.
@@ -25,29 +25,29 @@ const SUBFOLDERS: [&str; 2] = ["meshes", "textures"];
 /// Why a scene cannot be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// The folder to create it in is not there.
+    /// The parent folder does not exist.
     #[error("--out {out}: there is no folder {parent}; create it first")]
     NoParent {
         /// The folder of the export.
         out: PathBuf,
-        /// The folder that should hold it.
+        /// Its parent.
         parent: PathBuf,
     },
     /// A file has the folder's name.
-    #[error("--out {0}: is not a folder; give the name of a new one")]
+    #[error("--out {0}: is not a folder; give another name")]
     NotAFolder(PathBuf),
-    /// There are other things in it.
-    #[error("--out {0}: holds files that are not of an earlier export; give the name of a new folder")]
+    /// The folder contains other files.
+    #[error("--out {0}: contains files that are not of an earlier export; give a new folder")]
     Foreign(PathBuf),
-    /// A file that is not of an earlier export has the name of one to be written.
-    #[error("{0}: is in the way and not of an earlier export; move it away")]
+    /// A file to write exists and is not of an earlier export.
+    #[error("{0}: exists and is not of an earlier export; move it away")]
     InTheWay(PathBuf),
-    /// The operating system refused.
+    /// A file or folder cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
 
-/// Where an export goes: a folder that is not there yet, is empty, or holds an earlier export.
+/// The output folder: new, empty, or with an earlier export.
 #[derive(Clone, Debug)]
 pub struct ExportFolder {
     path: PathBuf,
@@ -56,7 +56,7 @@ pub struct ExportFolder {
     earlier: Vec<String>,
 }
 
-/// What a report says about the files beside it.
+/// The file list of a report.
 #[derive(Deserialize)]
 struct Listing {
     format: String,
@@ -64,7 +64,7 @@ struct Listing {
 }
 
 impl ExportFolder {
-    /// Checks that an export could go to `path`. Leaves no trace on disk.
+    /// Checks that `path` is usable, without changing the disk.
     ///
     /// # Errors
     /// One line that names the folder.
@@ -97,7 +97,7 @@ impl ExportFolder {
         &self.path
     }
 
-    /// Whether an export into this folder may write to `file`.
+    /// Whether an export to this folder may write `file`.
     pub fn may_write(&self, file: &OutputFile) -> bool {
         let within = |name: &str| file.is_same(&self.path.join(name));
         let below = |folder: &&str| {
@@ -107,7 +107,7 @@ impl ExportFolder {
         within(SCENE_FILE) || within(REPORT_FILE) || SUBFOLDERS.iter().any(below)
     }
 
-    /// Whether there is anything in the folder but what a killed export left.
+    /// Whether the folder contains anything besides the staging folders of killed exports.
     fn is_used(&self) -> Result<bool, ExportError> {
         for entry in fs::read_dir(&self.path).map_err(|source| self.error("", source))? {
             let entry = entry.map_err(|source| self.error("", source))?;
@@ -118,7 +118,7 @@ impl ExportFolder {
         Ok(false)
     }
 
-    /// Files of the earlier export in this folder, if there is one. Names that none could have are left out.
+    /// Files of the earlier export in this folder, if any. Invalid names are skipped.
     fn listing(&self) -> Option<Vec<String>> {
         let text = fs::read(self.path.join(REPORT_FILE)).ok()?;
         let listing: Listing = serde_json::from_slice(&text).ok()?;
@@ -157,10 +157,10 @@ impl ExportFolder {
     }
 }
 
-/// An export that is being written. Unless it is completed, it leaves nothing behind.
+/// An export in progress. Dropping it removes its files unless it is complete.
 pub(super) struct Staging<'a> {
     folder: &'a ExportFolder,
-    /// None before it is made and after it is removed.
+    /// None before it is created and after it is removed.
     place: Option<TempDir>,
     files: Vec<String>,
     complete: bool,
@@ -176,7 +176,7 @@ impl Staging<'_> {
         let write_to = |path: &Path| {
             let mut output = BufWriter::new(File::create(path)?);
             write(&mut output)?;
-            // Some file systems report a full disk only when told to put everything on it.
+            // Some file systems report a full disk only on sync.
             output.into_inner()?.sync_all()
         };
         write_to(&self.path_of(name)).map_err(|source| self.folder.error(name, source))?;
@@ -184,7 +184,7 @@ impl Staging<'_> {
         Ok(())
     }
 
-    /// Adds the report, moves all files to their names and removes what else the earlier export had.
+    /// Writes the report, moves all files to their names and removes the other files of the earlier export.
     pub(super) fn complete(mut self, report: &ExportReport) -> Result<(), ExportError> {
         self.write(REPORT_FILE, |output| {
             serde_json::to_writer_pretty(&mut *output, report)?;
@@ -207,11 +207,11 @@ impl Staging<'_> {
         }
         self.complete = true;
         for name in folder.earlier.iter().filter(|name| !self.files.contains(name)) {
-            // What is gone already, or cannot be removed, harms nobody.
+            // A file that cannot be removed does no harm.
             let _ = fs::remove_file(folder.path.join(name));
         }
         for subfolder in SUBFOLDERS {
-            // Only where it is empty.
+            // Fails unless it is empty, as intended.
             let _ = fs::remove_dir(folder.path.join(subfolder));
         }
         Ok(())
@@ -229,7 +229,7 @@ impl Drop for Staging<'_> {
     fn drop(&mut self) {
         self.place = None;
         if !self.complete && !self.folder.exists {
-            // Only where it is empty.
+            // Fails unless it is empty, as intended.
             let _ = fs::remove_dir(&self.folder.path);
         }
     }

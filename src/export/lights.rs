@@ -1,4 +1,4 @@
-//! Lights without an area as Mitsuba's emitters.
+//! Delta lights as Mitsuba's emitters.
 //!
 //! In: the lights of the pose. Out: an `<emitter>` for each point and directional light; several for a spot
 //! (see [`super::spot`]). Area lights are shapes.
@@ -11,7 +11,7 @@ use super::{Export, Remark, named};
 use crate::scene::{Light, LightKind};
 
 impl Export<'_> {
-    /// The emitters of all lights that have no area, and count all lights.
+    /// The emitters of all lights but area lights; counts all lights.
     pub(super) fn emitters(&mut self) -> Vec<Element> {
         let mut emitters = Vec::new();
         for (index, light) in self.pose.lights.iter().enumerate() {
@@ -28,7 +28,7 @@ impl Export<'_> {
                 }
                 LightKind::Spot { intensity, inner_angle, outer_angle } => {
                     self.lights.spot += 1;
-                    self.remarks.insert(Remark::SpotsArePolygons);
+                    self.remarks.insert(Remark::SpotFalloff);
                     emitters.extend(spot(light, &id, *intensity, [*inner_angle, *outer_angle]));
                 }
                 LightKind::Directional { irradiance } => {
@@ -50,7 +50,7 @@ impl Export<'_> {
     }
 }
 
-/// The spots that add up to one of ours; together they are chosen as often as another light.
+/// The Mitsuba spots whose sum is one spot light; together they have the sampling weight of one light.
 fn spot(light: &Light, id: &str, intensity: Vec3, [inner, outer]: [f32; 2]) -> Vec<Element> {
     let (x, y) = light.direction.any_orthonormal_pair();
     let place = Affine3A::from_mat3_translation(Mat3::from_cols(x, y, light.direction), light.position);

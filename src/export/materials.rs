@@ -1,11 +1,11 @@
 //! Materials as Mitsuba's BSDFs, with their textures.
 //!
-//! In: a material. Out: its `<bsdf>`, and the images that it names among the files of the export.
+//! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
-//! A surface is `twosided` `diffuse`; where parts are cut away, a `mask` is about it. Kd is multiplied into the
-//! texels, at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A highlight is a
-//! `roughconductor` of the same width, blended with the diffuse part such that neither loses anything, as far
-//! as both together send back no more light than arrives.
+//! A surface is `twosided` `diffuse`, within a `mask` if it has an alpha mask. Kd is multiplied into the texels,
+//! at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A highlight is a `roughconductor`
+//! of the same width, blended with the diffuse part so that both keep their reflectance, as far as energy
+//! conservation permits.
 
 use std::io::{self, Write};
 
@@ -19,20 +19,20 @@ use crate::scene::{AlphaMask, Material, Texture, srgb_to_linear};
 
 /// A Blinn-Phong highlight as a rough conductor.
 struct Highlight {
-    /// Its reflectance is Ks over the greatest channel of Ks.
+    /// Reflectance: Ks over its largest channel.
     colour: Vec3,
-    /// Its weight beside the diffuse part: the greatest channel of Ks, or what that leaves.
+    /// Blend weight: the largest channel of Ks, limited so that the sum with the diffuse part is at most 1.
     weight: f32,
     /// Beckmann roughness.
     roughness: f32,
 }
 
 impl Highlight {
-    /// The highlight of a material whose diffuse part sends back at most `diffuse`, if it has one.
+    /// The highlight of a material whose diffuse part reflects at most `diffuse`; none without Ks.
     fn of(material: &Material, diffuse: f32) -> Option<Self> {
         let strength = material.specular.max_element();
         let weight = strength.min(1.0 - diffuse);
-        // (n h)^Ns is as wide as Beckmann's distribution of this roughness (Walter et al. 2007).
+        // Beckmann's distribution with this roughness is as wide as (n h)^Ns (Walter et al. 2007).
         let roughness = (2.0 / (material.shininess + 2.0)).sqrt();
         (weight > 0.0).then(|| Self { colour: material.specular / strength, weight, roughness })
     }
@@ -84,7 +84,7 @@ impl Export<'_> {
             .child(conductor(colour))
     }
 
-    /// The greatest channel of a material's albedo, anywhere on its texture.
+    /// The largest channel of a material's albedo over its texture.
     fn brightest(&self, material: &Material) -> f32 {
         let texel = material.albedo_texture.map_or(Vec3::ONE, |texture| {
             let (_, _, texels) = &self.scene.textures[texture].levels[0];
@@ -96,14 +96,14 @@ impl Export<'_> {
         (material.albedo * texel).max_element()
     }
 
-    /// Lambertian reflection of a material's albedo over `weight`, for a part of that weight.
+    /// Lambertian reflection with a material's albedo over `weight`, for blending with that weight.
     fn diffuse(&mut self, material: &Material, weight: f32) -> Element {
         let surface = Element::plugin("bsdf", "diffuse");
         let tint = material.albedo / weight;
         let Some(texture) = material.albedo_texture else {
             return surface.rgb("reflectance", tint.min(Vec3::ONE));
         };
-        // Two materials may share an image, but not its tint.
+        // Materials may share an image with different tints.
         let known = self.tints.iter().position(|known| *known == (texture, tint));
         let place = known.unwrap_or_else(|| {
             self.tints.push((texture, tint));
@@ -115,7 +115,7 @@ impl Export<'_> {
     }
 }
 
-/// A repeating image; texels are kept as 32-bit floats, filtered without loss.
+/// A repeating image with 32-bit float texels.
 fn bitmap(name: &str, file: &str, filter: &str) -> Element {
     Element::plugin("texture", "bitmap")
         .attribute("name", name)
@@ -126,8 +126,7 @@ fn bitmap(name: &str, file: &str, filter: &str) -> Element {
         .boolean("accel", false)
 }
 
-/// Writes the colours of a texture times `tint`, encoded as sRGB: 8 bits a channel as they are, or 16 where the
-/// tint changes them.
+/// Writes a texture times `tint` as sRGB: 8 bits a channel, or 16 unless the tint is 1.
 pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Write) -> io::Result<()> {
     let (width, height, texels) = &texture.levels[0];
     let colours = texels.chunks_exact(4);
@@ -143,7 +142,7 @@ pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Writ
     write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb16)
 }
 
-/// Writes a mask: white where the surface is, black where it is not.
+/// Writes a mask: white where the surface is opaque, else black.
 pub(super) fn write_mask(mask: &AlphaMask, output: &mut dyn Write) -> io::Result<()> {
     let is_there = |bit: u32| mask.bits[(bit / 32) as usize] >> (bit % 32) & 1 == 1;
     let bytes: Vec<u8> =

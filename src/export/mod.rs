@@ -1,10 +1,10 @@
-//! A scene at one moment as a Mitsuba 3 scene: `scene.xml`, meshes as PLY, textures as PNG.
+//! Exports a scene at one time for Mitsuba 3: `scene.xml`, meshes as PLY, textures as PNG.
 //!
-//! In: a scene, a time, and what the picture is to be like. Out: a folder that Mitsuba 3 renders as it stands
-//! (seen with 3.9), to the same radiance: the same geometry, materials, lights, units, camera and bounce limit.
-//! What is not quite the same is said in [`ExportReport::inexact`] and in the head of `scene.xml`.
+//! In: a scene, a time, and picture settings. Out: a folder that Mitsuba 3 (tested with 3.9) renders to the same
+//! radiance: the same geometry, materials, lights, units, camera and bounce limit. [`ExportReport::inexact`] and the
+//! head of `scene.xml` list the differences.
 //!
-//! Values in the XML are 32-bit floats that read back as the same numbers.
+//! Numbers in the XML are 32-bit floats that round-trip.
 
 mod folder;
 mod lights;
@@ -30,18 +30,18 @@ use remarks::{Remark, SMALL_RADIUS};
 use shapes::Part;
 use xml::Element;
 
-/// What becomes of the highlights of materials (Ks, Ns).
+/// Conversion of the highlights of materials (Ks, Ns).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Specular {
-    /// Left out: what is left is exact.
+    /// Omitted; the diffuse part is exact.
     #[default]
     Omit,
-    /// Rough conductors of the same width, which reflect all light, not only that of lights without an area.
+    /// Rough conductors of the same width, which reflect all light, not only that of delta lights.
     Convert,
 }
 
-/// What the exported picture is to be like.
+/// Settings of the exported picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportSettings {
     /// Frame of the animation, for the report.
@@ -50,37 +50,37 @@ pub struct ExportSettings {
     pub time: f64,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Surfaces that may pass light on before it reaches the visible one; none: no limit.
+    /// Bounce limit: scattering events between a light and the visible surface; none: no limit.
     pub bounces: Option<u32>,
-    /// Samples of each pixel, unless Mitsuba is told another number.
+    /// Default samples a pixel.
     pub spp: u32,
-    /// What becomes of highlights.
+    /// Conversion of highlights.
     pub specular: Specular,
 }
 
-/// Lights of each kind.
+/// Number of lights by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LightCounts {
-    /// Points.
+    /// Point lights.
     pub point: usize,
-    /// Spots; each is several of Mitsuba's.
+    /// Spot lights; each becomes several of Mitsuba's.
     pub spot: usize,
-    /// Directional ones.
+    /// Directional lights.
     pub directional: usize,
-    /// Instances that shine.
+    /// Visible emissive instances.
     pub area: usize,
-    /// Invisible instances that shine.
+    /// Invisible emissive instances.
     pub portal: usize,
 }
 
 impl LightCounts {
-    /// All together.
+    /// The total.
     pub fn total(&self) -> usize {
         self.point + self.spot + self.directional + self.area + self.portal
     }
 }
 
-/// What was exported.
+/// The report of an export.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ExportReport {
     /// Name of the scene.
@@ -99,31 +99,31 @@ pub struct ExportReport {
     pub integrator: &'static str,
     /// Its `max_depth`; -1: no limit.
     pub max_depth: i64,
-    /// What became of highlights.
+    /// Conversion of highlights.
     pub specular: Specular,
-    /// Materials whose highlights glowworm shows.
+    /// Number of materials with highlights in glowworm.
     pub highlights: usize,
-    /// Radiance of pixels that see nothing, to be added by 1 - alpha.
+    /// Background radiance, to be added times 1 - alpha.
     pub background: [f32; 3],
-    /// Shapes of the Mitsuba scene: meshes of one material, and copies of groups of them.
+    /// Shapes of the Mitsuba scene: meshes of one material, and instances of shape groups.
     pub shapes: usize,
     /// Triangles of all instances.
     pub triangles: usize,
     /// BSDFs.
     pub materials: usize,
-    /// Images, with alpha masks.
+    /// Images, including alpha masks.
     pub textures: usize,
     /// Lights of the scene.
     pub lights: LightCounts,
-    /// Where Mitsuba's picture differs from glowworm's, a sentence each.
+    /// Differences between Mitsuba's picture and glowworm's, a sentence each.
     pub inexact: Vec<String>,
     /// Every file, relative to the folder.
     pub files: Vec<String>,
-    /// The program that wrote them, see [`COMMIT`].
+    /// Commit of the program, see [`COMMIT`].
     pub commit: &'static str,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     Mesh(Part),
@@ -135,17 +135,17 @@ enum Content {
     Mask(usize),
 }
 
-/// An export under way.
+/// An export in progress.
 struct Export<'a> {
     scene: &'a Scene,
     pose: &'a Pose,
     settings: &'a ExportSettings,
     has_portals: bool,
     files: BTreeMap<String, Content>,
-    /// Tinted textures; the place is the number in the file's name.
+    /// Tinted textures; the index is the number in the file's name.
     tints: Vec<(usize, Vec3)>,
     used_materials: BTreeSet<u32>,
-    /// Meshes that are shape groups.
+    /// Meshes exported as shape groups.
     groups: BTreeSet<usize>,
     remarks: BTreeSet<Remark>,
     dimmed_highlights: usize,
@@ -154,10 +154,10 @@ struct Export<'a> {
     lights: LightCounts,
 }
 
-/// Writes `scene`, as it stands at the time of `settings`, into `folder`.
+/// Exports `scene` at the time of `settings` to `folder`.
 ///
 /// # Errors
-/// A file that cannot be written, by name. What an earlier export left in the folder is then still there.
+/// If a file cannot be written; names it. An earlier export in the folder is unchanged then.
 pub fn export_mitsuba(
     scene: &Scene,
     settings: &ExportSettings,
@@ -202,10 +202,10 @@ impl<'a> Export<'a> {
         }
     }
 
-    /// The whole of `scene.xml`.
+    /// The document `scene.xml`.
     fn document(&mut self) -> Element {
         if self.scene.bounding_sphere(self.pose).radius < SMALL_RADIUS {
-            self.remarks.insert(Remark::RaysStartFarOff);
+            self.remarks.insert(Remark::RayOffset);
         }
         let shapes = self.shapes();
         let emitters = self.emitters();
@@ -223,7 +223,7 @@ impl<'a> Export<'a> {
             .children(shapes)
     }
 
-    /// Notes that the file `name` has to be written.
+    /// Adds a file to write.
     fn add_file(&mut self, name: &str, content: Content) {
         self.files.insert(name.to_owned(), content);
     }
@@ -265,7 +265,7 @@ impl<'a> Export<'a> {
     }
 }
 
-/// A name that is safe in XML and as a file's: what it is, its index, and what of its own name can be kept.
+/// A name that is valid in XML and as a file name: kind, index, and the valid part of `name`.
 fn named(kind: &str, index: usize, name: &str) -> String {
     const LONGEST: usize = 40;
     let stem = name.rsplit(['/', '\\']).next().unwrap_or(name);

@@ -1,16 +1,16 @@
-//! Meshes as PLY files: binary, little-endian, 32-bit floats, the names of properties as Mitsuba knows them.
+//! Meshes as PLY files: binary, little-endian, 32-bit floats, with Mitsuba's property names.
 
 use std::io::{self, Write};
 
 use glam::{Vec2, Vec3};
 
-/// An indexed triangle mesh to be written.
+/// An indexed triangle mesh to write.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct PlyMesh {
     pub(super) positions: Vec<Vec3>,
-    /// One a vertex, or none at all.
+    /// One a vertex, or empty.
     pub(super) normals: Vec<Vec3>,
-    /// One a vertex, or none at all; origin at the top left of an image.
+    /// One a vertex, or empty; origin at the top left of an image.
     pub(super) uvs: Vec<Vec2>,
     pub(super) triangles: Vec<[u32; 3]>,
 }

@@ -1,53 +1,51 @@
-//! What is said about an export: how to render it, and where the picture is not quite glowworm's.
+//! Remarks of an export: how to render it, and how the picture differs from glowworm's.
 
 use glam::Vec3;
 
 use super::{Export, Specular};
 use crate::scene::{Light, LightKind};
 
-/// Scenes of a smaller radius than this suffer from how far Mitsuba moves rays off surfaces.
+/// In scenes of a smaller radius Mitsuba's ray offsets lose shadows.
 pub(super) const SMALL_RADIUS: f32 = 0.1;
 
-/// Something of the scene that Mitsuba cannot have exactly.
+/// A feature of the scene that Mitsuba does not reproduce exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Remark {
-    /// The scene is small.
-    RaysStartFarOff,
-    /// Shading normals that look away from the camera.
-    NormalsTurn,
-    /// The falloff of spots.
-    SpotsArePolygons,
-    /// Lamps that are shaded smoothly lose that.
-    LampsAreFlat,
-    /// Lamps that the camera sees by a copy do not show what they reflect.
-    SeenLampsReflectNothing,
-    /// Parts of lamps that are cut away emit.
-    HolesShine,
+    /// The ray offset is large relative to a small scene.
+    RayOffset,
+    /// Shading normals that face away from the camera are flipped.
+    FlippedNormals,
+    /// The falloff of spot lights is piecewise linear.
+    SpotFalloff,
+    /// Emissive surfaces lose smooth shading.
+    FlatEmitters,
+    /// Emissive surfaces that the camera sees as copies show no reflected light.
+    EmittersWithoutReflection,
+    /// Masked parts of emissive surfaces emit.
+    MaskedEmission,
 }
 
 impl Remark {
     fn text(self) -> &'static str {
         match self {
-            Self::RaysStartFarOff => {
-                "Mitsuba moves rays off surfaces by 9e-5 units and more, which loses shadows in a scene as small \
-                 as this; scale it up."
+            Self::RayOffset => {
+                "Mitsuba offsets rays from surfaces by 9e-5 units and more, which loses shadows in a scene this small; \
+                 scale it up."
             }
-            Self::NormalsTurn => {
-                "Where a smooth surface is seen so flatly that its shading normal looks away, Mitsuba turns that \
-                 normal over; glowworm does not."
+            Self::FlippedNormals => {
+                "Where the shading normal of a smooth surface faces away from the camera at grazing angles, Mitsuba \
+                 flips that normal; glowworm does not."
             }
-            Self::SpotsArePolygons => {
-                "The falloff of a spot light is a sum of spots of Mitsuba, within 0.1 % of its intensity."
+            Self::SpotFalloff => {
+                "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity."
             }
-            Self::LampsAreFlat => {
-                "Surfaces that emit light are shaded flat: what they reflect shows their triangles."
+            Self::FlatEmitters => "Emissive surfaces are shaded flat: reflected light shows their triangles.",
+            Self::EmittersWithoutReflection => {
+                "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
+                 hide_emitters hides them with the portals."
             }
-            Self::SeenLampsReflectNothing => {
-                "The camera sees surfaces that emit light without what they reflect (a copy of them stands in, \
-                 since hide_emitters hides them with the portals)."
-            }
-            Self::HolesShine => {
-                "Parts of light-emitting surfaces that an alpha mask cuts away emit nevertheless."
+            Self::MaskedEmission => {
+                "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless."
             }
         }
     }
@@ -61,15 +59,15 @@ impl Export<'_> {
         let background = self.scene.background;
         if background != Vec3::ZERO {
             inexact.push(format!(
-                "The background ({} {} {}) lights nothing in glowworm, so it is no emitter here: add it, times \
-                 1 - alpha, to the picture.",
+                "The background ({} {} {}) lights nothing in glowworm, so it is not an emitter here: add it, \
+                 times 1 - alpha, to the picture.",
                 background.x, background.y, background.z
             ));
         }
         inexact
     }
 
-    /// Materials in use whose highlights (Ks, Ns) glowworm shows.
+    /// Number of used materials with highlights (Ks, Ns) in glowworm, which needs delta lights.
     pub(super) fn highlights(&self) -> usize {
         let has_no_area = |light: &Light| !matches!(light.kind, LightKind::Area { .. });
         if self.scene.lights.iter().any(has_no_area) { self.shiny_materials() } else { 0 }
@@ -80,22 +78,22 @@ impl Export<'_> {
         self.used_materials.iter().filter(|material| specular(material) != Vec3::ZERO).count()
     }
 
-    /// What became of the highlights, unless that changes nothing.
+    /// The remark on highlights, if their conversion has an effect.
     fn remark_highlights(&self) -> Option<String> {
-        let only = "glowworm's reflect light straight from point, spot and directional lights on the visible \
-                    surface alone";
+        let only = "glowworm's reflect only direct light of point, spot and directional lights, on the visible \
+                    surface";
         match self.settings.specular {
             Specular::Omit if self.highlights() > 0 => {
                 let of = materials(self.highlights());
-                Some(format!("The highlights of {of} are left out: {only}, to which no BSDF can be limited."))
+                Some(format!("The highlights of {of} are omitted: {only}, which no BSDF can express."))
             }
             Specular::Convert if self.shiny_materials() > 0 => {
                 let of = materials(self.shiny_materials());
                 let dimmed = match self.dimmed_highlights {
                     0 => String::new(),
                     dimmed => format!(
-                        " Those of {} are weaker than they were, since with the diffuse part they would \
-                         reflect more light than arrives.",
+                        " Those of {} are weaker, since with the diffuse part they would reflect more light \
+                         than arrives.",
                         materials(dimmed)
                     ),
                 };

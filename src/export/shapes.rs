@@ -1,17 +1,16 @@
 //! Instances as Mitsuba's shapes.
 //!
-//! In: the instances of a scene and where they stand. Out: a `<shape>` for each material of each, and the meshes
-//! that they name among the files of the export.
+//! In: the instances of a scene and their transforms. Out: a `<shape>` for each material of each instance, and their
+//! mesh files.
 //!
-//! - What emits no light lies in object space, with a transform. Of a mesh that is there more than once a
-//!   `shapegroup` holds it, and each is an `instance`.
-//! - What emits lies in world space, shaded flat, because Mitsuba takes the side that shines, and how much of it
-//!   is seen, from the shading normal. The front of a mirrored instance stays its front.
-//! - A portal, which emits but is not there, is a `null` surface with an emitter. `volpath` lets light pass
-//!   through it, and `hide_emitters` takes it from the camera's view; but that takes all lights with an
-//!   area. So those that are to be seen have a copy right behind them, and between the two a pane of glass
-//!   that does not refract: once through that, a ray from the camera counts as scattered, and sees the copy.
-//!   Nothing else does, and the copy is never chosen as a light.
+//! - Surfaces that do not emit are in object space, with a transform. A mesh with several instances becomes a
+//!   `shapegroup` with an `instance` each.
+//! - Emissive surfaces are in world space, shaded flat, since Mitsuba derives the emitting side and the projected area
+//!   from the shading normal. Mirroring does not change the front side.
+//! - A portal, an invisible emitter, is a `null` surface with an emitter. `volpath` lets light pass through it, and
+//!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
+//!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
+//!   sees the copy. Other rays do not reach the copy, and it is never sampled as a light.
 
 use std::collections::BTreeMap;
 
@@ -22,25 +21,24 @@ use super::xml::Element;
 use super::{Content, Export, Remark, named};
 use crate::scene::{Material, Mesh};
 
-/// Mitsuba moves the start of a ray off its surface by 9e-5 * (1 + |p|); what lies behind another surface
-/// must be farther away than that.
+/// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
 
-/// The triangles of one material, as a file holds them.
+/// The triangles of one material, in one file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Part {
-    /// Index of the mesh, or for what emits of the instance.
+    /// The mesh, or for an emissive surface the instance.
     pub(super) owner: Owner,
     /// Index of the material.
     pub(super) material: u32,
 }
 
-/// What the triangles are of.
+/// The owner of the triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Owner {
     /// A mesh, in object space.
     Mesh(usize),
-    /// An instance, in world space, so many steps behind itself.
+    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`].
     Instance { index: usize, steps: u32 },
 }
 
@@ -88,7 +86,7 @@ impl Export<'_> {
             }
             if copies[instance.mesh] > 1 && !surfaces.is_empty() {
                 shapes.extend(self.group(instance.mesh, &surfaces));
-                shapes.push(self.copy(index));
+                shapes.push(self.group_instance(index));
             } else {
                 let transform = &self.pose.instances[index];
                 let parts = surfaces.iter().map(|&material| self.surface(instance.mesh, material));
@@ -98,7 +96,7 @@ impl Export<'_> {
         shapes
     }
 
-    /// The group of a mesh's surfaces, unless it is there already.
+    /// The shape group of a mesh's surfaces, unless it exists already.
     fn group(&mut self, mesh: usize, surfaces: &[u32]) -> Option<Element> {
         let is_new = self.groups.insert(mesh);
         is_new.then(|| {
@@ -107,8 +105,8 @@ impl Export<'_> {
         })
     }
 
-    /// A copy of its mesh's group where an instance stands.
-    fn copy(&mut self, index: usize) -> Element {
+    /// An instance of its mesh's shape group.
+    fn group_instance(&mut self, index: usize) -> Element {
         self.shapes += 1;
         let instance = &self.scene.instances[index];
         let group = Element::new("ref").attribute("id", self.mesh_id(instance.mesh));
@@ -121,16 +119,16 @@ impl Export<'_> {
         named("mesh", mesh, &self.scene.meshes[mesh].name)
     }
 
-    /// A part of a mesh that emits no light.
+    /// A part of a mesh that does not emit.
     fn surface(&mut self, mesh: usize, material: u32) -> Element {
-        if !self.remarks.contains(&Remark::NormalsTurn) && has_smooth(&self.scene.meshes[mesh], material) {
-            self.remarks.insert(Remark::NormalsTurn);
+        if !self.remarks.contains(&Remark::FlippedNormals) && has_smooth(&self.scene.meshes[mesh], material) {
+            self.remarks.insert(Remark::FlippedNormals);
         }
         let shape = self.shape(Part { owner: Owner::Mesh(mesh), material });
         self.with_bsdf(shape, material)
     }
 
-    /// A shape that emits light and, where `hide_emitters` hides it, what the camera sees in its place.
+    /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
     fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
         let glow = &self.scene.materials[material as usize];
         let shape = self.flat_shape(index, material, 0);
@@ -145,7 +143,7 @@ impl Export<'_> {
         shapes
     }
 
-    /// A shape that emits light but is neither seen nor hit.
+    /// An emissive shape that rays pass through.
     fn portal(&mut self, index: usize, material: u32) -> Element {
         let glow = &self.scene.materials[material as usize];
         self.flat_shape(index, material, 0).child(Element::plugin("bsdf", "null")).child(emitter(glow))
@@ -177,19 +175,19 @@ impl Export<'_> {
         Element::plugin("shape", "ply").attribute("id", id).string("filename", &file)
     }
 
-    /// Says what a lamp's own surface looks like, where it is not quite as in glowworm.
+    /// Adds remarks on the differences of an emissive surface.
     fn remark_lamp(&mut self, index: usize, material: u32) {
         let scene = self.scene;
         let glow = &scene.materials[material as usize];
         let mesh = &scene.meshes[scene.instances[index].mesh];
         let reflects = glow.albedo != Vec3::ZERO;
         if reflects && self.has_portals {
-            self.remarks.insert(Remark::SeenLampsReflectNothing);
+            self.remarks.insert(Remark::EmittersWithoutReflection);
         } else if reflects && has_smooth(mesh, material) {
-            self.remarks.insert(Remark::LampsAreFlat);
+            self.remarks.insert(Remark::FlatEmitters);
         }
         if glow.alpha_mask.is_some() {
-            self.remarks.insert(Remark::HolesShine);
+            self.remarks.insert(Remark::MaskedEmission);
         }
     }
 }
@@ -198,7 +196,7 @@ fn emitter(material: &Material) -> Element {
     Element::plugin("emitter", "area").rgb("radiance", material.emission)
 }
 
-/// Materials of a mesh, and how many triangles there are of each.
+/// Triangle count by material of a mesh.
 fn materials_of(mesh: &Mesh) -> BTreeMap<u32, usize> {
     let mut materials = BTreeMap::new();
     for &material in &mesh.triangle_materials {
@@ -213,7 +211,7 @@ fn triangles_of(mesh: &Mesh, material: u32) -> impl Iterator<Item = usize> {
     of.filter(move |&(_, &other)| other == material).map(|(triangle, _)| triangle)
 }
 
-/// Whether a triangle of a material is shaded as if it were bent.
+/// Whether a triangle of a material has smooth shading normals.
 fn has_smooth(mesh: &Mesh, material: u32) -> bool {
     triangles_of(mesh, material).any(|triangle| {
         let flat = normal_of(mesh.triangle_positions(triangle as u32));
@@ -221,7 +219,7 @@ fn has_smooth(mesh: &Mesh, material: u32) -> bool {
     })
 }
 
-/// The triangles with those vertices that they use.
+/// The triangles of a material with their vertices, in object space.
 fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
     const UNUSED: u32 = u32::MAX;
     let mut places = vec![UNUSED; mesh.positions.len()];
@@ -241,7 +239,7 @@ fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
     part
 }
 
-/// The triangles in the world, without normals, moved by `steps` away from the side that shines.
+/// The triangles of a material in world space, without normals, offset by `steps` away from the emitting side.
 fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) -> PlyMesh {
     let mirrored = transform.matrix3.determinant() < 0.0;
     let mut part = PlyMesh::default();
@@ -265,7 +263,7 @@ fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) 
     part
 }
 
-/// Unit normal on the counter-clockwise side; zero where the corners are in line.
+/// Unit normal on the counter-clockwise side; zero for collinear corners.
 fn normal_of([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }

@@ -1,20 +1,20 @@
 //! The falloff of a spot light as a sum of Mitsuba's.
 //!
-//! In: the cone angles of a spot that falls off by smoothstep in the cosine. Out: spots that fall off linearly
-//! in the angle, as Mitsuba's do, and add up to a polygon through points of that curve.
+//! In: the cone angles of a spot light with a smoothstep falloff in the cosine. Out: spots with a linear falloff
+//! in the angle, as in Mitsuba, whose sum interpolates that curve piecewise linearly.
 //!
-//! Where the polygon bends down (near the inner cone) ramps begin, where it bends up (near the outer cone) they
-//! end. They are paired from the outside in, so that each is as wide and as like the whole as can be: Mitsuba
-//! picks one of them at random for each sample, and the more they are alike, the less noise that makes.
+//! Ramps begin at vertices where the polyline bends down (near the inner cone) and end where it bends up (near the
+//! outer cone). They are paired from the outside in, which makes each as similar to the sum as possible: Mitsuba
+//! samples one of them at random, and similar ramps give less noise.
 
-/// Sides of the polygon; the error falls with its square.
+/// Segments of the polyline; the error falls with their square.
 const SIDES: usize = 32;
 
-/// Steps between the cones in which the curve is looked at.
+/// Steps between the cones at which the curve is evaluated.
 const STEPS: usize = 4096;
 
-/// One spot light of Mitsuba: a share of the intensity, full up to the beam angle, then falling linearly in
-/// the angle to nothing at the cutoff angle. Radians.
+/// One spot light of Mitsuba: a fraction of the intensity, constant up to the beam angle, then falling linearly in the
+/// angle to 0 at the cutoff angle. Radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
     pub(super) share: f64,
@@ -22,11 +22,11 @@ pub(super) struct Ramp {
     pub(super) cutoff: f64,
 }
 
-/// Ramps whose sum is within 0.1 % of 1 of the falloff, at any angle; their shares add up to 1.
+/// Ramps whose sum is within 0.001 of the falloff at any angle; their fractions sum to 1.
 pub(super) fn ramps(inner_angle: f32, outer_angle: f32) -> Vec<Ramp> {
     let corners = corners(f64::from(inner_angle), f64::from(outer_angle));
 
-    // Find how much it bends at each.
+    // Compute the change of slope at each vertex.
     let mut slopes = vec![0.0];
     slopes.extend(corners.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)));
     slopes.push(0.0);
@@ -35,7 +35,7 @@ pub(super) fn ramps(inner_angle: f32, outer_angle: f32) -> Vec<Ramp> {
     let (mut begins, mut ends): (Vec<_>, Vec<_>) = bends.partition(|(_, bend)| *bend < 0.0);
     begins.reverse();
 
-    // Pair them, each time the innermost beginning and the outermost end.
+    // Pair the innermost beginning with the outermost end.
     let mut ramps = Vec::new();
     while let (Some((beam, down)), Some((cutoff, up))) = (begins.pop(), ends.pop()) {
         let bend = up.min(-down);
@@ -50,8 +50,8 @@ pub(super) fn ramps(inner_angle: f32, outer_angle: f32) -> Vec<Ramp> {
     ramps
 }
 
-/// Corners (angle, height) of the polygon, from the inner cone outwards: dense where the curve bends, in
-/// proportion to the root of its second derivative, so that all sides are equally far from it.
+/// Vertices (angle, height) of the polyline, from the inner cone outwards, with a density in proportion to the root of
+/// the curve's second derivative, which equalises the error of all segments.
 fn corners(inner: f64, outer: f64) -> Vec<(f64, f64)> {
     let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
     let angle_at = |step: usize| inner + (outer - inner) * step as f64 / STEPS as f64;

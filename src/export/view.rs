@@ -1,4 +1,4 @@
-//! How the picture is taken: integrator, camera, film and sampler.
+//! Integrator, camera, film and sampler.
 
 use glam::Vec3;
 
@@ -13,20 +13,20 @@ impl Export<'_> {
         [default("spp", self.settings.spp.to_string()), default("max_depth", self.max_depth().to_string())]
     }
 
-    /// Edges of the longest light path, from the light to the camera: one more than surfaces, of which the
-    /// visible one is no bounce. -1: no limit.
+    /// Mitsuba's `max_depth`: edges of the longest light path, from the light to the camera, which is bounces + 2.
+    /// -1: no limit.
     pub(super) fn max_depth(&self) -> i64 {
         self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
     }
 
-    /// `path`, or where light passes through surfaces `volpath`, for which that is no bounce.
+    /// `path`; or `volpath` with portals or masks, which does not count passing through them as a bounce.
     pub(super) fn integrator_name(&self) -> &'static str {
         let used = |&material: &u32| self.scene.materials[material as usize].alpha_mask.is_some();
         if self.has_portals || self.used_materials.iter().any(used) { "volpath" } else { "path" }
     }
 
     pub(super) fn integrator(&self) -> Element {
-        // Russian roulette is for paths that nothing else ends.
+        // Russian roulette only without a bounce limit.
         let roulette = if self.settings.bounces.is_some() { i32::MAX } else { 5 };
         let integrator = Element::plugin("integrator", self.integrator_name())
             .integer("max_depth", "$max_depth")
@@ -40,7 +40,7 @@ impl Export<'_> {
             .attribute("origin", numbers(&camera.eye.to_array()))
             .attribute("target", numbers(&camera.target.to_array()))
             .attribute("up", numbers(&camera.up.to_array()));
-        // Alpha tells where the background belongs.
+        // Alpha is needed to add the background.
         let has_background = self.scene.background != Vec3::ZERO;
         let film = Element::plugin("film", "hdrfilm")
             .integer("width", self.settings.size[0])

@@ -1,7 +1,7 @@
-//! The XML that Mitsuba reads: elements as a tree, and their text.
+//! Mitsuba's XML: a tree of elements, and its text.
 //!
-//! In: elements with attributes, children and comments. Out: the document, indented and escaped. Numbers are
-//! written with as many digits as it takes to read the same number again.
+//! In: elements with attributes, children and comments. Out: the document, indented and escaped. Numbers
+//! round-trip.
 
 use std::io::{self, Write};
 
@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec3};
 use quick_xml::Writer;
 use quick_xml::events::{BytesEnd, BytesStart, BytesText, Event};
 
-/// An element with what is in it.
+/// An element with its children.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     tag: &'static str,
@@ -48,7 +48,7 @@ impl Element {
         self
     }
 
-    /// A remark for people; two hyphens, which XML does not allow in one, are moved apart.
+    /// A comment; separates double hyphens, which XML forbids there.
     pub(super) fn comment(mut self, text: impl AsRef<str>) -> Self {
         let mut text = text.as_ref().replace("--", "- -");
         if text.ends_with('-') {
@@ -91,7 +91,7 @@ impl Element {
         self.child(element.attribute("x", x).attribute("y", y).attribute("z", z))
     }
 
-    /// `to_world`, unless it moves nothing.
+    /// `to_world`, unless it is the identity.
     pub(super) fn placed(self, transform: &Affine3A) -> Self {
         if *transform == Affine3A::IDENTITY {
             return self;
@@ -130,12 +130,12 @@ impl Element {
     }
 }
 
-/// A number that reads back as the same number.
+/// A number that round-trips.
 fn number(value: f32) -> String {
     format!("{value:?}")
 }
 
-/// Numbers as Mitsuba takes lists of them.
+/// A list of numbers.
 pub(super) fn numbers(values: &[f32]) -> String {
     values.iter().map(|&value| number(value)).collect::<Vec<_>>().join(", ")
 }

@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_transfer_function_is_the_standards() {
+    fn the_transfer_function_matches_the_standard() {
         for (linear, encoded) in [(0.0, 0.0), (0.002, 0.025_84), (0.214_041_14, 0.5), (1.0, 1.0), (7.0, 1.0)]
         {
             assert!((linear_to_srgb(linear) - encoded).abs() < 1e-6, "{linear}");

@@ -1,20 +1,20 @@
-//! Separable filters, one row of the result at a time.
+//! Separable convolution, one output row at a time.
 //!
-//! In: a picture as a function of column and row that gives N values. Out: a row of it, filtered with
-//! N kernels, one a value, down the columns and then along the row. Nothing the size of the picture is kept.
+//! In: a picture of N channels as a function of column and row. Out: a row of it, each channel filtered with its own
+//! kernel, first vertically, then horizontally. Needs memory for one row only.
 
 use std::ops::{AddAssign, Mul};
 
-/// How a picture goes on beyond its edge.
+/// Extension of a picture beyond its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Border {
-    /// The edge pixel again and again: `aaa|abc|ccc`.
+    /// Repeats the border pixel: `aaa|abc|ccc`.
     Clamp,
-    /// Mirrored, edge pixels twice: `cba|abc|cba`.
+    /// Mirrors, including the border pixel: `cba|abc|cba`.
     Mirror,
 }
 
-/// Kernels of one odd length for N values: along columns and along rows.
+/// Kernels of odd length for N channels: along columns and along rows.
 #[derive(Clone, Debug)]
 pub(super) struct Separable<T, const N: usize> {
     pub along_columns: Vec<[T; N]>,
@@ -23,7 +23,7 @@ pub(super) struct Separable<T, const N: usize> {
 }
 
 impl Border {
-    /// The pixel in `0..length` that stands at `index`.
+    /// The pixel in `0..length` for any `index`.
     fn pixel(self, index: isize, length: usize) -> usize {
         let length = length as isize;
         let pixel = match self {
@@ -88,14 +88,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn borders_go_on_as_they_should() {
+    fn borders_are_extended() {
         let beyond = |border: Border| -> Vec<usize> { (-4..7).map(|i| border.pixel(i, 3)).collect() };
         assert_eq!(beyond(Border::Clamp), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
         assert_eq!(beyond(Border::Mirror), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
         assert_eq!((-3..4).map(|i| Border::Mirror.pixel(i, 1)).collect::<Vec<_>>(), [0; 7]);
     }
 
-    /// Two kernels over a picture of two values against the sum over the window, by hand.
+    /// Two kernels on two channels against the direct sum over the window.
     #[test]
     fn it_is_the_sum_over_the_window() {
         let size = [4, 3];

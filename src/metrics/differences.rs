@@ -1,4 +1,4 @@
-//! Differences pixel by pixel: mean errors, and errors of luminance relative to the reference.
+//! Per-pixel errors: mean errors, and relative errors of luminance.
 
 use rayon::prelude::*;
 
@@ -8,11 +8,11 @@ use crate::statistics::{mean, percentile};
 /// Keeps the relative squared error of black pixels finite (Rousselle et al. 2011).
 const RELMSE_EPSILON: f64 = 0.01;
 
-/// Luminances below this share of the reference's mean count as that much in the denominator of relative
-/// errors: an error in the black is measured against what can be seen.
-const DARKEST: f64 = 0.01;
+/// Lower bound of the denominator of relative errors, as a fraction of the reference's mean luminance, so that errors
+/// in black regions are relative to a visible luminance.
+const MIN_DENOMINATOR: f64 = 0.01;
 
-/// Means over all values of two pictures.
+/// Mean errors over all channels and pixels.
 pub(super) struct MeanErrors {
     pub mae: f64,
     pub mse: f64,
@@ -30,8 +30,8 @@ impl MeanErrors {
     }
 }
 
-/// Means of N values that follow from each channel of each pixel. The order of the sum does not depend on how
-/// many cores there are.
+/// Means of N values computed from each channel of each pixel. The order of summation is independent of the number of
+/// cores.
 fn mean_of<const N: usize>(
     image: &[[f32; 3]],
     reference: &[[f32; 3]],
@@ -53,7 +53,7 @@ fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// The luminances of two pictures and what is compared of them.
+/// The luminances of a picture and its reference, and metrics of them.
 pub(super) struct Luminances {
     image: Vec<f64>,
     reference: Vec<f64>,
@@ -79,7 +79,7 @@ impl Luminances {
         self.relative(&self.image, &self.reference)
     }
 
-    /// The relative errors of the means over blocks of `side` x `side` pixels; less at the right and lower edge.
+    /// The relative errors of means over blocks of `side` x `side` pixels; smaller at the right and lower border.
     pub(super) fn blocks(&self, side: usize) -> Blocks {
         let [image, reference] =
             [&self.image, &self.reference].map(|luminances| self.block_means(luminances, side));
@@ -96,11 +96,11 @@ impl Luminances {
         }
     }
 
-    /// |a - b| / |b|, with a denominator of at least [`DARKEST`] of the reference's mean. In a black reference
-    /// any error is infinite.
+    /// |a - b| / |b|, with a denominator of at least [`MIN_DENOMINATOR`] times the reference's mean. If the whole
+    /// reference is black, any error is infinite.
     fn relative(&self, image: &[f64], reference: &[f64]) -> Vec<f64> {
-        let darkest = DARKEST * self.mean.abs();
-        let relative = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() / b.abs().max(darkest) };
+        let min = MIN_DENOMINATOR * self.mean.abs();
+        let relative = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() / b.abs().max(min) };
         image.iter().zip(reference).map(relative).collect()
     }
 

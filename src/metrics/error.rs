@@ -5,29 +5,29 @@ use std::path::PathBuf;
 
 use crate::output::OutputError;
 
-/// Why pictures cannot be compared; each names the file and, where there is one, the pixel.
+/// Why pictures cannot be compared; each names the file and, if known, the pixel.
 #[derive(Debug, thiserror::Error)]
 pub enum MetricsError {
-    /// The operating system refused.
+    /// The file cannot be read.
     #[error("{path}: cannot be read: {source}")]
     Read {
-        /// What was to be read.
+        /// The file.
         path: PathBuf,
-        /// Why it could not be.
+        /// The system's error.
         source: io::Error,
     },
-    /// Not a picture of a known kind.
+    /// Not a supported file format.
     #[error("{0}: neither a PNG nor an OpenEXR file")]
     Foreign(PathBuf),
-    /// Broken or cut short.
-    #[error("{path}: broken or of a kind that is not supported: {reason}")]
+    /// Corrupt, truncated or an unsupported variant.
+    #[error("{path}: cannot be decoded: {reason}")]
     Decode {
         /// The file.
         path: PathBuf,
-        /// What the decoder says.
+        /// The decoder's error.
         reason: String,
     },
-    /// Too large to be real.
+    /// Too large, probably corrupt.
     #[error("{path}: {width}x{height} pixels; at most {most}x{most} can be compared")]
     TooLarge {
         /// The file.
@@ -39,20 +39,20 @@ pub enum MetricsError {
         /// The largest side.
         most: usize,
     },
-    /// No colours where they were looked for.
+    /// No colour channels.
     #[error("{path}: has no layer{layer} with channels R, G and B, or Y; it has {there}")]
     NoColours {
         /// The file.
         path: PathBuf,
-        /// The layer that was asked for, with a space before it.
+        /// The requested layer, with a leading space; empty for any.
         layer: String,
-        /// What is there instead.
+        /// The parts and channels of the file.
         there: String,
     },
-    /// A layer was asked for in a format without layers.
+    /// A layer requested of a format without layers.
     #[error("{0}: a PNG has no layers; leave --layer and --reference-layer out")]
     LayerOfPng(PathBuf),
-    /// A value that cannot be compared.
+    /// A non-finite value.
     #[error("{name}: pixel ({x}, {y}) has a {channel} of {value}; only finite values can be compared")]
     NotFinite {
         /// The picture.
@@ -67,11 +67,11 @@ pub enum MetricsError {
         value: f32,
     },
     /// The number of pixels is not width times height.
-    #[error("{name}: {pixels} pixels are not {width}x{height}")]
+    #[error("{name}: has {pixels} pixels, but its size is {width}x{height}")]
     PixelCount {
         /// The picture.
         name: String,
-        /// How many there are.
+        /// Number of pixels.
         pixels: usize,
         /// Width in pixels.
         width: usize,
@@ -85,11 +85,11 @@ pub enum MetricsError {
         size[0].min(reference_size[0]), size[1].min(reference_size[1])
     )]
     Size {
-        /// The one.
+        /// The picture.
         image: String,
         /// Its width and height in pixels.
         size: [usize; 2],
-        /// The other.
+        /// The reference.
         reference: String,
         /// Its width and height in pixels.
         reference_size: [usize; 2],
@@ -105,14 +105,16 @@ pub enum MetricsError {
         linear: String,
     },
     /// A sequence without pictures.
-    #[error("{0}: there is no picture of this sequence")]
+    #[error("{0}: there is no picture of this sequence; check the name")]
     NoFrames(PathBuf),
-    /// A picture of a sequence is not there.
-    #[error("{missing}: is not there, but {there} is; --frames FIRST-LAST compares a part of a sequence")]
+    /// A picture of a sequence is missing.
+    #[error(
+        "{missing}: is missing, but {there} exists; select a part of the sequence with --frames FIRST-LAST"
+    )]
     MissingFrame {
-        /// What is missing.
+        /// The missing file.
         missing: PathBuf,
-        /// The picture that calls for it.
+        /// The picture that needs it.
         there: PathBuf,
     },
     /// The name of a sequence is wrong.
@@ -121,7 +123,7 @@ pub enum MetricsError {
 }
 
 impl MetricsError {
-    /// Whether the arguments are wrong, whatever the files hold.
+    /// Whether the arguments are wrong, independent of the files' content.
     pub fn is_usage(&self) -> bool {
         match self {
             Self::LayerOfPng(_) => true,

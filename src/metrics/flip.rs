@@ -1,11 +1,11 @@
-//! FLIP (Andersson et al., *FLIP: A Difference Evaluator for Alternating Images*, 2020): how different two
-//! pictures look to somebody who flips between them.
+//! FLIP (Andersson et al., *FLIP: A Difference Evaluator for Alternating Images*, 2020): the
+//! perceived difference when alternating between two pictures.
 //!
-//! In: two pictures of linear RGB in [0, 1]. Out: for each pixel an error from 0, the same, to 1, black
-//! against white. Seen from 0.7 m on a display 0.7 m and 3,840 pixels wide, about 67 pixels per degree.
+//! In: two pictures of linear RGB in [0, 1]. Out: for each pixel an error from 0, equal, to 1, the maximum. For a
+//! viewing distance of 0.7 m and a display 0.7 m and 3,840 pixels wide, about 67 pixels per degree.
 //!
-//! The crate `nv-flip` takes 8 bits a channel only, too coarse for the dark exposures of HDR-FLIP (up to a
-//! tenth off) and for 16-bit pictures; hence code of our own.
+//! Own code, since the crate `nv-flip` takes 8 bits a channel only, too coarse for the dark exposures of HDR-FLIP
+//! (errors up to a tenth) and for 16-bit pictures.
 
 use std::f32::consts::PI;
 
@@ -20,12 +20,12 @@ const PIXELS_PER_DEGREE: f32 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 /// luminance, red-green, and the two of blue-yellow.
 const SENSITIVITY: [[f32; 2]; 4] = [[1.0, 0.0047], [1.0, 0.0053], [34.1, 0.04], [13.5, 0.025]];
 
-/// Width of the details that edge and point detection look for, degrees (section 4.2).
+/// Width of the edge and point detectors, degrees (section 4.2).
 const FEATURE_WIDTH: f32 = 0.082;
 /// Exponents of colour and feature differences.
 const COLOUR_EXPONENT: f32 = 0.7;
 const FEATURE_EXPONENT: f32 = 0.5;
-/// Colour differences up to this share of the largest are spread over errors up to [`KNEE_ERROR`].
+/// Colour differences up to this fraction of the largest map to errors up to [`KNEE_ERROR`].
 const KNEE_DIFFERENCE: f32 = 0.4;
 const KNEE_ERROR: f32 = 0.95;
 
@@ -50,7 +50,7 @@ pub(super) struct Flip {
     largest_difference: f32,
 }
 
-/// Luminance, red-green and blue-yellow (YCxCz), the last one twice: it is filtered with two kernels.
+/// Luminance, red-green and blue-yellow (YCxCz), the last one twice, since it is filtered with two kernels.
 type Opponent = [f32; 4];
 
 impl Flip {
@@ -72,7 +72,7 @@ impl Flip {
 
     fn error_row(&self, image: &[Opponent], reference: &[Opponent], size: [usize; 2], y: usize) -> Vec<f32> {
         let seen = |picture: &[Opponent]| self.sensitivity.row(y, size, |x, y| picture[y * size[0] + x]);
-        // Features are found in luminance, with black at 0 and white at 1.
+        // Detect features in luminance, with black at 0 and white at 1.
         let features = |picture: &[Opponent]| {
             self.features.row(y, size, |x, y| [(picture[y * size[0] + x][0] + 16.0) / 116.0; 4])
         };
@@ -87,7 +87,7 @@ impl Flip {
             .collect()
     }
 
-    /// How far two filtered colours are apart, 0 to 1 (section 4.1).
+    /// The difference of two filtered colours, 0 to 1 (section 4.1).
     fn colour_difference(&self, a: Opponent, b: Opponent) -> f32 {
         let [a, b] = [a, b].map(|[y, cx, cz_1, cz_2]| {
             let rgb = times(&RGB_FROM_XYZ, xyz_from_opponent([y, cx, cz_1 + cz_2]));
@@ -103,8 +103,8 @@ impl Flip {
     }
 }
 
-/// How much edges and points differ, 0 to 1 (section 4.2), from the first derivatives in x and y and the
-/// second ones.
+/// The difference of edges and points, 0 to 1 (section 4.2), from the first derivatives in x and y and the second
+/// derivatives.
 fn feature_difference(a: [f32; 4], b: [f32; 4]) -> f32 {
     let edge = |[dx, dy, _, _]: [f32; 4]| dx.hypot(dy);
     let point = |[_, _, ddx, ddy]: [f32; 4]| ddx.hypot(ddy);
@@ -112,7 +112,7 @@ fn feature_difference(a: [f32; 4], b: [f32; 4]) -> f32 {
     (difference / 2.0_f32.sqrt()).powf(FEATURE_EXPONENT)
 }
 
-/// Blurs as the eye does at this distance. The kernels of one channel sum to 1.
+/// The contrast sensitivity filter. The kernels of one channel sum to 1.
 fn sensitivity_filter() -> Separable<f32, 4> {
     let widest = SENSITIVITY.iter().fold(0.0, |widest: f32, &[_, b]| widest.max(b));
     let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32;
@@ -130,8 +130,8 @@ fn sensitivity_filter() -> Separable<f32, 4> {
     Separable { along_columns: taps.clone(), along_rows: taps, border: Border::Clamp }
 }
 
-/// First derivatives in x and y, then second ones, of a Gaussian. The weights of either sign sum to 1 (for the
-/// Gaussian itself: all of them).
+/// First derivatives in x and y, then second derivatives, of a Gaussian. The weights of each sign sum to 1 (of the
+/// Gaussian itself: all weights).
 fn feature_filter() -> Separable<f32, 4> {
     let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
     let radius = (3.0 * deviation).ceil() as i32;
@@ -180,7 +180,7 @@ fn hunt_adjusted_lab(xyz: [f32; 3]) -> [f32; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// The distance of two colours for large differences (Abasi et al. 2020).
+/// HyAB, a distance for large colour differences (Abasi et al. 2020).
 fn hyab(a: [f32; 3], b: [f32; 3]) -> f32 {
     (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
 }
@@ -207,10 +207,10 @@ mod tests {
         vec![rgb; SIZE[0] * SIZE[1]]
     }
 
-    /// Known answers of flip-evaluator 1.7; by hand, black and white are 100 apart in HyAB, green and blue, the
+    /// Results of flip-evaluator 1.7. In HyAB the distance of black and white is 100, that of green and blue, the
     /// farthest pair, 203.3.
     #[test]
-    fn constant_pictures_are_apart_as_their_colours() {
+    fn constant_pictures_differ_as_their_colours() {
         let flip = Flip::new();
         let (black, white) = ([0.0; 3], [1.0; 3]);
         let (red, green, blue) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_picture_has_no_error_and_order_does_not_matter() {
+    fn equal_pictures_have_no_error_and_flip_is_symmetric() {
         let flip = Flip::new();
         let a: Vec<_> = (0..SIZE[0] * SIZE[1])
             .map(|i| [(i % 7) as f32 / 6.0, (i % 5) as f32 / 4.0, (i % 3) as f32 / 2.0])
@@ -233,7 +233,7 @@ mod tests {
         assert!(errors.iter().all(|error| (0.0..=1.0).contains(error)));
     }
 
-    /// A ramp has the same first derivative everywhere, and no second one.
+    /// A ramp has a constant first derivative and no second derivative.
     #[test]
     fn features_are_derivatives() {
         let flip = Flip::new();

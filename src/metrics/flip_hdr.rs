@@ -1,9 +1,9 @@
-//! HDR-FLIP (Andersson et al., *Visualizing Errors in Rendered High Dynamic Range Images*, 2021): FLIP at
-//! every exposure at which the reference shows something, of which the largest error counts.
+//! HDR-FLIP (Andersson et al., *Visualizing Errors in Rendered High Dynamic Range Images*, 2021): the
+//! maximum of FLIP over the reference's range of exposures.
 //!
-//! In: two pictures of linear RGB, of which negative values count as 0. Out: the error of each pixel, 0 to 1.
-//! Exposures go in steps of about one stop from where the reference's brightest pixel to where its median
-//! comes out of the tone mapper at 0.85.
+//! In: two pictures of linear RGB; negative values count as 0. Out: the error of each pixel, 0 to 1. Exposures, about
+//! one stop apart, range from the one that tone-maps the reference's brightest pixel to 0.85 to the one that does so
+//! for its median.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,34 +13,33 @@ use super::flip::Flip;
 
 /// The ACES curve `(a c² + b c) / (d c² + e c + f)` (Narkowicz 2015, without its pre-exposure of 0.6).
 const ACES: [f32; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
-/// What the tone mapper makes of the ends of the range.
-const SHOWN: f32 = 0.85;
-/// Values from here on are white at every exposure; beyond, squares leave the range of f32.
+/// Tone-mapped value at the ends of the range.
+const TARGET: f32 = 0.85;
+/// Values from here on are white at every exposure; squares of larger ones would overflow f32.
 const WHITE: f32 = 1.0e6;
 
 /// The exposures at which pictures were compared, in stops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Exposures {
-    /// The darkest.
+    /// The lowest.
     pub start: f32,
-    /// The brightest.
+    /// The highest.
     pub stop: f32,
-    /// How many, in even steps; at least 2.
+    /// Number of equidistant exposures; at least 2.
     pub count: u32,
 }
 
 impl Exposures {
     /// The range of `reference` (section 3).
     pub(super) fn of(reference: &[[f32; 3]]) -> Self {
-        // The median of a picture that is mostly black is taken for this, as the authors' program does; it
-        // also stands for the brightest pixel of a black one.
+        // Lower bound of the median, as in the authors' program, and of the brightest pixel.
         const DARKEST: f32 = f32::EPSILON;
         let mut luminances: Vec<f32> =
             reference.iter().map(|&rgb| luminance(not_negative(rgb)) as f32).collect();
         let brightest = luminances.iter().fold(DARKEST, |brightest, &luminance| brightest.max(luminance));
         let middle = luminances.len() / 2;
         let median = luminances.select_nth_unstable_by(middle, f32::total_cmp).1.max(DARKEST);
-        let [start, stop] = [brightest, median].map(|luminance| (shown_value() / luminance).log2());
+        let [start, stop] = [brightest, median].map(|luminance| (target_value() / luminance).log2());
         Self { start, stop, count: (stop - start).ceil().max(2.0) as u32 }
     }
 
@@ -78,11 +77,11 @@ fn tone_mapped(picture: &[[f32; 3]], factor: f32) -> Vec<[f32; 3]> {
     picture.par_iter().map(|&rgb| not_negative(rgb).map(curve)).collect()
 }
 
-/// The value that the tone mapper shows as [`SHOWN`].
-fn shown_value() -> f32 {
+/// The value that the tone mapper maps to [`TARGET`].
+fn target_value() -> f32 {
     let [a, b, d, e, f] = ACES;
     // The greater root of (a - s d) c² + (b - s e) c - s f = 0.
-    let (square, linear, constant) = (a - SHOWN * d, b - SHOWN * e, -SHOWN * f);
+    let (square, linear, constant) = (a - TARGET * d, b - TARGET * e, -TARGET * f);
     let half = -0.5 * linear / square;
     half + (half * half - constant / square).sqrt()
 }
@@ -99,9 +98,9 @@ mod tests {
         values.into_iter().map(|value| [value; 3]).collect()
     }
 
-    /// Known answers: the parameters that flip-evaluator 1.7 reports for the same pictures.
+    /// The parameters that flip-evaluator 1.7 reports for the same pictures.
     #[test]
-    fn exposures_are_those_of_the_authors_program() {
+    fn exposures_match_the_authors_program() {
         for (picture, start, stop, count) in [
             (grey((1..=64).map(|i| i as f32)), -4.916_702_7, -3.961_097, 2),
             (grey([1.0; 64]), 1.083_297_3, 1.083_297_3, 2),
@@ -117,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_black_reference_still_shows_what_is_not_black() {
+    fn a_black_reference_differs_from_a_picture_that_is_not_black() {
         let (black, size) = (grey([0.0; 400]), [20, 20]);
         let exposures = Exposures::of(&black);
         assert_eq!((exposures.start, exposures.count), (exposures.stop, 2));

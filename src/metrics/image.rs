@@ -1,9 +1,9 @@
-//! A picture to be compared.
+//! A picture to compare.
 
 use super::MetricsError;
 use super::colour::{linear_to_srgb, luminance, srgb_to_linear};
 
-/// What the values of a picture mean.
+/// The encoding of a picture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
@@ -23,11 +23,11 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of linear RGB. `name` is what errors call it; `size` is width and height; pixels go by rows
-    /// from the top left.
+    /// A picture of linear RGB. `name` appears in errors; `size` is width and height; pixels are in rows from the top
+    /// left.
     ///
     /// # Errors
-    /// If there are not width times height pixels, at least one, or one of them is not finite.
+    /// If the number of pixels is not width times height or is 0, or a value is not finite.
     pub fn from_linear(
         name: impl Into<String>,
         size: [usize; 2],
@@ -67,7 +67,7 @@ impl Image {
         Ok(Self { name, size, encoding, pixels })
     }
 
-    /// What errors call it: the file, with its layer.
+    /// Its name in errors: the file, with its layer.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -77,12 +77,12 @@ impl Image {
         self.size
     }
 
-    /// What the values mean.
+    /// The encoding of the values.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// The values, by rows from the top left.
+    /// The values, in rows from the top left.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.pixels
     }
@@ -103,8 +103,7 @@ impl Image {
         }
     }
 
-    /// Display values: those of a linear picture are brightened by `exposure` stops, clamped to [0, 1] and
-    /// encoded as sRGB.
+    /// Display values: a linear picture is exposed by `exposure` stops, clamped to [0, 1] and encoded as sRGB.
     pub(super) fn display(&self, exposure: f32) -> Vec<[f32; 3]> {
         match self.encoding {
             Encoding::Linear => self.mapped(|value| linear_to_srgb(value * exposure.exp2())),
@@ -116,7 +115,7 @@ impl Image {
         self.pixels.iter().map(|&rgb| rgb.map(&map)).collect()
     }
 
-    /// Fails unless the two can be compared.
+    /// Fails if size or encoding differ.
     pub(super) fn check_comparable(&self, reference: &Self) -> Result<(), MetricsError> {
         if self.encoding != reference.encoding {
             let (display, linear) = match self.encoding {

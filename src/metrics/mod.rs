@@ -1,9 +1,9 @@
-//! How far a picture is from its reference.
+//! Error metrics of a picture against its reference.
 //!
 //! In: two pictures of one size, both linear (EXR) or both of display values (PNG). Out: [`Metrics`], and an
-//! error for each pixel. Errors of values are in the values' own units. Luminance is linear always; display
-//! values are decoded first. PSNR and SSIM are of display values; linear pictures are first brightened by an
-//! exposure, clamped to [0, 1] and encoded as sRGB.
+//! error for each pixel. MAE and RMSE are in the units of the values. Luminance is always linear; display
+//! values are decoded first. PSNR and SSIM are of display values; linear pictures are first exposed, clamped to [0, 1]
+//! and encoded as sRGB.
 
 mod colour;
 mod convolve;
@@ -30,10 +30,10 @@ use crate::statistics::mean;
 use differences::{Luminances, MeanErrors, p95};
 use flip::Flip;
 
-/// What can be chosen in a comparison.
+/// Options of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompareOptions {
-    /// Stops by which linear pictures are brightened for PSNR and SSIM.
+    /// Exposure of linear pictures for PSNR and SSIM, stops.
     pub exposure: f32,
     /// Side of the blocks in pixels, at least 1.
     pub block_side: usize,
@@ -45,47 +45,47 @@ impl Default for CompareOptions {
     }
 }
 
-/// How far a picture is from its reference. In JSON an infinite figure is null.
+/// Metrics of a picture against its reference. In JSON an infinite value is null.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Mean absolute error of the values of all channels.
+    /// Mean absolute error over all channels.
     pub mae: f64,
     /// Root of the mean squared error.
     pub rmse: f64,
     /// Mean of (a - b)² / (b² + 0.01), b being the reference.
     pub relmse: f64,
-    /// Peak signal-to-noise ratio of display values, dB, the peak being 1; infinite where they are the same.
+    /// Peak signal-to-noise ratio of display values, dB, for a peak of 1; infinite for equal pictures.
     pub psnr: f64,
     /// Structural similarity of display values, -1 to 1.
     pub ssim: f64,
     /// Mean FLIP error, 0 to 1; HDR-FLIP of linear pictures.
     pub flip: f64,
-    /// Mean luminance over that of the reference; infinite where only the reference is black.
+    /// Mean luminance over that of the reference; infinite if only the reference is black.
     pub mean_ratio: f64,
     /// Mean over the pixels of the relative error of luminance, |a - b| / max(b, 1 % of the mean of b);
-    /// infinite where the whole reference is black and the picture is not.
+    /// infinite if the whole reference is black and the picture is not.
     pub mean_relative_error: f64,
-    /// Its 95th percentile: the least that 95 % of the pixels do not exceed.
+    /// Its 95th percentile over the pixels (nearest rank).
     pub p95_relative_error: f64,
-    /// The same of the means over blocks of pixels.
+    /// The relative error of the means over blocks of pixels.
     pub blocks: Blocks,
 }
 
 /// The relative errors of the mean luminance of square blocks of pixels, against max(b, 1 % of the mean of b)
-/// as for pixels. Blocks at the right and lower edge may be smaller.
+/// as for pixels. Blocks at the right and lower border may be smaller.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Blocks {
     /// Side of a block in pixels.
     pub side: usize,
-    /// How many there are.
+    /// Number of blocks.
     pub count: usize,
     /// Their mean.
     pub mean_relative_error: f64,
     /// Their 95th percentile.
     pub p95_relative_error: f64,
-    /// The share of blocks with an error of at most 0.03.
+    /// The fraction of blocks with an error of at most 0.03.
     pub within_3_percent: f64,
-    /// The share of blocks with an error of at most 0.05.
+    /// The fraction of blocks with an error of at most 0.05.
     pub within_5_percent: f64,
 }
 
@@ -94,17 +94,17 @@ pub struct Blocks {
 pub struct Comparison {
     /// Width and height of the pictures.
     pub size: [usize; 2],
-    /// What their values mean.
+    /// The encoding of their values.
     pub encoding: Encoding,
-    /// The figures.
+    /// The metrics.
     pub metrics: Metrics,
-    /// The FLIP error of each pixel, 0 to 1, by rows from the top left.
+    /// The FLIP error of each pixel, 0 to 1, in rows from the top left.
     pub flip_errors: Vec<f32>,
     /// The exposures of HDR-FLIP; none for display values.
     pub exposures: Option<Exposures>,
 }
 
-/// Errors of single pixels other than FLIP's.
+/// Per-pixel errors besides FLIP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelError {
     /// The mean over the channels of the absolute error; its mean is [`Metrics::mae`].
@@ -116,7 +116,7 @@ pub enum PixelError {
 /// Compares `image` with `reference`.
 ///
 /// # Errors
-/// If they are not of one size and encoding.
+/// If size or encoding differ.
 pub fn compare(
     image: &Image,
     reference: &Image,
@@ -144,10 +144,10 @@ pub fn compare(
     Ok(Comparison { size: image.size(), encoding: image.encoding(), metrics, flip_errors, exposures })
 }
 
-/// The errors of each pixel, by rows from the top left.
+/// The errors of each pixel, in rows from the top left.
 ///
 /// # Errors
-/// If the pictures are not of one size and encoding.
+/// If size or encoding differ.
 pub fn pixel_errors(image: &Image, reference: &Image, kind: PixelError) -> Result<Vec<f32>, MetricsError> {
     image.check_comparable(reference)?;
     let pairs = || image.pixels().iter().zip(reference.pixels());

@@ -1,6 +1,6 @@
-//! Reading pictures: PNG as display values, OpenEXR as linear ones. The first bytes tell which it is.
+//! Reads pictures: PNG as display values, OpenEXR as linear values. The signature determines the format.
 //!
-//! Of a PNG, grey becomes RGB and alpha is ignored; colour profiles are not applied, the values count as sRGB.
+//! In a PNG, grey becomes RGB, alpha and colour profiles are ignored; the values count as sRGB.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -10,27 +10,26 @@ use image::{ImageFormat, ImageReader, Limits};
 use super::read_exr::read_exr;
 use super::{Image, MetricsError};
 
-/// The largest side of a picture, pixels; as of `--size`.
-const MOST: usize = 16_384;
+/// The largest side of a picture, pixels; the same as for `--size`.
+const MAX_SIDE: usize = 16_384;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 impl Image {
-    /// Reads a `.png` (8 or 16 bits) or `.exr` (half, float or whole numbers). `layer` names the layer of an
-    /// EXR, of one with several parts or with channels like `NAME.R`; otherwise it is the first with R, G and
-    /// B, or with Y alone, which is grey.
+    /// Reads a `.png` (8 or 16 bits) or `.exr` (half, float or uint). `layer` names a layer of an EXR: a part, or the
+    /// prefix of channels like `NAME.R`; by default the first layer with R, G and B, or with Y alone, which is grey.
     ///
     /// # Errors
-    /// Each names the file: if it cannot be read, is broken, is something else, has no such layer, or has a
-    /// pixel that is not finite.
+    /// Each names the file: if it cannot be read or decoded, has another format, has no such layer, or has a pixel
+    /// that is not finite.
     pub fn read(path: &Path, layer: Option<&str>) -> Result<Self, MetricsError> {
         let bytes =
             std::fs::read(path).map_err(|source| MetricsError::Read { path: path.to_path_buf(), source })?;
         Self::decode(path, &bytes, layer)
     }
 
-    /// Does what [`Self::read`] does, once the file at `path` has been read into `bytes`.
+    /// Like [`Self::read`], for the content `bytes` of the file `path`.
     ///
     /// # Errors
     /// As for [`Self::read`].
@@ -76,10 +75,10 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), Me
     Ok((size, pixels))
 }
 
-/// Fails before memory is asked for that a broken file only claims to need.
+/// Checks the size before allocating, since a corrupt file may claim any.
 pub(super) fn check_size(path: &Path, [width, height]: [usize; 2]) -> Result<(), MetricsError> {
-    if width.max(height) > MOST {
-        return Err(MetricsError::TooLarge { path: path.to_path_buf(), width, height, most: MOST });
+    if width.max(height) > MAX_SIDE {
+        return Err(MetricsError::TooLarge { path: path.to_path_buf(), width, height, most: MAX_SIDE });
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! Reading one layer of an OpenEXR file, whichever program wrote it.
+//! Reads one layer of an OpenEXR file.
 //!
 //! A layer is a part of the file or, within a part, the channels that share a prefix (`direct.R`). Its pixels
-//! are placed into the display window; what its data window does not cover is black. Alpha is ignored.
+//! are placed in the display window; pixels outside the data window are black. Alpha is ignored.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -14,7 +14,7 @@ use exr::prelude::*;
 use super::MetricsError;
 use super::read::check_size;
 
-/// Where the colours of a picture are: a part, and in it the channels for red, green and blue.
+/// Location of the colours: a part, and its channels for red, green and blue.
 struct Place {
     header: Header,
     channels: [String; 3],
@@ -65,7 +65,7 @@ pub(super) fn read_exr(
     Ok(([window.size.0, window.size.1], pixels))
 }
 
-/// Looks for R, G and B, then for Y.
+/// Finds R, G and B, or else Y.
 fn find(headers: &[Header], layer: Option<&str>) -> Option<Place> {
     let flat = || headers.iter().filter(|header| !header.deep);
     let names = [["R", "G", "B"], ["Y"; 3]];
@@ -74,7 +74,7 @@ fn find(headers: &[Header], layer: Option<&str>) -> Option<Place> {
             prefixes(header, layer).into_iter().find_map(|prefix| {
                 let channels = names.map(|name| format!("{prefix}{name}"));
                 let there = channels.iter().all(|name| has_channel(header, name));
-                // With X and Z, Y is no luminance.
+                // Beside X, Y belongs to a vector.
                 let vector = names[0] == "Y" && has_channel(header, &format!("{prefix}X"));
                 (there && !vector).then(|| Place { header: header.clone(), channels })
             })
@@ -82,7 +82,7 @@ fn find(headers: &[Header], layer: Option<&str>) -> Option<Place> {
     })
 }
 
-/// What the channels of `layer` may begin with in this part.
+/// Possible prefixes of the channels of `layer` in this part.
 fn prefixes(header: &Header, layer: Option<&str>) -> Vec<String> {
     let Some(layer) = layer else { return vec![String::new()] };
     let is_part = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
@@ -103,7 +103,7 @@ fn describe(headers: &[Header]) -> String {
     headers.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// The pixels of the display window. None where a channel has not one value a pixel.
+/// The pixels of the display window. None if a channel is subsampled.
 fn placed(
     layer: &Layer<AnyChannels<FlatSamples>>,
     channels: &[String; 3],

@@ -1,4 +1,4 @@
-//! Metrics of a sequence of pictures: frame by frame, their means, and how much a still scene flickers.
+//! Metrics of a sequence of pictures: by frame, their means, and the temporal error.
 
 use serde::Serialize;
 
@@ -9,9 +9,9 @@ use crate::statistics::mean;
 /// One frame of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameMetrics {
-    /// Its number.
+    /// Frame number.
     pub frame: u64,
-    /// Its distance from the reference.
+    /// Metrics against the reference.
     #[serde(flatten)]
     pub metrics: Metrics,
     /// Mean absolute change of luminance since the frame before; none for the first.
@@ -25,10 +25,10 @@ pub struct FrameMetrics {
 /// A whole sequence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SequenceMetrics {
-    /// The mean of each figure over the frames.
+    /// The mean of each metric over the frames.
     #[serde(flatten)]
     pub means: Metrics,
-    /// The mean of all changes from frame to frame (Schied et al. 2017); none of a single frame.
+    /// The mean of all changes from frame to frame (Schied et al. 2017); none for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temporal_error: Option<f64>,
     /// The same of the reference, if it is a sequence.
@@ -39,7 +39,7 @@ pub struct SequenceMetrics {
     pub frames: Vec<FrameMetrics>,
 }
 
-/// Compares a sequence one frame after the other; keeps the luminance of the last one only.
+/// Compares a sequence frame by frame; keeps only the luminance of the last frame.
 #[derive(Clone, Debug, Default)]
 pub struct Sequence {
     options: CompareOptions,
@@ -48,7 +48,7 @@ pub struct Sequence {
     last: Option<Last>,
 }
 
-/// What is kept of the frame before.
+/// The state of the previous frame.
 #[derive(Clone, Debug)]
 struct Last {
     name: String,
@@ -66,7 +66,7 @@ impl Sequence {
     /// Compares the next frame, number `frame`.
     ///
     /// # Errors
-    /// If the pictures are not of one size and encoding, or not of the size of the frame before.
+    /// If size or encoding differ, or the size is not that of the previous frame.
     pub fn push(&mut self, frame: u64, image: &Image, reference: &Image) -> Result<Comparison, MetricsError> {
         let comparison = compare(image, reference, &self.options)?;
         let now = Last {
@@ -89,7 +89,7 @@ impl Sequence {
         Ok(comparison)
     }
 
-    /// The metrics of all frames; none if there are none.
+    /// The metrics of all frames; none without frames.
     pub fn finish(self) -> Option<SequenceMetrics> {
         let mean_change = |change: fn(&FrameMetrics) -> Option<f64>| {
             let changes: Vec<f64> = self.frames.iter().filter_map(change).collect();
@@ -118,12 +118,12 @@ impl Last {
     }
 }
 
-/// The temporal error of frames of a still scene: the mean over pixels and pairs of frames of the absolute
-/// change of luminance (Schied et al., *Spatiotemporal Variance-Guided Filtering*, 2017). None of fewer than
+/// The temporal error of frames of a static scene: the mean over pixels and pairs of frames of the absolute
+/// change of luminance (Schied et al., *Spatiotemporal Variance-Guided Filtering*, 2017). None for fewer than
 /// two frames.
 ///
 /// # Errors
-/// If the frames are not of one size and encoding.
+/// If size or encoding differ.
 pub fn temporal_error(frames: &[Image]) -> Result<Option<f64>, MetricsError> {
     let luminances: Vec<_> = frames.iter().map(Image::luminances).collect();
     let mut changes = Vec::new();
@@ -134,7 +134,7 @@ pub fn temporal_error(frames: &[Image]) -> Result<Option<f64>, MetricsError> {
     Ok((!changes.is_empty()).then(|| mean(&changes)))
 }
 
-/// The mean of each figure; none of no frames.
+/// The mean of each metric; none without frames.
 fn mean_metrics(frames: &[FrameMetrics]) -> Option<Metrics> {
     let first = frames.first()?.metrics;
     let mean_of = |figure: fn(&Metrics) -> f64| {

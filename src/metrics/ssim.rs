@@ -2,8 +2,8 @@
 //! to Structural Similarity*, 2004).
 //!
 //! In: two pictures of display values in [0, 1]. Out: the mean of the index over pixels and channels, with a
-//! Gaussian window of 11 x 11 pixels and sigma 1.5. The picture goes on mirrored beyond its edge, and the outer
-//! 5 pixels, whose windows reach over it, do not count, except across a side that is shorter than the window.
+//! Gaussian window of 11 x 11 pixels and sigma 1.5. The border is mirrored, and the outer 5 pixels, whose
+//! windows cross the border, do not count, except along a side shorter than the window.
 //! The same convention as scikit-image's `structural_similarity(channel_axis=-1, data_range=1,
 //! gaussian_weights=True, sigma=1.5, use_sample_covariance=False)`.
 
@@ -18,7 +18,7 @@ const RADIUS: usize = 5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// The mean index of two `size` (width, height) pictures: 1 if they are the same, at least -1.
+/// The mean index of two `size` (width, height) pictures: 1 for equal pictures, at least -1.
 pub(super) fn ssim(image: &[[f32; 3]], reference: &[[f32; 3]], size: [usize; 2]) -> f64 {
     let filter = Separable { along_columns: window(), along_rows: window(), border: Border::Mirror };
     let [columns, rows] = size.map(inner);

@@ -1,4 +1,4 @@
-//! Metrics of pictures small enough to compare by hand; tests/metrics/ has larger ones.
+//! Metrics of pictures small enough to check by hand; tests/metrics/ has larger ones.
 
 use super::*;
 
@@ -41,7 +41,7 @@ fn two_pixels_by_hand() {
 }
 
 #[test]
-fn the_same_picture_is_perfect() {
+fn equal_pictures_have_perfect_metrics() {
     let values = || (0..400).map(|i| (i % 23) as f32 * 0.11);
     let display = Image::from_display("a.png", [20, 20], values().map(|v| [v / 3.0; 3]).collect()).unwrap();
     let black = grey(20, vec![0.0; 400]);
@@ -58,7 +58,7 @@ fn the_same_picture_is_perfect() {
 }
 
 #[test]
-fn errors_in_the_black_count_against_a_hundredth_of_the_mean() {
+fn errors_in_black_are_relative_to_a_hundredth_of_the_mean() {
     // The mean is 1, so the black pixel is measured against 0.01 and the dim one too.
     let reference = grey(4, [0.0, 0.005, 1.995, 2.0]);
     let image = grey(4, [0.002, 0.01, 1.995, 1.0]);
@@ -76,7 +76,7 @@ fn errors_in_the_black_count_against_a_hundredth_of_the_mean() {
 }
 
 #[test]
-fn blocks_at_the_edge_are_smaller() {
+fn blocks_at_the_border_are_smaller() {
     // Blocks of 2 x 2 in 5 x 3 pixels: 2 x 2, 2 x 2, 1 x 2 above, 2 x 1, 2 x 1, 1 x 1 below.
     let reference = grey(5, [1.0; 15]);
     let mut values = [1.0; 15];
@@ -108,7 +108,7 @@ fn exposure_changes_psnr_and_ssim_of_linear_pictures_only() {
 }
 
 #[test]
-fn pictures_of_two_sizes_or_kinds_are_refused() {
+fn pictures_of_different_size_or_encoding_are_rejected() {
     let picture = grey(4, [0.5; 8]);
     let wider = Image::from_linear("b.exr", [8, 1], vec![[0.5; 3]; 8]).unwrap();
     let error = compare(&picture, &wider, &CompareOptions::default()).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! OpenEXR: linear radiance and layers, 32 bits a channel, without loss.
+//! OpenEXR: linear radiance and layers, 32-bit float, lossless.
 
 use std::io::{Read, Seek, Write};
 
@@ -8,7 +8,7 @@ use exr::prelude::*;
 use super::{Layer, OutputError, OutputFile, Picture};
 
 impl OutputFile {
-    /// Writes `picture.colour`, and as further parts of the file, each under its own name, the layers.
+    /// Writes `picture.colour` as the first part of the file, and each layer as a further part with its name.
     pub fn save_exr(&self, picture: &Picture) -> std::result::Result<(), OutputError> {
         self.save(|writer| {
             encode(picture, writer).map_err(|error| match error {
@@ -54,7 +54,7 @@ fn layer(
     )
 }
 
-/// Reads back what [`OutputFile::save_exr`] wrote; what is to be shown is not in the file.
+/// Reads a file of [`OutputFile::save_exr`]; it does not contain `display`.
 pub(super) fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
     let image = read()
         .no_deep_data()
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn all_layers_come_back_bit_for_bit() {
+    fn all_layers_round_trip_bit_for_bit() {
         let picture = picture();
         let bytes = encoded(&picture);
         let image = read()
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn it_reads_what_it_wrote() {
+    fn pictures_round_trip() {
         let picture = picture();
         assert_eq!(read_picture(Cursor::new(encoded(&picture))).unwrap(), picture);
         let mut bytes = encoded(&picture);

@@ -1,4 +1,4 @@
-//! Files that appear complete or not at all.
+//! Atomic file output: files appear complete or not at all.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -9,14 +9,14 @@ use tempfile::NamedTempFile;
 
 use super::OutputError;
 
-/// A file to be written: found writable beforehand, written beside its target, moved over it.
+/// An output file: checked to be writable first, written to a temporary file in the same folder, then renamed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
     path: PathBuf,
 }
 
 impl OutputFile {
-    /// Checks that `path` could be written now. Leaves no trace on disk.
+    /// Checks that `path` is writable, without leaving a file behind.
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let file = Self { path: path.into() };
         let folder = file.folder();
@@ -35,12 +35,12 @@ impl OutputFile {
         &self.path
     }
 
-    /// Whether writing this file would write over `other`.
+    /// Whether `other` is the same file.
     pub fn is_same(&self, other: &Path) -> bool {
         identity(&self.path) == identity(other)
     }
 
-    /// Writes the file with `write`. If that fails, what was there before is still there.
+    /// Writes the file with `write`. On failure an existing file is unchanged.
     pub fn save(
         &self,
         write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), OutputError>,
@@ -53,14 +53,14 @@ impl OutputFile {
         self.persist(temporary)
     }
 
-    /// Starts a file that grows over a long time. What was there before stays until [`Growing::finish`].
+    /// Starts a file that is written incrementally. An existing file is unchanged until [`Growing::finish`].
     pub fn grow(self) -> Result<Growing, OutputError> {
         let temporary = self.temporary()?;
         Ok(Growing { writer: BufWriter::new(temporary), file: self })
     }
 
     fn persist(&self, temporary: NamedTempFile) -> Result<(), OutputError> {
-        // Some file systems report a full disk only when told to put everything on it.
+        // Some file systems report a full disk only on sync.
         temporary.as_file().sync_all().map_err(|source| self.error(source))?;
         temporary.persist(self.final_path()).map_err(|error| self.error(error.error))?;
         Ok(())
@@ -91,7 +91,7 @@ impl OutputFile {
         prefix.push(target.file_name().unwrap_or_default());
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".tmp");
-        // Otherwise only the owner could read the picture; the umask still applies.
+        // Temporary files are readable by their owner only; use the default mode instead, to which the umask applies.
         #[cfg(unix)]
         let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
         #[cfg(unix)]
@@ -103,13 +103,13 @@ impl OutputFile {
         folder_of(&self.path)
     }
 
-    /// Where the file really lies: a link is not replaced, but what it points to.
+    /// The target of symbolic links, so that a link's target is replaced, not the link.
     fn final_path(&self) -> PathBuf {
         fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone())
     }
 }
 
-/// A file that is written piece by piece beside its target.
+/// A file that is written incrementally.
 #[derive(Debug)]
 pub struct Growing {
     writer: BufWriter<NamedTempFile>,
@@ -117,19 +117,19 @@ pub struct Growing {
 }
 
 impl Growing {
-    /// Adds to the file.
+    /// Appends to the file.
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), OutputError> {
         self.writer.write_all(bytes).map_err(|source| self.file.error(source))
     }
 
-    /// Moves the file over its target.
+    /// Renames the temporary file to its target.
     pub fn finish(self) -> Result<(), OutputError> {
         let temporary = self.writer.into_inner().map_err(|error| self.file.error(error.into_error()))?;
         self.file.persist(temporary)
     }
 }
 
-/// The one name of a file that may not be there yet.
+/// The canonical path of a file that may not exist yet.
 fn identity(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| {
         let folder = folder_of(path);

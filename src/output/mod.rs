@@ -1,7 +1,6 @@
 //! Pictures and reports on disk: PNG (tone-mapped), EXR (linear) and JSON.
 //!
-//! Where a picture goes is checked before it is rendered ([`PictureTarget::new`]), and whatever is
-//! written appears under its name complete or not at all ([`OutputFile`]).
+//! Targets are checked before rendering ([`PictureTarget::new`]), and files are written atomically ([`OutputFile`]).
 
 mod exr;
 mod file;
@@ -20,78 +19,78 @@ pub use tone_map::{automatic_exposure, tone_map};
 use std::io;
 use std::path::PathBuf;
 
-/// Why something cannot be written; each names the file.
+/// Why a file cannot be written or read; each names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// Neither `.png` nor `.exr`.
     #[error("{0}: unknown kind of picture; the name must end in .png or .exr")]
     UnknownExtension(PathBuf),
-    /// Layers where the format has none.
-    #[error("{0}: --layers needs an .exr file; a .png holds no layers")]
+    /// Layers in a format without layers.
+    #[error("{0}: --layers needs an .exr file; a .png has no layers")]
     LayersInPng(PathBuf),
-    /// A `{frame...}` that means nothing.
+    /// An invalid `{frame...}` placeholder.
     #[error(
-        "{path}: {placeholder} is not a place for the frame number; write {{frame}} or, for four digits, {{frame:04}}, in the file's name"
+        "{path}: {placeholder} is not a valid placeholder; write {{frame}} or, for four digits, {{frame:04}}, in the file's name"
     )]
     Placeholder {
         /// The name with the placeholder.
         path: PathBuf,
-        /// The part at fault.
+        /// The invalid part.
         placeholder: String,
     },
-    /// The folder is not there.
+    /// The folder does not exist.
     #[error("{file}: there is no folder {folder}; create it first")]
     NoFolder {
-        /// What was to be written.
+        /// The file to write.
         file: PathBuf,
-        /// The folder it should lie in.
+        /// Its folder.
         folder: PathBuf,
     },
-    /// The name is taken by something that is not a file.
-    #[error("{0}: is not a file that can be replaced")]
+    /// The path exists but is not a regular file.
+    #[error("{0}: exists and is not a regular file; give another name")]
     NotAFile(PathBuf),
-    /// There is no such file, or the operating system refused.
+    /// The file does not exist or cannot be read.
     #[error("{path}: cannot be read: {}", plain(source))]
     Read {
-        /// What was to be read.
+        /// The file.
         path: PathBuf,
-        /// Why it could not be.
+        /// The system's error.
         source: io::Error,
     },
-    /// Not an OpenEXR file, or a broken one.
-    #[error("{path}: is not a whole OpenEXR picture: {reason}")]
+    /// Not an OpenEXR file, or a corrupt one.
+    #[error("{path}: is not a valid OpenEXR picture: {reason}")]
     Decode {
-        /// What was to be read.
+        /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The decoder's error.
         reason: String,
     },
-    /// The operating system refused.
+    /// The file cannot be written.
     #[error("{path}: cannot be written: {}", plain(source))]
     Write {
-        /// What was to be written.
+        /// The file.
         path: PathBuf,
-        /// Why it could not be.
+        /// The system's error.
         source: io::Error,
     },
-    /// The picture could not be put into its format.
+    /// The picture cannot be encoded.
     #[error("{path}: cannot be encoded: {reason}")]
     Encode {
-        /// What was to be written.
+        /// The file.
         path: PathBuf,
-        /// Why it could not be.
+        /// The encoder's error.
         reason: String,
     },
 }
 
 impl OutputError {
-    /// Whether the name itself is wrong, wherever and whenever it were written.
+    /// Whether the name itself is invalid, independent of the file system.
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::UnknownExtension(_) | Self::LayersInPng(_) | Self::Placeholder { .. })
     }
 }
 
-/// What the operating system said, without the path of the temporary file that tempfile adds.
+/// The system's error, without the path of the temporary file that tempfile adds.
 fn plain(error: &io::Error) -> String {
     match error.raw_os_error().or_else(|| source_code(error)) {
         Some(code) => io::Error::from_raw_os_error(code).to_string(),

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::file::folder_of;
 use super::{OutputError, OutputFile};
 
-/// The name of a picture, or of a sequence of them: then the frame number stands where the name has
-/// `{frame}` or, with leading zeros, `{frame:04}`.
+/// The name of a picture, or of a sequence: then the frame number replaces `{frame}` or, with leading zeros,
+/// `{frame:04}`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NumberedPath {
     path: PathBuf,
@@ -24,7 +24,7 @@ struct FramePlace {
 }
 
 impl NumberedPath {
-    /// Reads a name such as `a.png` or `frames/{frame:04}.exr`.
+    /// Parses a name such as `a.png` or `frames/{frame:04}.exr`.
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let path = path.into();
         let place = frame_place(&path)?;
@@ -36,12 +36,12 @@ impl NumberedPath {
         &self.path
     }
 
-    /// Whether it stands for many files.
+    /// Whether it is a sequence.
     pub fn is_sequence(&self) -> bool {
         self.place.is_some()
     }
 
-    /// The file of frame `frame`; of a single picture always the same.
+    /// The file of frame `frame`; the same for every frame of a single picture.
     pub fn path_of(&self, frame: u64) -> PathBuf {
         match &self.place {
             None => self.path.clone(),
@@ -51,7 +51,7 @@ impl NumberedPath {
         }
     }
 
-    /// Whether writing `file` would write over this picture, or over one of `frames` of this sequence.
+    /// Whether `file` is this picture, or one of `frames` of this sequence.
     pub fn covers(&self, file: &OutputFile, frames: Range<u64>) -> bool {
         let frame = match &self.place {
             None => Some(frames.start),
@@ -60,13 +60,13 @@ impl NumberedPath {
         frame.is_some_and(|frame| frames.contains(&frame) && file.is_same(&self.path_of(frame)))
     }
 
-    /// The frames of a sequence whose files are there, in order.
+    /// The frames of a sequence whose files exist, in ascending order.
     pub fn frames_on_disk(&self) -> io::Result<Vec<u64>> {
         let mut frames = Vec::new();
         for entry in std::fs::read_dir(folder_of(&self.path))? {
             let name = entry?.file_name();
             let frame = self.place.as_ref().zip(name.to_str()).and_then(|(place, name)| place.frame_of(name));
-            // `7` and `07` are one number, but only one of them is a name of this sequence.
+            // `7` and `07` parse to the same number, but only one of them belongs to this sequence.
             frames.extend(frame.filter(|&frame| self.path_of(frame).file_name() == Some(&name)));
         }
         frames.sort_unstable();
@@ -75,7 +75,7 @@ impl NumberedPath {
 }
 
 impl FramePlace {
-    /// The frame whose picture has this file name, if there is one.
+    /// The frame number in this file name, if it belongs to the sequence.
     fn frame_of(&self, name: &str) -> Option<u64> {
         name.strip_prefix(&self.before)?.strip_suffix(&self.after)?.parse().ok()
     }
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn the_frame_number_stands_in_the_name() {
+    fn the_frame_number_replaces_the_placeholder() {
         assert_eq!(name_of("a.png", 12), "a.png");
         assert_eq!(name_of("{frame}.exr", 12), "12.exr");
         assert_eq!(name_of("a-{frame:04}-b.exr", 12), "a-0012-b.exr");
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_in_the_way_is_noticed() {
+    fn files_of_the_sequence_are_covered() {
         let folder = std::env::temp_dir();
         let file = |name: &str| OutputFile::new(folder.join(name)).unwrap();
         let named = |name: &str| NumberedPath::new(folder.join(name)).unwrap();

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::{OutputError, exr};
 
-/// A rendered frame. Pixels go by rows from the top left; every buffer has `width * height` of them.
+/// A rendered frame. Pixels are in rows from the top left; every buffer has `width * height` of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     /// Width in pixels, at least 1.
@@ -16,11 +16,11 @@ pub struct Picture {
     pub height: usize,
     /// Radiance, linear, W/m^2/sr, before exposure.
     pub colour: Vec<[f32; 3]>,
-    /// What is shown: exposed, tone-mapped, sRGB; the fourth channel is not used.
+    /// Display values: exposed, tone-mapped, sRGB; the fourth channel is unused.
     pub display: Vec<[u8; 4]>,
-    /// What else was asked for (`--layers`).
+    /// Further layers (`--layers`).
     pub layers: Vec<Layer>,
-    /// What the picture says about itself, by name; kept in `.exr` only.
+    /// Metadata by name; stored in `.exr` only.
     pub notes: BTreeMap<String, String>,
 }
 
@@ -34,10 +34,10 @@ pub struct Layer {
 }
 
 impl Picture {
-    /// Reads an `.exr` that glowworm wrote: colour, layers and notes. What is to be shown is not in it.
+    /// Reads an `.exr` that glowworm wrote: colour, layers and notes, but no display values.
     ///
     /// # Errors
-    /// Where the file is not there or is no whole OpenEXR picture.
+    /// If the file cannot be read or is not a valid OpenEXR picture.
     pub fn read_exr(path: &Path) -> Result<Self, OutputError> {
         let read_error = |source| OutputError::Read { path: path.to_owned(), source };
         let file = File::open(path).map_err(read_error)?;
@@ -59,7 +59,7 @@ impl Layer {
         Self::of_channels(name, &["X", "Y", "Z"], pixels)
     }
 
-    /// A layer of the first values of each pixel, as many as there are names of channels.
+    /// A layer of the first channels of each pixel, one for each name.
     ///
     /// # Panics
     /// If there are more names than values.

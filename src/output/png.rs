@@ -6,10 +6,10 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 use super::{OutputError, OutputFile, Picture};
 
 impl OutputFile {
-    /// Writes a PNG of 8-bit RGB pixels, by rows from the top left. `size` is width and height.
+    /// Writes a PNG of 8-bit RGB pixels, in rows from the top left. `size` is width and height.
     ///
     /// # Panics
-    /// If there are not width times height pixels of three bytes.
+    /// If `pixels` is not `3 * width * height` bytes long.
     pub fn save_png(&self, size: [u32; 2], pixels: &[u8]) -> Result<(), OutputError> {
         self.save(|writer| {
             let encoded =
@@ -21,7 +21,7 @@ impl OutputFile {
         })
     }
 
-    /// Writes what is shown of a picture as a PNG.
+    /// Writes a picture's display values as a PNG.
     pub fn save_picture(&self, picture: &Picture) -> Result<(), OutputError> {
         // Without the unused fourth channel.
         let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_shown_comes_back() {
+    fn display_values_round_trip() {
         let display: Vec<[u8; 4]> = (0..6).map(|i| [i, 255 - i, 10 * i, 99]).collect();
         let picture = Picture { width: 3, height: 2, display, ..Picture::default() };
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Where the pictures of a run go: one file, or a sequence numbered by `{frame}`.
+//! The picture output of a run: one file, or a sequence numbered by `{frame}`.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ enum Format {
     Exr,
 }
 
-/// The `--out` of a run: its names, format, and whether layers go into it.
+/// The `--out` of a run: file name, format, and whether layers are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureTarget {
     name: NumberedPath,
@@ -19,8 +19,8 @@ pub struct PictureTarget {
 }
 
 impl PictureTarget {
-    /// Reads a target such as `a.png` or `frames/{frame:04}.exr` and checks that it can be written,
-    /// with layers if asked for.
+    /// Parses a target such as `a.png` or `frames/{frame:04}.exr` and checks that it is writable, with `layers` or
+    /// without.
     pub fn new(path: &Path, layers: bool) -> Result<Self, OutputError> {
         let format = match path.extension().and_then(|extension| extension.to_str()) {
             Some(extension) if extension.eq_ignore_ascii_case("png") => Format::Png,
@@ -40,17 +40,17 @@ impl PictureTarget {
         self.name.is_sequence() || frame + 1 == frames
     }
 
-    /// Whether one of the first `frames` pictures would be written over `file`.
+    /// Whether `file` is one of the first `frames` pictures.
     pub fn writes_to(&self, file: &OutputFile, frames: u64) -> bool {
         self.name.covers(file, 0..frames)
     }
 
-    /// Whether pictures are to be read back with their layers.
+    /// Whether layers are written.
     pub fn layers(&self) -> bool {
         self.layers
     }
 
-    /// Writes frame `frame` and says where to.
+    /// Writes frame `frame`; returns its file.
     pub fn write(&self, picture: &Picture, frame: u64) -> Result<PathBuf, OutputError> {
         let path = self.name.path_of(frame);
         let file = OutputFile::new(&path)?;
@@ -61,7 +61,7 @@ impl PictureTarget {
         Ok(path)
     }
 
-    /// Whether pictures keep linear radiance.
+    /// Whether the format stores linear radiance.
     pub fn is_linear(&self) -> bool {
         self.format == Format::Exr
     }
@@ -98,9 +98,9 @@ mod tests {
             ("a", false, "must end in .png or .exr"),
             ("a.jpg", false, "must end in .png or .exr"),
             ("a.png", true, "--layers needs an .exr"),
-            ("a{frame:4}.png", false, "{frame:4} is not a place"),
-            ("a{frame:0x}.png", false, "{frame:0x} is not a place"),
-            ("a{frame.png", false, "{frame is not a place"),
+            ("a{frame:4}.png", false, "{frame:4} is not a valid placeholder"),
+            ("a{frame:0x}.png", false, "{frame:0x} is not a valid placeholder"),
+            ("a{frame.png", false, "{frame is not a valid placeholder"),
             ("{frame}{frame}.png", false, "a second {frame}"),
             ("{frame}/a.png", false, "in the folder's name"),
             ("no such folder/a.png", false, "no folder"),

@@ -1,24 +1,24 @@
-//! From radiance to what is shown, on the CPU: twin of shaders/exposure.comp and shaders/tone_map.comp.
+//! Exposure and tone mapping on the CPU: twin of shaders/passes/exposure.comp and shaders/include/tone_map.glsl.
 //!
-//! In: linear radiance. Out: exposed (Reinhard et al. 2002), through a filmic curve (the ACES fit of Narkowicz
-//! 2015), sRGB.
+//! In: linear radiance. Out: sRGB display values, by automatic exposure (Reinhard et al. 2002) and a filmic curve (the
+//! ACES fit of Narkowicz 2015).
 
 use glam::Vec3;
 
 use super::Picture;
 use crate::scene::luminance;
 
-/// What the log-average luminance becomes.
+/// Target of the log-average luminance.
 const MIDDLE_GREY: f32 = 0.18;
 
-/// Brings the curve's middle grey to where it was before the curve.
+/// Pre-exposure of the curve, which keeps middle grey fixed.
 const CURVE_EXPOSURE: f32 = 0.6;
 
-/// Pixels from one that the histogram counts to the next, in x and y.
+/// Stride of the histogram's pixels, in x and y.
 const HISTOGRAM_STEP: usize = 4;
 
-/// Fills `picture.display` from its colour, with `stops` of exposure or an automatic one over those pixels
-/// that `covered` says show a surface.
+/// Computes `picture.display` from its colour, with `stops` of exposure, or automatic exposure over the pixels that
+/// `covered` marks as showing a surface.
 pub fn tone_map(picture: &mut Picture, stops: Option<f32>, covered: impl Iterator<Item = bool>) {
     let factor = stops.map_or_else(|| automatic_exposure(picture, covered), f32::exp2);
     picture.display = picture
@@ -31,9 +31,9 @@ pub fn tone_map(picture: &mut Picture, stops: Option<f32>, covered: impl Iterato
         .collect();
 }
 
-/// The factor that makes the log-average luminance, without the darkest and brightest tenth, middle grey.
+/// The exposure factor that maps the log-average luminance, without the darkest and brightest tenth, to middle grey.
 pub fn automatic_exposure(picture: &Picture, covered: impl Iterator<Item = bool>) -> f32 {
-    // Eight bins a stop over 2^-16 .. 2^16; what is black or background does not count.
+    // Eight bins a stop over 2^-16 .. 2^16; black and background pixels do not count.
     let mut bins = [0.0f32; 256];
     for ((index, colour), covered) in picture.colour.iter().enumerate().zip(covered) {
         let (x, y) = (index % picture.width, index / picture.width);

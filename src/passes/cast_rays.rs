@@ -9,7 +9,7 @@ use super::tracer::{RayTracer, Tracer};
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
-/// Threads in a row of the dispatch. Twin: `ROW` in shaders/cast_rays.comp.
+/// Threads in a row of the dispatch. Twin: `ROW` in shaders/passes/cast_rays.comp.
 const ROW: u32 = 1 << 20;
 
 /// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.

@@ -1,20 +1,14 @@
-//! Runs of neighbouring triangles with their bounds, so that raster passes draw only what a view can see.
+//! Clusters of neighbouring triangles with their bounds, so that raster passes draw only what a view can see.
 //!
 //! In: meshes, instances and a view's matrix. Out: for the index buffer, an order of triangles in which
-//! neighbours in space are neighbours; for a view, the runs of indices that its frustum may touch; for a part of a view, its
-//! own frustum; for boxes, the part of a view that they may touch.
+//! neighbours in space are neighbours; for a view, the runs of indices that its frustum may touch.
 
-use glam::{Mat4, Vec2, Vec3, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 
 use crate::scene::{Mesh, Pose};
-use crate::vulkan::Area;
 
 /// Most triangles of a cluster: few enough that culling pays, many enough that draws stay few.
 const MAX_TRIANGLES: usize = 256;
-
-/// Most boxes that bound a mesh where it is drawn: more of them are closer to it, but each is looked at in every frame in
-/// which the mesh moves.
-const MAX_BOXES: usize = 32;
 
 /// Neighbouring triangles of one material on one mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,21 +65,9 @@ pub fn cluster(mesh: &Mesh) -> (Vec<Cluster>, Vec<[u32; 3]>) {
     (clusters, order.into_iter().map(|triangle| mesh.triangles[triangle]).collect())
 }
 
-/// Boxes that hold all of a mesh's triangles, in the order of [`cluster`], and little else.
-pub fn boxes_of(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<(Vec3, Vec3)> {
-    let corner = |vertex: &u32| mesh.positions[*vertex as usize];
-    let runs = triangles.chunks(triangles.len().div_ceil(MAX_BOXES).max(1));
-    runs.map(|run| bounds_of(run.iter().flatten().map(corner))).collect()
-}
-
 /// The draws that the frustum of `view_projection` (world to clip space) may touch. Draws that follow one
-/// another in the index buffer become one where `joins` allows it.
-pub fn visible<'a>(
-    draws: impl IntoIterator<Item = &'a Draw>,
-    pose: &Pose,
-    view_projection: &Mat4,
-    joins: impl Fn(&Draw, &Draw) -> bool,
-) -> Vec<Draw> {
+/// another in the index buffer become one where they have the same material.
+pub fn visible(draws: &[Draw], pose: &Pose, view_projection: &Mat4) -> Vec<Draw> {
     let mut seen: Vec<Draw> = Vec::new();
     let mut planes = (u32::MAX, [Vec4::ZERO; 6]);
     for draw in draws {
@@ -100,7 +82,7 @@ pub fn visible<'a>(
             Some(last)
                 if last.instance == draw.instance
                     && last.first + last.count == draw.first
-                    && joins(last, draw) =>
+                    && last.material == draw.material =>
             {
                 last.count += draw.count;
             }
@@ -108,74 +90,6 @@ pub fn visible<'a>(
         }
     }
     seen
-}
-
-/// From object space to the clip space of a part of a view: `matrix` leads to that of the whole view, of `extent` texels.
-/// What touches the area, or nearly, lies in the part's frustum.
-pub fn part_of_view(matrix: &Mat4, area: Area, extent: [u32; 2]) -> Mat4 {
-    // Rounding must not cull what covers a texel at the edge.
-    let area = area.grown(1, extent);
-    let end = area.end();
-    let [x, y] = [0, 1].map(|axis| {
-        let ndc = |texel: u32| 2.0 * texel as f32 / extent[axis] as f32 - 1.0;
-        let (low, high) = (ndc(area.offset[axis]), ndc(end[axis]));
-        (2.0 / (high - low), -(low + high) / (high - low))
-    });
-    let crop = Mat4::from_cols(
-        Vec4::new(x.0, 0.0, 0.0, 0.0),
-        Vec4::new(0.0, y.0, 0.0, 0.0),
-        Vec4::Z,
-        Vec4::new(x.1, y.1, 0.0, 1.0),
-    );
-    crop * *matrix
-}
-
-/// The part of a view of `extent` texels that boxes may touch; `matrix` leads from their space to the view's clip space.
-pub fn area_of_boxes(matrix: &Mat4, boxes: &[(Vec3, Vec3)], extent: [u32; 2]) -> Area {
-    let planes = frustum_planes(matrix);
-    let seen = boxes.iter().filter(|bounds| touches(&planes, **bounds));
-    seen.map(|bounds| {
-        area_of_corners(&box_corners(*bounds).map(|corner| *matrix * corner.extend(1.0)), extent)
-    })
-    .fold(Area::default(), Area::union)
-}
-
-/// The part of a view that may be touched by what has these corners in clip space.
-fn area_of_corners(corners: &[Vec4], extent: [u32; 2]) -> Area {
-    let nearest = corners.iter().map(|corner| corner.w).fold(f32::INFINITY, f32::min);
-    let farthest = corners.iter().map(|corner| corner.w).fold(0.0, f32::max);
-    // What reaches behind the eye has no bounds in the picture; NaNs have none either.
-    let in_front = nearest > 1e-6 * farthest;
-    if !in_front {
-        return Area::whole(extent);
-    }
-    let texels =
-        corners.iter().map(|corner| (corner.truncate().truncate() / corner.w * 0.5 + 0.5) * vec2(extent));
-    let (low, high) = texels
-        .fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), texel| (low.min(texel), high.max(texel)));
-    // As numbers saturate, so do these at 0.
-    let first = (low.floor() - 1.0).min(vec2(extent));
-    let end = (high.ceil() + 1.0).min(vec2(extent));
-    let first = [first.x as u32, first.y as u32];
-    Area {
-        offset: first,
-        extent: [(end.x as u32).saturating_sub(first[0]), (end.y as u32).saturating_sub(first[1])],
-    }
-}
-
-fn vec2(extent: [u32; 2]) -> Vec2 {
-    Vec2::from(extent.map(|side| side as f32))
-}
-
-/// The corners of a box.
-pub fn box_corners((low, high): (Vec3, Vec3)) -> [Vec3; 8] {
-    std::array::from_fn(|corner| {
-        Vec3::new(
-            if corner & 1 == 0 { low.x } else { high.x },
-            if corner & 2 == 0 { low.y } else { high.y },
-            if corner & 4 == 0 { low.z } else { high.z },
-        )
-    })
 }
 
 /// The planes of the clip volume -w <= x, y <= w, 0 <= z <= w in the space that `matrix` comes from; inside
@@ -230,9 +144,6 @@ mod tests {
             }
         }
         assert_eq!(next as usize, 3 * triangles.len());
-        let boxes = boxes_of(&mesh, &triangles);
-        let held = |p: Vec3| boxes.iter().any(|(low, high)| p.cmpge(*low).all() && p.cmple(*high).all());
-        assert!(boxes.len() > 10 && boxes.len() <= MAX_BOXES && mesh.positions.iter().all(|p| held(*p)));
         assert!(clusters.len() > 10 && clusters.is_sorted_by_key(|cluster| cluster.material));
     }
 
@@ -255,37 +166,8 @@ mod tests {
             draw(9, 0.0, 9.0),
             draw(12, 0.0, -1.0),
         ];
-        let seen = visible(&draws, &pose, &matrix, |_, _| true);
+        let seen = visible(&draws, &pose, &matrix);
         let runs: Vec<_> = seen.iter().map(|draw| (draw.first, draw.count)).collect();
         assert_eq!(runs, [(0, 6), (12, 3)]);
-    }
-
-    #[test]
-    fn boxes_lie_within_their_part_of_the_view() {
-        let camera = Camera::looking(Vec3::ZERO, Vec3::NEG_Z);
-        let reversed = Camera { near: 100.0, far: 0.1, ..camera };
-        let matrix = reversed.projection_matrix(1.5) * camera.view_matrix();
-        let extent = [90, 60];
-        let texel = |p: Vec3| {
-            let clip = matrix * p.extend(1.0);
-            (clip.truncate().truncate() / clip.w * 0.5 + 0.5) * vec2(extent)
-        };
-        let seen =
-            |centre: Vec3, half: f32| area_of_boxes(&matrix, &[(centre - half, centre + half)], extent);
-        let area = seen(Vec3::new(0.5, -0.3, -4.0), 0.4);
-        for corner in box_corners((Vec3::new(0.1, -0.7, -4.4), Vec3::new(0.9, 0.1, -3.6))) {
-            let (at, [first, end]) = (texel(corner), [area.offset, area.end()].map(vec2));
-            assert!(at.cmpge(first).all() && at.cmple(end).all(), "{at} is not in {area:?}");
-        }
-        assert!(area.extent[0] < 40 && area.extent[1] < 40, "{area:?} is larger than it need be");
-        assert!(seen(Vec3::new(90.0, 0.0, -4.0), 0.4).is_empty(), "beside the view");
-        assert!(seen(Vec3::new(0.0, 0.0, 4.0), 0.4).is_empty(), "behind the eye");
-        assert_eq!(seen(Vec3::new(0.0, 0.0, -0.2), 0.4), Area::whole(extent), "around the eye");
-        // What lies in the area lies in the frustum of that part, and little else does.
-        let part = part_of_view(&matrix, area, extent);
-        let planes = frustum_planes(&part);
-        let inside = |p: Vec3| touches(&planes, (p, p));
-        assert!(inside(Vec3::new(0.5, -0.3, -4.0)) && inside(Vec3::new(0.1, 0.1, -4.4)));
-        assert!(!inside(Vec3::new(-0.5, -0.3, -4.0)) && !inside(Vec3::new(0.5, 1.2, -4.0)));
     }
 }

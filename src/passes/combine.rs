@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::rows_of_thread;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
 
 /// Bins of the luminance histogram.
 const BINS: u64 = 256;
-/// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/luminance.comp.
+/// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/passes/luminance.comp.
 const STEP: u32 = 4;
 
 /// What the pass reads.
@@ -50,8 +49,6 @@ pub struct CombinePass {
     luminance: Arc<ComputePipeline>,
     exposure: Arc<ComputePipeline>,
     combine: Arc<ComputePipeline>,
-    /// Pixels of a thread. Twin: `ROWS` in shaders/combine.comp.
-    rows: u32,
     display: Image,
     histogram: Buffer,
     factor: Buffer,
@@ -61,14 +58,10 @@ impl CombinePass {
     /// Makes the pipelines and the picture, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
-        let rows = rows_of_thread(device);
-        let constants = [u32::from(device.is_cpu()), rows];
-        let combine = ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &constants)?;
         Ok(Self {
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
-            combine: Arc::new(combine),
-            rows,
+            combine: pipeline("combine", shaders::COMBINE_COMP)?,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -81,7 +74,6 @@ impl CombinePass {
             luminance: Arc::clone(&self.luminance),
             exposure: Arc::clone(&self.exposure),
             combine: Arc::clone(&self.combine),
-            rows: self.rows,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -122,7 +114,7 @@ impl CombinePass {
             .bind_radiance(pass)
             .read("exposure", &self.factor)
             .write("display", &self.display)
-            .dispatch_over([extent[0], extent[1].div_ceil(self.rows)])?;
+            .dispatch_over(extent)?;
         Ok(&self.display)
     }
 }

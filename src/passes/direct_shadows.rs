@@ -1,373 +1,152 @@
-//! `direct_shadows`: a shadow map for each light, as tiles of one atlas. Drawn again when a light or (for directional lights)
-//! the camera has moved; when an instance has, only where it casts its shadow, over what all others cast.
+//! `direct_shadows`: which lights each pixel sees, by one occlusion ray for each light that it faces.
+//!
+//! In: the visible surfaces and the lights. Out: a bit for each light. Exact where shadow maps would need a bias: neither leaks
+//! through walls without thickness nor loses shadows under a grazing light.
 
-use std::mem::offset_of;
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3};
-
-use super::clusters::{Draw, part_of_view, visible};
-use super::outlines::CELLS;
-use super::scene_buffers::{Moved, SceneBuffers, Vertex};
-use super::shadow_tiles::{ShadowPlan, View};
-use super::still::Still;
-use super::structs::{ChangedPart, ShadowTile};
+use super::gbuffer::GBuffer;
+use super::skip::{LastInputs, Version};
+use super::storage_image_array;
+use super::structs::LightData;
 use super::to_u32;
-use super::tracer::Tracer;
-use crate::scene::Pose;
-use crate::vulkan::{
-    Area, Buffer, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, Targets,
-    Upload, VulkanError, shaders, vk,
-};
+use super::tracer::{RayTracer, Tracer};
+use crate::scene::{Light, LightKind, Pose};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
-/// Slope-scaled bias: about the reach of the filter in texels. Negative, since depth is reversed.
-const SLOPE_BIAS: f32 = -1.5;
-
-/// Texels that a lookup may be away from where its surface is: how far receivers are moved, and the filter. Twin: `REACH` in
-/// shaders/changed_tiles.comp.
-const REACH: f32 = 5.0;
+/// Lights whose visibility a texel of one layer holds. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
+const LIGHTS_PER_LAYER: usize = 32;
 
 /// What the pass reads.
-pub struct ShadowInputs<'a> {
-    /// Instances of this frame.
-    pub instances: &'a Buffer,
-    /// The scene.
-    pub scene: &'a SceneBuffers,
-    /// For its alpha masks.
+pub struct DirectShadowsInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// What casts the rays.
     pub tracer: &'a Tracer,
-    /// The instances that are not as in the frame before.
-    pub moved: &'a [Moved],
-    /// Lights, camera and transforms.
-    pub pose: &'a Pose,
-    /// World-space bounds of what casts shadows.
-    pub bounds: (Vec3, Vec3),
-    /// Picture size.
-    pub size: [u32; 2],
+    /// Of the instances, which cast the shadows.
+    pub instances: Version,
+    /// The lights.
+    pub lights: &'a [LightData],
+    /// The same on the device.
+    pub uploaded_lights: &'a Upload,
 }
 
-/// What the pass gives.
-pub struct Shadows<'a> {
-    /// Depth of all tiles, reversed.
-    pub atlas: &'a Image,
-    /// `LightData` of this frame.
-    pub lights: Upload,
-    /// How many.
-    pub light_count: usize,
-    /// `ShadowTile`s of this frame.
-    pub tiles: Upload,
-    /// How many.
-    pub tile_count: u32,
-    /// How many are in a row.
-    pub tile_columns: u32,
-    /// Texels across each.
-    pub tile_size: u32,
-    /// How they differ from those of the frame before.
-    pub change: Change,
-}
-
-/// How lights and shadow maps differ from those of the frame before.
-pub enum Change {
-    /// Not at all.
-    Nothing,
-    /// In a part of each tile.
-    Parts(ChangedParts),
-    /// Altogether.
-    Everything,
-}
-
-/// The shadow maps of a frame before what moves is in them.
-pub struct Prepared {
-    plan: ShadowPlan,
-    change: Change,
-    missing: Missing,
-}
-
-/// What has yet to be drawn into the atlas.
-enum Missing {
-    Nothing,
-    Everything,
-    /// What moves, in a part of each tile.
-    Moved(Vec<Area>),
-}
-
-/// Where shadow maps differ from those of the frame before.
-#[derive(Default)]
-pub struct ChangedParts {
-    /// By tile.
-    pub parts: Vec<ChangedPart>,
-    /// What [`super::outlines::ChangedCells::within_reach`] gives, tile after tile.
-    pub cells: Vec<[u32; 4]>,
-}
-
-impl ChangedParts {
-    fn new(inputs: &ShadowInputs<'_>, plan: &ShadowPlan, areas: &[Area]) -> Self {
-        let reach = (REACH * CELLS as f32 / plan.tile_size as f32).ceil() as usize;
-        let known = inputs.scene.changed_cells(inputs.moved, &plan.tiles, plan.tile_size);
-        let mut changed = Self::default();
-        for ((tile, area), known) in plan.tiles.iter().zip(areas).zip(known) {
-            let mut part = ChangedPart {
-                first: area.offset,
-                end: area.end(),
-                // Where nothing is known of cells, anything in the area may be lit otherwise.
-                nearest: f32::INFINITY,
-                farthest: f32::NEG_INFINITY,
-                ..ChangedPart::default()
-            };
-            if let Some(known) = known {
-                part.nearest = known.nearest + tile.depth_of_offset(known.nearest);
-                part.farthest = known.farthest - tile.depth_of_offset(known.farthest);
-                part.first_row = to_u32(changed.cells.len());
-                changed.cells.extend(known.within_reach(reach));
-            }
-            changed.parts.push(part);
-        }
-        changed
-    }
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    view_projection: Mat4,
-    instance: u32,
-    mask: u32,
-    pad: [u32; 2],
+/// What the output depends on.
+#[derive(PartialEq)]
+struct Key {
+    gbuffer: Version,
+    instances: Version,
+    lights: Vec<LightData>,
 }
 
 /// The pass.
 pub struct DirectShadowsPass {
-    pipeline: GraphicsPipeline,
-    atlas: Image,
-    /// What is in the atlas; none before the first frame.
-    drawn: Option<ShadowPlan>,
-    /// What stands still, as large as the atlas.
-    still: Still<Image>,
+    tracer: RayTracer,
+    pipeline: Arc<ComputePipeline>,
+    /// Bit i of layer l: whether the pixel sees light 32 l + i.
+    visibility: Image,
+    last: LastInputs<Key>,
     device: Arc<Device>,
 }
 
 impl DirectShadowsPass {
-    /// Makes the pipeline.
-    pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
-        let pipeline = GraphicsPipeline::new(
-            device,
-            &GraphicsDescription {
-                name: "direct_shadows",
-                vertex: shaders::DIRECT_SHADOWS_VERT,
-                fragment: shaders::DIRECT_SHADOWS_FRAG,
-                vertex_stride: size_of::<Vertex>() as u32,
-                attributes: &[
-                    (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
-                    (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
-                ],
-                colors: &[],
-                depth_bias: Some([0.0, SLOPE_BIAS]),
-                blend: false,
-                // Without and with an alpha mask.
-                variants: &[0, 1],
-            },
-        )?;
-        let atlas = atlas(device, "shadow_atlas", [1, 1])?;
-        Ok(Self { pipeline, atlas, drawn: None, still: Still::default(), device: Arc::clone(device) })
+    /// Makes the pipeline for a tracer, and the image of `extent` texels.
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let spirv = tracer.of(shaders::DIRECT_SHADOWS_COMP);
+        Ok(Self {
+            tracer,
+            pipeline: Arc::new(ComputePipeline::new(device, "direct_shadows", spirv)?),
+            visibility: visibility(device, extent, 1)?,
+            last: LastInputs::default(),
+            device: Arc::clone(device),
+        })
     }
 
-    /// Plans the shadow maps, and copies what stands still to where they have changed. What is drawn between this and
-    /// [`Self::record`] need not be waited for: raster of both goes on at once.
-    pub fn prepare(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &ShadowInputs<'_>,
-    ) -> Result<Prepared, VulkanError> {
-        let view = View {
-            bounds: inputs.bounds,
-            size: inputs.size,
-            max_extent: self.device.limits().max_image_dimension2_d,
-        };
-        let plan = ShadowPlan::new(inputs.pose, &view);
-        let last = self.drawn.take();
-        let mut change = match &last {
-            Some(last) if *last == plan => Change::Nothing,
-            _ => Change::Everything,
-        };
-        let mut missing = Missing::Nothing;
-        if last.is_none_or(|last| last.tiles != plan.tiles) {
-            self.still.forget();
-            self.make_room(&plan)?;
-            if !plan.tiles.is_empty() {
-                missing = Missing::Everything;
-            }
-        } else if !inputs.moved.is_empty() && !plan.tiles.is_empty() {
-            let areas = changed_areas(inputs, &plan);
-            if areas.iter().any(|area| !area.is_empty()) {
-                missing = self.copy_still(frame, inputs, &plan, &areas)?;
-            }
-            if matches!(change, Change::Nothing) {
-                change = Change::Parts(ChangedParts::new(inputs, &plan, &areas));
-            }
-        }
-        if !matches!(missing, Missing::Nothing) {
-            frame.ready_depth(&self.atlas);
-        }
-        Ok(Prepared { plan, change, missing })
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self {
+            tracer: self.tracer,
+            pipeline: Arc::clone(&self.pipeline),
+            visibility: visibility(&self.device, extent, self.visibility.layers())?,
+            last: LastInputs::default(),
+            device: Arc::clone(&self.device),
+        })
     }
 
-    /// Draws the tiles, or parts of tiles, that are out of date.
+    /// Which tracer it is for.
+    pub fn tracer(&self) -> RayTracer {
+        self.tracer
+    }
+
+    /// What the last frame wrote.
+    pub fn output(&self) -> &Image {
+        &self.visibility
+    }
+
+    /// Of the output.
+    pub fn version(&self) -> Version {
+        self.last.version()
+    }
+
+    /// Casts the rays.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        inputs: &ShadowInputs<'_>,
-        prepared: Prepared,
-    ) -> Result<Shadows<'_>, VulkanError> {
-        let Prepared { plan, change, missing } = prepared;
-        match missing {
-            Missing::Nothing => {}
-            Missing::Everything => {
-                let targets =
-                    Targets::Depth { depth: &self.atlas, area: Area::whole(plan.extent), clear: true };
-                self.draw(frame, inputs, &targets, &whole_tiles(&plan), |_| true)?;
-            }
-            Missing::Moved(areas) => {
-                let parts = parts_of_tiles(&plan, &areas);
-                let area = parts.iter().map(TilePart::in_atlas).fold(Area::default(), Area::union);
-                let targets = Targets::Depth { depth: &self.atlas, area, clear: false };
-                self.draw(frame, inputs, &targets, &parts, |draw| self.still.lacks(draw.instance))?;
-            }
+        inputs: &DirectShadowsInputs<'_>,
+    ) -> Result<&Image, VulkanError> {
+        self.make_room(inputs.lights.len())?;
+        let gbuffer = inputs.gbuffer;
+        let key =
+            Key { gbuffer: gbuffer.version(), instances: inputs.instances, lights: inputs.lights.to_vec() };
+        if self.last.differ(key) && !inputs.lights.is_empty() {
+            let pass = frame
+                .pass("direct_shadows", &self.pipeline)
+                .read("frame_uniforms", inputs.frame)
+                .read("gbuffer_depth", &gbuffer.depth)
+                .read("gbuffer_normal", &gbuffer.normal)
+                .read("lights", inputs.uploaded_lights)
+                .write("direct_shadows", &self.visibility);
+            inputs.tracer.bind(pass).dispatch_over(self.visibility.extent())?;
         }
-        let shadows = Shadows {
-            atlas: &self.atlas,
-            lights: frame.upload(&plan.lights)?,
-            light_count: plan.lights.len(),
-            tiles: frame.upload(&plan.tiles)?,
-            tile_count: to_u32(plan.tiles.len()),
-            tile_columns: plan.extent[0] / plan.tile_size,
-            tile_size: plan.tile_size,
-            change,
-        };
-        self.drawn = Some(plan);
-        Ok(shadows)
+        Ok(&self.visibility)
     }
 
-    fn make_room(&mut self, plan: &ShadowPlan) -> Result<(), VulkanError> {
-        let has = self.atlas.extent();
-        if (0..2).any(|side| has[side] < plan.extent[side]) {
-            // Frames on their way still read the old one.
+    fn make_room(&mut self, lights: usize) -> Result<(), VulkanError> {
+        let layers = to_u32(lights.div_ceil(LIGHTS_PER_LAYER));
+        if layers > self.visibility.layers() {
+            // Frames on their way still read the old image.
             self.device.wait_idle()?;
-            self.atlas = atlas(&self.device, "shadow_atlas", plan.room)?;
-            self.still = Still::default();
+            self.visibility = visibility(&self.device, self.visibility.extent(), layers)?;
         }
         Ok(())
     }
+}
 
-    /// Copies what stands still to where tiles have changed, one area each; tells what is missing then.
-    fn copy_still(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &ShadowInputs<'_>,
-        plan: &ShadowPlan,
-        changed: &[Area],
-    ) -> Result<Missing, VulkanError> {
-        self.still.note(inputs.moved, || atlas(&self.device, "still_shadow_atlas", self.atlas.extent()));
-        let Some(still_atlas) = self.still.picture() else {
-            // No memory for that: then all is drawn.
-            return Ok(Missing::Everything);
-        };
-        if self.still.is_stale() {
-            let targets = Targets::Depth { depth: still_atlas, area: Area::whole(plan.extent), clear: true };
-            let stands = |draw: &Draw| !self.still.lacks(draw.instance);
-            self.draw(frame, inputs, &targets, &whole_tiles(plan), stands)?;
+fn visibility(device: &Arc<Device>, extent: [u32; 2], layers: u32) -> Result<Image, VulkanError> {
+    storage_image_array(device, "direct_shadows", vk::Format::R32_UINT, extent, layers)
+}
+
+/// The lights of a pose that have no area, in the scene's order.
+pub fn lights_of(pose: &Pose) -> Vec<LightData> {
+    pose.lights.iter().filter_map(light_data).collect()
+}
+
+fn light_data(light: &Light) -> Option<LightData> {
+    let (kind, power, inner, outer) = match light.kind {
+        LightKind::Point { intensity } => (0, intensity, 0.0, 0.0),
+        LightKind::Spot { intensity, inner_angle, outer_angle } => {
+            (1, intensity, inner_angle.cos(), outer_angle.cos())
         }
-        let areas: Vec<Area> = parts_of_tiles(plan, changed).iter().map(TilePart::in_atlas).collect();
-        frame.copy_areas("direct_shadows", still_atlas, &self.atlas, &areas);
-        Ok(Missing::Moved(changed.to_vec()))
-    }
-
-    /// Draws what is `wanted` into parts of tiles.
-    fn draw(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &ShadowInputs<'_>,
-        targets: &Targets<'_>,
-        parts: &[TilePart<'_>],
-        wanted: impl Fn(&Draw) -> bool,
-    ) -> Result<(), VulkanError> {
-        let masks = &inputs.scene.masks;
-        let mask = |draw: &Draw| masks[draw.material as usize];
-        // Materials without a mask cast the same shadow, so one draw does for many.
-        let joins = |last: &Draw, next: &Draw| mask(last) == mask(next);
-        let pass = frame.draw_pass("direct_shadows", &self.pipeline).read("instances", inputs.instances);
-        inputs.tracer.bind_masks(pass).draw(targets, |list| {
-            list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-            for part in parts {
-                let TilePart { tile, area, extent } = *part;
-                list.viewport(Area { offset: part.corner(), extent }, part.in_atlas());
-                let view = part_of_view(&tile.view_projection, area, extent);
-                let draws = inputs.scene.shadow_draws.iter().filter(|draw| wanted(draw));
-                for draw in &visible(draws, inputs.pose, &view, joins) {
-                    list.variant(usize::from(mask(draw) != 0));
-                    list.cull(inputs.scene.culled(draw.instance, inputs.pose, &tile.view_projection));
-                    let push = Push {
-                        view_projection: tile.view_projection,
-                        instance: draw.instance,
-                        mask: mask(draw),
-                        pad: [0; 2],
-                    };
-                    list.draw(&push, draw.first, draw.count);
-                }
-            }
-        })
-    }
-}
-
-/// A part of a tile.
-#[derive(Clone, Copy)]
-struct TilePart<'a> {
-    tile: &'a ShadowTile,
-    /// Texels across all of it.
-    extent: [u32; 2],
-    /// The part, counted from the tile's first texel.
-    area: Area,
-}
-
-impl TilePart<'_> {
-    /// The tile's first texel in the atlas.
-    fn corner(&self) -> [u32; 2] {
-        [self.tile.rectangle.x as u32, self.tile.rectangle.y as u32]
-    }
-
-    /// The part, counted from the atlas' first texel.
-    fn in_atlas(&self) -> Area {
-        self.area.moved(self.corner())
-    }
-}
-
-fn whole_tiles(plan: &ShadowPlan) -> Vec<TilePart<'_>> {
-    parts_of_tiles(plan, &vec![Area::whole([plan.tile_size; 2]); plan.tiles.len()])
-}
-
-/// A part of each tile, but for those that are empty.
-fn parts_of_tiles<'a>(plan: &'a ShadowPlan, areas: &[Area]) -> Vec<TilePart<'a>> {
-    let extent = [plan.tile_size; 2];
-    let parts = plan.tiles.iter().zip(areas).map(|(tile, &area)| TilePart { tile, extent, area });
-    parts.filter(|part| !part.area.is_empty()).collect()
-}
-
-/// Where instances cast other shadows than in the frame before: the part of each tile.
-fn changed_areas(inputs: &ShadowInputs<'_>, plan: &ShadowPlan) -> Vec<Area> {
-    let extent = [plan.tile_size; 2];
-    let area = |tile: &ShadowTile| inputs.scene.area_of(inputs.moved, &tile.view_projection, extent);
-    plan.tiles.iter().map(area).collect()
-}
-
-fn atlas(device: &Arc<Device>, name: &str, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    Image::new(
-        device,
-        &ImageDescription {
-            name,
-            format: vk::Format::D32_SFLOAT,
-            extent,
-            layers: None,
-            levels: 1,
-            usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
-        },
-    )
+        LightKind::Directional { irradiance } => (2, irradiance, 0.0, 0.0),
+        LightKind::Area { .. } => return None,
+    };
+    Some(LightData {
+        position: light.position.extend(inner),
+        direction: light.direction.extend(outer),
+        power: power.extend(0.0),
+        kind,
+        ..LightData::default()
+    })
 }

@@ -1,22 +1,19 @@
-//! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster. What was drawn last stands
-//! for as long as the camera does, but for the part of the picture where something has moved: there, that is drawn over what
-//! stands still.
+//! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster.
 
 use std::mem::offset_of;
-
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use super::clusters::{Draw, part_of_view, visible};
+use super::clusters::visible;
 use super::scene_buffers::{Instances, SceneBuffers, Vertex};
-use super::still::Still;
+use super::skip::{LastInputs, Version};
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Area, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets,
-    Targets, Upload, VulkanError, shaders, vk,
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
+    Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -35,10 +32,12 @@ pub struct GBuffer {
     pub normal: Image,
     /// rgb: diffuse albedo, linear.
     pub albedo: Image,
-    /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides, bit 30 where it may move.
+    /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides.
     pub instance: Image,
     /// What raster compares by.
     nearest: Image,
+    /// View and instances that the images show.
+    last: LastInputs<(Mat4, Version)>,
 }
 
 impl GBuffer {
@@ -58,25 +57,14 @@ impl GBuffer {
                 vk::Format::D32_SFLOAT,
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             )?,
+            last: LastInputs::default(),
         })
     }
 
-    fn images(&self) -> [&Image; 5] {
-        [&self.depth, &self.normal, &self.albedo, &self.instance, &self.nearest]
+    /// Of all images.
+    pub fn version(&self) -> Version {
+        self.last.version()
     }
-}
-
-/// The visible surfaces of a frame.
-#[derive(Clone, Copy)]
-pub struct Surfaces<'a> {
-    /// Their images.
-    pub gbuffer: &'a GBuffer,
-    /// Where they may not be those of the frame before.
-    pub changed: Area,
-    /// Where they may not though neither these nor those are of instances that may move.
-    pub anew: Area,
-    /// Where they may be of instances that may move.
-    pub movers: Area,
 }
 
 /// What the pass reads.
@@ -102,23 +90,11 @@ struct Push {
     material: u32,
 }
 
-/// A part of targets, and whether what is there goes first.
-struct DrawnInto<'a> {
-    targets: &'a GBuffer,
-    area: Area,
-    clear: bool,
-}
-
 /// The pass.
 pub struct GBufferPass {
     pipeline: Arc<GraphicsPipeline>,
     materials: Arc<MaterialSets>,
     targets: GBuffer,
-    /// The view that the targets show; none before the first frame.
-    drawn: Option<Mat4>,
-    /// The same view of what stands still.
-    still: Still<GBuffer>,
-    device: Arc<Device>,
 }
 
 impl GBufferPass {
@@ -138,7 +114,6 @@ impl GBufferPass {
                 vertex_stride: size_of::<Vertex>() as u32,
                 attributes: &attributes,
                 colors: &FORMATS,
-                depth_bias: None,
                 blend: false,
                 // Without and with an alpha mask.
                 variants: &[0, 1],
@@ -151,9 +126,6 @@ impl GBufferPass {
             pipeline: Arc::new(pipeline),
             materials: Arc::new(materials),
             targets: GBuffer::new(device, extent)?,
-            drawn: None,
-            still: Still::default(),
-            device: Arc::clone(device),
         })
     }
 
@@ -163,9 +135,6 @@ impl GBufferPass {
             pipeline: Arc::clone(&self.pipeline),
             materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
-            drawn: None,
-            still: Still::default(),
-            device: Arc::clone(device),
         })
     }
 
@@ -174,93 +143,41 @@ impl GBufferPass {
         &self.targets
     }
 
-    /// Draws the scene where what was drawn last does not stand.
+    /// Draws the scene.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
-    ) -> Result<Surfaces<'_>, VulkanError> {
-        let extent = self.targets.depth.extent();
-        let whole = Area::whole(extent);
-        let moved = &inputs.instances.moved;
-        let (changed, anew) = if self.drawn.take() == Some(inputs.view_projection) {
-            let changed = inputs.scene.area_of(moved, &inputs.view_projection, extent);
-            if !changed.is_empty() {
-                self.draw_moved(frame, inputs, changed)?;
-            }
-            let new = moved.iter().filter(|moved| !moved.could_move);
-            (changed, inputs.scene.area_of(new, &inputs.view_projection, extent))
-        } else {
-            self.still.forget();
-            let into = DrawnInto { targets: &self.targets, area: whole, clear: true };
-            self.draw(frame, inputs, &into, |_| true)?;
-            (whole, whole)
-        };
-        self.drawn = Some(inputs.view_projection);
-        let movers = inputs.instances.movers.iter().copied();
-        let movers = inputs.scene.area_of_places(movers, &inputs.view_projection, extent);
-        Ok(Surfaces { gbuffer: &self.targets, changed, anew, movers })
+    ) -> Result<&GBuffer, VulkanError> {
+        let key = (inputs.view_projection, inputs.instances.version);
+        if self.targets.last.differ(key) {
+            self.draw(frame, inputs)?;
+        }
+        Ok(&self.targets)
     }
 
-    /// Draws what moves over what stands still, in a part of the picture.
-    fn draw_moved(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &GBufferInputs<'_>,
-        area: Area,
-    ) -> Result<(), VulkanError> {
-        let extent = self.targets.depth.extent();
-        self.still.note(&inputs.instances.moved, || GBuffer::new(&self.device, extent));
-        let Some(still_targets) = self.still.picture() else {
-            // No memory for that: then all is drawn, still only here.
-            let into = DrawnInto { targets: &self.targets, area, clear: true };
-            return self.draw(frame, inputs, &into, |_| true);
-        };
-        if self.still.is_stale() {
-            let into = DrawnInto { targets: still_targets, area: Area::whole(extent), clear: true };
-            self.draw(frame, inputs, &into, |draw| !self.still.lacks(draw.instance))?;
-        }
-        for (source, target) in still_targets.images().into_iter().zip(self.targets.images()) {
-            frame.copy_areas("gbuffer", source, target, &[area]);
-        }
-        let into = DrawnInto { targets: &self.targets, area, clear: false };
-        self.draw(frame, inputs, &into, |draw| self.still.lacks(draw.instance))
-    }
-
-    /// Draws what is `wanted`.
-    fn draw(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &GBufferInputs<'_>,
-        into: &DrawnInto<'_>,
-        wanted: impl Fn(&Draw) -> bool,
-    ) -> Result<(), VulkanError> {
-        let DrawnInto { targets, area, clear } = *into;
-        let part = part_of_view(&inputs.view_projection, area, targets.depth.extent());
-        let draws = inputs.scene.draws.iter().filter(|draw| wanted(draw));
-        let draws = visible(draws, inputs.pose, &part, |last, next| last.material == next.material);
-        let colors = [&targets.depth, &targets.normal, &targets.albedo, &targets.instance];
+    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
+        let GBuffer { depth, normal, albedo, instance, nearest, .. } = &self.targets;
+        let scene = inputs.scene;
+        let draws = visible(&scene.draws, inputs.pose, &inputs.view_projection);
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
             .read("instances", &*inputs.instances.data)
-            .read("materials", &inputs.scene.materials);
-        inputs.tracer.bind_masks(pass).draw(
-            &Targets::Surfaces { colors: &colors, depth: &targets.nearest, area, clear },
-            |list| {
-                list.geometry(&inputs.scene.vertices, &inputs.scene.indices);
-                let mut bound = None;
-                for draw in &draws {
-                    if bound != Some(draw.material) {
-                        list.variant(usize::from(inputs.scene.masks[draw.material as usize] != 0));
-                        list.material(&self.materials, draw.material as usize);
-                        bound = Some(draw.material);
-                    }
-                    list.cull(inputs.scene.culled(draw.instance, inputs.pose, &inputs.view_projection));
-                    let push = Push { instance: draw.instance, material: draw.material };
-                    list.draw(&push, draw.first, draw.count);
+            .read("materials", &scene.materials);
+        let targets = Targets::Cleared { colors: &[depth, normal, albedo, instance], depth: nearest };
+        inputs.tracer.bind_masks(pass).draw(&targets, |list| {
+            list.geometry(&scene.vertices, &scene.indices);
+            let mut bound = None;
+            for draw in &draws {
+                if bound != Some(draw.material) {
+                    list.variant(usize::from(scene.masks[draw.material as usize] != 0));
+                    list.material(&self.materials, draw.material as usize);
+                    bound = Some(draw.material);
                 }
-            },
-        )
+                let push = Push { instance: draw.instance, material: draw.material };
+                list.draw(&push, draw.first, draw.count);
+            }
+        })
     }
 }

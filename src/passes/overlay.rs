@@ -49,7 +49,6 @@ impl OverlayPass {
             vertex_stride: 0,
             attributes: &[],
             colors: &[vk::Format::R8G8B8A8_UNORM],
-            depth_bias: None,
             blend: true,
             variants: &[0],
         };

@@ -1,4 +1,4 @@
-//! Axes: where values lie, and which of them are written.
+//! Axes: scales and ticks.
 
 use std::ops::Range;
 
@@ -6,47 +6,47 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use super::{round_limit, short};
 
-/// How values are laid out along an axis.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Linear.
     #[default]
     Linear,
-    /// Evenly, from 0 on.
+    /// Linear, from 0.
     FromZero,
-    /// By their logarithms; only positive values can be shown.
+    /// Logarithmic; only positive values can be shown.
     Logarithmic,
 }
 
 /// An axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// What stands beside it: the quantity and its unit.
+    /// Label: the quantity and its unit.
     pub label: String,
-    /// How values lie on it.
+    /// Scale.
     pub scale: Scale,
-    /// Values to be written, with their text; empty: round ones.
+    /// Ticks: values with their labels; empty: automatic.
     pub ticks: Vec<(f64, String)>,
 }
 
-/// An axis as it is drawn: every value has a place.
+/// An axis with its range and ticks in axis coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
     scale: Scale,
-    /// Places of the ends.
+    /// Ends, in axis coordinates.
     range: Range<f64>,
-    /// Places of the ticks, with their text.
+    /// Ticks, in axis coordinates, with their labels.
     ticks: Vec<(f64, String)>,
 }
 
 impl Axis {
-    /// A linear one.
+    /// A linear axis.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), ..Self::default() }
     }
 
-    /// Lays it out for `values`, with `margin` of their range to spare at either end. Without any value there is
-    /// something to be drawn too.
+    /// Fits the axis to `values`, with `margin` times their range at either end. Without values the range is a
+    /// default.
     pub(super) fn layout(&self, values: impl Iterator<Item = f64>, margin: f64) -> Layout {
         let places = values.chain(self.ticks.iter().map(|(value, _)| *value));
         let places = places.map(|value| place(self.scale, value)).filter(|place| place.is_finite());
@@ -66,7 +66,7 @@ impl Axis {
         Layout { scale: self.scale, range, ticks }
     }
 
-    /// Lays out `labels` side by side, at 0, 1, 2, ...
+    /// A categorical axis with `labels` at 0, 1, 2, ...
     pub(super) fn side_by_side<'a>(labels: impl Iterator<Item = &'a str>) -> Layout {
         let ticks: Vec<_> =
             labels.enumerate().map(|(place, label)| (place as f64, label.to_owned())).collect();
@@ -75,7 +75,7 @@ impl Axis {
 }
 
 impl Layout {
-    /// Where a value lies; not finite where it cannot be shown.
+    /// A value in axis coordinates; not finite if it cannot be shown.
     pub fn place(&self, value: f64) -> f64 {
         place(self.scale, value)
     }
@@ -118,7 +118,7 @@ fn place(scale: Scale, value: f64) -> f64 {
     }
 }
 
-/// From the least to the greatest value and `margin` of that beyond; something to be drawn in any case.
+/// The range of `values`, extended by `margin` times its size at either end; never empty.
 fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
         Some(ends.map_or((value, value), |(least, greatest)| (least.min(value), greatest.max(value))))
@@ -130,7 +130,7 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
             least - half..least + half
         }
         Some((least, greatest)) => {
-            // Differences too small for the labels are not blown up.
+            // Do not magnify differences that the labels cannot resolve.
             let middle = 0.5 * least + 0.5 * greatest;
             let half = (0.5 * greatest - 0.5 * least) * (1.0 + 2.0 * margin);
             let half = half.max(1.0e-6 * middle.abs());
@@ -139,7 +139,7 @@ fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     }
 }
 
-/// About five round values.
+/// About five round ticks.
 fn linear_ticks(range: &Range<f64>) -> Vec<f64> {
     let step = round_limit((range.end - range.start) / 6.0);
     let (first, last) = ((range.start / step).ceil(), (range.end / step).floor());
@@ -147,7 +147,7 @@ fn linear_ticks(range: &Range<f64>) -> Vec<f64> {
     (0..=count).map(|i| (first + f64::from(i)) * step).filter(|tick| *tick <= range.end).collect()
 }
 
-/// 1, 2 and 5 times the powers of ten, or over more than three decades these alone.
+/// Powers of ten, and up to three decades also 2 and 5 times these.
 fn logarithmic_ticks(range: &Range<f64>) -> Vec<f64> {
     let steps: &[f64] = if range.end - range.start > 3.0 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let powers = range.start.floor() as i32..=range.end.ceil() as i32;
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_shown_has_no_place() {
+    fn invalid_values_have_no_coordinate() {
         let axis = Axis { scale: Scale::Logarithmic, ..Axis::default() };
         let layout = axis.layout([0.0, 1.0, 100.0].into_iter(), 0.0);
         assert_eq!(layout.range, 0.0..2.0);

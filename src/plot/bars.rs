@@ -1,24 +1,24 @@
-//! Bars of parts that lie on each other, such as the stages of a frame: one panel for each group of bars.
+//! Stacked bar charts, such as the passes of a frame: one panel for each group of bars.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Scale};
-use super::page::{KeyEntry, Page, Panels, Sample};
+use super::page::{LegendEntry, Page, Panels, Sample};
 use super::{Drawn, FONT};
 
-/// Width of a bar, of 1 from one to the next.
+/// Width of a bar, relative to their distance.
 const BAR_WIDTH: f64 = 0.68;
 
 /// A page of panels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bars {
-    /// What stands above.
+    /// Title.
     pub title: String,
-    /// What the parts are, from below, with their colours.
+    /// Names and colours of the stacked parts, from the bottom.
     pub parts: Vec<(String, [u8; 3])>,
-    /// The panels, by rows.
+    /// The panels, in rows.
     pub panels: Vec<BarPanel>,
     /// Panels in a row.
     pub columns: usize,
@@ -29,9 +29,9 @@ pub struct Bars {
 /// Some bars over one axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BarPanel {
-    /// What stands above it.
+    /// Title.
     pub title: String,
-    /// What stands below the bars.
+    /// Label of the x axis.
     pub x_label: String,
     /// The quantity, with its unit.
     pub y_label: String,
@@ -42,17 +42,17 @@ pub struct BarPanel {
 /// One bar.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bar {
-    /// What stands below it.
+    /// Label below the bar.
     pub label: String,
     /// What stands above it.
     pub total: String,
-    /// How long each part is; none below 0.
+    /// Length of each part, at least 0.
     pub parts: Vec<f64>,
 }
 
 impl Panels for Bars {
     fn page(&self) -> Page<'_> {
-        let entry = |(name, colour): &(String, [u8; 3])| KeyEntry {
+        let entry = |(name, colour): &(String, [u8; 3])| LegendEntry {
             name: name.clone(),
             colour: rgb(*colour),
             sample: Sample::Area,

@@ -1,20 +1,20 @@
-//! Curves over a common axis, such as metrics over the frames of a sequence: one panel for each quantity.
+//! Line charts over a common x axis, such as metrics over the frames of a sequence: one panel for each quantity.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::axis::{Axis, Layout, Scale};
-use super::page::{KeyEntry, Page, Panels, Sample};
+use super::page::{LegendEntry, Page, Panels, Sample};
 use super::{Drawn, FONT};
 
 /// A page of panels over one x axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// What stands above.
+    /// Title.
     pub title: String,
-    /// What x is.
+    /// x axis.
     pub x: Axis,
-    /// The panels, by rows.
+    /// The panels, in rows.
     pub panels: Vec<Panel>,
     /// Panels in a row.
     pub columns: usize,
@@ -30,12 +30,12 @@ impl Default for Curves {
     }
 }
 
-/// One quantity.
+/// The chart of one quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
-    /// What stands above it.
+    /// Title.
     pub title: String,
-    /// What y is.
+    /// y axis.
     pub y: Axis,
     /// The curves.
     pub lines: Vec<Line>,
@@ -44,25 +44,25 @@ pub struct Panel {
 /// One curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// What the key calls it: lines of one name look the same in all panels. Without a name there is no entry.
+    /// Name in the legend: lines of one name look the same in all panels. Without a name there is no entry.
     pub name: String,
-    /// Points in the order of x. Where one is not finite there is a gap.
+    /// Points in ascending order of x. A non-finite point makes a gap.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Style.
     pub look: Look,
 }
 
-/// How a curve is drawn.
+/// The style of a curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Look {
     /// A line through the points.
     #[default]
     Plain,
-    /// With a mark at each point.
+    /// With a marker at each point.
     Marked,
-    /// With a mark at each point, and a text beside it.
+    /// With a marker and a text at each point.
     Labelled(Vec<String>),
-    /// A broken grey line.
+    /// A dashed grey line.
     Broken,
 }
 
@@ -71,7 +71,7 @@ impl Panels for Curves {
         let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
         let entry = |name: &str| {
             let broken = lines().any(|line| line.name == name && line.look == Look::Broken);
-            KeyEntry {
+            LegendEntry {
                 name: name.to_owned(),
                 colour: self.colour(name, broken),
                 sample: if broken { Sample::DashedLine } else { Sample::Line },
@@ -126,7 +126,7 @@ impl Panels for Curves {
                 if line.look != Look::Plain {
                     chart.draw_series(points.map(|point| Circle::new(point, 4, colour.filled())))?;
                 } else if let &[point] = piece {
-                    // A line of one point would not be seen.
+                    // A line of one point would be invisible.
                     chart.draw_series([Circle::new(point, 2, colour.filled())])?;
                 }
             }
@@ -171,7 +171,7 @@ fn is_finite((x, y): &(f64, f64)) -> bool {
     x.is_finite() && y.is_finite()
 }
 
-/// Colours that also people with impaired colour vision can tell apart (Okabe and Ito 2008).
+/// A palette for all types of colour vision (Okabe and Ito 2008).
 fn line_colour(index: usize) -> RGBColor {
     const COLOURS: [RGBColor; 7] = [
         RGBColor(0, 114, 178),
@@ -186,7 +186,7 @@ fn line_colour(index: usize) -> RGBColor {
 }
 
 impl Panel {
-    /// A panel whose values lie evenly.
+    /// A panel with a linear y axis.
     pub fn linear(title: &str, lines: Vec<Line>) -> Self {
         Self { title: title.to_owned(), y: Axis { scale: Scale::Linear, ..Axis::default() }, lines }
     }

@@ -1,4 +1,4 @@
-//! A heat map: one value a pixel, as colours (magma), with a title and the scale beside it.
+//! A heat map: one value a pixel in the magma colour map, with a title and a colour bar.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -13,19 +13,19 @@ const BAR_WIDTH: usize = 20;
 const TITLE_SIZE: u32 = 20;
 const LABEL_SIZE: u32 = 16;
 const LABEL_WIDTH: usize = 96;
-/// Small pictures are enlarged by a whole number so that their longer side comes near this.
-const SIDE: usize = 480;
+/// Small pictures are enlarged by an integer factor so that their longer side is close to this.
+const TARGET_SIDE: usize = 480;
 
-/// Values to be shown as colours.
+/// A heat map of a picture's values.
 #[derive(Clone, Debug)]
 pub struct Heatmap<'a> {
-    /// What stands above.
+    /// Title.
     pub title: String,
     /// Width and height.
     pub size: [usize; 2],
-    /// The values, by rows from the top left; width times height of them.
+    /// Width times height values, in rows from the top left.
     pub values: &'a [f32],
-    /// The value of the brightest colour; greater ones look the same. Black is 0.
+    /// The value of the brightest colour; larger values are clamped. Black is 0.
     pub limit: f64,
 }
 
@@ -49,12 +49,12 @@ impl Heatmap<'_> {
 
     fn draw(&self) -> Result<Canvas, String> {
         let [width, height] = self.size;
-        let zoom = (SIDE / width.max(height)).max(1);
+        let zoom = (TARGET_SIDE / width.max(height)).max(1);
         let [map_width, map_height] = [width * zoom, height * zoom];
         let [left, top] = [MARGIN, MARGIN + TITLE_HEIGHT];
         let bar_left = left + map_width + MARGIN;
-        let bar_height = map_height.max(SIDE / 4);
-        // A title is drawn in full, even over a narrow picture.
+        let bar_height = map_height.max(TARGET_SIDE / 4);
+        // Widen the canvas to the title if the picture is narrower.
         let drawn_width = (bar_left + BAR_WIDTH + LABEL_WIDTH).max(2 * MARGIN + title_width(&self.title)?);
         let size = [drawn_width, top + bar_height + MARGIN];
         let mut canvas = Canvas { size, pixels: vec![u8::MAX; 3 * size[0] * size[1]] };
@@ -116,7 +116,7 @@ fn title_width(title: &str) -> Result<usize, String> {
     Ok(usize::try_from(right - left).unwrap_or(0))
 }
 
-/// The least of 1, 2 and 5 times a power of ten that is not below `value`; 1 if that is not a positive number.
+/// Rounds `value` up to 1, 2 or 5 times a power of ten; 1 if it is not a positive number.
 pub fn round_limit(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return 1.0;
@@ -125,7 +125,7 @@ pub fn round_limit(value: f64) -> f64 {
     [1.0, 2.0, 5.0].map(|step| step * power).into_iter().find(|&step| step >= value).unwrap_or(10.0 * power)
 }
 
-/// Round numbers from 0 to `limit`, both among them.
+/// Round ticks from 0 to `limit`, inclusive.
 fn ticks(limit: f64) -> Vec<f64> {
     let step = round_limit(limit / 5.0);
     let below = (0..).map(|i| f64::from(i) * step).take_while(|tick| *tick < limit - 0.5 * step);
@@ -156,7 +156,7 @@ mod tests {
         let file = OutputFile::new(folder.path().join("a.png")).unwrap();
         heatmap.save(&file).unwrap();
         let picture = image::open(file.path()).unwrap().into_rgb8();
-        let zoom = SIDE / 3;
+        let zoom = TARGET_SIDE / 3;
         let at = |x: usize, y: usize| {
             picture.get_pixel((MARGIN + x * zoom) as u32, (MARGIN + TITLE_HEIGHT + y * zoom) as u32).0
         };

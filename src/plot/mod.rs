@@ -1,7 +1,6 @@
-//! Plots: numbers as pictures, in PNG or SVG.
+//! Charts, in PNG or SVG.
 //!
-//! Text in a PNG is drawn with a font that is part of the program, so it looks the same on a machine without
-//! any; an SVG leaves the choice to whoever shows it.
+//! Text in a PNG uses an embedded font, so it needs none on the machine; an SVG leaves the font to its viewer.
 
 mod axis;
 mod bars;
@@ -23,27 +22,27 @@ use plotters::style::register_font;
 
 use crate::output::{OutputError, OutputFile};
 
-/// The family that text is drawn in.
+/// Font family of all text.
 const FONT: &str = "sans-serif";
 
 type Drawn<Canvas> = Result<(), DrawingAreaErrorKind<<Canvas as DrawingBackend>::ErrorType>>;
 
-/// Something that can be drawn, whatever the format.
+/// A chart, independent of the format.
 pub trait Plot {
     /// Width and height in pixels.
     fn size(&self) -> (u32, u32);
 
-    /// Draws it onto a canvas of that size.
+    /// Draws it on a canvas of that size.
     ///
     /// # Errors
     /// Those of the canvas.
     fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas>;
 }
 
-/// The text of a plot as an SVG.
+/// A plot as SVG text.
 ///
 /// # Errors
-/// Why it cannot be drawn.
+/// The reason, if it cannot be drawn.
 pub fn svg_text(plot: &impl Plot) -> Result<String, String> {
     let mut text = String::new();
     draw(plot, &SVGBackend::with_string(&mut text, plot.size()).into_drawing_area())?;
@@ -55,27 +54,27 @@ fn draw<Canvas: DrawingBackend>(plot: &impl Plot, canvas: &DrawingArea<Canvas, S
     plot.draw(canvas).and_then(|()| canvas.present()).map_err(|error| error.to_string())
 }
 
-/// Why there is no plot; each names the file.
+/// Why a plot cannot be written; each names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// Neither `.svg` nor `.png`.
     #[error("{0}: unknown kind of plot; the name must end in .svg or .png")]
     UnknownExtension(PathBuf),
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// It cannot be drawn.
+    /// The plot cannot be drawn.
     #[error("{path}: cannot be drawn: {reason}")]
     Draw {
-        /// What was to be written.
+        /// The file.
         path: PathBuf,
-        /// Why it could not be.
+        /// The reason.
         reason: String,
     },
 }
 
 impl PlotError {
-    /// Whether the name itself is wrong, wherever and whenever it were written.
+    /// Whether the name itself is invalid, independent of the file system.
     pub fn is_usage(&self) -> bool {
         match self {
             Self::UnknownExtension(_) => true,
@@ -91,7 +90,7 @@ enum Format {
     Svg,
 }
 
-/// A plot to be written: its kind is known and it was found writable.
+/// The output file of a plot, with its format; checked to be writable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlotFile {
     file: OutputFile,
@@ -99,10 +98,10 @@ pub struct PlotFile {
 }
 
 impl PlotFile {
-    /// Checks that `path` names a plot and could be written now.
+    /// Checks the extension and that `path` is writable.
     ///
     /// # Errors
-    /// If it ends neither in `.svg` nor in `.png`, or could not be written.
+    /// If the extension is neither `.svg` nor `.png`, or the file is not writable.
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, PlotError> {
         let path = path.into();
         let is = |kind: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(kind));
@@ -140,7 +139,7 @@ impl PlotFile {
     }
 }
 
-/// Makes the font of the program known to the plotting library.
+/// Registers the embedded font with the plotting library.
 fn prepare_font() {
     static PREPARED: Once = Once::new();
     PREPARED.call_once(|| {
@@ -149,7 +148,7 @@ fn prepare_font() {
     });
 }
 
-/// A number in few digits: 0.012346, 12.346, 1.235e-7.
+/// Formats a number with few digits: 0.012346, 12.346, 1.235e-7.
 pub fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

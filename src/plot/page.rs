@@ -1,4 +1,4 @@
-//! A page of panels: the title, below it one key for all panels, below that the panels in rows.
+//! A page of panels: title, common legend, panels in rows.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -10,29 +10,29 @@ const TITLE_SIZE: u32 = 20;
 const TITLE_HEIGHT: u32 = 40;
 const KEY_SIZE: u32 = 13;
 const KEY_LINE: u32 = 22;
-/// Pixels of the sample beside a name, and between entries.
+/// Width of the sample beside a name, and gap between entries, pixels.
 const SAMPLE: i32 = 22;
 const GAP: i32 = 18;
 const MARGIN: i32 = 16;
 
-/// The frame that panels stand in.
+/// Title, legend and layout of a page.
 pub(super) struct Page<'a> {
     pub title: &'a str,
-    pub key: Vec<KeyEntry>,
+    pub key: Vec<LegendEntry>,
     pub panels: usize,
     pub columns: usize,
     pub panel_size: (u32, u32),
 }
 
-/// A line of the key.
+/// An entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct KeyEntry {
+pub(super) struct LegendEntry {
     pub name: String,
     pub colour: RGBColor,
     pub sample: Sample,
 }
 
-/// What stands beside a name.
+/// The sample beside a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sample {
     Line,
@@ -42,10 +42,10 @@ pub(super) enum Sample {
 
 /// A plot of panels on a page.
 pub(super) trait Panels {
-    /// What is around the panels.
+    /// Title, legend and layout.
     fn page(&self) -> Page<'_>;
 
-    /// Draws the panel of that index.
+    /// Draws one panel.
     fn draw_panel<Canvas: DrawingBackend>(
         &self,
         index: usize,
@@ -83,13 +83,13 @@ impl Page<'_> {
         (self.width(), self.head() + self.rows() as u32 * self.panel_size.1)
     }
 
-    /// Height of what stands above the panels.
+    /// Height of title and legend.
     fn head(&self) -> u32 {
         let lines = self.places().last().map_or(0, |(_, line)| line + 1);
         TITLE_HEIGHT + lines as u32 * KEY_LINE
     }
 
-    /// Where each entry of the key begins: x in pixels, and the line.
+    /// Position of each legend entry: x in pixels, and the line.
     fn places(&self) -> Vec<(i32, usize)> {
         let (mut x, mut line) = (MARGIN, 0);
         let mut places = Vec::new();
@@ -104,7 +104,7 @@ impl Page<'_> {
         places
     }
 
-    /// Draws title and key; gives the areas of the panels.
+    /// Draws title and legend; returns the areas of the panels.
     pub fn draw<Canvas: DrawingBackend>(
         &self,
         canvas: &DrawingArea<Canvas, Shift>,
@@ -121,7 +121,7 @@ impl Page<'_> {
     }
 }
 
-impl KeyEntry {
+impl LegendEntry {
     fn draw<Canvas: DrawingBackend>(
         &self,
         canvas: &DrawingArea<Canvas, Shift>,
@@ -156,8 +156,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_key_takes_as_many_lines_as_it_needs() {
-        let entry = |name: &str| KeyEntry { name: name.to_owned(), colour: BLACK, sample: Sample::Area };
+    fn the_legend_wraps() {
+        let entry = |name: &str| LegendEntry { name: name.to_owned(), colour: BLACK, sample: Sample::Area };
         let page = |names: usize| Page {
             title: "",
             key: vec![entry("indirect_reprojection"); names],

@@ -1,16 +1,15 @@
-//! What the samples of all pixels add up to.
+//! The film: accumulates the samples of all pixels.
 //!
-//! In: samples of every pixel, one pass after another. Out: the mean picture, its layers, and an estimate of
-//! its error.
+//! In: passes of one sample a pixel. Out: the mean picture, its layers, and an estimate of its error.
 
 use glam::{DVec3, Vec3};
 
 use super::ReferenceError;
-use super::path::{PixelSample, Seen};
+use super::path::{PixelSample, VisibleSurface};
 use crate::output::{Layer, Picture};
 use crate::scene::luminance;
 
-/// Sums over the samples of each pixel, by rows from the top left.
+/// Sums over the samples of each pixel, in rows from the top left.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: usize,
@@ -18,29 +17,29 @@ pub struct Film {
     samples: u64,
     /// The latest sample of each pixel.
     pub(super) pass: Vec<PixelSample>,
-    light: Vec<LightSums>,
-    /// What `--layers` asks for; else empty.
-    parts: Vec<PartSums>,
-    /// Instance in the middle of each pixel, -1 where there is none.
+    radiance: Vec<RadianceSums>,
+    /// With `--layers`; else empty.
+    layers: Vec<LayerSums>,
+    /// Instance at the centre of each pixel, -1 for none.
     instances: Vec<i32>,
-    /// Samples and error of the part that was rendered in an earlier run.
+    /// Samples and standard error of an earlier run that this one resumes.
     resumed: Option<(u64, f64)>,
-    /// Samples that came out infinite or not a number and count as black.
+    /// Samples that were not finite and count as black.
     dropped: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct LightSums {
+struct RadianceSums {
     radiance: DVec3,
     /// Luminance of this run's even and odd samples.
     halves: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct PartSums {
+struct LayerSums {
     direct: DVec3,
     irradiance: DVec3,
-    /// These over the samples that met a surface.
+    /// The following over the samples that hit a surface.
     albedo: DVec3,
     normal: DVec3,
     position: DVec3,
@@ -49,8 +48,8 @@ struct PartSums {
 }
 
 impl Film {
-    /// An empty film of the given size, with room for layers if asked for. `instances` names the instance in
-    /// the middle of each pixel, -1 for none.
+    /// An empty film of `width` x `height` pixels, with `layers` or without. `instances` holds the instance at the
+    /// centre of each pixel, -1 for none.
     pub(super) fn new(
         width: usize,
         height: usize,
@@ -63,8 +62,8 @@ impl Film {
             height,
             samples: 0,
             pass: filled(pixels)?,
-            light: filled(pixels)?,
-            parts: filled(if layers { pixels } else { 0 })?,
+            radiance: filled(pixels)?,
+            layers: filled(if layers { pixels } else { 0 })?,
             instances,
             resumed: None,
             dropped: 0,
@@ -76,20 +75,20 @@ impl Film {
         self.samples
     }
 
-    /// Samples that came out infinite or not a number; they count as black.
+    /// Samples that were not finite; they count as black.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    /// Whether it keeps layers.
+    /// Whether layers are accumulated.
     pub fn has_layers(&self) -> bool {
-        !self.parts.is_empty()
+        !self.layers.is_empty()
     }
 
-    /// Adds the latest sample of every pixel.
+    /// Accumulates the latest sample of every pixel.
     pub(super) fn add(&mut self) {
         let half = (self.samples & 1) as usize;
-        for (sums, sample) in self.light.iter_mut().zip(&self.pass) {
+        for (sums, sample) in self.radiance.iter_mut().zip(&self.pass) {
             let radiance = sample.radiance();
             if radiance.is_finite() {
                 sums.radiance += radiance.as_dvec3();
@@ -98,13 +97,13 @@ impl Film {
                 self.dropped += 1;
             }
         }
-        for (sums, sample) in self.parts.iter_mut().zip(&self.pass) {
+        for (sums, sample) in self.layers.iter_mut().zip(&self.pass) {
             if sample.radiance().is_finite() {
                 sums.direct += sample.direct.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();
             }
-            if let Some(seen) = &sample.seen {
-                sums.add(seen);
+            if let Some(visible) = &sample.visible {
+                sums.add(visible);
             }
         }
         self.samples += 1;
@@ -112,8 +111,8 @@ impl Film {
 
     /// Standard error of the luminance, root mean square over the pixels, W/m^2/sr; none before two samples.
     ///
-    /// Even and odd samples are independent estimates A and B of the same picture from a and b samples, so
-    /// that of their mean is |A - B| sqrt(ab)/(a + b) in expectation. What was resumed is independent too.
+    /// Even and odd samples give independent estimates A and B of the same picture from a and b samples, so the
+    /// standard error of their mean is |A - B| sqrt(ab)/(a + b) in expectation. A resumed picture is independent too.
     pub fn standard_error(&self) -> Option<f64> {
         let (old, old_error) = self.resumed.unwrap_or((0, 0.0));
         let new = self.samples - old;
@@ -124,32 +123,32 @@ impl Film {
             return self.resumed.map(|(_, error)| error);
         }
         let (even, odd, total) = (even as f64, odd as f64, self.samples as f64);
-        let squares = self.light.iter().map(|sums| (sums.halves[0] / even - sums.halves[1] / odd).powi(2));
-        let mean_square = squares.sum::<f64>() / self.light.len() as f64;
+        let squares = self.radiance.iter().map(|sums| (sums.halves[0] / even - sums.halves[1] / odd).powi(2));
+        let mean_square = squares.sum::<f64>() / self.radiance.len() as f64;
         let new_error = (mean_square * even * odd).sqrt() / (even + odd);
         Some((old_error * old as f64).hypot(new_error * (even + odd)) / total)
     }
 
     /// Mean luminance of the picture, W/m^2/sr.
     pub fn mean_luminance(&self) -> f64 {
-        let sum: f64 = self.light.iter().map(|sums| f64::from(luminance(sums.radiance.as_vec3()))).sum();
-        sum / (self.light.len() as f64 * (self.samples.max(1)) as f64)
+        let sum: f64 = self.radiance.iter().map(|sums| f64::from(luminance(sums.radiance.as_vec3()))).sum();
+        sum / (self.radiance.len() as f64 * (self.samples.max(1)) as f64)
     }
 
-    /// The picture so far: `colour`, the layers that were asked for, and nothing to show.
+    /// The current mean: `colour` and, if accumulated, the layers; without `display`.
     pub fn picture(&self) -> Picture {
         let mean = |sum: DVec3| (sum / self.samples.max(1) as f64).as_vec3().to_array();
         let mut picture = Picture {
             width: self.width,
             height: self.height,
-            colour: self.light.iter().map(|sums| mean(sums.radiance)).collect(),
+            colour: self.radiance.iter().map(|sums| mean(sums.radiance)).collect(),
             ..Picture::default()
         };
         if self.has_layers() {
             let over_hits =
-                |sums: &PartSums, sum: DVec3| (sum / sums.hits.max(1) as f64).as_vec3().to_array();
-            let of = |part: &dyn Fn(&PartSums) -> [f32; 3]| self.parts.iter().map(part).collect::<Vec<_>>();
-            let scalar = |part: &dyn Fn(&PartSums) -> f32| self.parts.iter().map(part).collect::<Vec<_>>();
+                |sums: &LayerSums, sum: DVec3| (sum / sums.hits.max(1) as f64).as_vec3().to_array();
+            let of = |part: &dyn Fn(&LayerSums) -> [f32; 3]| self.layers.iter().map(part).collect::<Vec<_>>();
+            let scalar = |part: &dyn Fn(&LayerSums) -> f32| self.layers.iter().map(part).collect::<Vec<_>>();
             picture.layers = vec![
                 Layer::colour("direct", &of(&|sums| mean(sums.direct))),
                 Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
@@ -168,23 +167,23 @@ impl Film {
         picture
     }
 
-    /// Whether a surface is in the middle of each pixel.
+    /// Whether the ray through the centre of each pixel hits a surface.
     pub fn covered(&self) -> impl Iterator<Item = bool> {
         self.instances.iter().map(|&id| id >= 0)
     }
 
-    /// Puts back what an earlier run wrote: `picture`, of `samples` samples with the error `error`. False if
-    /// the picture is of another size or lacks a layer.
+    /// Restores the mean of an earlier run: `picture`, of `samples` samples with the standard error `error`. False if
+    /// the picture has another size or lacks a layer.
     pub(super) fn restore(&mut self, picture: &Picture, samples: u64, error: f64) -> bool {
-        let pixels = self.light.len();
+        let pixels = self.radiance.len();
         if (picture.width, picture.height, picture.colour.len()) != (self.width, self.height, pixels) {
             return false;
         }
         let total = samples as f64;
-        for (sums, colour) in self.light.iter_mut().zip(&picture.colour) {
+        for (sums, colour) in self.radiance.iter_mut().zip(&picture.colour) {
             sums.radiance = Vec3::from(*colour).as_dvec3() * total;
         }
-        if self.has_layers() && self.restore_parts(picture, total).is_none() {
+        if self.has_layers() && self.restore_layers(picture, total).is_none() {
             return false;
         }
         self.samples = samples;
@@ -192,7 +191,7 @@ impl Film {
         true
     }
 
-    fn restore_parts(&mut self, picture: &Picture, total: f64) -> Option<()> {
+    fn restore_layers(&mut self, picture: &Picture, total: f64) -> Option<()> {
         let channels = |name: &str| {
             let layer = picture.layers.iter().find(|layer| layer.name == name)?;
             Some(&layer.channels)
@@ -208,9 +207,9 @@ impl Film {
         let scalar = |name: &str, index: usize| Some(f64::from(*channels(name)?.first()?.1.get(index)?));
         const RGB: [&str; 3] = ["R", "G", "B"];
         const XYZ: [&str; 3] = ["X", "Y", "Z"];
-        for (index, sums) in self.parts.iter_mut().enumerate() {
+        for (index, sums) in self.layers.iter_mut().enumerate() {
             let hits = (scalar("coverage", index)? * total).round();
-            *sums = PartSums {
+            *sums = LayerSums {
                 direct: vector("direct", index, RGB)? * total,
                 irradiance: vector("indirect", index, RGB)? * total,
                 albedo: vector("albedo", index, RGB)? * hits,
@@ -224,12 +223,12 @@ impl Film {
     }
 }
 
-impl PartSums {
-    fn add(&mut self, seen: &Seen) {
-        self.albedo += seen.albedo.as_dvec3();
-        self.normal += seen.normal.as_dvec3();
-        self.position += seen.position.as_dvec3();
-        self.depth += f64::from(seen.depth);
+impl LayerSums {
+    fn add(&mut self, visible: &VisibleSurface) {
+        self.albedo += visible.albedo.as_dvec3();
+        self.normal += visible.normal.as_dvec3();
+        self.position += visible.position.as_dvec3();
+        self.depth += f64::from(visible.depth);
         self.hits += 1;
     }
 }
@@ -238,7 +237,7 @@ fn unit(normal: DVec3) -> [f32; 3] {
     normal.normalize_or_zero().as_vec3().to_array()
 }
 
-/// A vector of defaults, or an error where there is no room for it.
+/// A vector of defaults, or an error if it cannot be allocated.
 fn filled<T: Clone + Default>(length: usize) -> Result<Vec<T>, ReferenceError> {
     let mut vector = Vec::new();
     vector.try_reserve_exact(length).map_err(|_| ReferenceError::OutOfMemory)?;

@@ -1,9 +1,8 @@
-//! The lights, ready to be sampled from a point.
+//! Light sampling for next-event estimation and multiple importance sampling (Veach 1997, section 9.2).
 //!
-//! In: the lights of a pose. Out: for a point, one light drawn in proportion to about what it sends there, a
-//! direction and distance, and the irradiance over its probability (next-event estimation); for an emissive
-//! surface that a ray has found, its radiance and the density with which the former would have chosen it
-//! (Veach 1997, section 9.2: multiple importance sampling).
+//! In: the lights of a pose. Out: for a point, a light sample: one light chosen in proportion to an estimate of its
+//! irradiance there, a direction, and irradiance over probability; for an emissive surface that a scattered ray hit,
+//! its radiance and the pdf with which light sampling would have chosen that direction.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -13,47 +12,50 @@ use glam::{Affine3A, Vec2, Vec3};
 use crate::bvh::Ray;
 use crate::sampling;
 use crate::scene::{
-    AreaTriangle, BoundingSphere, Light, LightKind, Mesh, Pose, Scene, luminance, ray_offset, spot_falloff,
+    AlphaMask, AreaTriangle, BoundingSphere, Light, LightKind, Mesh, Pose, Scene, luminance, ray_offset,
+    spot_falloff,
 };
 
-/// Most area lights whose bounds are looked at one by one.
-const MOST_BOUNDS: usize = 16;
+/// Most area lights whose bounds are tested one by one; more subset one box.
+const MAX_BOUNDS: usize = 16;
 
-/// Which lights take part.
+/// The subset of lights to sample from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Share {
-    /// Point, spot and directional ones: shadow maps carry their light to the visible surface.
+pub(super) enum LightSubset {
+    /// Point, spot and directional lights: the renderer shades them in `direct_shading`.
     ShadowMapped,
-    /// Area lights: VPLs carry theirs.
+    /// Area lights: the renderer approximates them by primary VPLs.
     Area,
-    /// All.
+    /// All lights.
     All,
 }
 
-/// Light from one light at a point, were nothing between.
+/// A light sample at a point, before the visibility test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightSample {
     /// Unit direction to the light.
     pub(super) direction: Vec3,
-    /// Where a shadow ray to it ends, just off its surface if it has one; none for directional lights.
+    /// End of the shadow ray, offset from the light's surface if it has one; none for directional lights.
     pub(super) end: Option<Vec3>,
-    /// Irradiance across the direction over the probability of the choice, W/m^2; for an area light over the
-    /// density of the direction too.
+    /// Irradiance perpendicular to the direction over the probability of the light, W/m^2; for an area light also over
+    /// the pdf of the direction.
     pub(super) irradiance: Vec3,
-    /// Density of the choice over solid angle, 1/sr; none where no scattered ray can find the light.
-    pub(super) density: Option<f32>,
+    /// Pdf of the direction over solid angle, 1/sr; none if no scattered ray can hit the light.
+    pub(super) pdf: Option<f32>,
 }
 
-/// All lights that emit anything.
+/// The lights with non-zero emission.
 #[derive(Clone, Debug)]
 pub(super) struct Lights {
-    /// Shadow-mapped ones first.
+    /// Shadow-mapped lights first.
     lights: Vec<PosedLight>,
     shadow_mapped: usize,
-    /// For each instance the area lights on it, as indices into `lights`.
+    /// The area lights of each instance, as indices into `lights`.
     of_instance: Vec<Vec<usize>>,
-    /// Bounds (min, max) of what scattered rays can find.
-    to_be_found: Vec<(Vec3, Vec3)>,
+    /// Bounds (min, max) of the visible area lights, which scattered rays can hit.
+    hittable_bounds: Vec<(Vec3, Vec3)>,
+    /// The scene's alpha masks.
+    alpha_masks: Vec<AlphaMask>,
 }
 
 #[derive(Clone, Debug)]
@@ -64,12 +66,12 @@ enum PosedLight {
     Area(AreaLight),
 }
 
-/// The emissive triangles of an instance, in the world.
+/// The emissive triangles of an instance, in world space.
 #[derive(Clone, Debug)]
 struct AreaLight {
     /// Ascending by index.
     triangles: Vec<Emitter>,
-    /// Running sums of the probabilities with which they are chosen: by luminous flux.
+    /// Cumulative distribution over the triangles, by luminous flux.
     cdf: Vec<f32>,
     /// Luminous flux over pi.
     power: f32,
@@ -85,8 +87,11 @@ struct Emitter {
     /// Unit normal of the side that emits.
     normal: Vec3,
     radiance: Vec3,
-    /// Density of a point on it within its light, by area.
-    density: f32,
+    /// Pdf of a point on it within its light over area, 1/scene unit^2.
+    area_pdf: f32,
+    /// Index of its alpha mask, if it has one, and its texture coordinates there.
+    mask: Option<usize>,
+    uvs: [Vec2; 3],
 }
 
 impl Lights {
@@ -109,30 +114,31 @@ impl Lights {
         let count = shadow_mapped.len();
         let lights = shadow_mapped.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
         let lights: Vec<PosedLight> = lights.collect();
-        let to_be_found = lights.iter().filter_map(|light| match light {
+        let hittable_bounds = lights.iter().filter_map(|light| match light {
             PosedLight::Area(area) if area.visible => Some(area.padded_bounds()),
             _ => None,
         });
-        let mut to_be_found: Vec<_> = to_be_found.collect();
-        if to_be_found.len() > MOST_BOUNDS {
-            let all = to_be_found.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |all, bounds| {
+        let mut hittable_bounds: Vec<_> = hittable_bounds.collect();
+        if hittable_bounds.len() > MAX_BOUNDS {
+            let all = hittable_bounds.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |all, bounds| {
                 (all.0.min(bounds.0), all.1.max(bounds.1))
             });
-            to_be_found = vec![all];
+            hittable_bounds = vec![all];
         }
-        Self { lights, shadow_mapped: count, of_instance, to_be_found }
+        let alpha_masks = scene.alpha_masks.clone();
+        Self { lights, shadow_mapped: count, of_instance, hittable_bounds, alpha_masks }
     }
 
-    /// Whether scattered rays can find an emissive surface.
-    pub(super) fn can_be_found(&self) -> bool {
-        !self.to_be_found.is_empty()
+    /// Whether any area light is visible to scattered rays.
+    pub(super) fn any_hittable(&self) -> bool {
+        !self.hittable_bounds.is_empty()
     }
 
-    /// Whether the ray passes the bounds of something that emits.
-    pub(super) fn may_be_found_by(&self, ray: &Ray) -> bool {
+    /// Whether the ray passes the bounds of a visible area light.
+    pub(super) fn may_hit(&self, ray: &Ray) -> bool {
         let inverse = ray.direction.recip();
-        self.to_be_found.iter().any(|&(min, max)| {
-            // A plane that the ray runs within gives no number, which minimum and maximum ignore.
+        self.hittable_bounds.iter().any(|&(min, max)| {
+            // A ray within a plane gives NaN, which min and max ignore.
             let (a, b) = ((min - ray.origin) * inverse, (max - ray.origin) * inverse);
             let enter = a.min(b).max_element().max(ray.t_min);
             let leave = a.max(b).min_element().min(ray.t_max);
@@ -140,57 +146,64 @@ impl Lights {
         })
     }
 
-    fn range(&self, share: Share) -> Range<usize> {
-        match share {
-            Share::ShadowMapped => 0..self.shadow_mapped,
-            Share::Area => self.shadow_mapped..self.lights.len(),
-            Share::All => 0..self.lights.len(),
+    fn range(&self, subset: LightSubset) -> Range<usize> {
+        match subset {
+            LightSubset::ShadowMapped => 0..self.shadow_mapped,
+            LightSubset::Area => self.shadow_mapped..self.lights.len(),
+            LightSubset::All => 0..self.lights.len(),
         }
     }
 
-    /// A light of `share` that may light the point `p` of normal `n`, chosen by `pick`, and a point on it by `u`.
-    pub(super) fn sample(&self, p: Vec3, n: Vec3, share: Share, pick: f32, u: Vec2) -> Option<LightSample> {
-        let (light, probability) = self.choose(p, n, share, pick)?;
-        let mut sample = light.sample(p, u)?;
+    /// Samples the irradiance at `p` with normal `n`: a light of `subset` by `pick`, and a point on it by `u`.
+    pub(super) fn sample(
+        &self,
+        p: Vec3,
+        n: Vec3,
+        subset: LightSubset,
+        pick: f32,
+        u: Vec2,
+    ) -> Option<LightSample> {
+        let (light, probability) = self.choose(p, n, subset, pick)?;
+        let mut sample = light.sample(p, u, &self.alpha_masks)?;
         sample.irradiance /= probability;
-        sample.density = sample.density.map(|density| density * probability);
+        sample.pdf = sample.pdf.map(|pdf| pdf * probability);
         Some(sample)
     }
 
-    fn choose(&self, p: Vec3, n: Vec3, share: Share, pick: f32) -> Option<(&PosedLight, f32)> {
-        let lights = &self.lights[self.range(share)];
+    fn choose(&self, p: Vec3, n: Vec3, subset: LightSubset, pick: f32) -> Option<(&PosedLight, f32)> {
+        let lights = &self.lights[self.range(subset)];
         if let [light] = lights {
             return (light.weight(p, n) > 0.0).then_some((light, 1.0));
         }
-        // In one pass: each light takes the place of the one chosen before with its share of the sum so far, and
-        // what is left of `pick` is as random as it was.
+        // Weighted reservoir sampling in one pass: each light replaces the current choice with the probability
+        // weight / total so far. `pick` is remapped to [0, 1) after each decision.
         let (mut total, mut rest) = (0.0, pick);
         let mut chosen = None;
         for light in lights {
             let weight = light.weight(p, n);
             if weight > 0.0 {
                 total += weight;
-                let share = weight / total;
-                if rest < share {
+                let probability = weight / total;
+                if rest < probability {
                     chosen = Some((light, weight));
-                    rest /= share;
+                    rest /= probability;
                 } else {
-                    rest = (rest - share) / (1.0 - share);
+                    rest = (rest - probability) / (1.0 - probability);
                 }
             }
         }
         chosen.map(|(light, weight)| (light, weight / total))
     }
 
-    /// What triangle `triangle` of `instance` sends against the ray `direction` (unit) that left a surface at
-    /// `p` with normal `n` and found it at `hit`: its radiance, and the density (1/sr) with which
-    /// [`Self::sample`] would have chosen that direction among `share`.
-    pub(super) fn found(
+    /// The emission of triangle `triangle` of `instance` along a scattered ray that hit it: its radiance, and the pdf
+    /// (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if it emits nothing
+    /// there.
+    pub(super) fn emitted(
         &self,
         instance: u32,
         triangle: u32,
-        arrival: &Arrival,
-        share: Share,
+        hit: &ScatteredHit,
+        subset: LightSubset,
     ) -> Option<(Vec3, f32)> {
         for &index in &self.of_instance[instance as usize] {
             let PosedLight::Area(area) = &self.lights[index] else { continue };
@@ -198,31 +211,31 @@ impl Lights {
                 continue;
             };
             let emitter = &area.triangles[place];
-            let cosine = -emitter.normal.dot(arrival.direction);
+            let cosine = -emitter.normal.dot(hit.direction);
             if cosine <= 0.0 {
                 continue;
             }
-            let squared = arrival.from.distance_squared(arrival.at);
+            let squared = hit.from.distance_squared(hit.at);
             let weights =
-                self.lights[self.range(share)].iter().map(|light| light.weight(arrival.from, arrival.normal));
+                self.lights[self.range(subset)].iter().map(|light| light.weight(hit.from, hit.normal));
             let total: f32 = weights.sum();
-            let probability = self.lights[index].weight(arrival.from, arrival.normal) / total;
-            return Some((emitter.radiance, probability * emitter.density * squared / cosine));
+            let probability = self.lights[index].weight(hit.from, hit.normal) / total;
+            return Some((emitter.radiance, probability * emitter.area_pdf * squared / cosine));
         }
         None
     }
 }
 
-/// How a scattered ray came upon a surface.
+/// A scattered ray that hit a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arrival {
-    /// The surface point that it left.
+pub(super) struct ScatteredHit {
+    /// Its origin on a surface.
     pub(super) from: Vec3,
     /// The normal there.
     pub(super) normal: Vec3,
     /// Its unit direction.
     pub(super) direction: Vec3,
-    /// What it found.
+    /// The hit point.
     pub(super) at: Vec3,
 }
 
@@ -245,7 +258,7 @@ fn posed_light(light: &Light) -> Option<PosedLight> {
 }
 
 impl PosedLight {
-    /// About the luminous irradiance that it sends to `p`, and zero only if it sends none.
+    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero.
     #[inline]
     fn weight(&self, p: Vec3, n: Vec3) -> f32 {
         match self {
@@ -254,14 +267,14 @@ impl PosedLight {
                 area.power / squared.max(area.bounds.radius * area.bounds.radius)
             }
             _ => self
-                .arriving(p)
+                .unshadowed(p)
                 .map_or(0.0, |(irradiance, direction)| luminance(irradiance) * n.dot(direction).max(0.0)),
         }
     }
 
-    /// Irradiance across the direction to it, and that direction; none for area lights.
+    /// Unshadowed irradiance perpendicular to the direction to the light, and that direction; none for area lights.
     #[inline]
-    fn arriving(&self, p: Vec3) -> Option<(Vec3, Vec3)> {
+    fn unshadowed(&self, p: Vec3) -> Option<(Vec3, Vec3)> {
         let (position, intensity) = match self {
             Self::Point { position, intensity } | Self::Spot { position, intensity, .. } => {
                 (*position, *intensity)
@@ -281,14 +294,14 @@ impl PosedLight {
         Some((intensity * (falloff / squared), direction))
     }
 
-    fn sample(&self, p: Vec3, u: Vec2) -> Option<LightSample> {
+    fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
         let end = match self {
-            Self::Area(area) => return area.sample(p, u),
+            Self::Area(area) => return area.sample(p, u, alpha_masks),
             Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
             Self::Directional { .. } => None,
         };
-        let (irradiance, direction) = self.arriving(p)?;
-        Some(LightSample { direction, end, irradiance, density: None })
+        let (irradiance, direction) = self.unshadowed(p)?;
+        Some(LightSample { direction, end, irradiance, pdf: None })
     }
 }
 
@@ -296,17 +309,17 @@ impl AreaLight {
     fn new(scene: &Scene, pose: &Pose, instance: usize, triangles: &[AreaTriangle]) -> Option<Self> {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
-            triangles.iter().map(|triangle| Emitter::new(mesh, transform, triangle)).collect();
+            triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
         emitters.sort_by_key(|emitter| emitter.index);
         let power: f64 = emitters.iter().map(Emitter::power).sum();
         let mut sum = 0.0;
         let mut cdf = Vec::with_capacity(emitters.len());
         for emitter in &mut emitters {
-            // What rounding makes of the probability is what the density must say.
+            // The pdf must match the rounded cdf.
             let before = cdf.last().copied().unwrap_or(0.0);
             sum += emitter.power();
             cdf.push((sum / power).min(1.0) as f32);
-            emitter.density = (cdf[cdf.len() - 1] - before) / emitter.area();
+            emitter.area_pdf = (cdf[cdf.len() - 1] - before) / emitter.area();
         }
         let bounds = BoundingSphere::around(bounds_of(&emitters));
         (power > 0.0 && power.is_finite()).then(|| Self {
@@ -319,31 +332,38 @@ impl AreaLight {
         })
     }
 
-    /// World bounds (min, max), padded by more than what rounding may move a hit.
+    /// World bounds (min, max), padded by more than the rounding error of a hit.
     fn padded_bounds(&self) -> (Vec3, Vec3) {
         let (min, max) = bounds_of(&self.triangles);
         let padding = 10.0 * ray_offset(min.abs().max(max.abs()), self.scene_radius);
         (min - padding, max + padding)
     }
 
-    fn sample(&self, p: Vec3, u: Vec2) -> Option<LightSample> {
+    /// Samples a point on the light; none if it does not light `p`: it is masked out or faces away.
+    fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
         let (place, rest) = sampling::discrete(&self.cdf, u.x);
         let emitter = &self.triangles[place];
         let [a, b, c] = emitter.corners;
         let weights = sampling::triangle(Vec2::new(rest, u.y));
         let point = (b - a) * weights.x + (c - a) * weights.y + a;
+        if let Some(mask) = emitter.mask {
+            let [a, b, c] = emitter.uvs;
+            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
+                return None;
+            }
+        }
         let squared = p.distance_squared(point);
         let direction = (point - p) / squared.sqrt();
         let cosine = -emitter.normal.dot(direction);
         if !(cosine > 0.0 && squared > 0.0) {
             return None;
         }
-        let density = emitter.density * squared / cosine;
+        let pdf = emitter.area_pdf * squared / cosine;
         Some(LightSample {
             direction,
             end: Some(point + emitter.normal * ray_offset(point, self.scene_radius)),
-            irradiance: emitter.radiance / density,
-            density: self.visible.then_some(density),
+            irradiance: emitter.radiance / pdf,
+            pdf: self.visible.then_some(pdf),
         })
     }
 }
@@ -356,14 +376,23 @@ fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
 }
 
 impl Emitter {
-    fn new(mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
+    fn new(scene: &Scene, mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
         let corners =
             mesh.triangle_positions(triangle.triangle).map(|corner| transform.transform_point3(corner));
         let [a, b, c] = corners;
-        // A mirrored instance turns the winding over, but its front stays its front.
+        // Mirroring flips the winding but not the front side.
         let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
-        Self { index: triangle.triangle, corners, normal, radiance: triangle.radiance, density: 0.0 }
+        let surface = mesh.triangle_surface(triangle.triangle);
+        Self {
+            index: triangle.triangle,
+            corners,
+            normal,
+            radiance: triangle.radiance,
+            area_pdf: 0.0,
+            mask: scene.materials[surface.material as usize].alpha_mask,
+            uvs: surface.uvs,
+        }
     }
 
     fn area(&self) -> f32 {
@@ -377,14 +406,14 @@ impl Emitter {
     }
 }
 
-/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample of density `own`
-/// that `other` might have drawn too.
+/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample drawn with pdf `own` where
+/// the other technique has pdf `other`.
 pub(super) fn power_heuristic(own: f32, other: f32) -> f32 {
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Density of a cosine-weighted direction, 1/sr.
-pub(super) fn cosine_density(cosine: f32) -> f32 {
+/// Pdf of a cosine-weighted direction, 1/sr.
+pub(super) fn cosine_pdf(cosine: f32) -> f32 {
     cosine / PI
 }

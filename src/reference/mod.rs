@@ -1,18 +1,18 @@
 //! The ground truth: a path tracer on the CPU. It stays naive.
 //!
-//! In: a scene, its pose, how many bounces. Out: the mean of as many samples a pixel as one likes, with the
-//! light that shadow maps carry (point, spot and directional lights on the visible surface) and the light
-//! that VPLs carry (everything else) apart, and with features of the visible surface.
+//! In: a scene, its pose, a bounce limit. Out: the mean of any number of samples a pixel, as a whole and split into
+//! direct light (of point, spot and directional lights on the visible surface) and indirect light (everything else),
+//! with features of the visible surface.
 //!
-//! Same scene, same lights, same materials, same bounces as the renderer, and none of its methods: paths
-//! start at the camera, and no light is stored anywhere.
+//! It has the scene, lights, materials and bounces of the renderer, but none of its methods: paths start at the
+//! camera, and nothing is cached.
 //!
-//! - `path`: samples of some pixels: next-event estimation and multiple importance sampling.
-//! - `lights`: drawing a light from a point.
+//! - `path`: path tracing with next-event estimation and multiple importance sampling.
+//! - `lights`: light sampling.
 //! - `sampler`: random numbers.
-//! - `surfaces`: what a hit looks at.
+//! - `surfaces`: surface data at a hit.
 //! - `film`: sums, means and errors.
-//! - `resume`: what an unfinished picture says about itself.
+//! - `resume`: the metadata of an unfinished picture.
 
 mod film;
 mod lights;
@@ -25,6 +25,7 @@ pub use film::Film;
 pub use resume::{Identity, PixelFilter, Progress};
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
@@ -35,7 +36,7 @@ use lights::Lights;
 use sampler::Sampler;
 use surfaces::Surfaces;
 
-/// Neighbouring pixels whose paths are traced together.
+/// Neighbouring pixels whose paths are traced as one batch.
 const GROUP: usize = 128;
 
 /// How a picture is sampled.
@@ -43,38 +44,39 @@ const GROUP: usize = 128;
 pub struct ReferenceSettings {
     /// Width and height in pixels, at least 1 each.
     pub size: [u32; 2],
-    /// Most surfaces that pass light on before it reaches the visible one; none: no limit, and Russian
-    /// roulette ends the paths.
+    /// Most scattering events between a light and the visible surface; none: no limit, and Russian roulette
+    /// terminates the paths.
     pub bounces: Option<u32>,
     /// Seed of the samples.
     pub seed: u32,
-    /// Where in a pixel the paths start.
+    /// Distribution of camera rays within a pixel.
     pub filter: PixelFilter,
-    /// Whether to keep direct and indirect light and the features of the visible surface.
+    /// Whether to keep layers: direct and indirect light, and features of the visible surface.
     pub layers: bool,
 }
 
-/// Why there is no reference.
+/// Why a reference cannot be rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReferenceError {
     /// The sums of all pixels do not fit into memory.
     #[error("--size: a picture of this size does not fit into memory; make it smaller or leave --layers out")]
     OutOfMemory,
-    /// The picture is not one that this run could go on with.
-    #[error("is not the beginning of this picture: it has another size or lacks layers")]
+    /// The picture cannot be resumed by this run.
+    #[error("cannot be resumed: it has another size or lacks layers")]
     CannotResume,
 }
 
-/// A scene at one moment, ready to be sampled.
+/// A path tracer for one scene and pose.
 #[derive(Debug)]
 pub struct Reference<'a> {
     scene: &'a Scene,
     pose: &'a Pose,
     bvh: TwoLevelBvh,
+    bvh_ms: f64,
     surfaces: Surfaces,
     lights: Lights,
-    lights_can_be_found: bool,
-    /// Of the scene, for ray offsets.
+    any_light_hittable: bool,
+    /// The scene's bounding radius, for ray offsets.
     radius: f32,
     size: UVec2,
     pixel_rays: [Vec3; 3],
@@ -90,12 +92,17 @@ impl<'a> Reference<'a> {
         let radius = scene.bounding_sphere(pose).radius;
         let lights = Lights::new(scene, pose, radius);
         let size = UVec2::from(settings.size);
+        let begun = Instant::now();
+        let bvh = TwoLevelBvh::build(scene, &pose.instances);
+        let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
+        log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self {
             scene,
             pose,
-            bvh: TwoLevelBvh::build(scene, &pose.instances),
+            bvh,
+            bvh_ms,
             surfaces: Surfaces::new(scene, pose),
-            lights_can_be_found: lights.can_be_found(),
+            any_light_hittable: lights.any_hittable(),
             lights,
             radius,
             size,
@@ -107,29 +114,34 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Goes on with samples of another seed.
+    /// Build time of the BVH, milliseconds.
+    pub fn bvh_ms(&self) -> f64 {
+        self.bvh_ms
+    }
+
+    /// Sets the seed of further samples.
     pub fn reseed(&mut self, seed: u32) {
         self.seed = seed;
     }
 
-    /// An empty film for its pictures.
+    /// An empty film.
     ///
     /// # Errors
-    /// Where it does not fit into memory.
+    /// If it does not fit into memory.
     pub fn film(&self) -> Result<Film, ReferenceError> {
         let instances = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
-        let in_middle = |pixel: usize| {
-            let ray = self.camera_ray(self.place(pixel, Vec2::splat(0.5)));
+        let instance_at = |pixel: usize| {
+            let ray = self.camera_ray(self.raster_point(pixel, Vec2::splat(0.5)));
             self.bvh.intersect(&ray).map_or(-1, |hit| hit.instance as i32)
         };
-        let instances = instances.map(in_middle).collect();
+        let instances = instances.map(instance_at).collect();
         Film::new(self.size.x as usize, self.size.y as usize, self.layers, instances)
     }
 
-    /// A film that goes on from `picture`, whose samples and error `progress` tells.
+    /// A film that resumes from `picture`, with the samples and error of `progress`.
     ///
     /// # Errors
-    /// Where the picture has another size or lacks a layer, or memory is short.
+    /// If the picture has another size or lacks a layer, or does not fit into memory.
     pub fn resumed_film(
         &self,
         picture: &crate::output::Picture,
@@ -140,8 +152,8 @@ impl<'a> Reference<'a> {
         fits.then_some(film).ok_or(ReferenceError::CannotResume)
     }
 
-    /// Adds one sample of every pixel to `film`, over all cores. Gives up and changes nothing once `stop` is
-    /// set; false then.
+    /// Adds one sample of every pixel to `film`, on all cores. Once `stop` is set, returns false and leaves the
+    /// film as it was.
     pub fn add_sample(&self, film: &mut Film, stop: &AtomicBool) -> bool {
         let number = film.samples();
         film.pass.par_chunks_mut(GROUP).enumerate().for_each(|(group, samples)| {
@@ -149,16 +161,16 @@ impl<'a> Reference<'a> {
                 return;
             }
             let pixels = (group * GROUP..).take(samples.len());
-            let places = pixels.map(|pixel| {
+            let camera_samples = pixels.map(|pixel| {
                 let mut sampler = Sampler::new(self.seed, pixel as u32, number);
-                let inside = sampler.next();
-                let inside = match self.filter {
-                    PixelFilter::Box => inside,
+                let offset = sampler.next();
+                let offset = match self.filter {
+                    PixelFilter::Box => offset,
                     PixelFilter::Center => Vec2::splat(0.5),
                 };
-                (self.place(pixel, inside), sampler)
+                (self.raster_point(pixel, offset), sampler)
             });
-            self.trace(places.collect(), samples);
+            self.trace(camera_samples.collect(), samples);
         });
         let complete = !stop.load(Ordering::Relaxed);
         if complete {
@@ -171,20 +183,20 @@ impl<'a> Reference<'a> {
         self.size.x as usize * self.size.y as usize
     }
 
-    /// A point of the picture: `inside` (the unit square) of pixel number `pixel`, by rows.
-    fn place(&self, pixel: usize, inside: Vec2) -> Vec2 {
+    /// A point in raster space: `offset` (the unit square) within pixel `pixel`, counted by rows.
+    fn raster_point(&self, pixel: usize, offset: Vec2) -> Vec2 {
         let width = self.size.x as usize;
-        Vec2::new((pixel % width) as f32, (pixel / width) as f32) + inside
+        Vec2::new((pixel % width) as f32, (pixel / width) as f32) + offset
     }
 
-    /// The ray from the eye through `place`, in pixels; t is the view depth.
-    fn camera_ray(&self, place: Vec2) -> Ray {
+    /// The ray from the eye through `point` in raster space; t is the view depth.
+    fn camera_ray(&self, point: Vec2) -> Ray {
         let [axis, right, down] = self.pixel_rays;
-        let at = place / self.size.as_vec2() * 2.0 - 1.0;
+        let ndc = point / self.size.as_vec2() * 2.0 - 1.0;
         let camera = &self.pose.camera;
         Ray {
             origin: camera.eye,
-            direction: axis + right * at.x + down * at.y,
+            direction: axis + right * ndc.x + down * ndc.y,
             t_min: camera.near,
             t_max: camera.far,
         }

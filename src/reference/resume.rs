@@ -1,19 +1,21 @@
-//! What an unfinished picture says about itself, so that a later run can go on with it.
+//! The metadata of an unfinished picture, with which a later run resumes it.
 
 use serde::{Deserialize, Serialize};
 
-/// Where in a pixel paths start.
+use crate::scene::CameraOverride;
+
+/// Distribution of camera rays within a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PixelFilter {
-    /// Anywhere in the pixel: smooth edges.
+    /// Uniform over the pixel: smooth edges.
     #[default]
     Box,
-    /// In its middle, as the renderer's: the same edges, pixel for pixel.
+    /// Through the centre, as in the renderer: the same edges, pixel for pixel.
     Center,
 }
 
-/// What decides which picture the samples add up to.
+/// Everything that determines the expected picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identity {
     /// Name of the scene.
@@ -28,16 +30,19 @@ pub struct Identity {
     pub bounces: Option<u32>,
     /// Seed of the samples.
     pub seed: u32,
-    /// Where in a pixel the paths start.
+    /// Distribution of camera rays within a pixel.
     pub pixel_filter: PixelFilter,
-    /// Whether the layers are kept.
+    /// Override of the scene's camera.
+    #[serde(default, skip_serializing_if = "CameraOverride::is_none")]
+    pub camera: CameraOverride,
+    /// Whether the picture has layers.
     pub layers: bool,
 }
 
-/// A picture so far.
+/// The state of an unfinished picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
-    /// Which picture.
+    /// The picture's identity.
     #[serde(flatten)]
     pub identity: Identity,
     /// Samples of each pixel.
@@ -57,6 +62,9 @@ impl Identity {
             (self.bounces == other.bounces, "--bounces"),
             (self.seed == other.seed, "--seed"),
             (self.pixel_filter == other.pixel_filter, "--pixel-filter"),
+            (self.camera.eye == other.camera.eye, "--eye"),
+            (self.camera.target == other.camera.target, "--target"),
+            (self.camera.vertical_fov == other.camera.vertical_fov, "--vfov"),
             (self.layers == other.layers, "--layers"),
         ];
         pairs.into_iter().find(|(same, _)| !same).map(|(_, option)| option)

@@ -1,11 +1,10 @@
-//! Random numbers of one sample of one pixel.
+//! The sampler: random numbers of one sample of one pixel.
 //!
-//! In: pixel, number of the sample, seed. Out: points of the unit square, one after another, from an
-//! Owen-scrambled Sobol sequence that is scrambled anew for each pixel (Burley 2020, "Practical Hash-based
-//! Owen Scrambling").
+//! In: pixel, sample index, seed. Out: successive points of the unit square from an Owen-scrambled Sobol sequence with
+//! a scrambling for each pixel (Burley 2020, "Practical Hash-based Owen Scrambling").
 //!
-//! Even and odd samples come from two scramblings, so that the two halves of a picture are independent
-//! estimates: their difference is what tells the error.
+//! Even and odd samples use different scramblings, so that the two halves of a picture are independent estimates;
+//! their difference estimates the error.
 
 use std::sync::LazyLock;
 
@@ -14,14 +13,14 @@ use sobol_burley::parts::{self, Int4};
 
 use crate::sampling::hash;
 
-/// Points of a sequence before it must be scrambled anew, from the crate's documentation.
+/// Length of a sequence, from the crate's documentation; further points need another scrambling.
 const SEQUENCE_LENGTH: u64 = 1 << 16;
 
-/// Groups of four dimensions that the sequence has.
+/// Number of four-dimensional sets of the sequence.
 const DIMENSION_SETS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
 
-/// The sequence's points, reversed bit by bit, for each group of dimensions, each four bits of the reversed index,
-/// and each value of these. A point is linear in the bits of its index: the sum (exclusive or) of four of these.
+/// Bit-reversed points of the sequence by set of dimensions, by four-bit digit of the reversed index, and by value of
+/// that digit. A point is linear in the bits of its index, so it is the exclusive or of four of these.
 static PARTS: LazyLock<Vec<[[Int4; 16]; 4]>> = LazyLock::new(|| {
     let of_four_bits = |set, place| {
         std::array::from_fn(|value| parts::sobol_int4_rev((value as u32) << (28 - 4 * place), set))
@@ -29,14 +28,14 @@ static PARTS: LazyLock<Vec<[[Int4; 16]; 4]>> = LazyLock::new(|| {
     (0..DIMENSION_SETS).map(|set| std::array::from_fn(|place| of_four_bits(set, place))).collect()
 });
 
-/// Hands out the points of one sample.
+/// Generates the points of one sample.
 #[derive(Clone, Debug)]
 pub(super) struct Sampler {
-    /// The sample's place in the sequence, shuffled for this pixel, bits reversed.
+    /// The sample's index in the sequence, shuffled for this pixel, bits reversed.
     index_rev: u32,
     seed: u32,
     next_set: u32,
-    /// The second half of the last group, if it was not asked for yet.
+    /// The second half of the last set, if it is still unused.
     spare: Option<Vec2>,
 }
 
@@ -58,7 +57,7 @@ impl Sampler {
             return point;
         }
         if self.next_set == DIMENSION_SETS {
-            // A path this long goes on with another scrambling.
+            // Out of dimensions: continue with another scrambling.
             self.seed = hash(self.seed, DIMENSION_SETS);
             self.next_set = 0;
         }
@@ -81,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_are_even_in_every_dimension_and_halves_differ() {
+    fn points_are_uniform_in_every_dimension_and_halves_differ() {
         for half in 0..2 {
             let mut sums = vec![Vec2::ZERO; 300];
             for place in 0..1024 {

@@ -1,6 +1,6 @@
-//! The surfaces that rays may hit, laid out so that a hit costs few cache misses.
+//! Surface data of all triangles, in a layout with few cache misses a hit.
 //!
-//! In: a scene and its pose. Out: for a hit, what its triangle's corners say and where its instance stands.
+//! In: a scene and its pose. Out: for a hit, the vertex data of its triangle and the transform of its instance.
 
 use crate::bvh::Hit;
 use crate::memory::{self, Pages};
@@ -8,7 +8,7 @@ use crate::scene::{Pose, Scene, SurfaceTransform, TriangleSurface};
 
 #[derive(Debug)]
 pub(super) struct Surfaces {
-    /// Those of all meshes, one mesh after the other.
+    /// The triangles of all meshes, mesh by mesh.
     triangles: Pages<TriangleSurface>,
     instances: Vec<PlacedMesh>,
 }
@@ -35,13 +35,14 @@ impl Surfaces {
         Self { instances: instances.collect(), triangles: Pages::new(triangles) }
     }
 
-    /// Asks for what [`Self::of`] will read soon.
+    /// Prefetches the data that [`Self::at`] reads.
     pub(super) fn prefetch(&self, hit: &Hit) {
-        memory::prefetch(self.of(hit).0);
+        memory::prefetch(self.at(hit).0);
     }
 
+    /// Triangle and instance transform of a hit.
     #[inline]
-    pub(super) fn of(&self, hit: &Hit) -> (&TriangleSurface, &SurfaceTransform) {
+    pub(super) fn at(&self, hit: &Hit) -> (&TriangleSurface, &SurfaceTransform) {
         let placed = &self.instances[hit.instance as usize];
         (&self.triangles[placed.first_triangle + hit.triangle as usize], &placed.placement)
     }

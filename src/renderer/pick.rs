@@ -5,7 +5,6 @@ use glam::Vec2;
 use super::Renderer;
 use crate::bvh::Ray;
 use crate::scene::{Camera, Pose, Side, SurfacePoint, WorldSurface};
-use crate::vpl::{Gathering, VplContribution, World};
 
 /// The surface under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,13 +49,5 @@ impl Renderer {
             distance: hit.t * ray.direction.length(),
             surface,
         })
-    }
-
-    /// The VPLs that face a surface point, visible ones first, then by what they bring; what they bring
-    /// together is the indirect irradiance there, once all sets have been drawn.
-    pub fn inspect(&self, pose: &Pose, at: &WorldSurface) -> Vec<VplContribution> {
-        let world = World { scene: &self.scene, pose, bvh: &self.bvh };
-        let gathering = Gathering { clamp: self.geometry_bound(), scene_radius: self.lengths.radius };
-        self.vpls.inspect(world, at, &gathering)
     }
 }

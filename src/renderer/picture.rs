@@ -9,7 +9,7 @@ use crate::output::{Layer, Picture};
 use crate::vulkan::Image;
 
 /// Twin of MATERIAL in shaders/include/gbuffer.glsl.
-const MATERIAL: u32 = 0x3fff_ffff;
+const MATERIAL: u32 = 0x7fff_ffff;
 
 /// What the radiance of each pixel is made of.
 struct Light {
@@ -50,15 +50,15 @@ impl Renderer {
     fn read_light(&self) -> Result<Light, RenderError> {
         Ok(Light {
             direct: self.read_floats(self.passes.direct_shading.output())?,
-            irradiance: self.read_floats(self.passes.indirect_reprojection.output())?,
+            irradiance: self.read_floats(self.estimator.irradiance())?,
             albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
         })
     }
 
-    /// How many set buffers have seen the surface of each pixel of the last frame.
-    pub fn read_set_counts(&self) -> Result<Vec<u32>, RenderError> {
-        let irradiance = self.read_floats(self.passes.indirect_reprojection.output())?;
-        Ok(irradiance.into_iter().map(|pixel| pixel[3].abs() as u32).collect())
+    /// What the estimator knows of each pixel of the last frame besides irradiance.
+    pub fn read_irradiance_alpha(&self) -> Result<Vec<f32>, RenderError> {
+        let irradiance = self.read_floats(self.estimator.irradiance())?;
+        Ok(irradiance.into_iter().map(|pixel| pixel[3]).collect())
     }
 
     fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {

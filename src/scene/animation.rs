@@ -1,20 +1,20 @@
 //! Keyframed and rotating motion.
 //!
-//! In: keyframes and a constant rotation. Out: a rigid motion at a time, to apply to whatever moves.
+//! In: keyframes and a constant rotation. Out: the rigid motion at a time.
 //! Positions follow a cubic Hermite spline with Catmull-Rom tangents (Catmull and Rom 1974, for
 //! unevenly spaced keys), rotations are interpolated by slerp.
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 
-/// How a camera, light or instance moves, relative to its rest pose. Both parts may be present.
+/// The motion of a camera, light or instance, relative to its rest pose. Both parts may be present.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
-    /// Keyframes, sorted by time; smoothly interpolated (Catmull-Rom, slerp), held before the first and after the last.
+    /// Keyframes, sorted by time; smoothly interpolated (Catmull-Rom, slerp), held before the first and after the
+    /// last.
     pub keyframes: Vec<Keyframe>,
     /// Constant rotation: axis (unit), radians a second, about `pivot` (world space).
     pub rotation: Option<Rotation>,
-    /// Whether the keyframes start over after the last one. What moves without a jump then has the same
-    /// first and last key.
+    /// Whether the keyframes repeat after the last one. Motion is continuous if the first and last key are equal.
     pub repeat: bool,
 }
 
@@ -40,17 +40,17 @@ pub struct Rotation {
     pub pivot: Option<Vec3>,
 }
 
-/// A rigid motion of a thing that has an origin of its own, which stays exact where nothing moves it.
+/// A rigid motion, as a rotation about the object's own origin and the new position of that origin: exact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// About the thing's own origin.
+    /// About the object's own origin.
     pub rotation: Quat,
-    /// Where its origin is now, world space.
+    /// Position of its origin, world space.
     pub position: Vec3,
 }
 
 impl Motion {
-    /// Object to world of a thing that rests at `rest`.
+    /// Object to world of an object with rest transform `rest`.
     pub fn transform(&self, rest: &Affine3A) -> Affine3A {
         Affine3A {
             matrix3: Mat3A::from_quat(self.rotation) * rest.matrix3,
@@ -60,13 +60,13 @@ impl Motion {
 }
 
 impl Animation {
-    /// How a thing whose own origin rests at `origin` (world space) has moved at `time` (seconds): first the
-    /// keyed rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
+    /// The motion at `time` (seconds) of an object whose origin rests at `origin` (world space): first the keyed
+    /// rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
     pub fn motion(&self, time: f64, origin: Vec3) -> Motion {
         let key = self.key_at(time);
         let mut motion = Motion { rotation: key.rotation, position: origin };
         if let Some(rotation) = &self.rotation {
-            // Whole turns are taken off in f64, so that a long run stays exact.
+            // Reduce the angle in f64, so that a long run stays exact.
             let angle = (f64::from(rotation.speed) * time).rem_euclid(std::f64::consts::TAU);
             let turn = Quat::from_axis_angle(rotation.axis, angle as f32);
             motion.rotation = turn * motion.rotation;
@@ -78,7 +78,7 @@ impl Animation {
         motion
     }
 
-    /// The interpolated key at `time`; rest when there are no keys.
+    /// The interpolated key at `time`; the rest pose without keys.
     pub fn key_at(&self, time: f64) -> Keyframe {
         let keys = &self.keyframes;
         let time = self.key_time(time);
@@ -103,7 +103,7 @@ impl Animation {
         }
     }
 
-    /// The time between the first and the last key that `time` stands for.
+    /// Wraps `time` into the range of the keys if they repeat.
     fn key_time(&self, time: f64) -> f64 {
         match (self.keyframes.first(), self.keyframes.last()) {
             (Some(first), Some(last)) if self.repeat && last.time > first.time => {
@@ -113,25 +113,26 @@ impl Animation {
         }
     }
 
-    /// Velocity through key `i`, the slope between its neighbours, in units a `span` of seconds.
+    /// Catmull-Rom tangent at key `i`, the slope between its neighbours, in scene units per `span` seconds.
     fn tangent(&self, i: usize, span: f64) -> Vec3 {
         let keys = &self.keyframes;
         let last = keys.len() - 1;
         let [mut before, mut after] = [keys[i.saturating_sub(1)], keys[(i + 1).min(last)]];
-        // Where the keys start over, the last key but one comes before the first, and the second after the last.
+        // With repetition, the last key but one precedes the first, and the second follows the last.
         if self.repeat && last > 0 && (i == 0 || i == last) {
-            let [turn, period] = [keys[last - 1].time - keys[last].time, keys[1].time - keys[0].time];
-            before = Keyframe { time: keys[i].time + turn, ..keys[last - 1] };
-            after = Keyframe { time: keys[i].time + period, ..keys[1] };
+            let [before_offset, after_offset] =
+                [keys[last - 1].time - keys[last].time, keys[1].time - keys[0].time];
+            before = Keyframe { time: keys[i].time + before_offset, ..keys[last - 1] };
+            after = Keyframe { time: keys[i].time + after_offset, ..keys[1] };
         }
-        // The share of two times stays a sensible number where a time itself does not.
+        // The ratio of two times stays in range of f32 where the times do not.
         (after.translation - before.translation) * (span / (after.time - before.time)) as f32
     }
 
-    /// At most how far a thing that rests at `origin` moves away from there, in scene units.
+    /// Upper bound of the distance from `origin` that an object resting there reaches, in scene units.
     pub fn reach(&self, origin: Vec3) -> f32 {
         let farthest = self.keyframes.iter().map(|key| key.translation.length()).fold(0.0, f32::max);
-        // A Catmull-Rom spline overshoots its keys by less than half of the step between two of them.
+        // A Catmull-Rom spline overshoots its keys by less than half of the distance between two of them.
         let steps = self.keyframes.windows(2).map(|pair| pair[1].translation.distance(pair[0].translation));
         let orbit = self
             .rotation
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn no_span_of_time_is_too_short_or_too_long() {
+    fn very_short_and_long_spans_stay_finite() {
         for end in [1e-310, 1e-30, 1e9] {
             let keyframes = vec![key(0.0, Vec3::ZERO, 0.0), key(end, Vec3::X, 90.0), key(2e9, Vec3::Y, 0.0)];
             let animation = Animation { keyframes, ..Animation::default() };
@@ -226,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_rotation_goes_about_its_pivot() {
+    fn constant_rotation_is_about_its_pivot() {
         let rotation = Rotation { axis: Vec3::Y, speed: std::f32::consts::FRAC_PI_2, pivot: Some(Vec3::X) };
         let animation = Animation { rotation: Some(rotation), ..Animation::default() };
         let motion = animation.motion(1.0, Vec3::new(2.0, 5.0, 0.0));

@@ -1,26 +1,76 @@
-//! A view and a light for an `.obj` that comes alone.
+//! A default camera and light for a bare `.obj`.
 //!
-//! In: a scene that holds the model. Out: the same with a camera in front of it, from which all of it is
-//! seen, and a point light unless the model has emissive materials; a line for each is added to the
-//! warnings, so that people know what was made up.
+//! In: a scene with the model. Out: the scene with a camera, in front of the model or, if that shows more of its
+//! surface, inside, and a point light unless emissive materials light the view. A warning reports each.
 
 use glam::Vec3;
 
 use super::camera::Camera;
 use super::light::{Light, LightKind};
+use super::viewpoint::ModelSurvey;
 use super::{BoundingSphere, Scene};
 
-/// From the model's middle towards the camera: in front, a little to the right and above.
+/// Direction from the model's centre to the camera: in front, slightly to the right and above.
 const VIEW: Vec3 = Vec3::new(0.45, 0.35, 1.0);
 
-/// From the model's middle to the light, in bounding radii.
+/// Offset from the model's centre to the light, in bounding radii.
 const LIGHT: Vec3 = Vec3::new(0.6, 1.6, 1.2);
 
 const VERTICAL_FOV_DEGREES: f32 = 40.0;
 
+/// A view from inside is preferred if it shows at least this fraction of the surface that the view from outside shows:
+/// the hull of an interior is visible from outside, too.
+const INSIDE_PREFERENCE: f32 = 0.8;
+
+/// Fraction of the visible surface that emissive materials must light, so that no light is added.
+const MIN_LIT_FRACTION: f32 = 0.5;
+
+/// Places a camera and, if needed, a light for the only model of `scene`, which has the identity transform.
+pub(super) fn stage(scene: &mut Scene) {
+    frame(scene);
+    let survey = ModelSurvey::new(scene);
+    let outside = scene.camera;
+    let outside_shows = survey.shown_by(&outside);
+    let inside = survey.best_view().filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
+    let camera = inside.map_or(outside, |(camera, _)| camera);
+    let lit = !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let nearest = survey.nearest_in(&camera);
+    let lamp = match inside {
+        Some(_) => survey.best_light(&camera).map(|place| (place.position, place.intensity)),
+        None => Some(lamp_in_front(&bounds_of(scene))),
+    };
+    if inside.is_some() {
+        place_inside(scene, camera, nearest);
+    }
+    if let Some((position, intensity)) = lamp.filter(|_| !lit) {
+        add_lamp(scene, position, intensity);
+    }
+}
+
+fn bounds_of(scene: &Scene) -> BoundingSphere {
+    scene.bounding_sphere(&scene.pose(0.0))
+}
+
+/// Sets a camera inside the model, with a near plane in front of the nearest visible surface, at distance `nearest`.
+fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
+    fit_depths(&mut camera, &bounds_of(scene), 0.0);
+    camera.near = nearest.map_or(camera.near, |nearest| camera.near.min(0.25 * nearest));
+    scene.camera = camera;
+    // Replace the warning about the camera in front.
+    scene.warnings.pop();
+    warn_of_camera(scene, "inside");
+}
+
+fn warn_of_camera(scene: &mut Scene, place: &str) {
+    scene.warnings.push(format!(
+        "{}: no camera given; placed one {place} at {:.3} that looks at {:.3}",
+        scene.name, scene.camera.eye, scene.camera.target
+    ));
+}
+
 /// Places the camera so that the whole scene is in view, also in a square picture.
 pub(super) fn frame(scene: &mut Scene) {
-    let bounds = scene.bounding_sphere(&scene.pose(0.0));
+    let bounds = bounds_of(scene);
     let half_fov = 0.5 * VERTICAL_FOV_DEGREES.to_radians();
     let distance = bounds.radius / half_fov.sin();
     let mut camera = Camera {
@@ -29,36 +79,34 @@ pub(super) fn frame(scene: &mut Scene) {
     };
     fit_depths(&mut camera, &bounds, 0.0);
     scene.camera = camera;
-    scene.warnings.push(format!(
-        "{}: no camera given; placed one at {:.3} that looks at {:.3}",
-        scene.name, scene.camera.eye, scene.camera.target
-    ));
+    warn_of_camera(scene, "in front");
 }
 
-/// Places a point light above and in front, unless there is a light.
-pub(super) fn light(scene: &mut Scene) {
-    if !scene.lights.is_empty() {
-        return;
-    }
-    let bounds = scene.bounding_sphere(&scene.pose(0.0));
+/// Position and intensity (W/sr) of a point light above and in front of the model.
+fn lamp_in_front(bounds: &BoundingSphere) -> (Vec3, f32) {
     let offset = LIGHT * bounds.radius;
-    let position = bounds.center + offset;
-    // An irradiance of pi in the middle: white paper there has radiance 1.
-    let intensity = std::f32::consts::PI * offset.length_squared();
-    scene.lights.push(Light {
+    // An irradiance of pi at the centre gives a white surface there radiance 1.
+    (bounds.center + offset, std::f32::consts::PI * offset.length_squared())
+}
+
+fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
+    let why =
+        if scene.lights.is_empty() { "no light given" } else { "its own lights leave most of the view dark" };
+    let lamp = Light {
         name: "made up".into(),
         kind: LightKind::Point { intensity: Vec3::splat(intensity) },
         position,
         direction: Vec3::NEG_Y,
         animation: None,
-    });
-    scene.warnings.push(format!(
-        "{}: no light given; placed a point light of {intensity:.3} W/sr at {position:.3}",
-        scene.name
-    ));
+    };
+    // First, as lights of a scene file come before those of emissive materials.
+    scene.lights.insert(0, lamp);
+    scene
+        .warnings
+        .push(format!("{}: {why}; placed a point light of {intensity:.3} W/sr at {position:.3}", scene.name));
 }
 
-/// Sets `near` and `far` so that all of `bounds` is drawn from wherever the eye comes within `reach`.
+/// Sets `near` and `far` so that `bounds` is in their range from any eye point within `reach` of the camera's.
 pub(super) fn fit_depths(camera: &mut Camera, bounds: &BoundingSphere, reach: f32) {
     let away = camera.eye.distance(bounds.center) + reach;
     camera.far = 1.01 * (away + bounds.radius);

@@ -1,24 +1,28 @@
 //! A pinhole camera.
 
+use std::sync::Arc;
+
 use glam::{Mat4, Quat, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
+use super::recording::recorded_camera;
+use super::{Scene, bare_obj};
 
-/// Where the picture is taken from. Right-handed, y up; Vulkan clip space with reversed depth is the
-/// renderer's business.
+/// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Eye point, world space.
     pub eye: Vec3,
-    /// A point in the middle of the picture.
+    /// A point at the centre of the picture.
     pub target: Vec3,
-    /// Which way is up in the picture; not parallel to the view direction.
+    /// Up vector; not parallel to the view direction.
     pub up: Vec3,
     /// Vertical field of view, radians.
     pub vertical_fov: f32,
-    /// Nearest depth drawn, > 0.
+    /// View depth of the near plane, > 0.
     pub near: f32,
-    /// Farthest depth drawn, > near.
+    /// View depth of the far plane, > near.
     pub far: f32,
 }
 
@@ -37,7 +41,7 @@ impl Camera {
         }
     }
 
-    /// This camera where `motion` has brought its eye.
+    /// This camera moved by `motion`.
     pub fn moved(&self, motion: &Motion) -> Self {
         let target = if motion.rotation == Quat::IDENTITY {
             self.target + (motion.position - self.eye)
@@ -57,8 +61,8 @@ impl Camera {
         glam::camera::rh::view::look_at_mat4(self.eye, self.target, self.up)
     }
 
-    /// What pixels see: `ray + x ray_x + y ray_y` for a pixel at (x, y), from (-1, -1) at the top left to
-    /// (1, 1) at the bottom right, of a picture of the given width over height; 1 long along the view axis.
+    /// Camera rays `[axis, right, down]`: the ray through (x, y), from (-1, -1) at the top left to (1, 1) at the
+    /// bottom right of a picture of the given width over height, is `axis + x right + y down`, with view depth 1.
     pub fn pixel_rays(&self, aspect: f32) -> [Vec3; 3] {
         let view = self.view_matrix();
         let (right, up, back) = (view.row(0).truncate(), view.row(1).truncate(), view.row(2).truncate());
@@ -69,5 +73,124 @@ impl Camera {
     /// View to Vulkan clip space (y down, depth 0 to 1) for a picture of the given width over height.
     pub fn projection_matrix(&self, aspect: f32) -> Mat4 {
         glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far)
+    }
+}
+
+/// Overrides of parts of the scene's camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraOverride {
+    /// Eye point, world space.
+    pub eye: Option<Vec3>,
+    /// A point at the centre of the picture.
+    pub target: Option<Vec3>,
+    /// Vertical field of view, radians.
+    pub vertical_fov: Option<f32>,
+}
+
+impl CameraOverride {
+    /// Whether nothing is overridden.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Scene {
+    /// Overrides parts of the camera. Another eye or target removes its animation; another eye also fits near and far
+    /// to the scene's bounds. If the up vector is parallel to the view direction, -z or y replaces it.
+    ///
+    /// # Errors
+    /// If eye and target are equal; the scene is unchanged then.
+    pub fn override_camera(&mut self, parts: &CameraOverride) -> Result<(), &'static str> {
+        let mut camera = self.camera;
+        camera.eye = parts.eye.unwrap_or(camera.eye);
+        camera.target = parts.target.unwrap_or(camera.target);
+        camera.vertical_fov = parts.vertical_fov.unwrap_or(camera.vertical_fov);
+        let forward = (camera.target - camera.eye).try_normalize().ok_or("eye and target must differ")?;
+        let is_up = |up: &Vec3| forward.cross(*up).length() > 1e-3;
+        camera.up = [camera.up, Vec3::NEG_Z, Vec3::Y].into_iter().find(is_up).unwrap_or(camera.up);
+        let is_moved = parts.eye.is_some() || parts.target.is_some();
+        if parts.eye.is_some() {
+            bare_obj::fit_depths(&mut camera, &self.bounding_sphere(&self.pose(0.0)), 0.0);
+        }
+        if is_moved {
+            self.camera_animation = None;
+        }
+        self.camera = camera;
+        if !parts.is_none() {
+            for frame in Arc::make_mut(&mut self.recording) {
+                match &mut frame.camera {
+                    Some(recorded) if !is_moved => recorded.vertical_fov = camera.vertical_fov,
+                    // A scene that was opened during the recording needs the overridden camera, too.
+                    recorded => *recorded = frame.scene.is_some().then(|| recorded_camera(&camera)),
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Animation, RecordedFrame, Rotation, load_scene};
+    use super::*;
+
+    fn moving() -> Scene {
+        let mut scene = load_scene("cornell-box", None).unwrap();
+        let rotation = Rotation { axis: Vec3::Y, speed: 1.0, pivot: Some(Vec3::ZERO) };
+        scene.camera_animation = Some(Animation { rotation: Some(rotation), ..Animation::default() });
+        scene.recording = Arc::new(vec![RecordedFrame {
+            camera: Some(recorded_camera(&Camera::looking(Vec3::X, Vec3::ZERO))),
+            ..RecordedFrame::default()
+        }]);
+        scene
+    }
+
+    #[test]
+    fn each_part_is_overridden_separately() {
+        let scene = moving();
+        let mut wide = scene.clone();
+        wide.override_camera(&CameraOverride { vertical_fov: Some(1.5), ..Default::default() }).unwrap();
+        assert_eq!(wide.camera, Camera { vertical_fov: 1.5, ..scene.camera });
+        assert_eq!(wide.camera_animation, scene.camera_animation);
+        let recorded = wide.recording[0].camera.unwrap();
+        assert_eq!((recorded.eye, recorded.vertical_fov), (Vec3::X, 1.5));
+
+        let mut turned = scene.clone();
+        turned.override_camera(&CameraOverride { target: Some(Vec3::Y), ..Default::default() }).unwrap();
+        assert_eq!(turned.camera, Camera { target: Vec3::Y, ..scene.camera });
+        assert_eq!((turned.camera_animation, turned.recording[0].camera), (None, None));
+
+        let mut same = scene.clone();
+        same.override_camera(&CameraOverride::default()).unwrap();
+        assert_eq!((same.camera, same.recording[0].camera), (scene.camera, scene.recording[0].camera));
+    }
+
+    #[test]
+    fn depth_range_contains_the_scene() {
+        let mut scene = moving();
+        let bounds = scene.bounding_sphere(&scene.pose(0.0));
+        let eye = bounds.center + 40.0 * bounds.radius * Vec3::X;
+        scene.override_camera(&CameraOverride { eye: Some(eye), ..Default::default() }).unwrap();
+        let Camera { near, far, .. } = scene.camera;
+        assert!(near < 39.0 * bounds.radius && far > 41.0 * bounds.radius, "{near} {far}");
+        assert_eq!(scene.camera.up, Vec3::Y);
+    }
+
+    #[test]
+    fn a_view_from_above_has_an_up_vector() {
+        let mut scene = moving();
+        let above = CameraOverride { eye: Some(Vec3::Y), target: Some(Vec3::ZERO), ..Default::default() };
+        scene.override_camera(&above).unwrap();
+        assert_eq!(scene.camera.up, Vec3::NEG_Z);
+    }
+
+    #[test]
+    fn eye_and_target_must_differ() {
+        let mut scene = moving();
+        let camera = scene.camera;
+        let parts = CameraOverride { eye: Some(camera.target), ..Default::default() };
+        assert!(scene.override_camera(&parts).is_err());
+        assert_eq!(scene.camera, camera);
     }
 }

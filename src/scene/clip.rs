@@ -1,13 +1,13 @@
-//! Cuts a mesh to a box.
+//! Clips a mesh to a box (Sutherland and Hodgman 1974).
 //!
-//! In: a mesh and a box, object space. Out: what of the mesh lies in the box (Sutherland and Hodgman
-//! 1974), so that scenery far outside of what a scene shows does not widen its bounds.
+//! In: a mesh and a box, object space. Out: the part of the mesh in the box, so that distant scenery does not extend
+//! the scene's bounds.
 
 use glam::{Vec2, Vec3};
 
 use super::mesh::Mesh;
 
-/// A corner on its way through the planes.
+/// A vertex of the clipped polygon.
 #[derive(Clone, Copy)]
 struct Corner {
     position: Vec3,
@@ -25,7 +25,7 @@ impl Corner {
     }
 }
 
-/// Keeps the part of `mesh` inside the box from `min` to `max`. Triangles that lie inside stay as they are.
+/// Clips `mesh` to the box from `min` to `max`. Triangles inside are unchanged.
 pub(super) fn clip_to_box(mesh: &mut Mesh, min: Vec3, max: Vec3) {
     let triangles = std::mem::take(&mut mesh.triangles);
     let materials = std::mem::take(&mut mesh.triangle_materials);
@@ -67,13 +67,13 @@ fn clip_polygon(mut polygon: Vec<Corner>, min: Vec3, max: Vec3) -> Vec<Corner> {
         polygon = clip_half_space(&polygon, |corner| max[axis] - corner.position[axis]);
     }
     for corner in &mut polygon {
-        // Rounding must not widen the bounds.
+        // Rounding must not extend the bounds.
         corner.position = corner.position.clamp(min, max);
     }
     polygon
 }
 
-/// Keeps the part where `distance` is not negative.
+/// Keeps the part of a polygon with `distance` >= 0.
 fn clip_half_space(polygon: &[Corner], distance: impl Fn(&Corner) -> f32) -> Vec<Corner> {
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (i, here) in polygon.iter().enumerate() {
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_large_plane_is_cut_to_the_box() {
+    fn a_large_plane_is_clipped_to_the_box() {
         let corners = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
         let mut mesh = Mesh::polygon("plane", &corners, 3);
         clip_to_box(&mut mesh, Vec3::new(-1.0, -1.0, -2.0), Vec3::new(1.0, 1.0, 3.0));
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_inside_or_outside_stays_or_goes() {
+    fn meshes_inside_are_kept_and_outside_removed() {
         let mesh = Mesh::sphere("sphere", 1.0, 2, 0);
         let mut inside = mesh.clone();
         clip_to_box(&mut inside, Vec3::splat(-1.0), Vec3::ONE);

@@ -1,7 +1,7 @@
-//! A scene file in memory, to be changed and saved.
+//! An editable scene file.
 //!
-//! In: a scene by name or file. Out: its entries, what each stands for by itself, and the text of a scene
-//! file that says the same. Scenes that are made otherwise become a scene file that makes them.
+//! In: a scene by name or file. Out: its entries, the light or placement of a single entry, and the text of an
+//! equivalent scene file. Scenes without a scene file get a generated one.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::error::SceneError;
 use super::load::{self, Source};
 use super::scene_build::{Builder, animation_of, transform_of};
 use super::scene_file::{CameraEntry, InstanceEntry, LightEntry, LightType, SceneFile};
-use super::scene_lights::light_alone;
+use super::scene_lights::single_light;
 use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene};
 
 /// The Cornell box as a scene file.
@@ -24,27 +24,27 @@ builtin = \"cornell-box\"
 model = \"cornell-box\"
 ";
 
-/// A scene that is being changed.
+/// A scene being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDocument {
     file: SceneFile,
-    /// As written below `[settings]`.
+    /// The `[settings]` table.
     settings: toml::Table,
-    /// What error messages call it.
+    /// The file that error messages name.
     path: PathBuf,
 }
 
-/// Where an instance rests, and how it moves.
+/// Rest transform and animation of an instance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
     /// Object to world at rest.
     pub transform: Affine3A,
-    /// How it moves, if it does.
+    /// Its animation, if any.
     pub animation: Option<Animation>,
 }
 
 impl SceneDocument {
-    /// Opens a scene and builds it. `assets` is where the downloadable models lie.
+    /// Opens a scene and builds it. `assets` is the folder of the downloadable models.
     ///
     /// # Errors
     /// Those of [`super::load_scene`].
@@ -53,7 +53,7 @@ impl SceneDocument {
         let (path, text) = match load::find(name)? {
             Source::File(path, text) => (path, text),
             Source::Model(path) => {
-                let text = of_model(&path, &scene.name);
+                let text = scene_file_of_model(&path, &scene.name);
                 (path.with_extension("toml"), text)
             }
             Source::CornellBox => ("cornell-box.toml".into(), CORNELL_BOX.to_owned()),
@@ -61,13 +61,13 @@ impl SceneDocument {
         let mut document =
             Self { file: SceneFile::parse(&path, &text)?, settings: scene.settings.clone(), path };
         document.make_paths_absolute();
-        // What was recorded was recorded in the scene as it was.
+        // The recording belongs to the unedited scene.
         document.file.recording.clear();
         document.complete(&scene);
         Ok((document, scene))
     }
 
-    /// The scene that this describes.
+    /// Builds the scene.
     ///
     /// # Errors
     /// Those of a scene file.
@@ -75,9 +75,9 @@ impl SceneDocument {
         load::load_toml(&self.path, &self.text(), assets)
     }
 
-    /// The text of a scene file that makes this scene, wherever it lies.
+    /// The text of a scene file for this scene. Its paths are absolute, so it may be saved anywhere.
     pub fn text(&self) -> String {
-        // Only settings can fail here, and they were read from such text.
+        // Only settings could fail to serialise, and they were parsed from TOML.
         let mut table = toml::Table::try_from(&self.file).unwrap_or_default();
         if !self.settings.is_empty() {
             table.insert("settings".to_owned(), toml::Value::Table(self.settings.clone()));
@@ -85,62 +85,62 @@ impl SceneDocument {
         toml::to_string(&table).unwrap_or_default()
     }
 
-    /// Its instances. Entry `i` is instance `i` of the scene.
+    /// The instance entries. Entry `i` is instance `i` of the scene.
     pub fn instances(&self) -> impl ExactSizeIterator<Item = &InstanceEntry> {
         self.file.instances.iter().map(Spanned::get_ref)
     }
 
-    /// An instance, to be changed.
+    /// An instance entry, for editing.
     pub fn instance_mut(&mut self, index: usize) -> Option<&mut InstanceEntry> {
         self.file.instances.get_mut(index).map(Spanned::get_mut)
     }
 
-    /// Its lights.
+    /// The light entries.
     pub fn lights(&self) -> impl ExactSizeIterator<Item = &LightEntry> {
         self.file.lights.iter().map(Spanned::get_ref)
     }
 
-    /// A light, to be changed.
+    /// A light entry, for editing.
     pub fn light_mut(&mut self, index: usize) -> Option<&mut LightEntry> {
         self.file.lights.get_mut(index).map(Spanned::get_mut)
     }
 
-    /// Adds a light at the end.
+    /// Appends a light entry.
     pub fn add_light(&mut self, light: LightEntry) {
         self.file.lights.push(Spanned::new(0..0, light));
     }
 
-    /// Removes a light.
+    /// Removes a light entry; does nothing if there is none at `index`.
     pub fn remove_light(&mut self, index: usize) {
         if index < self.file.lights.len() {
             self.file.lights.remove(index);
         }
     }
 
-    /// Index of the scene's light that entry `index` stands for; none for an area light that is black.
+    /// Index of the scene's light for entry `index`; none for a black area light.
     pub fn scene_light(&self, index: usize) -> Option<usize> {
-        let shines = |light: &LightEntry| light.kind != LightType::Area || light.radiance != Some([0.0; 3]);
+        let emits = |light: &LightEntry| light.kind != LightType::Area || light.radiance != Some([0.0; 3]);
         let mut before = self.lights().take(index);
         let light = self.lights().nth(index)?;
-        shines(light).then(|| before.by_ref().filter(|light| shines(light)).count())
+        emits(light).then(|| before.by_ref().filter(|light| emits(light)).count())
     }
 
-    /// Index of the scene's instance that an area light with a polygon is.
+    /// Index of the scene's instance for light entry `index`, if that is an area light with a polygon.
     pub fn light_instance(&self, index: usize) -> Option<usize> {
         let has_polygon = |light: &&LightEntry| light.polygon.is_some();
         self.lights().nth(index).filter(|light| has_polygon(light))?;
         Some(self.file.instances.len() + self.lights().take(index).filter(has_polygon).count())
     }
 
-    /// The light that an entry stands for by itself; none for an area light.
+    /// Builds the light of a single entry; none for an area light.
     ///
     /// # Errors
     /// Those of a scene file, for this entry.
     pub fn light(&self, entry: &LightEntry) -> Result<Option<Light>, SceneError> {
-        light_alone(&self.path, entry)
+        single_light(&self.path, entry)
     }
 
-    /// Where an instance's entry puts it.
+    /// The placement of an instance entry.
     ///
     /// # Errors
     /// Those of a scene file, for this entry.
@@ -154,7 +154,7 @@ impl SceneDocument {
         })
     }
 
-    /// Where an area light's instance stands whose mesh was made for the polygon `made`, and how it moves.
+    /// The placement of an area light's instance whose mesh was built for the polygon `made`.
     ///
     /// # Errors
     /// Those of a scene file, for this entry.
@@ -166,17 +166,18 @@ impl SceneDocument {
         let builder = Builder::of_entries(&self.path);
         let entry = builder.entry(&(0..0), "area light");
         let now = light.polygon.unwrap_or(made);
-        let (turn, middle) = (frame_of(now) * frame_of(made).inverse(), middle_of(now));
-        let moved_only = (turn - Mat3::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-4);
-        let transform = if moved_only {
-            Affine3A::from_translation(middle)
+        let (rotation, centre) = (frame_of(now) * frame_of(made).inverse(), centre_of(now));
+        let only_translated =
+            (rotation - Mat3::IDENTITY).to_cols_array().iter().all(|part| part.abs() < 1e-4);
+        let transform = if only_translated {
+            Affine3A::from_translation(centre)
         } else {
-            Affine3A::from_mat3_translation(turn, middle)
+            Affine3A::from_mat3_translation(rotation, centre)
         };
         Ok(Placement { transform, animation: animation_of(&builder, &entry, light.animation.as_ref())? })
     }
 
-    /// Puts the camera there, at rest.
+    /// Sets the camera, without animation.
     pub fn set_camera(&mut self, camera: &Camera) {
         let vfov_deg = match &self.file.camera {
             Some(known) if known.get_ref().vfov_deg.unwrap_or(45.0).to_radians() == camera.vertical_fov => {
@@ -196,7 +197,7 @@ impl SceneDocument {
         self.file.camera = Some(Spanned::new(0..0, entry));
     }
 
-    /// The text of a scene file that replays `recording` in this scene.
+    /// The text of a scene file for this scene with `recording`.
     pub fn text_with(&self, recording: Vec<RecordedFrame>) -> String {
         let file = SceneFile { recording, ..self.file.clone() };
         Self { file, ..self.clone() }.text()
@@ -207,7 +208,7 @@ impl SceneDocument {
         self.settings = settings;
     }
 
-    /// Fills in what `scene` has without a scene file having said so: its name, a made-up camera, lights.
+    /// Adds entries for the defaults in `scene` that the file omits: name, camera, lights.
     fn complete(&mut self, scene: &Scene) {
         self.file.name = Some(scene.name.clone());
         if self.file.camera.is_none() {
@@ -230,8 +231,8 @@ impl SceneDocument {
     }
 }
 
-/// A scene file for a model that comes alone.
-fn of_model(path: &Path, name: &str) -> String {
+/// A scene file for a bare `.obj`.
+fn scene_file_of_model(path: &Path, name: &str) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = |text: &str| toml::Value::String(text.to_owned()).to_string();
     format!(
@@ -241,7 +242,7 @@ fn of_model(path: &Path, name: &str) -> String {
     )
 }
 
-/// The entry of a light that has no surface.
+/// The entry of a light; none for an area light.
 fn entry_of(light: &Light) -> Option<LightEntry> {
     let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
     let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));
@@ -268,14 +269,14 @@ fn entry_of(light: &Light) -> Option<LightEntry> {
     }
 }
 
-/// Degrees that a scene file turns into just these radians, where there are such.
+/// Degrees that convert back to exactly these radians, if such exist.
 fn degrees_of(radians: f32) -> f32 {
     let near = radians.to_degrees();
     let neighbours = [near, near.next_up(), near.next_down()];
     neighbours.into_iter().find(|degrees| degrees.to_radians() == radians).unwrap_or(near)
 }
 
-fn middle_of(polygon: [[f32; 3]; 4]) -> Vec3 {
+fn centre_of(polygon: [[f32; 3]; 4]) -> Vec3 {
     polygon.into_iter().map(Vec3::from_array).sum::<Vec3>() / 4.0
 }
 

@@ -1,11 +1,11 @@
-//! Why a scene could not be loaded: one line each, naming file, line and what to do.
+//! Errors of loading a scene: one line each, with file, line and what to do.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::builtin;
 
-/// A file and, where one is known, a line in it. Prints as `file` or `file:line`.
+/// A file and, if known, a line. Displays as `file` or `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file at fault.
@@ -30,39 +30,39 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a scene could not be loaded; each names the file and, where there is one, the line or key.
+/// Why a scene could not be loaded; each names the file and, if known, the line or key.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
-    #[error("no such scene: {} (neither a .toml or .obj file nor one of the built-in scenes: {})", .0.display(), builtin::NAMES.join(", "))]
+    #[error("no such scene: {}; give a .toml or .obj file, or a built-in scene: {}", .0.display(), builtin::NAMES.join(", "))]
     NotFound(PathBuf),
-    /// A file of another kind than a scene can be.
+    /// A file of an unsupported type.
     #[error("{}: not a scene; give a .toml scene file, an .obj model or one of: {}", .0.display(), builtin::NAMES.join(", "))]
     UnknownKind(PathBuf),
-    /// A file that is there could not be read.
+    /// An existing file could not be read.
     #[error("cannot read {}: {reason}; check that the file exists and may be read", file.display())]
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// The system's error.
         reason: std::io::Error,
     },
     /// A model that is not shipped was not found.
     #[error("scene \"{scene}\" needs the model {}, which {found}; set --assets or GLOWWORM_ASSETS to the folder that holds it; download: {source_url}", model.display())]
     MissingModel {
-        /// Scene that asked for it.
+        /// The scene that uses it.
         scene: String,
         /// Path below the assets folder.
         model: PathBuf,
-        /// Where it was looked for.
+        /// Where it was searched for.
         found: String,
-        /// Where it can be downloaded.
+        /// Download address.
         source_url: String,
     },
     /// The content of a file is wrong.
     #[error("{place}: {problem}")]
     Invalid {
-        /// Where.
+        /// File and line.
         place: Place,
         /// What is wrong and what to do.
         problem: String,
@@ -70,7 +70,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// Wrong content at `line` of `file`; line breaks in `problem` are folded, so that it stays one line.
+    /// Invalid content at `line` of `file`; joins the lines of `problem`.
     pub(super) fn invalid(file: &Path, line: Option<usize>, problem: impl Into<String>) -> Self {
         let problem = problem.into().split_whitespace().collect::<Vec<_>>().join(" ");
         Self::Invalid { place: Place::new(file, line), problem }

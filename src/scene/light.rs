@@ -1,4 +1,4 @@
-//! Light sources and their radiometry (DESIGN section "Lights").
+//! Light sources and their radiometry.
 
 use std::f32::consts::PI;
 
@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 use super::animation::Animation;
 use super::{BoundingSphere, Pose, Scene};
 
-/// What kind of source a light is, with its power.
+/// Type and power of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightKind {
     /// Intensity in W/sr, the same in all directions; flux 4 pi I.
@@ -25,12 +25,12 @@ pub enum LightKind {
         /// Half angle of the outer cone, radians, greater than the inner and less than pi.
         outer_angle: f32,
     },
-    /// Irradiance in W/m^2 on a plane across the direction.
+    /// Irradiance in W/m^2 on a plane perpendicular to the direction.
     Directional {
         /// W/m^2.
         irradiance: Vec3,
     },
-    /// The emissive triangles of an instance, on their front sides.
+    /// The emissive triangles of an instance; they emit from their front sides.
     Area {
         /// Index into `Scene::instances`.
         instance: usize,
@@ -53,13 +53,13 @@ pub struct AreaTriangle {
 pub struct Light {
     /// Name in the scene file.
     pub name: String,
-    /// Kind and power.
+    /// Type and power.
     pub kind: LightKind,
     /// World position (point, spot).
     pub position: Vec3,
     /// Unit direction in which the light travels (spot axis, directional).
     pub direction: Vec3,
-    /// How it moves, if it does; an area light moves with its instance instead.
+    /// Its animation, if any; an area light moves with its instance instead.
     pub animation: Option<Animation>,
 }
 
@@ -68,8 +68,8 @@ pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Share of a spot's axial intensity at an angle of cosine `cos` to its axis: 1 inside the inner cone, 0
-/// outside the outer, smoothstep in the cosine between.
+/// Intensity of a spot light relative to its axis, at an angle with cosine `cos` to the axis: 1 inside the inner cone,
+/// 0 outside the outer, smoothstep in the cosine between. Angles in radians.
 pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32) -> f32 {
     let (cos_inner, cos_outer) = (inner_angle.cos(), outer_angle.cos());
     let t = ((cos - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
@@ -88,14 +88,13 @@ impl Light {
         light
     }
 
-    /// Emitted flux in W, with area lights where `pose` has their instances. A directional light sends what
-    /// falls on a disc across its direction that covers `bounds`, the world-space bounding sphere of what
-    /// it may hit.
+    /// Emitted flux in W; `pose` places the instances of area lights. The flux of a directional light is that through
+    /// a disc perpendicular to its direction that covers `bounds`, the scene's bounding sphere.
     pub fn flux(&self, scene: &Scene, pose: &Pose, bounds: &BoundingSphere) -> Vec3 {
         match &self.kind {
             LightKind::Point { intensity } => *intensity * (4.0 * PI),
             LightKind::Spot { intensity, inner_angle, outer_angle } => {
-                // Smoothstep is 1/2 on average, so the soft rim counts for half of its solid angle.
+                // Smoothstep is 1/2 on average, so the falloff counts for half of its solid angle.
                 *intensity * (2.0 * PI * (1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos())))
             }
             LightKind::Directional { irradiance } => *irradiance * (PI * bounds.radius * bounds.radius),

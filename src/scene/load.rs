@@ -1,6 +1,7 @@
-//! From a name or file to a [`Scene`].
+//! Loads a [`Scene`] by name or file.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use glam::Affine3A;
 
@@ -8,26 +9,31 @@ use super::error::SceneError;
 use super::scene_file::SceneFile;
 use super::{Instance, Scene, bare_obj, builtin, obj, scene_build};
 
-/// Loads a built-in scene by name, a scene file (`.toml`) or a bare `.obj`. `assets` is where the
-/// downloadable models lie.
+/// Loads a built-in scene by name, a scene file (`.toml`) or a bare `.obj`. `assets` is the
+/// folder of the downloadable models.
 ///
 /// # Errors
-/// One line that names the file, the line or key where there is one, and what to do.
+/// One line that names the file, the line or key if known, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-    match find(name)? {
-        Source::File(path, text) => load_toml(&path, &text, assets),
-        Source::Model(path) => load_bare_obj(&path),
-        Source::CornellBox => Ok(builtin::cornell_box()),
-    }
+    let begun = Instant::now();
+    let scene = match find(name)? {
+        Source::File(path, text) => load_toml(&path, &text, assets)?,
+        Source::Model(path) => load_bare_obj(&path)?,
+        Source::CornellBox => builtin::cornell_box(),
+    };
+    let (meshes, textures) = (scene.meshes.len(), scene.textures.len());
+    let load_ms = begun.elapsed().as_secs_f64() * 1e3;
+    log::info!("{}: loaded {meshes} meshes and {textures} textures in {load_ms:.0} ms", scene.name);
+    Ok(scene)
 }
 
-/// What a scene is made of.
+/// Source of a scene.
 pub(super) enum Source {
     /// A scene file, with its text.
     File(PathBuf, String),
-    /// A model that comes alone.
+    /// A bare `.obj`.
     Model(PathBuf),
-    /// The one that is made by code.
+    /// The procedural Cornell box.
     CornellBox,
 }
 
@@ -54,7 +60,7 @@ pub(super) fn find(name: &str) -> Result<Source, SceneError> {
     }
 }
 
-/// Builds the scene of a scene file's text; paths in it are absolute.
+/// Builds a scene from the text of a scene file, whose paths must be absolute.
 ///
 /// # Errors
 /// Those of a scene file.
@@ -73,7 +79,6 @@ fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    bare_obj::frame(&mut scene);
-    bare_obj::light(&mut scene);
+    bare_obj::stage(&mut scene);
     Ok(scene)
 }

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::Scene;
 
-/// A surface: Lambertian diffuse and normalised Blinn-Phong specular reflection, perhaps emission.
+/// A material: Lambertian diffuse and normalised Blinn-Phong specular reflection, optionally emission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the MTL.
@@ -19,7 +19,8 @@ pub struct Material {
     pub emission: Vec3,
     /// map_Kd: index into `Scene::textures`.
     pub albedo_texture: Option<usize>,
-    /// Index into `Scene::alpha_masks`; set where `d`, `map_d` or the alpha of `map_Kd` cuts parts away.
+    /// Index into `Scene::alpha_masks`; set if `map_d`, the alpha of `map_Kd` or, unless emissive, `d` masks parts of
+    /// the surface. Masked parts do not emit.
     pub alpha_mask: Option<usize>,
 }
 
@@ -33,19 +34,19 @@ pub struct Texture {
     pub levels: Vec<(u32, u32, Vec<u8>)>,
 }
 
-/// Which texels of a surface are there: one bit a texel, the same for raster, CPU rays and shader rays.
+/// The opaque texels of a surface: one bit a texel, the same for raster, CPU rays and shader rays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlphaMask {
     /// Width in texels.
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is.
+    /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is opaque.
     pub bits: Vec<u32>,
 }
 
 impl Material {
-    /// A grey Lambertian surface of albedo 0.5 without emission: the stand-in for a missing material.
+    /// A grey Lambertian surface of albedo 0.5 without emission: the fallback for a missing material.
     pub fn grey(name: &str) -> Self {
         Self::lambertian(name, Vec3::splat(0.5))
     }
@@ -83,7 +84,12 @@ impl Material {
 }
 
 impl AlphaMask {
-    /// Whether the surface is there at `uv` (repeating, nearest texel, origin top left).
+    /// Whether no texel is opaque.
+    pub fn is_empty(&self) -> bool {
+        self.bits.iter().all(|&word| word == 0)
+    }
+
+    /// Whether the surface is opaque at `uv` (repeating, nearest texel, origin top left).
     pub fn opaque_at(&self, uv: Vec2) -> bool {
         let wrapped = uv - uv.floor();
         let x = ((wrapped.x * self.width as f32) as u32).min(self.width - 1);

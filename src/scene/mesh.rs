@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-/// A triangle whose height is less than this share of its longest edge has no area.
+/// A triangle is degenerate if its height is below this fraction of its longest edge.
 const DEGENERATE: f64 = 1e-7;
 
 /// An indexed triangle mesh: one bottom-level BVH.
@@ -16,13 +16,13 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex, origin at the image's top left; zero where the file has none.
     pub uvs: Vec<Vec2>,
-    /// Vertex indices, counter-clockwise seen from the front; sorted by material.
+    /// Vertex indices, front faces counter-clockwise; sorted by material.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle, an index into `Scene::materials`.
     pub triangle_materials: Vec<u32>,
 }
 
-/// A place on a mesh: triangle and barycentric weights of its second and third vertex.
+/// A point on a mesh: triangle and barycentric weights of its second and third vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// Index into [`Mesh::triangles`].
@@ -31,36 +31,36 @@ pub struct SurfacePoint {
     pub barycentrics: Vec2,
 }
 
-/// What a mesh is like at a [`SurfacePoint`], object space.
+/// Interpolated vertex data at a [`SurfacePoint`], object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Position, on the flat triangle.
     pub position: Vec3,
-    /// Unit shading normal, interpolated; the geometric one where the vertex normals cancel out.
+    /// Unit shading normal, interpolated; the geometric normal if the vertex normals cancel out.
     pub normal: Vec3,
-    /// Unit normal of the flat triangle, towards its counter-clockwise side.
+    /// Unit normal of the triangle, on its counter-clockwise side.
     pub geometric_normal: Vec3,
     /// Texture coordinates.
     pub uv: Vec2,
 }
 
-/// What the corners of one triangle say, side by side in memory: whoever looks at many hits keeps these
-/// instead of going from triangle to vertices.
+/// The vertex data of one triangle, contiguous in memory: saves the indirection from triangle to vertices for each
+/// hit.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct TriangleSurface {
     positions: [Vec3; 3],
     normals: [Vec3; 3],
-    uvs: [Vec2; 3],
+    pub(crate) uvs: [Vec2; 3],
     geometric_normal: Vec3,
     /// Index into `Scene::materials`.
     pub material: u32,
-    /// Up to two cache lines.
+    /// Pads to two cache lines.
     padding: [u32; 4],
 }
 
 impl TriangleSurface {
-    /// Position, normals and texture coordinates where the second and third corner have these weights.
+    /// Interpolates with these weights of the second and third corner.
     #[inline]
     pub fn interpolate(&self, barycentrics: Vec2) -> Surface {
         let (u, v) = (barycentrics.x, barycentrics.y);
@@ -98,7 +98,7 @@ impl Mesh {
         self.triangle_surface(point.triangle).interpolate(point.barycentrics)
     }
 
-    /// Everything that a triangle's corners say.
+    /// The vertex data of a triangle.
     pub fn triangle_surface(&self, triangle: u32) -> TriangleSurface {
         let corners = self.triangles[triangle as usize].map(|vertex| vertex as usize);
         let positions = corners.map(|vertex| self.positions[vertex]);
@@ -121,14 +121,14 @@ impl Mesh {
         self.triangle_materials = order.iter().map(|&i| self.triangle_materials[i]).collect();
     }
 
-    /// Keeps the triangles that `keep` likes, by their index.
+    /// Keeps the triangles for whose index `keep` is true.
     pub(super) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
         let kept: Vec<usize> = (0..self.triangles.len()).filter(|&i| keep(self, i)).collect();
         self.triangles = kept.iter().map(|&i| self.triangles[i]).collect();
         self.triangle_materials = kept.iter().map(|&i| self.triangle_materials[i]).collect();
     }
 
-    /// Drops the triangles that have no area.
+    /// Removes degenerate triangles.
     pub(super) fn drop_degenerate_triangles(&mut self) {
         self.retain_triangles(|mesh, i| {
             let [a, b, c] = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
@@ -138,7 +138,7 @@ impl Mesh {
         });
     }
 
-    /// Renumbers the vertices in the order in which the triangles use them, and forgets the rest.
+    /// Renumbers the vertices in order of first use by the triangles, and removes unused ones.
     pub(super) fn drop_unused_vertices(&mut self) {
         const UNUSED: u32 = u32::MAX;
         let mut place = vec![UNUSED; self.positions.len()];
@@ -157,7 +157,7 @@ impl Mesh {
     }
 }
 
-/// Smallest box (min, max) about `points`; none if there are none.
+/// Bounds (min, max) of `points`; none for no points.
 pub(super) fn bounds_of(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
     points.fold(None, |bounds, point| match bounds {
         None => Some((point, point)),
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn interpolates_corners_and_middle() {
+    fn interpolates_corners_and_edges() {
         let mesh = Mesh {
             name: "triangle".into(),
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],

@@ -1,7 +1,7 @@
-//! What the world is: meshes, materials, lights, camera and how they move.
+//! The scene: meshes, materials, lights, camera and their animation.
 //!
-//! A [`Scene`] is loaded once and does not change while it is shown; [`Scene::pose`] gives where
-//! everything stands at a time. This module knows nothing of Vulkan.
+//! A loaded [`Scene`] is immutable; [`Scene::pose`] evaluates its animation at a time. This module is independent of
+//! Vulkan.
 
 mod animation;
 mod bare_obj;
@@ -27,11 +27,12 @@ mod scene_file;
 mod scene_lights;
 mod scene_models;
 mod texture;
+mod viewpoint;
 mod world_surface;
 
 pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
-pub use camera::Camera;
+pub use camera::{Camera, CameraOverride};
 pub use document::{Placement, SceneDocument};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
@@ -52,10 +53,10 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
-/// Coordinates beyond this, either way, are refused: what is computed from them would overflow.
-const MAX_COORDINATE: f32 = 1e9;
+/// Largest magnitude of a coordinate: products of larger ones could overflow.
+pub(crate) const MAX_COORDINATE: f32 = 1e9;
 
-/// A placed copy of a mesh.
+/// An instance of a mesh.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Name in the scene file, or the model's.
@@ -64,11 +65,11 @@ pub struct Instance {
     pub mesh: usize,
     /// Object to world at rest; animation is applied by [`Scene::pose`].
     pub transform: Affine3A,
-    /// How it moves, if it does.
+    /// Its animation, if any.
     pub animation: Option<Animation>,
-    /// Whether it may move at all: static instances share a top-level BVH that is never rebuilt.
+    /// Whether it may move: static instances have their own top-level BVH, which is built once.
     pub dynamic: bool,
-    /// Whether it can be seen and hit by rays. An invisible instance may still emit light (a portal).
+    /// Whether it is rasterised and rays can hit it. An invisible instance may still emit light (a portal).
     pub visible: bool,
 }
 
@@ -79,7 +80,7 @@ impl Instance {
     }
 }
 
-/// The whole world, at rest.
+/// A scene, at rest.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Name for reports.
@@ -92,25 +93,25 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Alpha masks, indexed by [`Material::alpha_mask`].
     pub alpha_masks: Vec<AlphaMask>,
-    /// Placed meshes.
+    /// Instances.
     pub instances: Vec<Instance>,
     /// Lights, at rest.
     pub lights: Vec<Light>,
     /// Camera, at rest.
     pub camera: Camera,
-    /// How the camera moves, if it does.
+    /// The camera's animation, if any.
     pub camera_animation: Option<Animation>,
-    /// Radiance seen where no surface is, W/m^2/sr; it lights nothing.
+    /// Radiance of camera rays that miss, W/m^2/sr; it does not light the scene.
     pub background: Vec3,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
-    /// What a person has done in it, frame by frame; empty: it goes as it is animated.
+    /// Recorded edits, by frame; if not empty, they replace the animation.
     pub recording: Arc<Vec<RecordedFrame>>,
-    /// What was odd but could be helped, one line each (a missing texture, a missing MTL).
+    /// Recovered problems, one line each (a missing texture, a missing MTL).
     pub warnings: Vec<String>,
 }
 
-/// Where everything stands at one time.
+/// Camera, lights and instance transforms at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     /// Camera.
@@ -121,17 +122,17 @@ pub struct Pose {
     pub instances: Vec<Affine3A>,
 }
 
-/// A sphere about something, world space.
+/// A bounding sphere, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
-    /// Middle.
+    /// Centre.
     pub center: Vec3,
     /// Radius, > 0.
     pub radius: f32,
 }
 
 impl BoundingSphere {
-    /// The sphere about the box (min, max).
+    /// The bounding sphere of the box (min, max).
     pub fn around((min, max): (Vec3, Vec3)) -> Self {
         let radius = 0.5 * min.distance(max);
         Self { center: 0.5 * (min + max), radius: radius.max(f32::MIN_POSITIVE) }
@@ -139,7 +140,7 @@ impl BoundingSphere {
 }
 
 impl Scene {
-    /// A scene without anything in it, seen from (0, 0, 3).
+    /// An empty scene, with the camera at (0, 0, 3).
     pub fn new(name: &str) -> Self {
         Self {
             name: name.to_owned(),
@@ -158,7 +159,7 @@ impl Scene {
         }
     }
 
-    /// A copy without meshes and textures, which is all that [`Self::pose`] needs.
+    /// A copy without meshes and textures, sufficient for [`Self::pose`].
     pub fn without_meshes(&self) -> Self {
         Self {
             name: self.name.clone(),
@@ -173,7 +174,7 @@ impl Scene {
         }
     }
 
-    /// Where everything stands at `time`, seconds.
+    /// The pose at `time`, seconds.
     pub fn pose(&self, time: f64) -> Pose {
         let transform = |instance: &Instance| match &instance.animation {
             Some(animation) => {
@@ -193,7 +194,7 @@ impl Scene {
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are
-    /// none. Looks at every vertex.
+    /// none. Visits every vertex.
     pub fn bounds(&self, pose: &Pose) -> (Vec3, Vec3) {
         let visible = self.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);
         let points = visible.flat_map(|(instance, transform)| {
@@ -202,12 +203,12 @@ impl Scene {
         mesh::bounds_of(points).unwrap_or((Vec3::splat(-0.5), Vec3::splat(0.5)))
     }
 
-    /// The sphere about [`Self::bounds`].
+    /// The bounding sphere of [`Self::bounds`].
     pub fn bounding_sphere(&self, pose: &Pose) -> BoundingSphere {
         BoundingSphere::around(self.bounds(pose))
     }
 
-    /// Whether the surface of `material` (an index into [`Self::materials`]) is there at `uv`.
+    /// Whether `material` (an index into [`Self::materials`]) is opaque at `uv`.
     pub fn opaque_at(&self, material: u32, uv: Vec2) -> bool {
         match self.materials[material as usize].alpha_mask {
             Some(mask) => self.alpha_masks[mask].opaque_at(uv),
@@ -215,7 +216,7 @@ impl Scene {
         }
     }
 
-    /// Triangles of all instances together.
+    /// Total triangle count of all instances.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|instance| self.meshes[instance.mesh].triangles.len()).sum()
     }
@@ -226,7 +227,7 @@ impl Scene {
         materials.iter().any(|&material| self.materials[material as usize].is_emissive())
     }
 
-    /// Adds the area light of instance `instance`, named after it, if any of its triangles emits.
+    /// Adds an area light for instance `instance`, with its name, if any of its triangles is emissive.
     pub fn add_area_light(&mut self, instance: usize) {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let emission = |(triangle, &material): (usize, &u32)| {

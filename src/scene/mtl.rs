@@ -1,17 +1,17 @@
-//! Material libraries: checks an MTL and has tobj parse it.
+//! Material libraries: sanitises an MTL and parses it with tobj.
 //!
-//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, whose values are finite and in range.
-//! Whatever is odd becomes a warning, never an error.
+//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, with finite values in range. Problems are warnings,
+//! never errors.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-/// Warnings that one file may cause; the rest are counted.
+/// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
 
-/// Reads the libraries named in `file` (an OBJ) one after another; later definitions win.
+/// Reads the libraries named in `file` (an OBJ); later definitions override earlier ones.
 pub(super) fn read_libraries(
     file: &Path,
     libraries: &[String],
@@ -20,7 +20,7 @@ pub(super) fn read_libraries(
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut materials = Vec::new();
     for argument in libraries {
-        // One name with spaces in it, or several names.
+        // Either one name with spaces or several names.
         let names = match find_file(folder, argument) {
             Some(_) => vec![argument.as_str()],
             None => argument.split_whitespace().collect(),
@@ -30,18 +30,18 @@ pub(super) fn read_libraries(
             match bytes {
                 Some(Ok((path, bytes))) => materials.extend(parse(&path, &bytes, warnings)),
                 Some(Err(error)) => warnings.push(format!(
-                    "{}: material library {name} could not be read ({error}); grey stands in",
+                    "{}: material library {name} cannot be read ({error}); using grey",
                     file.display()
                 )),
                 None => warnings
-                    .push(format!("{}: material library {name} is missing; grey stands in", file.display())),
+                    .push(format!("{}: material library {name} is missing; using grey", file.display())),
             }
         }
     }
     materials
 }
 
-/// Finds `name` below `folder`: as written, with any case, or its last component alone.
+/// Finds `name` below `folder`: as written, ignoring case, or only its last component.
 pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);
@@ -73,7 +73,7 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-/// Rewrites an MTL so that tobj (which panics on a colour of two numbers) can only succeed, and parses it.
+/// Sanitises an MTL (tobj panics on a colour of two numbers) and parses it.
 fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Material> {
     let mut clean = String::new();
     let mut problems = Vec::new();
@@ -87,18 +87,18 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
     let more = problems.len().saturating_sub(MAX_WARNINGS);
     warnings.extend(problems.into_iter().take(MAX_WARNINGS));
     if more > 0 {
-        warnings.push(format!("{}: {more} more lines like these", path.display()));
+        warnings.push(format!("{}: {more} more warnings", path.display()));
     }
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
         Ok((materials, _)) => materials,
         Err(error) => {
-            warnings.push(format!("{}: could not be parsed ({error}); grey stands in", path.display()));
+            warnings.push(format!("{}: cannot be parsed ({error}); using grey", path.display()));
             Vec::new()
         }
     }
 }
 
-/// Appends one checked statement to `clean`; statements that mean nothing to a [`tobj::Material`] are left out.
+/// Appends one checked statement to `clean`; skips statements that [`tobj::Material`] ignores.
 fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> {
     let keyword = keyword.to_ascii_lowercase();
     // Writing to a String cannot fail.
@@ -116,7 +116,7 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
             return problem.map_or(Ok(()), Err);
         }
         "ns" | "d" => {
-            // `d -halo 0.5` fades with the angle; take its floor.
+            // `d -halo 0.5` varies with the view angle; use its minimum.
             let word = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
             let value: f32 = word.parse().map_err(|_| format!("{keyword} is not a number; ignored"))?;
             if !(value >= 0.0 && value.is_finite()) {
@@ -150,16 +150,15 @@ fn colour(keyword: &str, rest: &str, max: f32) -> Result<(Vec3, Option<String>),
     };
     let usable = given.to_array().map(|c| if c.is_finite() { c.clamp(0.0, max) } else { 0.0 });
     let usable = Vec3::from_array(usable);
-    let problem = (usable != given)
-        .then(|| format!("{keyword} {rest} is outside what is possible; clamped to {usable}"));
+    let problem = (usable != given).then(|| format!("{keyword} {rest} is out of range; clamped to {usable}"));
     Ok((usable, problem))
 }
 
-/// The file name after options such as `-clamp on` or `-s 1 1 1`; it may hold spaces.
+/// The file name after options such as `-clamp on` or `-s 1 1 1`; it may contain spaces.
 fn without_options(mut rest: &str) -> &str {
     while rest.starts_with('-') {
         let (option, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-        // How many arguments: exactly, or up to three numbers.
+        // Number of arguments: fixed, or up to three numbers.
         let (fixed, numbers) = match option {
             "-o" | "-s" | "-t" => (0, 3),
             "-mm" => (2, 0),

@@ -1,8 +1,7 @@
-//! Makes the vertex normals that a model lacks.
+//! Generates missing vertex normals.
 //!
-//! In: a mesh, some of whose vertices have a zero normal. Out: the same mesh with unit normals
-//! everywhere: the mean of the faces that meet there, weighted by their angles (Thuermer and Wuethrich
-//! 1998), over those faces only that bend less than the crease angle away; sharper edges stay sharp.
+//! In: a mesh, some of whose vertices have a zero normal. Out: the mesh with unit normals: the angle-weighted mean of
+//! the adjacent face normals (Thuermer and Wuethrich 1998) within the crease angle; sharper edges stay sharp.
 
 use std::collections::HashMap;
 
@@ -10,10 +9,10 @@ use glam::Vec3;
 
 use super::mesh::Mesh;
 
-/// Faces that meet at less than this are smoothed, degrees.
+/// Crease angle, degrees: adjacent faces with a smaller angle between their normals are smoothed.
 const CREASE_DEGREES: f32 = 40.0;
 
-/// Vertices with more corners than this are shaded flat: comparing all pairs takes quadratic time.
+/// Vertices of a higher valence are shaded flat: comparing all pairs of faces takes quadratic time.
 const MAX_VALENCE: usize = 512;
 
 /// One corner of a triangle.
@@ -70,7 +69,7 @@ fn corner_groups(mesh: &Mesh) -> Vec<Vec<Corner>> {
             }
             let [here, next, last] = [points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]];
             let angle = (next - here).angle_between(last - here);
-            // Adding zero turns -0 into +0, which is the same place.
+            // Adding zero turns -0 into +0, which must compare equal.
             let key = (here + 0.0).to_array().map(f32::to_bits);
             let group = *by_position.entry(key).or_insert_with(|| {
                 groups.push(Vec::new());

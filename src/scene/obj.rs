@@ -1,9 +1,8 @@
-//! Wavefront OBJ models, through tobj.
+//! Wavefront OBJ models, parsed by tobj.
 //!
-//! In: an `.obj` file with its libraries and images. Out: one mesh in the scene that holds all its
-//! triangles, sorted by material, with the materials, textures and alpha masks that they use. Faces of
-//! no area are dropped; normals that the file lacks are made with a crease angle (see `normals`);
-//! texture coordinates that it lacks are zero.
+//! In: an `.obj` file with its libraries and images. Out: one mesh in the scene with all its triangles, sorted by
+//! material, and their materials, textures and alpha masks. Degenerate faces are removed; missing normals are
+//! generated with a crease angle (see `normals`); missing texture coordinates are zero.
 
 use std::path::Path;
 
@@ -21,7 +20,7 @@ pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneErro
         std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
     let obj = ObjText::check(file, &bytes)?;
 
-    // Load the materials, then a grey one for whatever the libraries do not define.
+    // Load the materials and a grey fallback for undefined ones.
     let first_material = scene.materials.len();
     let materials = mtl::read_libraries(file, &obj.libraries, &mut scene.warnings);
     obj_materials::add_materials(file, &materials, scene);
@@ -29,7 +28,7 @@ pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneErro
     let grey = scene.materials.len();
     scene.materials.push(Material::grey("grey"));
 
-    // Let tobj make single-indexed triangles.
+    // Let tobj build single-indexed triangles.
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let by_name = materials.iter().enumerate().map(|(i, material)| (material.name.clone(), i)).collect();
     let library = (materials, by_name);
@@ -65,13 +64,13 @@ fn warn_of_undefined(file: &Path, obj: &ObjText, materials: &[tobj::Material], s
             n => format!(" and {} more", n - 1),
         };
         scene.warnings.push(format!(
-            "{}: material {first}{more} is defined in no material library; grey stands in",
+            "{}: material {first}{more} is not defined in any material library; using grey",
             file.display()
         ));
     }
 }
 
-/// Adds one of tobj's meshes, whose arrays are aligned because every face of it has the same layout.
+/// Appends one of tobj's meshes; all its faces have the same attributes, so its arrays are aligned.
 fn append(mesh: &mut Mesh, part: &tobj::Mesh, material: u32) {
     let first = mesh.positions.len() as u32;
     let count = part.positions.len() / 3;
@@ -92,7 +91,7 @@ fn append(mesh: &mut Mesh, part: &tobj::Mesh, material: u32) {
     mesh.triangle_materials.resize(mesh.triangles.len(), material);
 }
 
-/// Drops faces of no area, sorts by material, makes missing normals, forgets unused vertices.
+/// Removes degenerate faces, sorts by material, generates missing normals, removes unused vertices.
 fn clean_up(file: &Path, mesh: &mut Mesh) -> Result<(), SceneError> {
     let before = mesh.triangles.len();
     mesh.drop_degenerate_triangles();

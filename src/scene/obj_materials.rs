@@ -1,7 +1,7 @@
-//! From tobj's materials to the scene's, with the images that they name.
+//! Converts tobj's materials and their images to the scene's.
 //!
-//! In: the materials of an OBJ. Out: a [`Material`] for each, its texture and its alpha mask in the scene;
-//! an image that cannot be read is stood in for and named in a warning.
+//! In: the materials of an OBJ. Out: a [`Material`] for each, with its texture and alpha mask in the scene; an
+//! unreadable image is replaced by a fallback and named in a warning.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::material::{AlphaMask, Material, Texture};
 use super::mtl::find_file;
 use super::{Scene, texture};
 
-/// The images that a model's materials name, read once each.
+/// The images of a model's materials, each read once.
 struct Images(HashMap<String, Result<DynamicImage, String>>);
 
 impl Images {
@@ -38,7 +38,7 @@ impl Images {
     }
 }
 
-/// What a mask is made of: colour map, opacity map, bits of `d`.
+/// Inputs of a mask: colour map, opacity map, bits of `d`.
 type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
 
 /// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
@@ -49,7 +49,9 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
     for material in materials {
         let colour_map = material.diffuse_texture.as_deref();
         let opacity_map = material.dissolve_texture.as_deref();
-        let dissolve = material.dissolve.unwrap_or(1.0);
+        let emission = Vec3::from_array(material.emissive.unwrap_or_default());
+        // An emissive surface is meant to be visible, so it ignores `d`.
+        let dissolve = if emission == Vec3::ZERO { material.dissolve.unwrap_or(1.0) } else { 1.0 };
         let alpha_mask = *masks.entry((colour_map, opacity_map, dissolve.to_bits())).or_insert_with(|| {
             let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
             scene.alpha_masks.push(mask);
@@ -62,14 +64,14 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
             ),
             specular: Vec3::from_array(material.specular.unwrap_or_default()),
             shininess: material.shininess.unwrap_or(1.0),
-            emission: Vec3::from_array(material.emissive.unwrap_or_default()),
+            emission,
             albedo_texture: colour_map.and_then(|name| textures.get(name).copied()),
             alpha_mask,
         });
     }
 }
 
-/// Adds every colour map, with mip levels; what cannot be read is stood in for. Names to scene indices.
+/// Adds every colour map with its mip chain, or a fallback for an unreadable one. Returns scene indices by name.
 fn add_textures(
     file: &Path,
     materials: &[tobj::Material],
@@ -78,13 +80,13 @@ fn add_textures(
 ) -> HashMap<String, usize> {
     let mut names: Vec<&str> = Vec::new();
     for material in materials {
-        for (name, stand_in) in [
-            (&material.diffuse_texture, "a magenta and black checkerboard stands in"),
-            (&material.dissolve_texture, "nothing is cut away"),
+        for (name, fallback) in [
+            (&material.diffuse_texture, "using a magenta and black checkerboard"),
+            (&material.dissolve_texture, "using no alpha mask"),
         ] {
             let Some(name) = name else { continue };
             if let Err(problem) = images.get(name) {
-                let line = format!("{}: texture {name} {problem}; {stand_in}", file.display());
+                let line = format!("{}: texture {name} {problem}; {fallback}", file.display());
                 if !scene.warnings.contains(&line) {
                     scene.warnings.push(line);
                 }
@@ -104,7 +106,7 @@ fn add_textures(
     names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), first + i)).collect()
 }
 
-/// Where a surface is cut away: `map_d` if there is one, else the alpha of `map_Kd`, times `d`.
+/// The alpha mask: `map_d` if present, else the alpha of `map_Kd`, times `d`.
 fn mask_of(
     colour_map: Option<&str>,
     opacity_map: Option<&str>,

@@ -1,8 +1,8 @@
-//! Checks an OBJ and rewrites it so that tobj can only succeed, and keep its arrays aligned.
+//! Validates an OBJ and rewrites it to a subset that tobj parses without error.
 //!
-//! In: the bytes of a file. Out: an equivalent OBJ of `v`, `vt`, `vn`, triangular `f`, `usemtl` and `o`
-//! lines, all indices absolute and in range, every face of one `o` with the same kinds of indices; or
-//! an error that names the line. tobj itself says neither line nor cause.
+//! In: the bytes of a file. Out: an equivalent OBJ of `v`, `vt`, `vn`, triangular `f`, `usemtl` and `o` lines, with
+//! absolute indices in range, and the same attributes on all faces of one `o`; or an error that names the line, since
+//! tobj's errors name neither line nor cause.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use super::MAX_COORDINATE;
 use super::error::SceneError;
 use super::polygon::triangulate;
 
-/// A checked OBJ.
+/// A validated OBJ.
 #[derive(Debug, Default)]
 pub(super) struct ObjText {
     /// The rewritten file.
@@ -33,7 +33,7 @@ struct Corner([Option<usize>; 3]);
 const LISTS: [(&str, &str); 3] = [("vertex", "v"), ("texture coordinate", "vt"), ("normal", "vn")];
 
 impl ObjText {
-    /// Checks and rewrites `bytes`, the content of `file`.
+    /// Validates and rewrites `bytes`, the content of `file`.
     pub fn check(file: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
         if bytes.contains(&0) {
             return Err(SceneError::invalid(
@@ -42,14 +42,14 @@ impl ObjText {
                 "is a binary file, not a Wavefront OBJ; export the model as text .obj",
             ));
         }
-        // Names in comments and materials of old exporters are often Latin-1; keep what can be kept.
+        // Comments and material names of old exporters are often Latin-1, so decode leniently.
         let text = String::from_utf8_lossy(bytes);
         let mut scan = Scan {
             file,
             out: Self::default(),
             positions: Vec::new(),
             totals: [0; 3],
-            seen: [0; 3],
+            preceding: [0; 3],
             layout: None,
         };
         for (line, statement) in statements(&text) {
@@ -64,7 +64,7 @@ impl ObjText {
                 file,
                 None,
                 format!(
-                    "holds no triangles ({vertices} vertices, no faces); export a model that has faces as .obj"
+                    "has no triangles ({vertices} vertices, no faces); export a model with faces as .obj"
                 ),
             ));
         }
@@ -72,7 +72,7 @@ impl ObjText {
     }
 }
 
-/// Splits into lines with their numbers, joining those that end in a backslash.
+/// Splits into numbered lines, joining lines that end in a backslash.
 fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
@@ -101,10 +101,10 @@ struct Scan<'a> {
     file: &'a Path,
     out: ObjText,
     positions: Vec<Vec3>,
-    /// How many v, vt, vn the whole file has.
+    /// Number of v, vt and vn lines in the file.
     totals: [usize; 3],
-    /// How many of them stand before the current line, for relative indices.
-    seen: [usize; 3],
+    /// Number of them before the current line, for relative indices.
+    preceding: [usize; 3],
     /// Whether the last face had texture coordinates and normals.
     layout: Option<[bool; 2]>,
 }
@@ -120,15 +120,14 @@ impl Scan<'_> {
             without_comment(rest).split_whitespace().map_while(|word| word.parse().ok()).collect();
         if numbers.len() < least {
             let short: String = statement.chars().take(60).collect();
-            return Err(self.error(
-                line,
-                format!("\"{short}\" should hold {least} numbers; fix or re-export the model"),
-            ));
+            return Err(
+                self.error(line, format!("\"{short}\" needs {least} numbers; fix or re-export the model"))
+            );
         }
         Ok(numbers)
     }
 
-    /// First pass: `v`, `vt` and `vn`, so that faces may come before the vertices that they name.
+    /// First pass: `v`, `vt` and `vn`, since faces may precede the vertices that they reference.
     fn vertex_statement(&mut self, line: usize, statement: &str) -> Result<(), SceneError> {
         match split(statement).0 {
             "v" => self.position(line, statement),
@@ -147,7 +146,7 @@ impl Scan<'_> {
             }
             "vn" => {
                 let n = self.numbers(line, statement, 3)?;
-                // A zero normal is made anew from its faces.
+                // A zero normal counts as missing and is generated from the faces.
                 let normal = Vec3::new(n[0], n[1], n[2]).try_normalize().unwrap_or(Vec3::ZERO);
                 self.totals[2] += 1;
                 let _ = writeln!(self.out.text, "vn {} {} {}", normal.x, normal.y, normal.z);
@@ -159,7 +158,7 @@ impl Scan<'_> {
 
     fn position(&mut self, line: usize, statement: &str) -> Result<(), SceneError> {
         let n = self.numbers(line, statement, 3)?;
-        // Four numbers are homogeneous coordinates; more are vertex colours, which are not used.
+        // Four numbers are homogeneous coordinates; more include vertex colours, which are ignored.
         let w = if n.len() == 4 { n[3] } else { 1.0 };
         let position = Vec3::new(n[0], n[1], n[2]) / w;
         if !position.is_finite() {
@@ -183,9 +182,9 @@ impl Scan<'_> {
     fn face_statement(&mut self, line: usize, statement: &str) -> Result<(), SceneError> {
         let (keyword, rest) = split(statement);
         match keyword {
-            "v" => self.seen[0] += 1,
-            "vt" => self.seen[1] += 1,
-            "vn" => self.seen[2] += 1,
+            "v" => self.preceding[0] += 1,
+            "vt" => self.preceding[1] += 1,
+            "vn" => self.preceding[2] += 1,
             "f" | "fo" => return self.face(line, rest),
             "usemtl" if !rest.is_empty() => {
                 if !self.out.materials.iter().any(|name| name == rest) {
@@ -206,7 +205,7 @@ impl Scan<'_> {
             // Points and lines have no surface.
             return Ok(());
         }
-        // Give every corner the same kinds of indices, and every run of such faces an object of its own.
+        // Use only attributes that all corners have, and start a new object where they change.
         let layout = [1, 2].map(|list| corners.iter().all(|corner| corner.0[list].is_some()));
         if self.layout.replace(layout) != Some(layout) {
             self.out.text.push_str("o part\n");
@@ -254,14 +253,14 @@ impl Scan<'_> {
                 format!("\"{}\" is not a {name} index; fix or re-export the model", clip(part)),
             ));
         };
-        // Positive indices count from 1 over the whole file, negative ones back from here.
-        let absolute = if index < 0 { index.saturating_add(self.seen[list] as i64) } else { index - 1 };
+        // Positive indices count from 1, negative ones backwards from the current line.
+        let absolute = if index < 0 { index.saturating_add(self.preceding[list] as i64) } else { index - 1 };
         match usize::try_from(absolute) {
             Ok(found) if found < self.totals[list] => Ok(found),
             _ => Err(self.error(
                 line,
                 format!(
-                    "face names {name} {index}, but the file has {} ({keyword} lines); fix or re-export the model",
+                    "face uses {name} {index}, but the file has {} ({keyword} lines); fix or re-export the model",
                     self.totals[list]
                 ),
             )),

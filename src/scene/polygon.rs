@@ -1,14 +1,14 @@
-//! Polygons into triangles, by ear clipping.
+//! Triangulates polygons by ear clipping.
 //!
-//! In: the corners of a polygon, roughly flat, convex or not. Out: n - 2 triangles of corner indices
-//! with the polygon's winding.
+//! In: the corners of a roughly planar polygon, convex or concave. Out: n - 2 triangles of corner indices with the
+//! polygon's winding.
 
 use glam::{Vec2, Vec3};
 
-/// Concave polygons larger than this become fans: clipping ears takes quadratic time or worse.
+/// Larger concave polygons become triangle fans: ear clipping takes at least quadratic time.
 const MAX_CLIPPED: usize = 1000;
 
-/// Splits a polygon of at least three corners into triangles.
+/// Triangulates a polygon of at least three corners.
 pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
     let n = corners.len();
     let fan = || (1..n - 1).map(|i| [0, i, i + 1]).collect();
@@ -19,13 +19,13 @@ pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
         return fan();
     };
     let all: Vec<usize> = (0..n).collect();
-    if (0..n).all(|i| turn(&flat, &all, i) >= 0.0) {
+    if (0..n).all(|i| signed_area(&flat, &all, i) >= 0.0) {
         return fan();
     }
     clip_ears(&flat, all)
 }
 
-/// The corners on the polygon's plane, counter-clockwise; none if it has no area.
+/// Projects the corners to the polygon's plane, counter-clockwise; none if it has no area.
 fn project(corners: &[Vec3]) -> Option<Vec<Vec2>> {
     let local: Vec<Vec3> = corners.iter().map(|corner| *corner - corners[0]).collect();
     let area: Vec3 = (0..local.len()).map(|i| local[i].cross(local[(i + 1) % local.len()])).sum();
@@ -36,7 +36,7 @@ fn project(corners: &[Vec3]) -> Option<Vec<Vec2>> {
 }
 
 /// Twice the signed area of corner `i` of the ring and its two neighbours; negative at a reflex corner.
-fn turn(flat: &[Vec2], ring: &[usize], i: usize) -> f32 {
+fn signed_area(flat: &[Vec2], ring: &[usize], i: usize) -> f32 {
     let n = ring.len();
     let [a, b, c] = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]].map(|corner| flat[corner]);
     (b - a).perp_dot(c - b)
@@ -48,12 +48,12 @@ fn clip_ears(flat: &[Vec2], mut ring: Vec<usize>) -> Vec<[usize; 3]> {
         let n = ring.len();
         let is_ear = |i: usize| {
             let ear = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
-            turn(flat, &ring, i) > 0.0
+            signed_area(flat, &ring, i) > 0.0
                 && !ring
                     .iter()
                     .any(|corner| !ear.contains(corner) && contains(ear.map(|e| flat[e]), flat[*corner]))
         };
-        // A ring that crosses itself may have no ear left: cut any corner, so that the loop ends.
+        // A self-intersecting ring may have no ear: clip any corner, so that the loop terminates.
         let i = (0..n).find(|&i| is_ear(i)).unwrap_or(1);
         triangles.push([ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]]);
         ring.remove(i);

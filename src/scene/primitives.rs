@@ -1,4 +1,4 @@
-//! Meshes made by code: polygon, box and sphere, for scene files, built-in scenes and tests.
+//! Procedural meshes: polygon, box and sphere, for scene files, built-in scenes and tests.
 //!
 //! In: sizes. Out: a [`Mesh`] whose triangles face outwards (counter-clockwise) and whose material
 //! indices are all `material`.
@@ -18,12 +18,12 @@ impl Mesh {
         mesh
     }
 
-    /// Adds a flat convex polygon of at least three corners with vertices of its own.
+    /// Appends a flat convex polygon of at least three corners, with its own vertices.
     pub fn push_polygon(&mut self, corners: &[Vec3], material: u32) {
         const QUAD_UVS: [Vec2; 4] =
             [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(1.0, 0.0), Vec2::ZERO];
         let first = self.positions.len() as u32;
-        // Newell's sum is the area vector of any flat polygon, whatever corner is sharpest.
+        // Newell's method gives the area vector of any planar polygon, even with collinear corners.
         let area = (0..corners.len()).fold(Vec3::ZERO, |sum, i| {
             let (a, b) = (corners[i] - corners[0], corners[(i + 1) % corners.len()] - corners[0]);
             sum + a.cross(b)
@@ -73,7 +73,7 @@ impl Mesh {
         }
     }
 
-    /// The same mesh seen from inside: triangles and normals turned round.
+    /// The mesh with flipped winding and normals, to be seen from inside.
     pub fn turned_inside_out(mut self) -> Self {
         for triangle in &mut self.triangles {
             triangle.swap(1, 2);

@@ -1,7 +1,7 @@
-//! What was done in a scene, frame by frame: where everything stood, and which settings were in use.
+//! A recording of a session in the demo: poses and settings by frame.
 //!
-//! A recording belongs to a scene file and is replayed to the same pictures. Each frame tells only what is
-//! not as it was in the frame before. Numbers are written such that they are read back to the same bits.
+//! A recording belongs to a scene file, and replays to the same pictures. Each frame stores only the difference to the
+//! frame before. Numbers round-trip to the same bits.
 
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
@@ -14,9 +14,9 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedFrame {
-    /// Number of the frame, from 0.
+    /// Frame index, from 0.
     pub frame: u64,
-    /// The text of the scene file that is shown from this frame on, by a renderer that is made anew.
+    /// The text of the scene file from this frame on, shown by a new renderer.
     pub scene: Option<String>,
     /// The settings from this frame on.
     pub settings: Option<Settings>,
@@ -24,7 +24,7 @@ pub struct RecordedFrame {
     pub camera: Option<RecordedCamera>,
     /// All lights from this frame on.
     pub lights: Option<Vec<RecordedLight>>,
-    /// Those instances that have moved.
+    /// The instances that moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<RecordedInstance>,
 }
@@ -46,14 +46,14 @@ pub struct RecordedCamera {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedLight {
-    /// By which it is known again where lights come or go.
+    /// Name, which identifies the light when lights are added or removed.
     pub name: String,
-    /// What kind of light.
+    /// Type of the light.
     #[serde(rename = "type")]
     pub kind: LightType,
     /// World position.
     pub position: Vec3,
-    /// The way the light travels.
+    /// Direction of propagation.
     pub direction: Vec3,
     /// Intensity or irradiance.
     pub power: Vec3,
@@ -61,18 +61,18 @@ pub struct RecordedLight {
     pub angles: [f32; 2],
 }
 
-/// An instance that has moved.
+/// An instance that moved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedInstance {
     /// Index into [`Scene::instances`].
     pub index: usize,
-    /// Object to world, column by column.
+    /// Object to world, column-major 3x4.
     pub transform: [f32; 12],
 }
 
 impl RecordedFrame {
-    /// What is not in `now` as it was in the frame before; everything where there was none.
+    /// The difference between the frame before and `now`; everything for the first frame.
     pub fn between(frame: u64, before: Option<&Pose>, now: &Pose) -> Self {
         let was = |index: usize| before.and_then(|pose| pose.instances.get(index));
         let instances = now.instances.iter().enumerate();
@@ -92,15 +92,15 @@ impl RecordedFrame {
         }
     }
 
-    /// Whether nothing is different.
+    /// Whether there is no difference.
     pub fn is_empty(&self) -> bool {
         *self == Self { frame: self.frame, ..Self::default() }
     }
 
-    /// Makes the pose of this frame of the one before.
+    /// Updates `pose` from the frame before to this one.
     ///
     /// # Errors
-    /// One line, where the recording does not fit the scene.
+    /// One line, if the recording does not match the scene.
     pub fn apply(&self, pose: &mut Pose, scene: &Scene) -> Result<(), String> {
         if let Some(camera) = self.camera {
             let RecordedCamera { eye, target, up, vertical_fov, near, far } = camera;
@@ -118,21 +118,17 @@ impl RecordedFrame {
             let count = pose.instances.len();
             let instance = pose.instances.get_mut(moved.index).ok_or_else(|| {
                 let (frame, index) = (self.frame, moved.index);
-                format!("recording: frame {frame} moves instance {index}, but there are {count}")
+                format!("recording: frame {frame} moves instance {index}, but the scene has {count}")
             })?;
             *instance = Affine3A::from_cols_array(&moved.transform);
         }
         let finite =
             pose.camera.eye.is_finite() && pose.instances.iter().all(|transform| transform.is_finite());
-        if finite {
-            Ok(())
-        } else {
-            Err(format!("recording: frame {} has a number that is not finite", self.frame))
-        }
+        if finite { Ok(()) } else { Err(format!("recording: frame {} has a non-finite number", self.frame)) }
     }
 }
 
-fn recorded_camera(camera: &Camera) -> RecordedCamera {
+pub(super) fn recorded_camera(camera: &Camera) -> RecordedCamera {
     let Camera { eye, target, up, vertical_fov, near, far } = *camera;
     RecordedCamera { eye, target, up, vertical_fov, near, far }
 }

@@ -1,4 +1,4 @@
-//! From a parsed scene file to a [`Scene`]: resolves names and files and checks that values make sense.
+//! Builds a [`Scene`] from a parsed scene file: resolves names and files and validates values.
 //!
 //! In: a [`SceneFile`] with its text (for line numbers) and the assets folder. Out: a scene, or an error
 //! with file, line and key.
@@ -18,7 +18,7 @@ use super::{
     scene_models,
 };
 
-/// Keyframes lie within this time of the start, seconds: about 30 years.
+/// Largest magnitude of a keyframe's time, seconds: about 30 years.
 const MAX_TIME: f64 = 1e9;
 
 /// Builds the scene of `file`, whose content was `text`.
@@ -46,21 +46,20 @@ pub(super) struct Builder<'a> {
     text: &'a str,
     pub assets: Option<&'a Path>,
     pub scene: Scene,
-    /// Mesh of each model; none for a model of which nothing is left.
+    /// Mesh of each model, by name.
     pub models: HashMap<String, usize>,
-    /// Index of each named instance.
+    /// Index of each instance, by name.
     pub instances: HashMap<String, usize>,
 }
 
-/// A table of the file, for error messages.
+/// A table of the file, as error messages name it.
 #[derive(Clone, Debug)]
 pub(super) struct Entry<'a> {
     path: &'a Path,
     text: &'a str,
-    /// Where it stands in the text. Its line is counted only when it is asked for, because counting it
-    /// for each of many entries takes very long.
+    /// Byte range in the text. The line is counted only for an error, since counting takes linear time.
     span: Range<usize>,
-    /// What it is, such as `light "sun"`.
+    /// Type and name, such as `light "sun"`.
     what: String,
 }
 
@@ -71,7 +70,7 @@ impl Entry<'_> {
         SceneError::invalid(self.path, Some(line), format!("{}: {}", self.what, problem.as_ref()))
     }
 
-    /// A vector all of whose components are finite.
+    /// A vector; must be finite.
     pub fn vector(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let vector = Vec3::from_array(value);
         if vector.is_finite() {
@@ -81,7 +80,7 @@ impl Entry<'_> {
         }
     }
 
-    /// A point or size in scene units.
+    /// A point or size in scene units; must be finite and within [`MAX_COORDINATE`].
     pub fn place(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let place = self.vector(key, value)?;
         if place.abs().max_element() > MAX_COORDINATE {
@@ -90,7 +89,7 @@ impl Entry<'_> {
         Ok(place)
     }
 
-    /// A finite number.
+    /// A number; must be finite.
     pub fn number(&self, key: &str, value: f32) -> Result<f32, SceneError> {
         if value.is_finite() {
             Ok(value)
@@ -99,7 +98,7 @@ impl Entry<'_> {
         }
     }
 
-    /// A finite colour without negative channels.
+    /// A colour; must be finite and not negative.
     pub fn power(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let colour = self.vector(key, value)?;
         if colour.min_element() < 0.0 {
@@ -108,16 +107,16 @@ impl Entry<'_> {
         Ok(colour)
     }
 
-    /// A unit vector along a finite vector that is not zero.
+    /// A direction, normalised; must be finite and not zero.
     pub fn direction(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let vector = self.vector(key, value)?.as_dvec3();
         let unit = vector.try_normalize();
         unit.map(|unit| unit.as_vec3()).ok_or_else(|| self.error(format!("{key} must not be zero")))
     }
 
-    /// The value of a key that this table must have.
+    /// The value of a required key.
     pub fn required<T>(&self, key: &str, value: Option<T>) -> Result<T, SceneError> {
-        value.ok_or_else(|| self.error(format!("needs the key {key}")))
+        value.ok_or_else(|| self.error(format!("the key {key} is missing")))
     }
 }
 
@@ -154,13 +153,13 @@ impl<'a> Builder<'a> {
         self.warn_of_darkness();
         self.scene.settings = self.settings(file)?;
         if !file.recording.is_sorted_by(|a, b| a.frame < b.frame) {
-            return Err(top.error("the frames of [[recording]] must rise"));
+            return Err(top.error("the frames of [[recording]] must be in ascending order"));
         }
         self.scene.recording = std::sync::Arc::new(file.recording.clone());
         Ok(())
     }
 
-    /// The `[settings]` as written; keys and types have been checked by the parse.
+    /// The flattened `[settings]`; keys and values were checked by the parser.
     fn settings(&self, file: &SceneFile) -> Result<toml::Table, SceneError> {
         if file.settings.is_none() {
             return Ok(toml::Table::new());
@@ -168,7 +167,8 @@ impl<'a> Builder<'a> {
         let mut table: toml::Table = toml::from_str(self.text)
             .map_err(|error| SceneError::invalid(self.path, None, error.message()))?;
         match table.remove("settings") {
-            Some(toml::Value::Table(settings)) => Ok(settings),
+            Some(toml::Value::Table(settings)) => crate::settings::flat(&settings)
+                .map_err(|error| SceneError::invalid(self.path, None, error.to_string())),
             _ => Ok(toml::Table::new()),
         }
     }
@@ -176,21 +176,21 @@ impl<'a> Builder<'a> {
     fn warn_of_darkness(&mut self) {
         if self.scene.lights.is_empty() {
             let warning = format!(
-                "{}: the scene has no light (no [[lights]], no emissive material), so it renders black but for the background",
+                "{}: the scene has no light (no [[lights]], no emissive material), so only the background is not black",
                 self.path.display()
             );
             self.scene.warnings.push(warning);
         }
         if !self.scene.instances.iter().any(|instance| instance.visible) {
             let warning = format!(
-                "{}: the scene has no visible [[instances]], so there is nothing but the background to see",
+                "{}: the scene has no visible [[instances]], so only the background is visible",
                 self.path.display()
             );
             self.scene.warnings.push(warning);
         }
     }
 
-    /// A builder that checks single entries of a scene which is not in a file.
+    /// A builder that validates single entries without a file.
     pub fn of_entries(path: &'a Path) -> Self {
         let scene = Scene::new("");
         Self { path, text: "", assets: None, scene, models: HashMap::new(), instances: HashMap::new() }
@@ -201,9 +201,7 @@ impl<'a> Builder<'a> {
             let mut known: Vec<&str> = self.models.keys().map(String::as_str).collect();
             known.sort_unstable();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            return Err(
-                entry.error(format!("no model is called \"{}\" (there are: {known})", instance.model))
-            );
+            return Err(entry.error(format!("unknown model \"{}\"; known are {known}", instance.model)));
         };
         let name = instance.name.clone().unwrap_or_else(|| instance.model.clone());
         let transform = transform_of(entry, instance)?;
@@ -212,7 +210,7 @@ impl<'a> Builder<'a> {
         let animation = animation_of(self, entry, instance.animation.as_ref())?;
         let index = self.scene.instances.len();
         if instance.name.is_some() && self.instances.contains_key(&name) {
-            return Err(entry.error("there is another instance of this name"));
+            return Err(entry.error("another instance has this name; rename one"));
         }
         self.instances.insert(name.clone(), index);
         self.scene.instances.push(Instance {
@@ -246,7 +244,7 @@ impl<'a> Builder<'a> {
         let reach = self.scene.camera_animation.as_ref().map_or(0.0, |animation| animation.reach(eye));
         bare_obj::fit_depths(&mut fitted, &bounds, reach);
         let far = entry.number("far", camera.far.unwrap_or(fitted.far))?;
-        // A far plane that was given may lie nearer than the near plane that was fitted.
+        // A given far plane may be nearer than the fitted near plane.
         let near = camera.near.unwrap_or(fitted.near.min(1e-3 * far));
         let near = entry.number("near", near)?;
         if near <= 0.0 || near >= far {
@@ -275,7 +273,7 @@ pub(super) fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Af
     Ok(transform)
 }
 
-/// Fails where a mesh of these bounds, placed so, has coordinates that are too large.
+/// Fails if a mesh with these bounds has coordinates beyond [`MAX_COORDINATE`] under `transform`.
 fn check_extent(entry: &Entry, transform: &Affine3A, bounds: (Vec3, Vec3)) -> Result<(), SceneError> {
     let (low, high) = bounds;
     let corner = |i: u32| Vec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high);
@@ -286,7 +284,7 @@ fn check_extent(entry: &Entry, transform: &Affine3A, bounds: (Vec3, Vec3)) -> Re
     Ok(())
 }
 
-/// A mirrored triangle shows its back where the front was, so nobody could say on which side it shines.
+/// Fails for a mirrored emissive instance: mirroring flips the winding, which defines the emitting side.
 pub(super) fn check_not_mirrored(entry: &Entry, transform: &Affine3A, emits: bool) -> Result<(), SceneError> {
     if emits && transform.matrix3.determinant() < 0.0 {
         return Err(entry.error("an instance that emits light must not be mirrored by a negative scale"));
@@ -309,7 +307,7 @@ fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, S
     }
 }
 
-/// The animation of a table, if it has one; keyframe times must rise.
+/// The animation of a table, if it has one; keyframe times must be ascending.
 pub(super) fn animation_of(
     builder: &Builder,
     owner: &Entry,
@@ -325,7 +323,7 @@ pub(super) fn animation_of(
         let possible = key.time.abs() <= MAX_TIME;
         if !possible || keyframes.last().is_some_and(|last| last.time >= key.time) {
             return Err(entry.error(format!(
-                "keyframe times must lie within +-{MAX_TIME:e} seconds and rise (time {})",
+                "keyframe times must be ascending and within +-{MAX_TIME:e} seconds (time {})",
                 key.time
             )));
         }

@@ -1,7 +1,7 @@
-//! The TOML of a scene file, as it is written.
+//! The TOML schema of a scene file.
 //!
-//! In: text. Out: [`SceneFile`], checked for syntax, unknown keys and types, but not for sense; that is
-//! for `scene_build`. Lengths are in scene units, angles in degrees, colours linear RGB.
+//! In: text. Out: [`SceneFile`], with syntax, keys and types checked; `scene_build` validates the values. Lengths
+//! are in scene units, angles in degrees, colours linear RGB.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ use crate::settings::Settings;
 pub(super) struct SceneFile {
     /// Shown in reports; the file's stem if missing.
     pub name: Option<String>,
-    /// Radiance seen where no surface is, W/m^2/sr; black if missing.
+    /// Radiance of camera rays that miss, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
     pub camera: Option<Spanned<CameraEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -28,7 +28,7 @@ pub(super) struct SceneFile {
     pub instances: Vec<Spanned<InstanceEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<Spanned<LightEntry>>,
-    /// What a person has done in it.
+    /// Recorded edits, by frame.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recording: Vec<RecordedFrame>,
     /// Deserialised only to check keys and types.
@@ -45,22 +45,22 @@ pub(super) struct ModelEntry {
     pub path: Option<PathBuf>,
     /// An `.obj`, relative to the assets folder.
     pub asset: Option<PathBuf>,
-    /// Where people can download the asset.
+    /// Download address of the asset.
     pub download: Option<String>,
-    /// A model made by code: "cornell-box".
+    /// A procedural model, such as "cornell-box".
     pub builtin: Option<String>,
     /// A shape about the origin: see [`Primitive`].
     pub primitive: Option<Primitive>,
     /// Of a primitive: edge lengths (box; of a quad x and z are used), radius in x (sphere). 1 if missing.
     pub size: Option<[f32; 3]>,
-    /// Of a sphere: how often its icosahedron is split, 0 to 8; 4 if missing.
+    /// Of a sphere: subdivisions of its icosahedron, 0 to 8; 4 if missing.
     pub subdivisions: Option<u32>,
     /// Of a primitive; grey 0.5 if missing.
     pub material: Option<MaterialEntry>,
     /// Materials of an `.obj` whose triangles are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_materials: Vec<String>,
-    /// The model is cut to this box, in its own space.
+    /// The model is clipped to this box, in object space.
     pub clip: Option<ClipEntry>,
 }
 
@@ -72,7 +72,7 @@ pub(super) struct ClipEntry {
     pub max: [f32; 3],
 }
 
-/// Shapes made by code.
+/// Procedural shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Primitive {
@@ -109,9 +109,9 @@ pub struct InstanceEntry {
     pub scale: Option<ScaleEntry>,
     /// Whether it may move; true with an animation.
     pub dynamic: Option<bool>,
-    /// Whether it is drawn and stops rays; true if missing.
+    /// Whether it is rasterised and rays can hit it; true if missing.
     pub visible: Option<bool>,
-    /// How it moves.
+    /// Its animation.
     pub animation: Option<Spanned<AnimationEntry>>,
 }
 
@@ -128,7 +128,7 @@ pub enum RotationEntry {
     AxisAngle(AxisAngle),
 }
 
-/// A turn about an axis.
+/// A rotation about an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisAngle {
@@ -161,7 +161,7 @@ pub(super) struct CameraEntry {
     pub animation: Option<Spanned<AnimationEntry>>,
 }
 
-/// Kinds of lights.
+/// Types of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightType {
@@ -169,61 +169,61 @@ pub enum LightType {
     Point,
     /// A cone.
     Spot,
-    /// From infinitely far away.
+    /// Parallel light from infinity.
     Directional,
     /// A surface.
     Area,
 }
 
-/// A light; which keys it may have depends on its type.
+/// A light; its type determines the allowed keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
-    /// Made up if missing.
+    /// Generated if missing.
     pub name: Option<String>,
-    /// What kind of light.
+    /// Type of the light.
     #[serde(rename = "type")]
     pub kind: LightType,
     /// Point and spot.
     pub position: Option<[f32; 3]>,
-    /// Spot and directional: the way the light travels.
+    /// Spot and directional: direction of propagation.
     pub direction: Option<[f32; 3]>,
     /// Point and spot, W/sr.
     pub intensity: Option<[f32; 3]>,
     /// Directional, W/m^2.
     pub irradiance: Option<[f32; 3]>,
-    /// Spot: half angles of the cones, degrees.
+    /// Spot: half angle of the inner cone, degrees.
     pub inner_deg: Option<f32>,
-    /// Spot: beyond this angle there is no light.
+    /// Spot: half angle of the outer cone, degrees; no light beyond.
     pub outer_deg: Option<f32>,
-    /// Area: corners of a flat convex quad, counter-clockwise seen from where its light goes.
+    /// Area: corners of a flat convex quad, counter-clockwise seen from the emitting side.
     pub polygon: Option<[[f32; 3]; 4]>,
     /// Area, instead of a polygon: all triangles of this instance emit.
     pub instance: Option<String>,
     /// Area, W/m^2/sr.
     pub radiance: Option<[f32; 3]>,
-    /// Area with a polygon: whether it is drawn and stops rays; true if missing. An invisible one is a
-    /// portal: the light of whatever lies behind an opening.
+    /// Area with a polygon: whether it is rasterised and rays can hit it; true if missing. An invisible one is a
+    /// portal: light that enters through an opening.
     pub visible: Option<bool>,
-    /// How it moves.
+    /// Its animation.
     pub animation: Option<Spanned<AnimationEntry>>,
 }
 
-/// How a thing moves, relative to its rest pose.
+/// An animation, relative to the rest pose.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnimationEntry {
-    /// Rising in time.
+    /// In ascending order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keyframes: Vec<KeyframeEntry>,
-    /// Whether the keyframes start over after the last one.
+    /// Whether the keyframes repeat after the last one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub repeat: bool,
-    /// A constant rotation besides.
+    /// An additional constant rotation.
     pub rotation: Option<SpinEntry>,
 }
 
-/// Where a thing is at a time, relative to its rest pose.
+/// A keyframe, relative to the rest pose.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframeEntry {
@@ -231,7 +231,7 @@ pub struct KeyframeEntry {
     pub time: f64,
     /// Added to the rest position.
     pub translation: Option<[f32; 3]>,
-    /// About the thing's own origin.
+    /// About the object's own origin.
     pub rotation: Option<RotationEntry>,
 }
 
@@ -241,14 +241,14 @@ pub struct KeyframeEntry {
 pub struct SpinEntry {
     /// Of any length but zero.
     pub axis: [f32; 3],
-    /// Speed.
+    /// Angular speed, degrees a second.
     pub degrees_per_second: f32,
-    /// A point on the axis, world space; the thing's own origin if missing.
+    /// A point on the axis, world space; the object's own origin if missing.
     pub pivot: Option<[f32; 3]>,
 }
 
 impl LightEntry {
-    /// An entry of this kind that says nothing else.
+    /// An entry of this type without any other key.
     pub fn of(kind: LightType) -> Self {
         Self {
             name: None,
@@ -272,13 +272,39 @@ impl SceneFile {
     /// Parses the text of `file`.
     pub fn parse(file: &Path, text: &str) -> Result<Self, SceneError> {
         toml::from_str(text).map_err(|error| {
-            let line = error.span().map(|span| line_of(text, &span));
-            SceneError::invalid(file, line, error.message())
+            // The type determines the allowed keys, so report an unknown type before unknown keys.
+            unknown_light_type(file, text).unwrap_or_else(|| {
+                let line = error.span().map(|span| line_of(text, &span));
+                SceneError::invalid(file, line, error.message())
+            })
         })
     }
 }
 
-/// The line, from 1, on which `span` begins.
+/// The error for the first light of unknown type; none if all types are known or the text is not TOML.
+fn unknown_light_type(file: &Path, text: &str) -> Option<SceneError> {
+    #[derive(Deserialize)]
+    struct Types {
+        lights: Vec<TypeOnly>,
+    }
+    #[derive(Deserialize)]
+    struct TypeOnly {
+        name: Option<String>,
+        #[serde(rename = "type")]
+        kind: Option<Spanned<String>>,
+    }
+    let lights = toml::from_str::<Types>(text).ok()?.lights;
+    lights.into_iter().enumerate().find_map(|(index, light)| {
+        let kind = light.kind?;
+        let error = LightType::deserialize(toml::Value::String(kind.get_ref().clone())).err()?;
+        let name = light.name.unwrap_or_else(|| format!("light {}", index + 1));
+        let problem =
+            format!("light \"{name}\": {}", error.message().replace("unknown variant", "unknown type"));
+        Some(SceneError::invalid(file, Some(line_of(text, &kind.span())), problem))
+    })
+}
+
+/// The line, from 1, where `span` starts.
 pub(super) fn line_of(text: &str, span: &Range<usize>) -> usize {
     let before = text.as_bytes().iter().take(span.start);
     1 + before.filter(|byte| **byte == b'\n').count()

@@ -35,7 +35,7 @@ pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> R
     Ok(())
 }
 
-/// A point, spot or directional light, whose keys were checked.
+/// A point, spot or directional light; the keys were checked.
 fn plain_light(
     builder: &Builder,
     entry: &Entry,
@@ -61,8 +61,8 @@ fn plain_light(
     Ok(Light { name, kind, position, direction, animation })
 }
 
-/// The light that an entry stands for by itself; none for an area light, which is a part of the scene.
-pub(super) fn light_alone(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
+/// The light of a single entry; none for an area light, which needs the scene.
+pub(super) fn single_light(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
     let builder = Builder::of_entries(path);
     let name = light.name.clone().unwrap_or_else(|| "light".to_owned());
     let entry = builder.entry(&(0..0), format!("light \"{name}\""));
@@ -73,7 +73,7 @@ pub(super) fn light_alone(path: &Path, light: &LightEntry) -> Result<Option<Ligh
     }
 }
 
-/// Whether an area light can be made of an entry, apart from the instance that it may name.
+/// Validates an area light's entry, except for the instance that it may name.
 fn check_area(builder: &Builder, entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
     entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     animation_of(builder, entry, light.animation.as_ref())?;
@@ -91,12 +91,12 @@ fn corners_of(entry: &Entry, polygon: [[f32; 3]; 4]) -> Result<[Vec3; 4], SceneE
     Ok(corners)
 }
 
-/// Adds the area lights of the instances that no light of the file has claimed.
+/// Adds area lights for the emissive instances that no light of the file names.
 pub(super) fn add_emissive_instances(scene: &mut Scene) {
     for instance in 0..scene.instances.len() {
-        let claimed =
+        let is_named =
             |light: &Light| matches!(light.kind, LightKind::Area { instance: i, .. } if i == instance);
-        if !scene.lights.iter().any(claimed) {
+        if !scene.lights.iter().any(is_named) {
             scene.add_area_light(instance);
         }
     }
@@ -118,14 +118,16 @@ fn check_keys(entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
         ("visible", light.visible.is_some(), &[Area]),
     ] {
         if given && !kinds.contains(&light.kind) {
-            return Err(entry.error(format!("the key {key} does not belong to a light of this type")));
+            return Err(
+                entry.error(format!("the key {key} is not allowed for a light of this type; remove it"))
+            );
         }
     }
     if light.kind == Area && polygon == light.instance.is_some() {
-        return Err(entry.error("an area light needs either the key polygon or the key instance"));
+        return Err(entry.error("an area light needs exactly one of the keys polygon and instance"));
     }
     if light.instance.is_some() && (light.visible.is_some() || light.animation.is_some()) {
-        return Err(entry.error("visible and animation belong to the instance that this light names"));
+        return Err(entry.error("set visible and animation at the instance that this light names"));
     }
     Ok(())
 }
@@ -141,23 +143,23 @@ fn spot(entry: &Entry, light: &LightEntry, intensity: Vec3) -> Result<LightKind,
     Ok(LightKind::Spot { intensity, inner_angle: inner.to_radians(), outer_angle: outer.to_radians() })
 }
 
-/// An area light of its own: a quad about its middle, so that it turns about that when it is animated.
+/// Adds a quad as an area light, with its centre as origin, so that animation rotates it about its centre.
 fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str) -> Result<(), SceneError> {
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let polygon = entry.required("polygon", light.polygon)?;
     let corners = corners_of(entry, polygon)?;
     check_quad(entry, &corners)?;
-    let middle = corners.iter().sum::<Vec3>() / 4.0;
+    let centre = corners.iter().sum::<Vec3>() / 4.0;
     let animation = animation_of(builder, entry, light.animation.as_ref())?;
     let scene = &mut builder.scene;
     let material = scene.materials.len() as u32;
     scene.materials.push(Material::emitter(name, radiance));
-    scene.meshes.push(Mesh::polygon(name, &corners.map(|corner| corner - middle), material));
+    scene.meshes.push(Mesh::polygon(name, &corners.map(|corner| corner - centre), material));
     scene.instances.push(Instance {
         dynamic: animation.is_some(),
         animation,
         visible: light.visible.unwrap_or(true),
-        ..Instance::fixed(name, scene.meshes.len() - 1, Affine3A::from_translation(middle))
+        ..Instance::fixed(name, scene.meshes.len() - 1, Affine3A::from_translation(centre))
     });
     scene.add_area_light(scene.instances.len() - 1);
     Ok(())
@@ -169,14 +171,14 @@ fn check_quad(entry: &Entry, corners: &[Vec3; 4]) -> Result<(), SceneError> {
         (here - before).cross(after - here).try_normalize()
     };
     let normals: Vec<Vec3> = (0..4).filter_map(normal_at).collect();
-    // Corners in one line turn nowhere, and corners of a bow tie turn both ways.
+    // Collinear corners have no normal, and those of a bow tie have opposite ones.
     if normals.len() < 4 || normals.iter().any(|normal| normal.dot(normals[0]) < 0.99) {
-        return Err(entry.error("polygon must be a flat convex quad of four different corners in order"));
+        return Err(entry.error("polygon must be a flat convex quad of four distinct corners in order"));
     }
     Ok(())
 }
 
-/// Makes all triangles of an instance emit, on a mesh and materials of its own.
+/// Makes all triangles of an instance emissive, with its own copy of mesh and materials.
 fn light_instance(
     builder: &mut Builder,
     entry: &Entry,
@@ -184,7 +186,7 @@ fn light_instance(
     instance: &str,
 ) -> Result<(), SceneError> {
     let Some(&index) = builder.instances.get(instance) else {
-        return Err(entry.error(format!("no instance is called \"{instance}\"")));
+        return Err(entry.error(format!("unknown instance \"{instance}\"")));
     };
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let scene = &mut builder.scene;
@@ -193,8 +195,10 @@ fn light_instance(
     let mut emissive = std::collections::HashMap::new();
     for material in &mut mesh.triangle_materials {
         *material = *emissive.entry(*material).or_insert_with(|| {
-            let shining = Material { emission: radiance, ..scene.materials[*material as usize].clone() };
-            scene.materials.push(shining);
+            let plain = scene.materials[*material as usize].clone();
+            // As for emissive MTL materials, `d` does not hide an emissive surface.
+            let alpha_mask = plain.alpha_mask.filter(|&mask| !scene.alpha_masks[mask].is_empty());
+            scene.materials.push(Material { emission: radiance, alpha_mask, ..plain });
             scene.materials.len() as u32 - 1
         });
     }

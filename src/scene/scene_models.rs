@@ -15,7 +15,7 @@ use super::scene_build::{Builder, Entry};
 use super::scene_file::{MaterialEntry, ModelEntry, Primitive};
 use super::{Scene, builtin, obj};
 
-/// Where to get an asset whose scene file does not say it.
+/// Download hint for an asset without a `download` key.
 const DOWNLOAD: &str = "see the credits in the scene file";
 
 /// Adds the mesh of a model.
@@ -23,15 +23,17 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
     let entry = builder.entry(&model.span(), format!("model \"{}\"", model.as_ref().name));
     let model = model.as_ref();
     if builder.models.contains_key(&model.name) {
-        return Err(entry.error("there is another model of this name"));
+        return Err(entry.error("another model has this name; rename one"));
     }
     check_keys(&entry, model)?;
     let mesh = if let Some(path) = &model.path {
         let folder = builder.path.parent().unwrap_or(Path::new(""));
         let file = folder.join(path);
         if !file.is_file() {
-            return Err(entry
-                .error(format!("path {} is not a file; it is relative to the scene file", file.display())));
+            return Err(entry.error(format!(
+                "path {} is not a file; paths are relative to the scene file",
+                file.display()
+            )));
         }
         obj::add_obj(&file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
@@ -40,7 +42,7 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
     } else if let Some(name) = &model.builtin {
         let made = builtin::model(name).ok_or_else(|| {
             let known = builtin::MODELS.join(", ");
-            entry.error(format!("no built-in model is called \"{name}\" (there are: {known})"))
+            entry.error(format!("unknown built-in model \"{name}\"; known are {known}"))
         })?;
         made.add_to(&mut builder.scene)
     } else {
@@ -48,7 +50,7 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
         let mesh = primitive_mesh(&entry, builder, model, primitive)?;
         push(&mut builder.scene, mesh)
     };
-    leave_out(&entry, model, &mut builder.scene, mesh)?;
+    remove_excluded(&entry, model, &mut builder.scene, mesh)?;
     builder.scene.meshes[mesh].name.clone_from(&model.name);
     builder.models.insert(model.name.clone(), mesh);
     Ok(())
@@ -74,7 +76,9 @@ fn check_keys(entry: &Entry, model: &ModelEntry) -> Result<(), SceneError> {
         ("without_materials", !model.without_materials.is_empty(), !primitive),
     ] {
         if given && !fits {
-            return Err(entry.error(format!("the key {key} does not belong to this kind of model")));
+            return Err(
+                entry.error(format!("the key {key} is not allowed for this kind of model; remove it"))
+            );
         }
     }
     Ok(())
@@ -132,7 +136,7 @@ fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> R
     let Some(material) = material else {
         return Ok(grey);
     };
-    let share = |key: &str, value: Option<[f32; 3]>, default: Vec3| match value {
+    let reflectance = |key: &str, value: Option<[f32; 3]>, default: Vec3| match value {
         None => Ok(default),
         Some(value) => {
             let colour = entry.power(key, value)?;
@@ -150,23 +154,28 @@ fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> R
         return Err(entry.error(format!("material.shininess must not be negative, is {shininess}")));
     }
     Ok(Material {
-        albedo: share("material.albedo", material.albedo, grey.albedo)?,
-        specular: share("material.specular", material.specular, Vec3::ZERO)?,
+        albedo: reflectance("material.albedo", material.albedo, grey.albedo)?,
+        specular: reflectance("material.specular", material.specular, Vec3::ZERO)?,
         shininess,
         emission,
         ..grey
     })
 }
 
-/// Drops the triangles of the materials that the model is to go without, and what is outside of its box.
-fn leave_out(entry: &Entry, model: &ModelEntry, scene: &mut Scene, mesh: usize) -> Result<(), SceneError> {
+/// Removes the triangles of `without_materials`, and clips the rest to the box `clip`.
+fn remove_excluded(
+    entry: &Entry,
+    model: &ModelEntry,
+    scene: &mut Scene,
+    mesh: usize,
+) -> Result<(), SceneError> {
     let mesh = &mut scene.meshes[mesh];
     for name in &model.without_materials {
         let named = |material: u32| scene.materials[material as usize].name == *name;
         let before = mesh.triangles.len();
         mesh.retain_triangles(|mesh, i| !named(mesh.triangle_materials[i]));
         if mesh.triangles.len() == before {
-            return Err(entry.error(format!("without_materials: it has no triangles of material \"{name}\"")));
+            return Err(entry.error(format!("without_materials: no triangle has the material \"{name}\"")));
         }
     }
     if let Some(clip) = &model.clip {
@@ -177,7 +186,7 @@ fn leave_out(entry: &Entry, model: &ModelEntry, scene: &mut Scene, mesh: usize) 
         clip_to_box(mesh, min, max);
     }
     if mesh.triangles.is_empty() {
-        return Err(entry.error("without_materials and clip leave no triangle"));
+        return Err(entry.error("without_materials and clip remove all triangles"));
     }
     mesh.drop_unused_vertices();
     Ok(())

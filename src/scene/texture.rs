@@ -1,4 +1,4 @@
-//! Images: decoding, the sRGB transfer function and mip chains.
+//! Textures: image decoding, the sRGB transfer function, mip chains and alpha masks.
 //!
 //! In: image files. Out: [`Texture`]s with every mip level, filtered in linear light, and [`AlphaMask`]s.
 
@@ -12,10 +12,10 @@ use image::{DynamicImage, ImageFormat, RgbaImage};
 use super::material::{AlphaMask, Texture};
 use crate::memory;
 
-/// Alpha below this is a hole.
+/// Alpha below this is transparent.
 const ALPHA_THRESHOLD: f32 = 0.5;
 
-/// Widest and highest texture that is accepted, texels.
+/// Largest width and height of a texture, texels.
 const MAX_EXTENT: u32 = 16_384;
 
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
@@ -54,7 +54,7 @@ impl Texture {
         Self { name: name.to_owned(), levels }
     }
 
-    /// The stand-in for an image that could not be read: an 8 x 8 magenta and black checkerboard.
+    /// The fallback for an unreadable image: an 8 x 8 magenta and black checkerboard.
     pub fn missing(name: &str) -> Self {
         let texels =
             (0..64).flat_map(|i| if (i % 8 + i / 8) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] });
@@ -66,7 +66,7 @@ impl Texture {
         self.filter(self.footprint(uv))
     }
 
-    /// The mean of four texels.
+    /// Interpolates four texels bilinearly, in linear light.
     pub(crate) fn filter(&self, footprint: Footprint) -> Vec3 {
         let texels = &self.levels[0].2;
         let table = &*SRGB_TO_LINEAR;
@@ -80,7 +80,7 @@ impl Texture {
         top.lerp(bottom, fraction.y)
     }
 
-    /// Asks for the texels about `uv`, which will be read soon.
+    /// Prefetches the texels of the bilinear filter at `uv`.
     pub(crate) fn prefetch(&self, uv: Vec2) -> Footprint {
         let texels = &self.levels[0].2;
         let footprint = self.footprint(uv);
@@ -89,12 +89,12 @@ impl Texture {
         footprint
     }
 
-    /// The texels about `uv`.
+    /// The texels of the bilinear filter at `uv`.
     #[inline(always)]
     fn footprint(&self, uv: Vec2) -> Footprint {
         let (width, height, _) = self.levels[0];
         let wrapped = Vec2::new(fraction(uv.x), fraction(uv.y));
-        // Moved by a texel, lest it be negative.
+        // Offset by one texel, which keeps it non-negative.
         let at = wrapped * Vec2::new(width as f32, height as f32) + 0.5;
         let next = at.as_uvec2();
         let ([left, right], [top, bottom]) = (neighbours(next.x, width), neighbours(next.y, height));
@@ -106,17 +106,17 @@ impl Texture {
     }
 }
 
-/// Four texels of level 0, by their places, and where between them one looks.
+/// A bilinear filter: the indices of four texels of level 0, and the interpolation weights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
-    /// Left and right.
+    /// Left and right texel of the upper row.
     top: [u32; 2],
     bottom: [u32; 2],
     fraction: Vec2,
 }
 
-/// `x` less the integer below it, in [0, 1]; 0 where it is not finite or too large to have a fraction. Without
-/// `floor`, which is a call on processors without SSE4.1.
+/// `x - floor(x)`, in [0, 1]; 0 if `x` is not finite or too large to have a fraction. Avoids `floor`, which is a
+/// function call without SSE4.1.
 #[inline(always)]
 fn fraction(x: f32) -> f32 {
     let x = if x.abs() < 8_388_608.0 { x } else { 0.0 };
@@ -124,7 +124,7 @@ fn fraction(x: f32) -> f32 {
     if rest < 0.0 { rest + 1.0 } else { rest }
 }
 
-/// The texel before `next`, from 0 to `size`, and that, wrapped around.
+/// The texels `next - 1` and `next`, with `next` from 0 to `size`, wrapped around.
 #[inline(always)]
 fn neighbours(next: u32, size: u32) -> [u32; 2] {
     let first = if next == 0 { size - 1 } else { (next - 1).min(size - 1) };
@@ -132,17 +132,17 @@ fn neighbours(next: u32, size: u32) -> [u32; 2] {
     [first, second]
 }
 
-/// Reads and decodes an image; the error is half a sentence for a warning.
+/// Reads and decodes an image; the error completes a sentence in a warning.
 pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
     let mut reader = image::ImageReader::new(Cursor::new(&bytes));
-    // TGA has no signature, so the name decides where the content does not.
+    // TGA has no signature, so fall back to the extension.
     if let Ok(format) = ImageFormat::from_path(path) {
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(unreadable)?;
-    // The decoder fills what is missing of a JPEG with grey and says nothing.
+    // The decoder silently fills the missing part of a truncated JPEG with grey.
     if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(&bytes) {
         return Err("is truncated".into());
     }
@@ -156,8 +156,8 @@ pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     Ok(image)
 }
 
-/// Whether a JPEG (ITU-T T.81) reaches its end-of-image marker. Markers are walked segment by segment,
-/// because an embedded thumbnail has an end of its own.
+/// Whether a JPEG (ITU-T T.81) reaches its end-of-image marker. Skips segments, since an embedded thumbnail has its
+/// own end-of-image marker.
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
     const END_OF_IMAGE: u8 = 0xd9;
     let mut at = 2;
@@ -192,8 +192,8 @@ pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
     }
 }
 
-/// Opacity of each texel, 0 to 255: the alpha channel where the image has one that is used, else its
-/// luminance when `luminance` says that the image is a mask.
+/// Width, height and opacity of each texel, 0 to 255: the alpha channel if the image has one in use, else its
+/// luminance if `luminance` is set.
 pub(super) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
     let (width, height) = (image.width(), image.height());
     if image.color().has_alpha() {
@@ -206,21 +206,21 @@ pub(super) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32
 }
 
 impl AlphaMask {
-    /// The mask of `opacity` (0 to 255 for each texel) times `dissolve`; none if nothing is cut away.
+    /// The mask of `opacity` (0 to 255 for each texel) times `dissolve`; none if all texels are opaque.
     pub fn from_opacity(width: u32, height: u32, opacity: &[u8], dissolve: f32) -> Option<Self> {
-        let there = |&alpha: &u8| f32::from(alpha) / 255.0 * dissolve >= ALPHA_THRESHOLD;
-        if opacity.iter().all(there) {
+        let is_opaque = |&alpha: &u8| f32::from(alpha) / 255.0 * dissolve >= ALPHA_THRESHOLD;
+        if opacity.iter().all(is_opaque) {
             return None;
         }
         let mut bits = vec![0u32; opacity.len().div_ceil(32)];
         for (i, alpha) in opacity.iter().enumerate() {
-            bits[i / 32] |= u32::from(there(alpha)) << (i % 32);
+            bits[i / 32] |= u32::from(is_opaque(alpha)) << (i % 32);
         }
         Some(Self { width, height, bits })
     }
 }
 
-/// The texels of one axis that a texel of the next level covers, with their weights.
+/// The texels along one axis under a texel of the next level, with their box filter weights.
 fn taps(i: u32, from: u32, to: u32) -> impl Iterator<Item = (u32, f32)> {
     let scale = from as f32 / to as f32;
     let (start, end) = (i as f32 * scale, (i + 1) as f32 * scale);
@@ -230,8 +230,8 @@ fn taps(i: u32, from: u32, to: u32) -> impl Iterator<Item = (u32, f32)> {
     })
 }
 
-/// The next mip level: a box filter in linear light, colour weighted by alpha so that cut-away texels
-/// do not bleed into the rest.
+/// The next mip level: a box filter in linear light, colour weighted by alpha so that transparent texels do not bleed
+/// into opaque ones.
 fn half(width: u32, height: u32, texels: &[u8]) -> (u32, u32, Vec<u8>) {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
     let mut out = Vec::with_capacity(4 * w as usize * h as usize);

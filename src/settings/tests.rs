@@ -1,8 +1,10 @@
+//! How settings are read, checked, laid over each other and written.
+
 use clap::{Args, Command};
 
 use super::*;
 
-/// What the command line `arguments` says over a scene file with `[settings]` `scene`.
+/// Resolves the command line `arguments` over a scene file with `[settings]` `scene`.
 fn resolve(scene: &str, arguments: &[&str]) -> Result<Settings, SettingsError> {
     use clap::FromArgMatches;
     let matches = Settings::augment_args(Command::new("test").no_binary_name(true))
@@ -12,8 +14,8 @@ fn resolve(scene: &str, arguments: &[&str]) -> Result<Settings, SettingsError> {
     Settings::resolve(&scene.parse().unwrap(), &cli, &given_options(&matches))
 }
 
-/// Whether the command line itself is refused.
-fn refused(arguments: &[&str]) -> String {
+/// The error of a command line that clap rejects.
+fn rejected(arguments: &[&str]) -> String {
     Settings::augment_args(Command::new("test").no_binary_name(true))
         .try_get_matches_from(arguments)
         .unwrap_err()
@@ -45,9 +47,8 @@ fn command_line_beats_scene_beats_default() {
     let scene = "vpls = 128\nbounces = 3\nexposure = 2.0\ntime_step = \"1/30\"\nsize = [64, 32]";
     let settings = resolve(scene, &["--bounces", "2", "--exposure", "auto", "--temporal-sets=4"]).unwrap();
     let expected = Settings {
-        vpls: 128,
         bounces: 2,
-        temporal_sets: 4,
+        vpl: VplSettings { slots: 128, temporal_sets: 4, ..VplSettings::default() },
         exposure: None,
         time_step: 1.0 / 30.0,
         size: [64, 32],
@@ -57,7 +58,7 @@ fn command_line_beats_scene_beats_default() {
 }
 
 #[test]
-fn options_are_read_in_every_way_of_writing() {
+fn options_are_parsed_in_every_syntax() {
     let settings = resolve(
         "",
         &[
@@ -81,6 +82,8 @@ fn options_are_read_in_every_way_of_writing() {
             "1",
             "--budget",
             "3",
+            "--indirect",
+            "none",
         ],
     )
     .unwrap();
@@ -88,15 +91,16 @@ fn options_are_read_in_every_way_of_writing() {
     assert_eq!(settings.time_step, 0.5);
     assert_eq!(settings.exposure, Some(-1.5));
     assert_eq!(settings.tracer, TracerKind::Software);
-    assert_eq!(settings.sequence, Sequence::Random);
-    assert_eq!(settings.missing_sets, MissingSets::Dark);
-    assert_eq!((settings.clamp, settings.position_cutoff), (0.0, 0.1));
-    assert_eq!((settings.seed, settings.interleave, settings.budget), (7, 1, 3));
+    assert_eq!(settings.indirect, Indirect::None);
+    assert_eq!(settings.vpl.sequence, Sequence::Random);
+    assert_eq!(settings.vpl.missing_sets, MissingSets::Dark);
+    assert_eq!((settings.vpl.clamp, settings.vpl.position_cutoff), (0.0, 0.1));
+    assert_eq!((settings.seed, settings.vpl.interleave, settings.vpl.budget), (7, 1, 3));
     assert_eq!(resolve("", &["--time-step", "1/25"]).unwrap().time_step, 1.0 / 25.0);
 }
 
 #[test]
-fn nonsense_is_refused_by_name() {
+fn invalid_values_name_their_option() {
     for (arguments, says) in [
         (["--vpls", "many"], "must be a whole number"),
         (["--vpls", "-1"], "must be a whole number"),
@@ -109,7 +113,7 @@ fn nonsense_is_refused_by_name() {
         (["--tracer", "magic"], "possible values: auto, software, hardware"),
         (["--missing-sets", "magic"], "possible values: scale, dark"),
     ] {
-        let message = refused(&arguments);
+        let message = rejected(&arguments);
         assert!(message.contains(arguments[0]) && message.contains(says), "{message}");
     }
 }
@@ -160,14 +164,26 @@ fn sets_need_vpls() {
 }
 
 #[test]
-fn mistakes_of_a_scene_file_are_not_wrong_usage() {
+fn errors_of_a_scene_file_are_not_wrong_usage() {
     for (scene, says) in [
         ("vpls = 0", "[settings] vpls = 0: must be 1 to 65536"),
-        ("vlps = 9", "vlps"),
-        ("vpls = \"many\"", "vpls"),
+        ("vlps = 9", "[settings] vlps: unknown setting; known are indirect, "),
+        ("vpls = \"many\"", "[settings] vpls = many: must be a whole number"),
+        ("vpls = 2.5", "[settings] vpls = 2.5: must be a whole number"),
+        ("vpls = true", "[settings] vpls = true: must be a whole number"),
+        ("vpls = \"\"", "[settings] vpls = : must be"),
+        ("tracer = \"magic\"", "[settings] tracer = magic: must be one of auto, software, hardware"),
         ("time_step = \"soon\"", "must be seconds"),
         ("exposure = \"bright\"", "must be auto or stops"),
-        ("size = [1, 2, 3]", "size"),
+        ("size = [1, 2, 3]", "[settings] size = [1, 2, 3]: must be a width and a height"),
+        ("size = \"9\"", "[settings] size = 9: must be a width and a height"),
+        ("[vpls]\nvpls = 0", "[settings] vpls = 0: must be 1 to 65536"),
+        ("[vpls]\nvlps = 9", "[settings.vpls] vlps: unknown setting; known are vpls, interleave"),
+        ("[vpls]\nseed = 9", "[settings.vpls] seed: belongs in [settings]"),
+        ("[vpls]\nvpls = { vpls = 9 }", "[settings.vpls] vpls: must be a value, not a table"),
+        ("[lamps]\nvpls = 9", "[settings.lamps]: unknown table; known are [settings], [settings.vpls]"),
+        ("[seed]\nseed = 9", "[settings.seed]: unknown table; known are [settings], [settings.vpls]"),
+        ("budget = 9\n[vpls]\nbudget = 9", "budget: is set twice"),
     ] {
         let error = resolve(scene, &["--vpls", "64"]).unwrap_err();
         assert!(!error.is_usage(), "{error}");
@@ -177,10 +193,67 @@ fn mistakes_of_a_scene_file_are_not_wrong_usage() {
 }
 
 #[test]
-fn a_report_can_be_read_back() {
+fn settings_round_trip_through_json() {
     for exposure in [None, Some(1.5)] {
         let settings = Settings { exposure, ..Settings::default() };
         let json = serde_json::to_string(&settings).unwrap();
+        assert!(json.contains(r#""indirect":"vpls""#) && json.contains(r#""vpls":512"#), "{json}");
         assert_eq!(serde_json::from_str::<Settings>(&json).unwrap(), settings);
     }
+}
+
+/// A non-default value of each option, in the syntax of the command line.
+const NON_DEFAULTS: [(&str, &str); 15] = [
+    ("indirect", "none"),
+    ("bounces", "3"),
+    ("size", "256x144"),
+    ("seed", "7"),
+    ("time_step", "1/25"),
+    ("tracer", "software"),
+    ("exposure", "-1.5"),
+    ("vpls", "64"),
+    ("interleave", "2"),
+    ("temporal_sets", "8"),
+    ("budget", "5"),
+    ("clamp", "12.5"),
+    ("position_cutoff", "0.3"),
+    ("sequence", "random"),
+    ("missing_sets", "dark"),
+];
+
+#[test]
+fn a_scene_file_accepts_the_syntax_of_the_command_line() {
+    assert_eq!(NON_DEFAULTS.len(), Settings::default().to_table().len());
+    for (key, text) in NON_DEFAULTS {
+        let option = resolve("", &[&format!("--{}={text}", key.replace('_', "-"))]).unwrap();
+        assert_ne!(option, Settings::default(), "{key}");
+        assert_eq!(resolve(&format!("{key} = \"{text}\""), &[]).unwrap(), option, "{key}");
+        let differing = option.differing();
+        assert_eq!(differing.keys().collect::<Vec<_>>(), [key]);
+        assert_eq!(Settings::from_table(&differing), Ok(option), "{key}");
+    }
+}
+
+#[test]
+fn a_group_may_be_a_subtable() {
+    let [root, vpls] = groups().try_into().unwrap();
+    assert_eq!((root.table.as_str(), root.heading.as_str()), ("settings", "Settings"));
+    assert_eq!(vpls.table, "settings.vpls");
+    assert_eq!(vpls.heading, "Virtual point lights (--indirect vpls)");
+    let keys: Vec<_> = NON_DEFAULTS.map(|(key, _)| key).into();
+    assert_eq!([root.settings, vpls.settings.clone()].concat(), keys);
+
+    let line = |key: &str| {
+        let (_, text) = NON_DEFAULTS.iter().find(|(other, _)| *other == key).unwrap();
+        format!("{key} = \"{text}\"\n")
+    };
+    let flat: String = keys.iter().map(|key| line(key)).collect();
+    let shared: String =
+        keys.iter().filter(|key| !vpls.settings.iter().any(|of| of == *key)).map(|key| line(key)).collect();
+    let own: String = vpls.settings.iter().map(|key| line(key)).collect();
+    let settings = resolve(&flat, &[]).unwrap();
+    assert_eq!(settings.differing().len(), keys.len());
+    assert_eq!(resolve(&format!("{shared}[vpls]\n{own}"), &[]).unwrap(), settings);
+    let over = resolve("[vpls]\nvpls = 300\nbudget = 3", &["--vpls", "200"]).unwrap();
+    assert_eq!((over.vpl.slots, over.vpl.budget), (200, 3));
 }

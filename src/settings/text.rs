@@ -1,13 +1,11 @@
-//! How settings are written: on the command line, and in scene files and reports.
+//! The textual syntax of settings, on the command line, in scene files and in reports.
 
-use serde::Deserialize;
-
-/// A whole number that fits a setting.
+/// Parses a whole number.
 pub(crate) fn parse_whole(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| format!("must be a whole number from 0 to {}", u32::MAX))
 }
 
-/// A number; whether it is in range, [`super::Settings::check`] says.
+/// Parses a number; [`super::Settings::check`] checks its range.
 pub(crate) fn parse_number(text: &str) -> Result<f32, String> {
     text.parse().map_err(|_| "must be a number such as 0.5".to_owned())
 }
@@ -39,46 +37,13 @@ pub(crate) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a number or a text")]
-enum NumberOrText<Number> {
-    Number(Number),
-    Text(String),
-}
-
-/// Reads `0.02` or `"1/60"`.
-pub(super) fn seconds_from_number_or_text<'de, D>(deserializer: D) -> Result<f64, D::Error>
-where
-    D: serde::Deserializer<'de>,
-{
-    match NumberOrText::deserialize(deserializer)? {
-        NumberOrText::Number(seconds) => Ok(seconds),
-        NumberOrText::Text(text) => parse_seconds(&text).map_err(serde::de::Error::custom),
-    }
-}
-
 /// Exposure as `"auto"` or a number of stops.
-pub(super) mod exposure_or_auto {
-    use super::NumberOrText;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(in super::super) fn serialize<S>(exposure: &Option<f32>, serializer: S) -> Result<S::Ok, S::Error>
-    where
-        S: Serializer,
-    {
-        match exposure {
-            Some(stops) => stops.serialize(serializer),
-            None => "auto".serialize(serializer),
-        }
-    }
-
-    pub(in super::super) fn deserialize<'de, D>(deserializer: D) -> Result<Option<f32>, D::Error>
-    where
-        D: Deserializer<'de>,
-    {
-        match NumberOrText::deserialize(deserializer)? {
-            NumberOrText::Number(stops) => Ok(Some(stops)),
-            NumberOrText::Text(text) => super::parse_exposure(&text).map_err(serde::de::Error::custom),
-        }
+pub(super) fn exposure_or_auto<S>(exposure: &Option<f32>, serializer: S) -> Result<S::Ok, S::Error>
+where
+    S: serde::Serializer,
+{
+    match exposure {
+        Some(stops) => serializer.serialize_f32(*stops),
+        None => serializer.serialize_str("auto"),
     }
 }

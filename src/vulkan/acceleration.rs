@@ -1,7 +1,7 @@
 //! Acceleration structures of `VK_KHR_acceleration_structure`: what ray queries traverse.
 //!
-//! In: triangles in device memory, and where their meshes stand. Out: a compacted [`BottomLevel`] for each mesh, and a
-//! [`TopLevel`] over placed ones that is built within a frame.
+//! In: triangles in device memory, and instance transforms. Out: a compacted [`BottomLevel`] for each mesh, and a
+//! [`TopLevel`] over the instances, built within a frame.
 
 use std::sync::Arc;
 
@@ -13,21 +13,21 @@ use super::barrier::record_barriers;
 use super::ray_query::RayQueries;
 use super::{Buffer, BufferSlice, Device, Frame, Upload, VulkanError};
 
-/// Bytes of a vertex in the buffers that bottom levels are built from: a position and a word of the shaders' own.
+/// Vertex stride of the buffers that bottom levels are built from, bytes: a position and a word for shaders.
 const VERTEX_STRIDE: u64 = 16;
 
-/// A run of triangles in a vertex buffer, three vertices each.
+/// A range of triangles in a vertex buffer, three vertices each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TriangleRun {
     /// First triangle.
     pub first: u32,
     /// Number of triangles.
     pub count: u32,
-    /// Whether a ray that meets one has hit it, without the shader being asked.
+    /// Whether hits are confirmed without the shader (`VK_GEOMETRY_OPAQUE_BIT_KHR`).
     pub opaque: bool,
 }
 
-/// A bottom level in its place, as a top level is built from it. 64 bytes: `VkAccelerationStructureInstanceKHR`.
+/// An instance of a bottom level, input of a top-level build. 64 bytes: `VkAccelerationStructureInstanceKHR`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PlacedStructure {
@@ -42,7 +42,7 @@ pub struct PlacedStructure {
 }
 
 impl PlacedStructure {
-    /// `structure` at `object_to_world`; shaders are told `index` and `record`, of 24 bits each.
+    /// `structure` at `object_to_world`; shaders read `index` and `record`, of 24 bits each.
     pub fn new(structure: &BottomLevel, object_to_world: [[f32; 4]; 3], index: u32, record: u32) -> Self {
         assert!(index >> 24 == 0 && record >> 24 == 0, "instances are counted when a top level is made");
         Self {
@@ -54,7 +54,7 @@ impl PlacedStructure {
     }
 }
 
-/// A structure with its memory.
+/// An acceleration structure with its memory.
 struct Structure {
     raw: vk::AccelerationStructureKHR,
     buffer: Buffer,
@@ -71,7 +71,7 @@ impl Structure {
         let buffer = Buffer::for_structure(device, name, size)?;
         let info =
             vk::AccelerationStructureCreateInfoKHR::default().buffer(buffer.raw).size(buffer.size).ty(ty);
-        // SAFETY: the buffer is made for this use, as large as the structure, and lives as long.
+        // SAFETY: the buffer has this usage, is as large as the structure, and lives as long.
         let raw = unsafe { ray_queries(device).functions.create_acceleration_structure(&info, None) }
             .map_err(VulkanError::call("creation", format!("acceleration structure {name}")))?;
         device.set_name(raw, name);
@@ -93,11 +93,11 @@ pub struct BottomLevel {
 }
 
 impl BottomLevel {
-    /// Builds `runs` of `vertices` (16 bytes each, the first 12 the position) and waits until that is done. Triangles
-    /// are numbered from 0 in each run.
+    /// Builds `runs` of `vertices` (16 bytes each, the first 12 the position) and waits for completion. Each run is a
+    /// geometry, whose primitive indices start at 0.
     ///
     /// # Errors
-    /// Where the device has no memory for it, or allows fewer triangles.
+    /// If device memory runs out or the triangles exceed the device's limit.
     pub fn build(
         device: &Arc<Device>,
         name: &str,
@@ -105,7 +105,7 @@ impl BottomLevel {
         runs: &[TriangleRun],
     ) -> Result<Self, VulkanError> {
         let ty = vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL;
-        let limit = ray_queries(device).most_triangles;
+        let limit = ray_queries(device).max_triangles;
         let triangles: u64 = runs.iter().map(|run| u64::from(run.count)).sum();
         if triangles > limit {
             return Err(VulkanError::Limit { what: format!("mesh {name} of {triangles} triangles"), limit });
@@ -118,8 +118,8 @@ impl BottomLevel {
         let info = build_info(ty, flags, &geometries);
         let sizes = build_sizes(device, &info, &counts);
 
-        // Build it with as much memory as it may take.
-        let loose = Structure::new(device, name, ty, sizes.acceleration_structure_size)?;
+        // Build with the worst-case size.
+        let uncompacted = Structure::new(device, name, ty, sizes.acceleration_structure_size)?;
         let scratch = Scratch::new(device, sizes.build_scratch_size)?;
         let compacted = CompactedSize::new(device)?;
         let ranges: Vec<_> = runs
@@ -130,34 +130,35 @@ impl BottomLevel {
                     .primitive_offset(run.first * 3 * VERTEX_STRIDE as u32)
             })
             .collect();
-        let info = info.dst_acceleration_structure(loose.raw).scratch_data(scratch.address());
+        let info = info.dst_acceleration_structure(uncompacted.raw).scratch_data(scratch.address());
         device.run_once(|commands| {
             // SAFETY: the runs lie within the vertex buffer, which was filled before; structure and scratch memory are
             // as large as the device said, and all live until the wait is over.
             unsafe {
                 let functions = &ray_queries(device).functions;
                 functions.cmd_build_acceleration_structures(commands, &[info], &[&ranges]);
-                record_barriers(device, commands, &[], &[built()]);
-                compacted.record(commands, &loose);
+                record_barriers(device, commands, &[], &[build_barrier()]);
+                compacted.record(commands, &uncompacted);
             }
         })?;
 
-        // Copy it to where it takes no more than it needs.
-        let tight = Structure::new(device, name, ty, compacted.read()?)?;
+        // Copy it to a compacted structure.
+        let compact = Structure::new(device, name, ty, compacted.read()?)?;
         let copy = vk::CopyAccelerationStructureInfoKHR::default()
-            .src(loose.raw)
-            .dst(tight.raw)
+            .src(uncompacted.raw)
+            .dst(compact.raw)
             .mode(vk::CopyAccelerationStructureModeKHR::COMPACT);
         device.run_once(|commands| {
             // SAFETY: the copy is as large as the device said; both live until the wait is over.
             unsafe { ray_queries(device).functions.cmd_copy_acceleration_structure(commands, &copy) };
-            record_barriers(device, commands, &[], &[built()]);
+            record_barriers(device, commands, &[], &[build_barrier()]);
         })?;
-        let info = vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(tight.raw);
+        let info =
+            vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(compact.raw);
         // SAFETY: the structure is live.
         let address =
             unsafe { ray_queries(device).functions.get_acceleration_structure_device_address(&info) };
-        Ok(Self { address, structure: tight })
+        Ok(Self { address, structure: compact })
     }
 
     /// Bytes of device memory.
@@ -166,7 +167,7 @@ impl BottomLevel {
     }
 }
 
-/// Placed bottom levels, which must live as long. Empty until it is first built.
+/// A top level over instances of bottom levels, which must outlive it. Empty until the first build.
 pub struct TopLevel {
     pub(super) raw: vk::AccelerationStructureKHR,
     pub(super) tracker: Tracker,
@@ -180,12 +181,12 @@ const TOP_FLAGS: vk::BuildAccelerationStructureFlagsKHR =
     vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE;
 
 impl TopLevel {
-    /// Memory for up to `capacity` placed structures, scratch memory included.
+    /// Allocates memory for up to `capacity` instances, including scratch memory.
     ///
     /// # Errors
-    /// Where the device has no memory for it, or allows fewer instances.
+    /// If device memory runs out or the instances exceed the device's limit.
     pub fn new(device: &Arc<Device>, name: &str, capacity: usize) -> Result<Self, VulkanError> {
-        let limit = ray_queries(device).most_instances.min(1 << 24);
+        let limit = ray_queries(device).max_instances.min(1 << 24);
         let too_many = || VulkanError::Limit { what: format!("{name} of {capacity} instances"), limit };
         let capacity = u32::try_from(capacity).map_err(|_| too_many())?;
         if u64::from(capacity) > limit {
@@ -204,15 +205,15 @@ impl TopLevel {
         })
     }
 
-    /// Bytes of device memory, with what builds work in.
+    /// Bytes of device memory, including scratch memory.
     pub fn size(&self) -> u64 {
         self.structure.buffer.size() + self.scratch.buffer.size()
     }
 
-    /// Builds it anew over `count` uploaded [`PlacedStructure`]s, timed as pass `name`.
+    /// Rebuilds it over `count` uploaded [`PlacedStructure`]s, timed as pass `name`.
     ///
     /// # Panics
-    /// If there are more than it was made for.
+    /// If `count` exceeds the capacity.
     pub fn build(&self, frame: &mut Frame<'_>, name: &'static str, placed: &Upload, count: usize) {
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         assert!(count <= self.capacity, "{count} instances in a top level for {}", self.capacity);
@@ -241,7 +242,7 @@ impl TopLevel {
     }
 }
 
-/// Memory that a build works in.
+/// Scratch memory of a build.
 struct Scratch {
     device_address: u64,
     buffer: Buffer,
@@ -260,7 +261,7 @@ impl Scratch {
     }
 }
 
-/// A query of how small a structure can be made.
+/// A query of a structure's compacted size.
 struct CompactedSize {
     pool: vk::QueryPool,
     device: Arc<Device>,
@@ -361,8 +362,8 @@ fn build_sizes(
     sizes
 }
 
-/// What must have been seen of a build or copy before the structure is used for anything else.
-fn built() -> Barrier {
+/// The barrier between a build or copy and any other use of the structure.
+fn build_barrier() -> Barrier {
     Barrier {
         src_stage: vk::PipelineStageFlags2::ACCELERATION_STRUCTURE_BUILD_KHR,
         src_access: vk::AccessFlags2::ACCELERATION_STRUCTURE_WRITE_KHR,

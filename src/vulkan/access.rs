@@ -1,4 +1,4 @@
-//! What a resource was last used for, and the barrier that its next use needs.
+//! Access tracking: the last use of a resource, and the barrier that its next use needs.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -19,21 +19,19 @@ pub enum Access {
     GraphicsRead,
     /// Vertex or index buffer.
     VertexRead,
-    /// Says how many workgroups a dispatch has.
-    IndirectRead,
-    /// Rays are traced through it by a compute shader: an acceleration structure.
+    /// Acceleration structure traversed by a compute shader.
     ComputeTrace,
-    /// An acceleration structure is built there, or scratch memory of that.
+    /// Destination or scratch memory of an acceleration structure build.
     StructureBuild,
-    /// An acceleration structure is built from it.
+    /// Input of an acceleration structure build.
     BuildInput,
-    /// Drawn into as colour.
+    /// Colour attachment.
     ColorAttachment,
-    /// Drawn into as depth.
+    /// Depth attachment.
     DepthAttachment,
 }
 
-/// What one use means to Vulkan.
+/// Stage, access and layout of a use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Use {
     stage: vk::PipelineStageFlags2,
@@ -43,7 +41,7 @@ struct Use {
 }
 
 impl Access {
-    /// The one place that maps a use to stage, access and image layout.
+    /// The only mapping from a use to stage, access and image layout.
     fn to_use(self, storage_image: bool) -> Use {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let shader_reads = A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ | A::UNIFORM_READ;
@@ -59,7 +57,6 @@ impl Access {
             Self::VertexRead => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false)
             }
-            Self::IndirectRead => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false),
             Self::ComputeTrace => {
                 (S::COMPUTE_SHADER, A::ACCELERATION_STRUCTURE_READ_KHR, L::UNDEFINED, false)
             }
@@ -105,38 +102,26 @@ struct State {
     write_access: vk::AccessFlags2,
     read_stages: vk::PipelineStageFlags2,
     layout: vk::ImageLayout,
-    /// The next use, if a barrier for it is recorded already.
-    ready: Option<Access>,
 }
 
 /// The tracker of one resource. For buffers the layouts mean nothing and never differ.
 #[derive(Debug, Default)]
 pub(super) struct Tracker {
-    // Uncontended: a lock only so that what holds it can be made on one thread and used on another.
+    // Uncontended: the lock only makes its owner `Sync`.
     state: Mutex<State>,
 }
 
 impl Tracker {
-    /// Notes that a buffer is about to be used so; tells the barrier it needs first.
+    /// Records the next use of a buffer; returns the barrier that it needs first, if any.
     pub(super) fn use_buffer(&self, access: Access) -> Option<Barrier> {
         let mut next = access.to_use(false);
         next.layout = vk::ImageLayout::UNDEFINED;
         self.plan(next)
     }
 
-    /// Notes that an image is about to be used so; tells the barrier it needs first.
+    /// Records the next use of an image; returns the barrier that it needs first, if any.
     pub(super) fn use_image(&self, access: Access, storage: bool) -> Option<Barrier> {
-        if self.state().ready.take() == Some(access) {
-            return None;
-        }
         self.plan(access.to_use(storage))
-    }
-
-    /// Notes that the next use of an image will be this one; tells the barrier to record now, and not then.
-    pub(super) fn ready_image(&self, access: Access) -> Option<Barrier> {
-        let barrier = self.use_image(access, false);
-        self.state().ready = Some(access);
-        barrier
     }
 
     pub(super) fn layout(&self) -> vk::ImageLayout {
@@ -163,7 +148,6 @@ impl Tracker {
                 write_access: if next.writes { next.access } else { vk::AccessFlags2::empty() },
                 read_stages: if next.writes { vk::PipelineStageFlags2::empty() } else { next.stage },
                 layout: next.layout,
-                ready: None,
             }
         } else {
             State { read_stages: last.read_stages | next.stage, ..last }
@@ -202,20 +186,6 @@ mod tests {
         let barrier = tracker.use_buffer(Access::ComputeWrite).expect("write after read");
         assert!(barrier.src_stage.contains(vk::PipelineStageFlags2::FRAGMENT_SHADER));
         assert!(tracker.use_buffer(Access::ComputeWrite).is_some(), "write after write");
-    }
-
-    #[test]
-    fn what_is_ready_needs_no_barrier_later() {
-        let tracker = Tracker::default();
-        let depth = || tracker.use_image(Access::DepthAttachment, false);
-        tracker.use_image(Access::TransferWrite, false);
-        let barrier = tracker.ready_image(Access::DepthAttachment).expect("a write before a write");
-        assert_eq!(barrier.src_access, vk::AccessFlags2::TRANSFER_WRITE);
-        assert!(depth().is_none(), "recorded already");
-        assert!(depth().is_some(), "only once");
-        tracker.ready_image(Access::DepthAttachment);
-        assert!(tracker.use_image(Access::ComputeRead, false).is_some(), "not what it is ready for");
-        assert!(depth().is_some());
     }
 
     #[test]

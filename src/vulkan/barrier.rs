@@ -29,7 +29,7 @@ pub(super) fn record_barriers(
                 .subresource_range(image.range())
         })
         .collect();
-    // Buffers need no layout, so one global barrier each serves as well as one that names the buffer.
+    // Buffers have no layout, so a global memory barrier is as good as a buffer barrier.
     let memory: Vec<_> = buffers
         .iter()
         .map(|barrier| {
@@ -45,7 +45,7 @@ pub(super) fn record_barriers(
     unsafe { device.raw().cmd_pipeline_barrier2(commands, &info) };
 }
 
-/// Notes a use of `image` outside of passes and records its barrier.
+/// Records a use of `image` outside of passes, with its barrier.
 pub(super) fn barrier_for_image(device: &Device, commands: vk::CommandBuffer, image: &Image, access: Access) {
     if let Some(barrier) = image.tracker.use_image(access, false) {
         record_barriers(device, commands, &[(image, barrier)], &[]);

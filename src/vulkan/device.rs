@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-use super::instance::one_at_a_time;
+use super::instance::creation_lock;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
 use super::ray_query::RayQueries;
 use super::{Instance, Surface, VulkanError};
 
-/// A logical device with one queue that can do graphics, compute and transfers.
+/// A logical device with one queue for graphics, compute and transfers.
 pub struct Device {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
@@ -21,7 +21,7 @@ pub struct Device {
     memory: MemoryMeter,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
-    /// Vulkan wants one thread at a time at a queue.
+    /// Queues need external synchronisation.
     queue: Mutex<vk::Queue>,
     queue_family: u32,
     info: DeviceInfo,
@@ -40,7 +40,7 @@ impl Device {
         Self::open_for(instance, wanted, None)
     }
 
-    /// [`Self::open`], where the device must be able to show pictures on `surface`.
+    /// [`Self::open`] for a device that can present to `surface`.
     pub fn open_for(
         instance: &Arc<Instance>,
         wanted: Option<&str>,
@@ -58,7 +58,7 @@ impl Device {
         let queue_family = queue_family(instance.raw(), physical)
             .ok_or_else(|| VulkanError::NoDevice(format!("{} has no graphics queue", info.name)))?;
         // Until all functions are loaded.
-        let _guard = one_at_a_time();
+        let _guard = creation_lock();
         let raw = create_device(instance.raw(), physical, &info, queue_family, surface.is_some())?;
         let ray_queries = info.ray_query.then(|| RayQueries::new(instance.raw(), physical, &raw));
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -91,12 +91,12 @@ impl Device {
         }))
     }
 
-    /// What the device is.
+    /// Name, driver and capabilities of the device.
     pub fn info(&self) -> &DeviceInfo {
         &self.info
     }
 
-    /// Whether it is a driver for CPUs, on which other things are fast than on GPUs.
+    /// Whether it is a CPU driver.
     pub fn is_cpu(&self) -> bool {
         self.info.is_cpu()
     }
@@ -106,30 +106,29 @@ impl Device {
         &self.limits
     }
 
-    /// The most bytes that buffers and images have taken at once since [`Self::restart_memory_peak`], or ever;
-    /// without what windows use.
+    /// Peak memory of buffers and images since [`Self::restart_memory_peak`] or creation, bytes; excludes swapchains.
     pub fn memory_peak(&self) -> u64 {
         self.memory.peak()
     }
 
-    /// Begins a new [`Self::memory_peak`].
+    /// Resets [`Self::memory_peak`] to the current use.
     pub fn restart_memory_peak(&self) {
         self.memory.restart();
     }
 
-    /// What the validation layer has said so far.
+    /// Messages of the validation layer so far.
     pub fn validation_messages(&self) -> Vec<String> {
         self.instance.validation_messages()
     }
 
-    /// Waits until the device has done all that was submitted.
+    /// Waits until the device is idle.
     pub fn wait_idle(&self) -> Result<(), VulkanError> {
         let _queue = self.queue();
         // SAFETY: the lock keeps other threads off the queue.
         unsafe { self.raw.device_wait_idle() }.map_err(VulkanError::call("waiting", "device"))
     }
 
-    /// How large optimally tiled 2D images of a format may be.
+    /// Limits of optimally tiled 2D images of a format.
     pub(super) fn image_limits(
         &self,
         format: vk::Format,
@@ -160,7 +159,7 @@ impl Device {
         self.physical
     }
 
-    /// The queue, for this thread alone until the guard goes.
+    /// Locks the queue for this thread.
     pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -186,12 +185,12 @@ impl Device {
         &self.memory
     }
 
-    /// The allocator for those who keep it; they must let go of it before the device goes.
+    /// The allocator, to be shared; owners must drop it before the device.
     pub(super) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
         Arc::clone(&self.allocator)
     }
 
-    /// Gives `handle` a name that debuggers and validation messages show.
+    /// Names `handle` for debuggers and validation messages.
     pub(super) fn set_name(&self, handle: impl vk::Handle, name: &str) {
         let Some(debug) = &self.debug else { return };
         let Ok(name) = std::ffi::CString::new(name) else { return };
@@ -200,7 +199,7 @@ impl Device {
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 
-    /// Records commands with `record`, submits them and waits until they are done.
+    /// Records commands with `record`, submits them and waits for completion.
     pub(super) fn run_once(&self, record: impl FnOnce(vk::CommandBuffer)) -> Result<(), VulkanError> {
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(self.queue_family);
         // SAFETY: pool and buffer are used here only and freed after the wait.
@@ -230,7 +229,7 @@ impl Device {
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
             let fence = self.raw.create_fence(&vk::FenceCreateInfo::default(), None)?;
             let submitted = self.raw.queue_submit2(*self.queue(), &[submit], fence);
-            // Not the queue: another thread may go on submitting frames while this one waits.
+            // Wait for the fence, not the queue: other threads may submit meanwhile.
             let result = submitted.and_then(|()| self.raw.wait_for_fences(&[fence], true, u64::MAX));
             self.raw.destroy_fence(fence, None);
             result
@@ -240,12 +239,12 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: every object of the device holds an `Arc` of it, so none is left; the allocator frees
-        // its memory before the device goes.
+        // SAFETY: every object of the device holds an `Arc` of it, so none is left; the allocator is
+        // dropped before the device.
         unsafe {
             let _ = self.raw.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
-            let _guard = one_at_a_time();
+            let _guard = creation_lock();
             self.raw.destroy_device(None);
         }
     }

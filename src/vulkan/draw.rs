@@ -1,73 +1,48 @@
-//! What a graphics pass draws into, and its draws.
+//! Render targets and draw calls of a graphics pass.
 
 use ash::vk;
 use bytemuck::Pod;
 
-use super::{Area, Buffer, Image, MaterialSets, Pass};
+use super::{Buffer, Image, MaterialSets, Pass};
 
-/// Images that a graphics pass draws into.
+/// Render targets of a graphics pass.
 pub enum Targets<'a> {
-    /// Colour and depth.
-    Surfaces {
+    /// Colour and depth, cleared to zero; reversed depth, 0 is infinitely far away.
+    Cleared {
         /// Colour images.
         colors: &'a [&'a Image],
         /// Depth image.
         depth: &'a Image,
-        /// The only part of them that is drawn into.
-        area: Area,
-        /// Whether it is set to zero first; depth 0 is infinitely far away.
-        clear: bool,
     },
-    /// Only depth.
-    Depth {
-        /// Its image.
-        depth: &'a Image,
-        /// The only part of it that is drawn into.
-        area: Area,
-        /// Whether it is set to zero first.
-        clear: bool,
-    },
-    /// Drawn over, without a depth image; for pipelines that blend.
+    /// Loaded, without depth; for pipelines that blend.
     Over(&'a Image),
 }
 
 impl<'a> Targets<'a> {
     pub(super) fn colors(&self) -> &[&'a Image] {
         match self {
-            Self::Surfaces { colors, .. } => colors,
-            Self::Depth { .. } => &[],
+            Self::Cleared { colors, .. } => colors,
             Self::Over(image) => std::slice::from_ref(image),
         }
     }
 
     pub(super) fn depth(&self) -> Option<&'a Image> {
         match self {
-            Self::Surfaces { depth, .. } | Self::Depth { depth, .. } => Some(depth),
+            Self::Cleared { depth, .. } => Some(depth),
             Self::Over(_) => None,
         }
     }
 
     pub(super) fn extent(&self) -> [u32; 2] {
         match self {
-            Self::Surfaces { depth: image, .. } | Self::Depth { depth: image, .. } | Self::Over(image) => {
-                image.extent()
-            }
-        }
-    }
-
-    pub(super) fn area(&self) -> Area {
-        match self {
-            Self::Surfaces { area, .. } | Self::Depth { area, .. } => *area,
-            Self::Over(image) => Area::whole(image.extent()),
+            Self::Cleared { depth: image, .. } | Self::Over(image) => image.extent(),
         }
     }
 
     pub(super) fn load_op(&self) -> vk::AttachmentLoadOp {
         match self {
-            Self::Surfaces { clear: true, .. } | Self::Depth { clear: true, .. } => {
-                vk::AttachmentLoadOp::CLEAR
-            }
-            _ => vk::AttachmentLoadOp::LOAD,
+            Self::Cleared { .. } => vk::AttachmentLoadOp::CLEAR,
+            Self::Over(_) => vk::AttachmentLoadOp::LOAD,
         }
     }
 }
@@ -75,36 +50,23 @@ impl<'a> Targets<'a> {
 /// The draws of one graphics pass.
 pub struct DrawList<'p> {
     pub(super) pass: &'p Pass<'p>,
-    /// Which side is left out; none before that is set.
-    pub(super) culled: Option<vk::CullModeFlags>,
 }
 
 impl DrawList<'_> {
-    /// Fills this rectangle of the targets with clip space from now on; of what lies there, only what lies in `area` is drawn.
-    pub fn viewport(&mut self, rectangle: Area, area: Area) {
-        let [[x, y], [width, height]] =
-            [rectangle.offset, rectangle.extent].map(|sides| sides.map(|side| side as f32));
-        let viewport = vk::Viewport { x, y, width, height, min_depth: 0.0, max_depth: 1.0 };
+    /// Sets viewport and scissor to all of the targets, of `extent` texels.
+    pub(super) fn viewport(&mut self, extent: [u32; 2]) {
+        let [width, height] = extent.map(|side| side as f32);
+        let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
+        let scissor = vk::Rect2D { extent: extent2d(extent), ..Default::default() };
         // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
         unsafe {
             let raw = self.pass.recorder.device().raw();
             raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
-            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[area.raw()]);
+            raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
         }
     }
 
-    /// Leaves out triangles that show this side, from now on; at first none.
-    pub fn cull(&mut self, side: vk::CullModeFlags) {
-        if self.culled.replace(side) == Some(side) {
-            return;
-        }
-        // SAFETY: rendering is open; this is dynamic state of every graphics pipeline.
-        unsafe {
-            self.pass.recorder.device().raw().cmd_set_cull_mode(self.pass.recorder.commands(), side);
-        }
-    }
-
-    /// Draws with this variant of the pipeline from now on; at first it is the first.
+    /// Selects a variant of the pipeline for the draws that follow; initially the first.
     pub fn variant(&mut self, index: usize) {
         let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: all variants have the same layout and dynamic state, so what is bound and set stays.
@@ -114,7 +76,7 @@ impl DrawList<'_> {
         }
     }
 
-    /// Takes vertices and 32-bit indices from here on.
+    /// Binds the vertex buffer and the 32-bit index buffer.
     pub fn geometry(&mut self, vertices: &Buffer, indices: &Buffer) {
         // SAFETY: both buffers live until the frame is done and were filled before it.
         unsafe {
@@ -125,7 +87,7 @@ impl DrawList<'_> {
         }
     }
 
-    /// Uses the textures of a material from now on.
+    /// Binds the textures of a material.
     pub fn material(&mut self, sets: &MaterialSets, index: usize) {
         // SAFETY: the set was made for set 1 of a pipeline with this layout.
         unsafe {
@@ -140,7 +102,7 @@ impl DrawList<'_> {
         }
     }
 
-    /// Draws `count` indices from `first` on with these push constants.
+    /// Draws `count` indices, starting at `first`, with these push constants.
     pub fn draw<T: Pod>(&mut self, constants: &T, first: u32, count: u32) {
         let bytes = bytemuck::bytes_of(constants);
         assert_eq!(
@@ -157,7 +119,8 @@ impl DrawList<'_> {
             raw.cmd_draw_indexed(commands, count, 1, first, 0, 0);
         }
     }
-    /// Draws `instances` times `count` vertices that the shader makes up itself.
+
+    /// Draws `instances` instances of `count` vertices without a vertex buffer.
     pub fn draw_made_up(&mut self, count: u32, instances: u32) {
         // SAFETY: the pipeline takes no vertex buffer.
         unsafe {
@@ -165,4 +128,8 @@ impl DrawList<'_> {
             raw.cmd_draw(self.pass.recorder.commands(), count, instances, 0, 0);
         }
     }
+}
+
+pub(super) fn extent2d([width, height]: [u32; 2]) -> vk::Extent2D {
+    vk::Extent2D { width, height }
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with Vulkan, in one line each.
+//! Errors of the Vulkan layer; each message is one line.
 
 use ash::vk;
 
@@ -10,13 +10,13 @@ pub enum VulkanError {
         "no Vulkan: the loader library could not be opened ({0}); install it (Debian/Ubuntu: apt install libvulkan1 mesa-vulkan-drivers)"
     )]
     NoLoader(String),
-    /// No driver, or none good enough.
+    /// No driver, or no device that meets the requirements.
     #[error("no usable Vulkan device: {0}")]
     NoDevice(String),
-    /// `--device` names nothing.
-    #[error("--device {wanted}: no such device; there are: {available}")]
+    /// `--device` matches no device.
+    #[error("--device {wanted}: no such device; available: {available}")]
     UnknownDevice {
-        /// What was asked for.
+        /// What was requested.
         wanted: String,
         /// Devices by index and name.
         available: String,
@@ -26,37 +26,35 @@ pub enum VulkanError {
         "--validate: the layer VK_LAYER_KHRONOS_validation is missing; install it (Debian/Ubuntu: apt install vulkan-validationlayers)"
     )]
     NoValidation,
-    /// A call failed.
+    /// A Vulkan call failed.
     #[error("Vulkan: {operation} of {object} failed: {result}")]
     Call {
-        /// What was being done.
+        /// The operation.
         operation: &'static str,
-        /// To which object.
+        /// Its object.
         object: String,
-        /// What the driver answered.
+        /// The driver's result code.
         result: vk::Result,
     },
     /// The user interface could not be drawn.
     #[error("user interface: {0}")]
     Interface(String),
-    /// Memory could not be had.
+    /// Device memory is exhausted.
     #[error(
         "not enough device memory for {object} ({mebibytes} MiB): {reason}; try a smaller --size, --temporal-sets or scene"
     )]
     Memory {
-        /// What needed it.
+        /// What it was for.
         object: String,
-        /// How much.
+        /// Size, MiB.
         mebibytes: u64,
-        /// What the allocator said.
+        /// The allocator's message.
         reason: String,
     },
-    /// The device cannot do what the settings or the scene ask for.
-    #[error(
-        "{what} is more than the device allows ({limit}); try a smaller --size, --temporal-sets or scene"
-    )]
+    /// The settings or the scene exceed a limit of the device.
+    #[error("{what} exceeds the device's limit of {limit}; try a smaller --size, --temporal-sets or scene")]
     Limit {
-        /// What was asked for, with its number.
+        /// What was requested, with its size.
         what: String,
         /// The device's limit.
         limit: u64,
@@ -83,12 +81,12 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
-    /// Whether the device is gone, as after a crash of its driver: everything on it must be made anew.
+    /// Whether the device is lost, as after a driver crash: everything on it must be recreated.
     pub fn is_device_lost(&self) -> bool {
         matches!(self, Self::Call { result: vk::Result::ERROR_DEVICE_LOST, .. })
     }
 
-    /// Wraps a driver answer: `.map_err(VulkanError::call("creation", "image depth"))`.
+    /// Wraps a result code: `.map_err(VulkanError::call("creation", "image depth"))`.
     pub(super) fn call(
         operation: &'static str,
         object: impl Into<String>,

@@ -9,20 +9,18 @@ use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
 use super::pipeline::Layout;
-use super::{
-    Area, Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Texels, VulkanError,
-};
+use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
 
-/// Frames that may be on their way at once: the CPU prepares one while the device does the other.
+/// Frames in flight: the CPU records one while the device executes the other.
 const IN_FLIGHT: usize = 2;
 
-/// What a finished frame cost and gave back.
+/// Timings and readback of a finished frame.
 #[derive(Clone, Debug, Default)]
 pub struct FrameTimes {
     /// Number of the frame, from 0.
     pub frame: u64,
-    /// Device time of each pass in ms, in the order of recording, with what was recorded up to the next; a name may occur
-    /// several times.
+    /// Device time of each pass up to the start of the next, ms, in the order of recording; a name may occur several
+    /// times.
     pub passes: Vec<(&'static str, f64)>,
     /// What [`Frame::read_back`] copied.
     pub readback: Vec<u8>,
@@ -36,13 +34,13 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Makes command buffers, timers and upload memory.
+    /// Creates command buffers, timers and upload memory.
     pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
         let slots = (0..IN_FLIGHT).map(|_| Slot::new(device)).collect::<Result<_, _>>()?;
         Ok(Self { slots, count: 0, device: Arc::clone(device) })
     }
 
-    /// Starts the next frame, once the frame before the last one is done; gives that one's times.
+    /// Waits for the frame before the last, then starts the next; returns the times of the one waited for.
     pub fn begin(&mut self) -> Result<(Frame<'_>, Option<FrameTimes>), VulkanError> {
         let index = usize::try_from(self.count).unwrap_or(0) % IN_FLIGHT;
         let slot = &mut self.slots[index];
@@ -52,7 +50,7 @@ impl Frames {
         Ok((Frame { slot, device: &self.device }, times))
     }
 
-    /// Waits for all frames and gives the times of those not given yet, in order.
+    /// Waits for all frames; returns the times not returned yet, in order.
     pub fn finish(&mut self) -> Result<Vec<FrameTimes>, VulkanError> {
         let mut times = Vec::new();
         for slot in &mut self.slots {
@@ -63,19 +61,12 @@ impl Frames {
     }
 }
 
-/// Data of this frame in memory that the device reads.
+/// Data in this frame's upload memory.
 #[derive(Clone)]
 pub struct Upload {
     buffer: Arc<Buffer>,
     offset: u64,
     size: u64,
-}
-
-impl Upload {
-    /// Where it begins in the buffer that `utextureBuffer` shows.
-    pub fn first_texel(&self) -> u32 {
-        u32::try_from(self.offset / Texels::Rgba32.size()).unwrap_or(u32::MAX)
-    }
 }
 
 impl<'a> From<&'a Upload> for BufferSlice<'a> {
@@ -91,11 +82,11 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Puts `data` into this frame's upload memory; empty data becomes 16 zero bytes.
+    /// Copies `data` to this frame's upload memory; empty data becomes 16 zero bytes.
     pub fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Upload, VulkanError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let bytes = if bytes.is_empty() { &[0; 16] } else { bytes };
-        let (buffer, offset) = self.slot.put(bytes)?;
+        let (buffer, offset) = self.slot.push_upload(bytes)?;
         Ok(Upload { buffer, offset, size: bytes.len() as u64 })
     }
 
@@ -107,7 +98,7 @@ impl Frame<'_> {
         self.copy_regions(source.buffer, target, &[region]);
     }
 
-    /// Copies `source` to the runs of bytes of `target`, one after the other; each has its first byte and that behind its last.
+    /// Scatters `source` to the byte ranges `runs` of `target`, each (start, end).
     pub fn copy_runs(&mut self, source: &Upload, target: &Buffer, runs: &[(usize, usize)]) {
         let end = runs.iter().map(|run| run.1 as u64).max().unwrap_or(0);
         assert!(end <= target.size, "copy beyond the end of {}", target.name);
@@ -138,53 +129,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Copies these areas of `source` to `target`, of the same format, as a part of pass `pass`.
-    pub fn copy_areas(&mut self, pass: &'static str, source: &Image, target: &Image, areas: &[Area]) {
-        if areas.is_empty() {
-            return;
-        }
-        let mut recorder = self.recorder();
-        recorder.begin_scope(pass);
-        let barriers = [
-            source.tracker.use_image(Access::TransferRead, false).map(|barrier| (source, barrier)),
-            target.tracker.use_image(Access::TransferWrite, false).map(|barrier| (target, barrier)),
-        ];
-        recorder.barriers(&barriers.into_iter().flatten().collect::<Vec<_>>(), &[]);
-        let layer = vk::ImageSubresourceLayers::default().aspect_mask(source.aspect()).layer_count(1);
-        let regions: Vec<_> = areas
-            .iter()
-            .map(|area| {
-                let vk::Rect2D { offset, extent } = area.raw();
-                let offset = vk::Offset3D { x: offset.x, y: offset.y, z: 0 };
-                vk::ImageCopy::default()
-                    .src_subresource(layer)
-                    .src_offset(offset)
-                    .dst_subresource(layer)
-                    .dst_offset(offset)
-                    .extent(extent.into())
-            })
-            .collect();
-        // SAFETY: the areas lie within both images, whose formats are the same; both are in transfer layouts.
-        unsafe {
-            recorder.device().raw().cmd_copy_image(
-                recorder.commands(),
-                source.raw,
-                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                target.raw,
-                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                &regions,
-            );
-        }
-        recorder.end_scope();
-    }
-
-    /// Makes `depth` ready to be drawn into as such, so that what is drawn there need not wait for what is recorded until then.
-    pub fn ready_depth(&mut self, depth: &Image) {
-        let barrier = depth.tracker.ready_image(Access::DepthAttachment).map(|barrier| (depth, barrier));
-        self.barriers(&barrier.into_iter().collect::<Vec<_>>(), &[]);
-    }
-
-    /// Sets all of `target` to zero.
+    /// Clears `target` to zero.
     pub fn clear(&mut self, target: &Buffer) {
         let barriers = target.tracker.use_buffer(Access::TransferWrite);
         self.barriers(&[], &barriers.into_iter().collect::<Vec<_>>());
@@ -194,7 +139,20 @@ impl Frame<'_> {
         }
     }
 
-    /// Copies the first bytes of `source` to where [`FrameTimes::readback`] comes from.
+    /// Clears a colour image to `value`.
+    pub fn clear_image(&mut self, target: &Image, value: [f32; 4]) {
+        let barrier = target.tracker.use_image(Access::TransferWrite, false).map(|barrier| (target, barrier));
+        self.barriers(&barrier.into_iter().collect::<Vec<_>>(), &[]);
+        let value = vk::ClearColorValue { float32: value };
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        // SAFETY: the image can be a transfer destination, and is in the layout for that.
+        unsafe {
+            let raw = self.device.raw();
+            raw.cmd_clear_color_image(self.slot.commands, target.raw, layout, &value, &[target.range()]);
+        }
+    }
+
+    /// Copies the first bytes of `source` to the readback buffer, see [`FrameTimes::readback`].
     pub fn read_back(&mut self, source: &Buffer) {
         let size = source.size.min(READBACK_SIZE);
         let barriers = source.tracker.use_buffer(Access::TransferRead);
@@ -246,7 +204,7 @@ impl Frame<'_> {
     }
 }
 
-/// What a pass records with.
+/// Command recording of a pass.
 pub(super) struct Recorder<'f> {
     slot: &'f mut Slot,
     device: &'f Arc<Device>,
@@ -265,7 +223,7 @@ impl Recorder<'_> {
         record_barriers(self.device, self.slot.commands, images, buffers);
     }
 
-    /// Opens the debug label of a pass and begins to time it.
+    /// Opens the debug label of a pass and starts its timer.
     pub(super) fn begin_scope(&mut self, name: &'static str) {
         if let (Some(debug), Ok(text)) = (self.device.debug(), std::ffi::CString::new(name)) {
             let label = vk::DebugUtilsLabelEXT::default().label_name(&text);
@@ -275,7 +233,7 @@ impl Recorder<'_> {
         self.slot.time(name);
     }
 
-    /// Closes the label; the pass is timed until the next begins.
+    /// Closes the debug label; the timer runs until the next pass.
     pub(super) fn end_scope(&mut self) {
         if let Some(debug) = self.device.debug() {
             // SAFETY: `begin_scope` opened the label.
@@ -283,7 +241,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// A descriptor set for this frame.
+    /// Allocates a descriptor set for this frame.
     pub(super) fn descriptor_set(
         &mut self,
         layout: &Layout,

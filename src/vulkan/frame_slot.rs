@@ -1,6 +1,6 @@
-//! The slots that frames in flight take in turns: what a frame records with, uploads through and is timed by.
+//! Frames in flight: command buffer, fence, timers, descriptor pools and upload memory of one frame.
 //!
-//! In: what [`super::Frame`] records. Out: a submission, and once the device is done with it, its times.
+//! In: what [`super::Frame`] records. Out: a submission, and its times once the device has finished it.
 
 use std::sync::Arc;
 
@@ -12,17 +12,17 @@ use super::pipeline::{Layout, PASS_SET};
 use super::upload::mapped;
 use super::{Buffer, Device, VulkanError};
 
-/// Timestamps a frame may write.
+/// Most timestamps of a frame.
 const MAX_TIMESTAMPS: u32 = 4096;
-/// Smallest chunk of upload memory.
+/// Minimum size of a chunk of upload memory, bytes.
 const MIN_CHUNK: u64 = 1 << 20;
-/// Bytes that a frame may give back to the host.
+/// Most bytes that a frame reads back.
 pub(super) const READBACK_SIZE: u64 = 256;
 
-/// What one frame at a time has to itself.
+/// Resources of one frame in flight.
 pub(super) struct Slot {
     pool: vk::CommandPool,
-    /// What records the frame.
+    /// The frame's command buffer.
     pub(super) commands: vk::CommandBuffer,
     fence: vk::Fence,
     queries: vk::QueryPool,
@@ -30,17 +30,17 @@ pub(super) struct Slot {
     descriptors_used: usize,
     chunks: Vec<Arc<Buffer>>,
     chunk_used: u64,
-    /// What [`FrameTimes::readback`] comes from.
+    /// Source of [`FrameTimes::readback`].
     pub(super) readback: Buffer,
-    /// What was timed, one after the other: timestamp i is the beginning of stretch i and the end of the one before.
-    stretches: Vec<&'static str>,
+    /// Names of the timed intervals: timestamp i starts interval i and ends the one before.
+    intervals: Vec<&'static str>,
     submitted: Option<u64>,
     frame: u64,
     device: Arc<Device>,
 }
 
 impl Slot {
-    /// Makes command buffer, timers and readback memory.
+    /// Creates command buffer, timers and readback memory.
     pub(super) fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
         let error = |result| VulkanError::call("creation", "frame")(result);
         let raw = device.raw();
@@ -63,7 +63,7 @@ impl Slot {
                 chunks: Vec::new(),
                 chunk_used: 0,
                 readback,
-                stretches: Vec::new(),
+                intervals: Vec::new(),
                 submitted: None,
                 frame: 0,
                 device: Arc::clone(device),
@@ -71,12 +71,12 @@ impl Slot {
         }
     }
 
-    /// Waits for the slot's frame, if one is on its way, and reads its results.
+    /// Waits for the slot's frame, if one was submitted, and reads its results.
     pub(super) fn finish(&mut self) -> Result<Option<FrameTimes>, VulkanError> {
         let Some(frame) = self.submitted.take() else { return Ok(None) };
-        let mut stamps = match self.stretches.len() {
+        let mut stamps = match self.intervals.len() {
             0 => Vec::new(),
-            stretches => vec![0u64; stretches + 1],
+            intervals => vec![0u64; intervals + 1],
         };
         // SAFETY: the fence was submitted with the frame; the queries were written by it.
         unsafe {
@@ -95,17 +95,17 @@ impl Slot {
         }
         let ms_per_tick = f64::from(self.device.limits().timestamp_period) * 1e-6;
         let ticks = stamps.windows(2).map(|ends| ends[1].saturating_sub(ends[0]));
-        let names = self.stretches.iter().copied();
+        let names = self.intervals.iter().copied();
         let passes = names.zip(ticks.map(|ticks| ticks as f64 * ms_per_tick)).collect();
         Ok(Some(FrameTimes { frame, passes, readback: mapped(&self.readback).to_vec() }))
     }
 
-    /// Starts recording the frame of that number; the slot's last one must be finished.
+    /// Starts recording frame number `frame`; the slot's last one must be finished.
     pub(super) fn begin(&mut self, frame: u64) -> Result<(), VulkanError> {
         self.frame = frame;
-        self.stretches.clear();
+        self.intervals.clear();
         self.descriptors_used = 0;
-        // One chunk that holds all of the last frame's uploads replaces several smaller ones.
+        // Merge the chunks of the last frame into one of their total size.
         if self.chunks.len() > 1 {
             let size = self.chunks.iter().map(|chunk| chunk.size).sum();
             self.chunks = vec![Arc::new(self.new_chunk(size)?)];
@@ -126,8 +126,8 @@ impl Slot {
         Ok(())
     }
 
-    /// Copies `bytes` to where the device reads them until the frame is done; gives the buffer and the offset in it.
-    pub(super) fn put(&mut self, bytes: &[u8]) -> Result<(Arc<Buffer>, u64), VulkanError> {
+    /// Copies `bytes` to upload memory, valid until the frame is done; returns buffer and offset.
+    pub(super) fn push_upload(&mut self, bytes: &[u8]) -> Result<(Arc<Buffer>, u64), VulkanError> {
         let size = bytes.len() as u64;
         let limits = self.device.limits();
         let alignment = limits
@@ -144,8 +144,8 @@ impl Slot {
         let buffer = Arc::clone(&self.chunks[self.chunks.len() - 1]);
         self.chunk_used = offset + size;
         if let Some(target) = buffer.allocation.mapped_ptr() {
-            // SAFETY: the chunk is mapped, holds `offset + size` bytes, and this range is handed out once
-            // a frame, after the device is done with the slot's previous frame.
+            // SAFETY: the chunk is mapped, holds `offset + size` bytes, and this range is used once
+            // per frame, after the device has finished the slot's previous frame.
             unsafe {
                 let target = target.as_ptr().cast::<u8>().add(usize::try_from(offset).unwrap_or(0));
                 std::ptr::copy_nonoverlapping(bytes.as_ptr(), target, bytes.len());
@@ -155,25 +155,24 @@ impl Slot {
     }
 
     fn new_chunk(&self, size: u64) -> Result<Buffer, VulkanError> {
-        Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)?.with_texels()
+        Buffer::storable(&self.device, "frame uploads", size, MemoryLocation::CpuToGpu)
     }
 
-    /// Times what is recorded from now on under `name`, and no longer what was recorded before.
+    /// Ends the current timed interval and starts `name`.
     ///
-    /// One timestamp both ends and begins, and none stands between passes of one name: CPU drivers wake their threads for
-    /// each.
+    /// One timestamp both ends and starts an interval; none is written between passes of the same name.
     pub(super) fn time(&mut self, name: &'static str) {
-        // There are more queries than this: `submit` ends the last stretch.
-        let room = self.stretches.len() + 1 < MAX_TIMESTAMPS as usize;
-        if self.stretches.last() != Some(&name) && room {
+        // Keep one query for `submit`, which ends the last interval.
+        let room = self.intervals.len() + 1 < MAX_TIMESTAMPS as usize;
+        if self.intervals.last() != Some(&name) && room {
             self.timestamp();
-            self.stretches.push(name);
+            self.intervals.push(name);
         }
     }
 
-    /// Writes the time at which all that is recorded so far is done.
+    /// Writes a timestamp after all recorded commands.
     fn timestamp(&self) {
-        let query = u32::try_from(self.stretches.len()).unwrap_or(MAX_TIMESTAMPS - 1);
+        let query = u32::try_from(self.intervals.len()).unwrap_or(MAX_TIMESTAMPS - 1);
         // SAFETY: the query is below the pool's size; passes are timed from outside of rendering; the slot's last frame has
         // been read. Only this query is reset: validation layers keep what they know of each beyond the pool's end.
         unsafe {
@@ -188,7 +187,7 @@ impl Slot {
         }
     }
 
-    /// A descriptor set for the frame that is being recorded.
+    /// Allocates a descriptor set for the frame being recorded.
     pub(super) fn descriptor_set(
         &mut self,
         layout: &Layout,
@@ -215,9 +214,9 @@ impl Slot {
         }
     }
 
-    /// Ends and submits what is recorded.
+    /// Ends the command buffer and submits it.
     pub(super) fn submit(&mut self) -> Result<(), VulkanError> {
-        if !self.stretches.is_empty() {
+        if !self.intervals.is_empty() {
             self.timestamp();
         }
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];

@@ -10,20 +10,20 @@ use super::VulkanError;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// How to make an [`Instance`].
+/// Options of an [`Instance`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InstanceOptions {
-    /// Switch the Khronos validation layer on, with synchronisation validation.
+    /// Enables the Khronos validation layer, with synchronisation validation.
     pub validate: bool,
-    /// The display on which windows will be shown; none: no windows.
+    /// The display of the windows to present to; none: no windows.
     pub display: Option<RawDisplayHandle>,
 }
 
 type Messages = Mutex<Vec<String>>;
 
-/// Held while instances and devices come and go: loaders and layers look functions up in lists that another thread may be
-/// changing then (Vulkan-Loader issue 200).
-pub(super) fn one_at_a_time() -> MutexGuard<'static, ()> {
+/// Held while instances and devices are created and destroyed: loaders and layers read dispatch tables that another
+/// thread may be changing (Vulkan-Loader issue 200).
+pub(super) fn creation_lock() -> MutexGuard<'static, ()> {
     static COMING_OR_GOING: Mutex<()> = Mutex::new(());
     COMING_OR_GOING.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -57,7 +57,7 @@ impl Instance {
         Ok(Arc::new(instance))
     }
 
-    /// What the validation layer has said so far.
+    /// Messages of the validation layer so far.
     pub fn validation_messages(&self) -> Vec<String> {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -97,7 +97,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        let _guard = one_at_a_time();
+        let _guard = creation_lock();
         // SAFETY: devices hold an `Arc` of the instance, so none is left; the messenger goes first.
         unsafe {
             if let Some((functions, messenger)) = self.debug.take() {
@@ -141,7 +141,7 @@ fn create_instance(
     if has_features {
         info = info.push_next(&mut features);
     }
-    let _guard = one_at_a_time();
+    let _guard = creation_lock();
     // SAFETY: every pointer in `info` outlives the call.
     unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
@@ -150,7 +150,7 @@ fn create_instance(
             )
         }
         vk::Result::ERROR_EXTENSION_NOT_PRESENT if options.display.is_some() => {
-            VulkanError::NoDevice("no Vulkan driver can show pictures in windows of this display".to_owned())
+            VulkanError::NoDevice("no Vulkan driver can present to windows of this display".to_owned())
         }
         result => VulkanError::call("creation", "instance")(result),
     })

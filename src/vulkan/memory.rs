@@ -8,28 +8,28 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::access::Tracker;
-use super::texels::Texels;
+use super::texels::TEXEL_SIZE;
 use super::{Device, VulkanError};
 
-/// A range of device memory.
+/// A buffer with its memory.
 pub struct Buffer {
     pub(super) raw: vk::Buffer,
     pub(super) tracker: Tracker,
     pub(super) allocation: ManuallyDrop<Allocation>,
     pub(super) size: u64,
     pub(super) name: String,
-    /// All of it as texels; null where it was not asked for.
+    /// Texel view of the whole buffer; null if it has none.
     pub(super) texels: vk::BufferView,
     pub(super) device: Arc<Device>,
 }
 
 impl Buffer {
-    /// Memory of `size` bytes (at least 16 are made) that only the device reads and writes.
+    /// Allocates `size` bytes, at least 16, of device-local memory.
     pub fn new(device: &Arc<Device>, name: &str, size: u64) -> Result<Self, VulkanError> {
         Self::storable(device, name, size, MemoryLocation::GpuOnly)
     }
 
-    /// Memory that a storage buffer may show all of.
+    /// A buffer within `maxStorageBufferRange`.
     pub(super) fn storable(
         device: &Arc<Device>,
         name: &str,
@@ -49,14 +49,12 @@ impl Buffer {
         size: u64,
         location: MemoryLocation,
     ) -> Result<Self, VulkanError> {
-        let size = size.max(Texels::Rgba32.size());
+        let size = size.max(TEXEL_SIZE);
         let mut usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
-            | vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER
             | vk::BufferUsageFlags::VERTEX_BUFFER
             | vk::BufferUsageFlags::INDEX_BUFFER
-            | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         if device.ray_queries().is_some() {
@@ -120,7 +118,7 @@ impl Buffer {
         self.size
     }
 
-    /// A part of the buffer.
+    /// A range of the buffer.
     pub fn slice(&self, offset: u64, size: u64) -> BufferSlice<'_> {
         assert!(offset + size <= self.size, "slice beyond the end of buffer {}", self.name);
         BufferSlice { buffer: self, offset, size }
@@ -138,7 +136,7 @@ impl Drop for Buffer {
     }
 }
 
-/// A part of a buffer, to be bound.
+/// A range of a buffer, to be bound.
 #[derive(Clone, Copy)]
 pub struct BufferSlice<'a> {
     pub(super) buffer: &'a Buffer,
@@ -152,7 +150,7 @@ impl<'a> From<&'a Buffer> for BufferSlice<'a> {
     }
 }
 
-/// What kind of image to make.
+/// Parameters of an [`Image`].
 #[derive(Clone, Copy, Debug)]
 pub struct ImageDescription<'a> {
     /// Name for debuggers and messages.
@@ -165,7 +163,7 @@ pub struct ImageDescription<'a> {
     pub layers: Option<u32>,
     /// Mip levels.
     pub levels: u32,
-    /// What it is used for, besides being sampled and copied.
+    /// Usage besides sampling and transfers.
     pub usage: vk::ImageUsageFlags,
 }
 
@@ -184,7 +182,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// Makes an image; its content is undefined.
+    /// Creates an image with undefined content.
     pub fn new(device: &Arc<Device>, description: &ImageDescription<'_>) -> Result<Self, VulkanError> {
         let name = description.name;
         let usage = description.usage
@@ -209,7 +207,7 @@ impl Image {
                 .map_err(VulkanError::call("creation", format!("image {name}")))?;
             (raw, device.raw().get_image_memory_requirements(raw))
         };
-        // What grows with the picture comes and goes: its memory goes back as a whole, not into blocks that stay.
+        // Render targets are recreated on resize: dedicated allocations return their memory at once.
         let target = vk::ImageUsageFlags::STORAGE
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
@@ -223,7 +221,7 @@ impl Image {
                 // SAFETY: the image was just made and nothing uses it.
                 unsafe { device.raw().destroy_image(raw, None) };
             })?;
-        // Made before the view, so that an error on the way frees what there is.
+        // Constructed before the view, so that an error frees image and memory.
         let mut image = Self {
             raw,
             view: vk::ImageView::null(),
@@ -307,7 +305,7 @@ fn check_limits(
         .image_limits(description.format, usage)
         .map_err(VulkanError::call("query of the format", format!("image {name}")))?;
     let side = limits.max_extent.width.min(limits.max_extent.height);
-    // At least what it takes: what the driver adds shows in the allocation.
+    // A lower bound: the driver's padding is known after the allocation only.
     let mebibytes = (u64::from(width) * u64::from(height) * u64::from(layers))
         .saturating_mul(texel_size(description.format))
         >> 20;
@@ -323,7 +321,7 @@ fn check_limits(
     Ok(())
 }
 
-/// Bytes a texel of the formats in use.
+/// Bytes per texel of the formats in use.
 fn texel_size(format: vk::Format) -> u64 {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => 16,

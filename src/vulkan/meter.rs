@@ -1,4 +1,4 @@
-//! How much device memory is in use, and how much was at most.
+//! Current and peak device memory.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,7 +23,7 @@ impl MemoryMeter {
         self.peak.load(Ordering::Relaxed)
     }
 
-    /// Forgets what was in use before.
+    /// Resets the peak to the current use.
     pub(super) fn restart(&self) {
         self.peak.store(self.now.load(Ordering::Relaxed), Ordering::Relaxed);
     }

@@ -1,4 +1,4 @@
-//! Buffers whose content the CPU knows, so that a frame uploads no more of it than what has changed.
+//! Device buffers with a CPU copy, so that a frame uploads only what changed.
 
 use std::sync::Arc;
 
@@ -6,17 +6,17 @@ use bytemuck::Pod;
 
 use super::{Buffer, Device, Frame, VulkanError};
 
-/// A device-local buffer and what is in it, once the frames that were recorded, all of which are submitted, are done.
+/// A device-local buffer and a CPU copy of its content as of the last recorded frame.
 pub struct Mirror {
     buffer: Arc<Buffer>,
     content: Vec<u8>,
 }
 
 impl Mirror {
-    /// Makes a buffer of `size` bytes, all zero, that `utextureBuffer` shows in texels of four words.
+    /// Creates a zeroed buffer of `size` bytes.
     pub fn new(device: &Arc<Device>, name: &str, size: usize) -> Result<Self, VulkanError> {
         let content = vec![0; size.next_multiple_of(16).max(16)];
-        let buffer = Buffer::with_data(device, name, &content)?.with_texels()?;
+        let buffer = Buffer::with_data(device, name, &content)?;
         Ok(Self { buffer: Arc::new(buffer), content })
     }
 
@@ -25,7 +25,7 @@ impl Mirror {
         &self.buffer
     }
 
-    /// Makes the content from byte `offset` on be `data`: uploads those elements that differ. Out: how many.
+    /// Sets the content from byte `offset` on to `data`; uploads the elements that differ and returns their number.
     pub fn update<T: Pod>(
         &mut self,
         frame: &mut Frame<'_>,
@@ -46,7 +46,7 @@ impl Mirror {
     }
 }
 
-/// First byte and that behind the last of each run of elements that differ.
+/// Byte ranges (start, end) of the runs of elements that differ.
 fn changed_runs(old: &[u8], new: &[u8], size: usize) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for (index, (old, new)) in old.chunks_exact(size).zip(new.chunks_exact(size)).enumerate() {

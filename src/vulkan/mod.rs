@@ -1,15 +1,13 @@
 //! Vulkan, and all of the crate's unsafe code: device, memory, pipelines, access tracking,
-//! timers, windows.
+//! timers, presentation.
 //!
-//! Every object frees itself when dropped and keeps alive what it was made from. A [`Frame`] records
-//! passes: resources are bound by the names that the shaders give them, and a small tracker in each
-//! resource plans the barriers.
+//! Every object frees itself when dropped and keeps its parents alive. A [`Frame`] records passes:
+//! resources are bound by their names in the shader, and a tracker in each resource plans the barriers.
 
 #![allow(unsafe_code)]
 
 mod acceleration;
 mod access;
-mod area;
 mod barrier;
 mod device;
 mod draw;
@@ -33,7 +31,7 @@ mod texels;
 mod ui;
 mod upload;
 
-/// The compiled shaders, one constant a file.
+/// The compiled shaders, one constant per file.
 pub mod shaders {
     /// A shader that traces rays, compiled for each tracer.
     #[derive(Clone, Copy, Debug)]
@@ -49,7 +47,6 @@ pub mod shaders {
 
 pub use acceleration::{BottomLevel, PlacedStructure, TopLevel, TriangleRun};
 pub use access::Access;
-pub use area::Area;
 pub use ash::vk;
 pub use device::Device;
 pub use draw::{DrawList, Targets};
@@ -66,5 +63,4 @@ pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use surface::Surface;
 pub use swapchain::PresentMode;
-pub use texels::Texels;
 pub use ui::UiDrawing;

@@ -6,18 +6,18 @@ use ash::vk;
 use bytemuck::Pod;
 
 use super::access::{Access, Barrier};
+use super::draw::extent2d;
 use super::frame::Recorder;
 use super::pipeline::Layout;
 use super::reflect::BindingKind;
 use super::{
-    Area, Buffer, BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel,
-    VulkanError,
+    BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
 };
 
-/// Something that can be bound.
+/// A resource to bind.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
-    /// A buffer or a part of one.
+    /// A buffer or a range of one.
     Buffer(BufferSlice<'a>),
     /// A whole image.
     Image(&'a Image),
@@ -51,11 +51,11 @@ struct Bound<'a> {
     write: bool,
 }
 
-/// A pass being recorded. Mistakes in bindings come out of the final call.
+/// A pass being recorded. The final call returns errors in the bindings.
 pub struct Pass<'f> {
     pub(super) recorder: Recorder<'f>,
     pub(super) name: &'static str,
-    /// Its variants; a compute pipeline is the only one.
+    /// The pipeline variants; one for compute.
     pub(super) pipelines: &'f [vk::Pipeline],
     pub(super) layout: &'f Layout,
     compute: bool,
@@ -107,12 +107,12 @@ impl<'f> Pass<'f> {
         self
     }
 
-    /// Runs the shader with one thread for each texel of `extent`.
+    /// Dispatches one thread for each texel of `extent`.
     pub fn dispatch_over(self, extent: [u32; 2]) -> Result<(), VulkanError> {
         self.dispatch_threads([extent[0], extent[1], 1])
     }
 
-    /// Runs the shader with at least the given number of threads in each dimension.
+    /// Dispatches at least the given number of threads in each dimension.
     pub fn dispatch_threads(mut self, threads: [u32; 3]) -> Result<(), VulkanError> {
         let size = self.layout.reflection.group_size;
         let groups = [0, 1, 2].map(|axis| threads[axis].div_ceil(size[axis].max(1)));
@@ -122,7 +122,7 @@ impl<'f> Pass<'f> {
             return Err(VulkanError::Limit { what, limit: u64::from(limits[axis]) });
         }
         self.recorder.begin_scope(self.name);
-        self.bind(&[], &[])?;
+        self.bind(&[])?;
         // SAFETY: pipeline, descriptors and push constants are bound and checked against the shader.
         unsafe {
             let raw = self.recorder.device().raw();
@@ -132,21 +132,7 @@ impl<'f> Pass<'f> {
         Ok(())
     }
 
-    /// Runs the shader with as many workgroups in each dimension as the first three words of `groups` say. They must be within
-    /// the device's limits.
-    pub fn dispatch_indirect(mut self, groups: &Buffer) -> Result<(), VulkanError> {
-        self.recorder.begin_scope(self.name);
-        let counts = groups.tracker.use_buffer(Access::IndirectRead);
-        self.bind(&[], &counts.into_iter().collect::<Vec<_>>())?;
-        // SAFETY: as for any dispatch; the buffer can be read so, and buffers have room for four words at least.
-        unsafe {
-            self.recorder.device().raw().cmd_dispatch_indirect(self.recorder.commands(), groups.raw, 0);
-        }
-        self.recorder.end_scope();
-        Ok(())
-    }
-
-    /// Draws into the targets what `draw` lists.
+    /// Begins rendering to the targets and records the draws of `draw`.
     pub fn draw(
         mut self,
         targets: &Targets<'_>,
@@ -159,7 +145,7 @@ impl<'f> Pass<'f> {
             .chain(depth)
             .filter_map(|(image, access)| Some((image, image.tracker.use_image(access, false)?)))
             .collect();
-        self.bind(&images, &[])?;
+        self.bind(&images)?;
         let attachment = |image: &Image, layout| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(image.view)
@@ -171,37 +157,29 @@ impl<'f> Pass<'f> {
         let colors: Vec<_> = targets.colors().iter().map(|image| attachment(image, color)).collect();
         let depth = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
         let depth = targets.depth().map(|image| attachment(image, depth));
-        let area = targets.area();
+        let area = vk::Rect2D { extent: extent2d(targets.extent()), ..Default::default() };
         let mut info =
-            vk::RenderingInfo::default().render_area(area.raw()).layer_count(1).color_attachments(&colors);
+            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
         if let Some(depth) = &depth {
             info = info.depth_attachment(depth);
         }
         let commands = self.recorder.commands();
         // SAFETY: the targets are in attachment layout and live until the frame is done.
         unsafe { self.recorder.device().raw().cmd_begin_rendering(commands, &info) };
-        let mut list = DrawList { pass: &self, culled: None };
-        list.viewport(Area::whole(targets.extent()), area);
-        list.cull(vk::CullModeFlags::NONE);
+        let mut list = DrawList { pass: &self };
+        list.viewport(targets.extent());
         draw(&mut list);
-        // SAFETY: closes what was begun above; the second rendering has no attachments and draws nothing.
-        unsafe {
-            let raw = self.recorder.device().raw();
-            raw.cmd_end_rendering(commands);
-            // llvmpipe goes through all tiles of what was drawn into last at every timestamp that follows. Now it is one.
-            let tile = Area::whole([1, 1]).raw();
-            raw.cmd_begin_rendering(commands, &vk::RenderingInfo::default().render_area(tile).layer_count(1));
-            raw.cmd_end_rendering(commands);
-        }
+        // SAFETY: ends the rendering begun above.
+        unsafe { self.recorder.device().raw().cmd_end_rendering(commands) };
         self.recorder.end_scope();
         Ok(())
     }
 
     /// Checks the bindings, records barriers, binds pipeline, descriptors and push constants.
-    fn bind(&mut self, targets: &[(&Image, Barrier)], counts: &[Barrier]) -> Result<(), VulkanError> {
+    fn bind(&mut self, targets: &[(&Image, Barrier)]) -> Result<(), VulkanError> {
         self.check_bindings()?;
         let mut images = targets.to_vec();
-        let mut buffers = counts.to_vec();
+        let mut buffers = Vec::new();
         for (name, binding) in self.layout.pass_bindings() {
             let bound = &self.bound[name];
             let access = match (self.compute, bound.write) {
@@ -263,7 +241,7 @@ impl<'f> Pass<'f> {
             return Err(wrong(name, "is not in the shader".to_owned()));
         }
         let wanted = self.layout.reflection.push_size as usize;
-        // Draws push their own constants, one by one.
+        // Each draw pushes its own constants.
         if self.compute && self.push.len() != wanted {
             return Err(wrong("push constants", format!("have {} bytes, not {wanted}", self.push.len())));
         }
@@ -276,7 +254,7 @@ impl<'f> Pass<'f> {
             .pass_bindings()
             .map(|(name, binding)| (binding, Descriptor::of(binding.kind, &self.bound[name].resource)))
             .collect();
-        // What writes point to must stay where it is while they are handed over.
+        // The writes point into these until the call.
         let mut structures: Vec<_> = bound.iter().map(|(_, descriptor)| descriptor.structures()).collect();
         let writes: Vec<_> = bound
             .iter()
@@ -299,7 +277,7 @@ impl<'f> Pass<'f> {
     }
 }
 
-/// What a descriptor is told of its resource.
+/// Descriptor info of a resource.
 enum Descriptor {
     Buffer([vk::DescriptorBufferInfo; 1]),
     Texels([vk::BufferView; 1]),
@@ -310,9 +288,7 @@ enum Descriptor {
 impl Descriptor {
     fn of(kind: BindingKind, resource: &Resource<'_>) -> Self {
         match resource {
-            Resource::Buffer(slice)
-                if matches!(kind, BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer) =>
-            {
+            Resource::Buffer(slice) if kind == BindingKind::TexelBuffer => {
                 Self::Texels([slice.buffer.texels])
             }
             Resource::Buffer(slice) => Self::Buffer([vk::DescriptorBufferInfo {
@@ -340,9 +316,8 @@ impl Descriptor {
 
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
     match (kind, bound.resource) {
-        (BindingKind::TexelBuffer | BindingKind::StorageTexelBuffer, Resource::Buffer(slice)) => {
-            let stored = kind == BindingKind::StorageTexelBuffer;
-            bound.write == stored && slice.buffer.texels != vk::BufferView::null()
+        (BindingKind::TexelBuffer, Resource::Buffer(slice)) => {
+            !bound.write && slice.buffer.texels != vk::BufferView::null()
         }
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
         | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_))

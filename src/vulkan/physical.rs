@@ -1,4 +1,4 @@
-//! Which physical devices there are, what each can do, and the choice of one.
+//! Enumeration and selection of physical devices.
 
 use std::ffi::CStr;
 
@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use super::{Instance, Surface, VulkanError, ray_query};
 
-/// What a physical device is and whether glowworm can use it.
+/// A physical device, and whether glowworm can use it.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct DeviceInfo {
-    /// Place in the list, for `--device`.
+    /// Index in the list, for `--device`.
     pub index: usize,
     /// Marketing name.
     pub name: String,
@@ -22,14 +22,14 @@ pub struct DeviceInfo {
     pub vulkan: String,
     /// Whether the device offers ray queries (the hardware tracer).
     pub ray_query: bool,
-    /// What it would need for them and does not offer; none where it offers ray queries.
+    /// Missing extensions or features for ray queries; none if it offers them.
     pub ray_query_lacks: Option<String>,
-    /// Why glowworm cannot use it; none if it can.
+    /// Why glowworm cannot use it; none if usable.
     pub unusable: Option<String>,
 }
 
 impl DeviceInfo {
-    /// Whether it is a driver for CPUs.
+    /// Whether it is a CPU driver.
     pub fn is_cpu(&self) -> bool {
         self.kind == "cpu"
     }
@@ -68,7 +68,7 @@ fn rank_and_info(instance: &ash::Instance, device: vk::PhysicalDevice) -> (u32, 
     let text = |name: Result<&std::ffi::CStr, _>| {
         name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
     };
-    let ray_query_lacks = ray_query::lacks(instance, device, version);
+    let ray_query_lacks = ray_query::missing_support(instance, device, version);
     let info = DeviceInfo {
         index: 0,
         name: text(core.device_name_as_c_str()),
@@ -106,7 +106,7 @@ fn why_unusable(
         return Some("it has no timestamps".to_owned());
     }
     if core.limits.max_color_attachments < 6 {
-        return Some("it draws into fewer than 6 colour attachments at once".to_owned());
+        return Some("it supports fewer than 6 colour attachments".to_owned());
     }
     if queue_family(instance, device).is_none() {
         return Some("it has no queue for graphics and compute".to_owned());
@@ -114,7 +114,7 @@ fn why_unusable(
     None
 }
 
-/// Why the device cannot show pictures on `surface`; none if it can.
+/// Why the device cannot present to `surface`; none if it can.
 pub(super) fn why_no_window(
     instance: &ash::Instance,
     device: vk::PhysicalDevice,
@@ -123,10 +123,10 @@ pub(super) fn why_no_window(
     // SAFETY: `device` is of `instance`.
     let extensions = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
     if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(khr::swapchain::NAME)) {
-        return Some("it cannot show pictures in windows".to_owned());
+        return Some("it has no swapchains".to_owned());
     }
     let presents = queue_family(instance, device).is_some_and(|family| surface.supports(device, family));
-    (!presents).then(|| "it cannot show pictures on this display".to_owned())
+    (!presents).then(|| "it cannot present to this display".to_owned())
 }
 
 pub(super) fn choose(
@@ -140,7 +140,7 @@ pub(super) fn choose(
         .join(", ");
     if devices.is_empty() {
         return Err(VulkanError::NoDevice(
-            "no driver offers any (Debian/Ubuntu: apt install mesa-vulkan-drivers)".to_owned(),
+            "no driver offers one (Debian/Ubuntu: apt install mesa-vulkan-drivers)".to_owned(),
         ));
     }
     let Some(wanted) = wanted else {
@@ -195,7 +195,7 @@ pub(super) fn create_device(
     }
     let mut features13 =
         vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
-    let mut ray_query = ray_query::Features::wanted();
+    let mut ray_query = ray_query::Features::required();
     let mut create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&extensions)

@@ -1,4 +1,4 @@
-//! Compute and graphics pipelines whose layouts come from their shaders.
+//! Compute and graphics pipelines, with layouts from shader reflection.
 
 use std::sync::Arc;
 
@@ -7,9 +7,9 @@ use ash::vk;
 use super::reflect::{Binding, BindingKind};
 use super::{Device, Image, Reflection, Sampler, VulkanError};
 
-/// The set that a pass binds by name.
+/// Descriptor set that a pass binds by name.
 pub(super) const PASS_SET: u32 = 0;
-/// The set that changes from draw to draw.
+/// Descriptor set that changes per draw.
 const MATERIAL_SET: u32 = 1;
 
 impl BindingKind {
@@ -18,7 +18,6 @@ impl BindingKind {
             Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
             Self::StorageBuffer | Self::ReadOnlyStorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
             Self::TexelBuffer => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
-            Self::StorageTexelBuffer => vk::DescriptorType::STORAGE_TEXEL_BUFFER,
             Self::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::CombinedImageSampler => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
@@ -27,7 +26,7 @@ impl BindingKind {
     }
 }
 
-/// Descriptor set layouts, push constants and what the shaders call them.
+/// Pipeline layout, descriptor set layouts and the reflection they come from.
 pub(super) struct Layout {
     pub raw: vk::PipelineLayout,
     pub sets: Vec<vk::DescriptorSetLayout>,
@@ -86,7 +85,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// The bindings that a pass has to name.
+    /// The bindings of the pass's set.
     pub(super) fn pass_bindings(&self) -> impl Iterator<Item = (&str, &Binding)> {
         self.reflection
             .bindings
@@ -108,19 +107,19 @@ impl Drop for Layout {
     }
 }
 
-/// A compute shader, ready to run.
+/// A compute pipeline with its layout.
 pub struct ComputePipeline {
     pub(super) raw: vk::Pipeline,
     pub(super) layout: Layout,
 }
 
 impl ComputePipeline {
-    /// Makes a pipeline of a compiled shader. `name` is for messages and debuggers.
+    /// Creates a pipeline from a compiled shader. `name` is for messages and debuggers.
     pub fn new(device: &Arc<Device>, name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
         Self::specialised(device, name, spirv, &[])
     }
 
-    /// The same with values for the shader's specialisation constants 0, 1, ...
+    /// [`Self::new`] with values for the shader's specialisation constants 0, 1, ...
     pub fn specialised(
         device: &Arc<Device>,
         name: &str,
@@ -142,7 +141,7 @@ impl ComputePipeline {
         Ok(Self { raw, layout })
     }
 
-    /// What the shader asks for.
+    /// The shader's bindings, push constants and group size.
     pub fn reflection(&self) -> &Reflection {
         &self.layout.reflection
     }
@@ -155,7 +154,7 @@ impl Drop for ComputePipeline {
     }
 }
 
-/// What a graphics pipeline is made of.
+/// Parameters of a [`GraphicsPipeline`].
 pub struct GraphicsDescription<'a> {
     /// For messages and debuggers.
     pub name: &'a str,
@@ -163,21 +162,19 @@ pub struct GraphicsDescription<'a> {
     pub vertex: &'a [u8],
     /// Compiled fragment shader.
     pub fragment: &'a [u8],
-    /// Bytes from one vertex to the next.
+    /// Vertex stride, bytes.
     pub vertex_stride: u32,
     /// Format and offset of each vertex attribute, by location.
     pub attributes: &'a [(vk::Format, u32)],
     /// Formats of the colour targets.
     pub colors: &'a [vk::Format],
-    /// Constant and slope-scaled depth bias.
-    pub depth_bias: Option<[f32; 2]>,
-    /// Blends by alpha over what is there, without a depth buffer.
+    /// Alpha blending over the loaded target, without a depth buffer.
     pub blend: bool,
-    /// Values of the fragment shader's specialisation constant 0, one for each variant; draws choose.
+    /// Values of the fragment shader's specialisation constant 0, one per variant; draws select one.
     pub variants: &'a [u32],
 }
 
-/// Vertex and fragment shader with fixed state: triangles, both sides, reversed depth (greater is nearer) or
+/// Vertex and fragment shader with fixed state: triangles, no culling, reversed depth (greater is nearer) or
 /// none.
 pub struct GraphicsPipeline {
     pub(super) variants: Vec<vk::Pipeline>,
@@ -185,7 +182,7 @@ pub struct GraphicsPipeline {
 }
 
 impl GraphicsPipeline {
-    /// Makes a pipeline that draws into `colors` and, unless it blends, a 32-bit depth buffer.
+    /// Creates a pipeline that renders to `colors` and, unless it blends, a 32-bit depth buffer.
     pub fn new(device: &Arc<Device>, description: &GraphicsDescription<'_>) -> Result<Self, VulkanError> {
         let name = description.name;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
@@ -247,13 +244,10 @@ fn create_graphics(
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-    let [constant, slope] = description.depth_bias.unwrap_or_default();
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
+        .cull_mode(vk::CullModeFlags::NONE)
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
-        .depth_bias_enable(description.depth_bias.is_some())
-        .depth_bias_constant_factor(constant)
-        .depth_bias_slope_factor(slope)
         .line_width(1.0);
     let samples =
         vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
@@ -274,11 +268,8 @@ fn create_graphics(
         })
         .collect();
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[
-        vk::DynamicState::VIEWPORT,
-        vk::DynamicState::SCISSOR,
-        vk::DynamicState::CULL_MODE,
-    ]);
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(description.colors)
         .depth_attachment_format(if description.blend {
@@ -357,7 +348,7 @@ impl Drop for ShaderModule {
     }
 }
 
-/// One descriptor set a material: its albedo texture.
+/// One descriptor set per material: its albedo texture.
 pub struct MaterialSets {
     pool: vk::DescriptorPool,
     pub(super) sets: Vec<vk::DescriptorSet>,
@@ -365,7 +356,7 @@ pub struct MaterialSets {
 }
 
 impl MaterialSets {
-    /// Makes the sets for `pipeline`, whose set 1 has one combined image sampler; one set an image.
+    /// Creates one set per image for `pipeline`, whose set 1 has one combined image sampler.
     pub fn new(
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
@@ -386,7 +377,7 @@ impl MaterialSets {
         for image in images {
             let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            // SAFETY: the pool was sized for one set an image; image and sampler outlive their use.
+            // SAFETY: the pool was sized for one set per image; image and sampler outlive their use.
             unsafe {
                 let set = device
                     .raw()

@@ -1,4 +1,4 @@
-//! Brings a picture and the user interface over it into a window.
+//! Presents a picture and the user interface over it in a window.
 
 use std::sync::Arc;
 
@@ -10,33 +10,33 @@ use super::swapchain::{Swapchain, SwapchainImage};
 use super::ui::UiRenderer;
 use super::{Device, Image, PresentMode, Surface, UiDrawing, VulkanError};
 
-/// Frames that may be on their way at once, as many as the renderer's.
+/// Frames in flight, as many as the renderer's.
 const IN_FLIGHT: usize = 2;
-/// How long to wait for an image of the window, ns: longer and it is hidden.
-const PATIENCE: u64 = 100_000_000;
+/// Timeout of acquiring a swapchain image, ns; after it the window counts as hidden.
+const ACQUIRE_TIMEOUT: u64 = 100_000_000;
 /// Timestamps: before the picture, before and after the interface.
-const STAMPS: u32 = 3;
+const TIMESTAMPS: u32 = 3;
 
-/// What became of a frame.
+/// Outcome of presenting a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presented {
-    /// It is on its way to the window.
+    /// It was queued for presentation.
     Shown,
-    /// It is not: the window has no area, is hidden, or has just changed.
+    /// It was skipped: the window has no area, is hidden, or was resized.
     Skipped,
 }
 
-/// Shows frames in a window. Makes its swapchain anew whenever the window has changed.
+/// Presents frames in a window. Recreates its swapchain whenever the window changed.
 pub struct Presenter {
     swapchain: Option<Swapchain>,
     ui: Option<UiRenderer>,
-    /// Format that `ui` draws into.
+    /// Target format of `ui`.
     ui_format: vk::Format,
     slots: Vec<Slot>,
     count: usize,
     extent: [u32; 2],
     mode: PresentMode,
-    /// Whether the swapchain does not fit the window any more.
+    /// Whether the swapchain is out of date.
     stale: bool,
     ui_ms: f64,
     surface: Arc<Surface>,
@@ -44,7 +44,7 @@ pub struct Presenter {
 }
 
 impl Presenter {
-    /// Shows frames on `surface`, whose window has `extent` pixels.
+    /// Presents to `surface`, whose window has `extent` pixels.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -67,22 +67,22 @@ impl Presenter {
         })
     }
 
-    /// The window has `extent` pixels now.
+    /// Sets the window's size, pixels.
     pub fn resize(&mut self, extent: [u32; 2]) {
         self.stale |= self.extent != extent;
         self.extent = extent;
     }
 
-    /// Lets go of the window, for another device to draw into it.
+    /// Releases the window for another device.
     pub fn close(&mut self) {
-        // A device that is lost does nothing any more either.
+        // A lost device is idle too.
         let _ = self.device.wait_idle();
         self.ui = None;
         self.swapchain = None;
         self.stale = true;
     }
 
-    /// Changes the present mode; [`PresentMode::offered`] tells which there are.
+    /// Changes the present mode to one of [`PresentMode::offered`].
     pub fn set_mode(&mut self, mode: PresentMode) {
         self.stale |= self.mode != mode;
         self.mode = mode;
@@ -93,15 +93,15 @@ impl Presenter {
         self.swapchain.as_ref().map_or(self.mode, |swapchain| swapchain.mode)
     }
 
-    /// Device time that drawing the interface last took, milliseconds.
+    /// Device time of drawing the interface in the last measured frame, ms.
     pub fn ui_ms(&self) -> f64 {
         self.ui_ms
     }
 
-    /// Shows `picture`, whose values are sRGB-encoded, stretched to the window, or black, and `ui` over it.
+    /// Presents `picture` (sRGB-encoded; none: black), scaled to the window, with `ui` over it.
     pub fn present(&mut self, picture: Option<&Image>, ui: &UiDrawing) -> Result<Presented, VulkanError> {
-        if self.stale && !self.renew()? {
-            // The interface's textures come once; without a format to draw in, they wait with the caller.
+        if self.stale && !self.recreate_swapchain()? {
+            // The caller keeps the interface's textures, which are sent once, until there is a swapchain.
             return Ok(Presented::Skipped);
         }
         let (Some(swapchain), Some(drawer)) = (&self.swapchain, &mut self.ui) else {
@@ -120,11 +120,11 @@ impl Presenter {
         slot.record(swapchain, image, picture, |commands| drawer.draw(commands, swapchain.extent, ui))?;
         slot.submit(image.drawn)?;
         self.count += 1;
-        show(&self.device, swapchain, index, &mut self.stale)
+        queue_present(&self.device, swapchain, index, &mut self.stale)
     }
 
-    /// A swapchain that fits the window; false while there can be none.
-    fn renew(&mut self) -> Result<bool, VulkanError> {
+    /// Recreates an out-of-date swapchain; false while the window cannot have one.
+    fn recreate_swapchain(&mut self) -> Result<bool, VulkanError> {
         self.device.wait_idle()?;
         let old = self.swapchain.take();
         self.swapchain = Swapchain::new(&self.device, &self.surface, self.extent, self.mode, old)?;
@@ -144,15 +144,15 @@ impl Drop for Presenter {
     }
 }
 
-/// The next image to draw into; none where the window has changed or is hidden.
+/// Acquires the next image; none if the window changed or is hidden.
 fn acquire(
     swapchain: &Swapchain,
     acquired: vk::Semaphore,
     stale: &mut bool,
 ) -> Result<Option<u32>, VulkanError> {
-    // SAFETY: the semaphore is unsignalled: the frame that waited for it is done.
+    // SAFETY: the semaphore is unsignalled: the frame that waited for it has finished.
     let result = unsafe {
-        swapchain.functions.acquire_next_image(swapchain.raw, PATIENCE, acquired, vk::Fence::null())
+        swapchain.functions.acquire_next_image(swapchain.raw, ACQUIRE_TIMEOUT, acquired, vk::Fence::null())
     };
     match result {
         Ok((index, suboptimal)) => {
@@ -168,7 +168,7 @@ fn acquire(
     }
 }
 
-fn show(
+fn queue_present(
     device: &Device,
     swapchain: &Swapchain,
     index: u32,
@@ -186,7 +186,7 @@ fn show(
     Ok(Presented::Shown)
 }
 
-/// What one frame on its way needs.
+/// Resources of one frame in flight.
 struct Slot {
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
@@ -203,7 +203,7 @@ impl Slot {
         let raw = device.raw();
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
         let query_info =
-            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(STAMPS);
+            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(TIMESTAMPS);
         // SAFETY: the infos are complete; everything is destroyed in `drop`.
         unsafe {
             let pool = raw.create_command_pool(&pool_info, None).map_err(error)?;
@@ -220,12 +220,12 @@ impl Slot {
         }
     }
 
-    /// Waits for the slot's frame, if one is on its way; how long its interface took, ms.
+    /// Waits for the slot's frame, if one was submitted; returns the device time of its interface, ms.
     fn finish(&mut self) -> Result<Option<f64>, VulkanError> {
         if !std::mem::take(&mut self.submitted) {
             return Ok(None);
         }
-        let mut stamps = [0u64; STAMPS as usize];
+        let mut stamps = [0u64; TIMESTAMPS as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the fence was submitted with the frame; the queries were written by it.
         unsafe {
@@ -247,7 +247,7 @@ impl Slot {
             raw.reset_fences(&[self.fence]).map_err(error)?;
             raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(error)?;
             raw.begin_command_buffer(self.commands, &info).map_err(error)?;
-            raw.cmd_reset_query_pool(self.commands, self.queries, 0, STAMPS);
+            raw.cmd_reset_query_pool(self.commands, self.queries, 0, TIMESTAMPS);
         }
         Ok(())
     }
@@ -267,12 +267,12 @@ impl Slot {
             L::COLOR_ATTACHMENT_OPTIMAL,
         );
         let shown = (S::NONE, A::NONE, L::PRESENT_SRC_KHR);
-        self.stamp(0);
-        // The semaphore of the acquisition holds up these stages, and the barrier follows them.
+        self.write_timestamp(0);
+        // The acquire semaphore blocks these stages; the barrier chains after them.
         self.barrier(image.raw, (S::ALL_TRANSFER, A::NONE, L::UNDEFINED), written);
         self.copy(picture, image.raw, swapchain.extent);
         self.barrier(image.raw, written, target);
-        self.stamp(1);
+        self.write_timestamp(1);
         let colors = [vk::RenderingAttachmentInfo::default()
             .image_view(image.view)
             .image_layout(L::COLOR_ATTACHMENT_OPTIMAL)
@@ -287,12 +287,12 @@ impl Slot {
         let drawn = draw_ui(self.commands);
         // SAFETY: closes what was begun above.
         unsafe { self.device.raw().cmd_end_rendering(self.commands) };
-        self.stamp(2);
+        self.write_timestamp(2);
         self.barrier(image.raw, target, shown);
         drawn
     }
 
-    /// Copies the picture into `target`, stretched where they differ; black without one.
+    /// Blits the picture to `target`, scaled if the sizes differ; clears it to black without a picture.
     fn copy(&self, picture: Option<&Image>, target: vk::Image, extent: vk::Extent2D) {
         let layers = vk::ImageSubresourceLayers {
             aspect_mask: vk::ImageAspectFlags::COLOR,
@@ -362,7 +362,7 @@ impl Slot {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.commands, &info) };
     }
 
-    fn stamp(&self, query: u32) {
+    fn write_timestamp(&self, query: u32) {
         let stage = vk::PipelineStageFlags2::ALL_COMMANDS;
         // SAFETY: the query was reset when recording began.
         unsafe { self.device.raw().cmd_write_timestamp2(self.commands, stage, self.queries, query) };

@@ -1,14 +1,14 @@
-//! What ray queries take: extensions, features, functions and limits. Never required.
+//! Extensions, features, functions and limits of ray queries. Optional.
 
 use std::ffi::CStr;
 
 use ash::{khr, vk};
 
-/// Extensions that ray queries need; the last is one that the first cannot do without.
+/// Extensions that ray queries need; the last is a dependency of the first.
 pub(super) const EXTENSIONS: [&CStr; 3] =
     [khr::acceleration_structure::NAME, khr::ray_query::NAME, khr::deferred_host_operations::NAME];
 
-/// The features of a device that ray queries need.
+/// Device features that ray queries need.
 #[derive(Default)]
 pub(super) struct Features<'a> {
     pub addresses: vk::PhysicalDeviceBufferDeviceAddressFeatures<'a>,
@@ -17,8 +17,8 @@ pub(super) struct Features<'a> {
 }
 
 impl Features<'_> {
-    /// All of them and no others.
-    pub fn wanted() -> Self {
+    /// All of them enabled.
+    pub fn required() -> Self {
         Self {
             addresses: vk::PhysicalDeviceBufferDeviceAddressFeatures::default().buffer_device_address(true),
             structures: vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default()
@@ -28,8 +28,12 @@ impl Features<'_> {
     }
 }
 
-/// What a device of Vulkan `version` would need for ray queries and does not offer; none if it offers all.
-pub(super) fn lacks(instance: &ash::Instance, device: vk::PhysicalDevice, version: u32) -> Option<String> {
+/// Extensions and features for ray queries that a device of Vulkan `version` lacks; none if it offers all.
+pub(super) fn missing_support(
+    instance: &ash::Instance,
+    device: vk::PhysicalDevice,
+    version: u32,
+) -> Option<String> {
     // SAFETY: `device` is of `instance`.
     let offered = unsafe { instance.enumerate_device_extension_properties(device) }.unwrap_or_default();
     let offers = |name: &CStr| offered.iter().any(|one| one.extension_name_as_c_str() == Ok(name));
@@ -62,14 +66,14 @@ pub(super) struct RayQueries {
     pub functions: khr::acceleration_structure::Device,
     /// Alignment of scratch memory.
     pub scratch_alignment: u64,
-    /// Most instances of a top level.
-    pub most_instances: u64,
-    /// Most triangles of a bottom level.
-    pub most_triangles: u64,
+    /// Limit of instances in a top level.
+    pub max_instances: u64,
+    /// Limit of triangles in a bottom level.
+    pub max_triangles: u64,
 }
 
 impl RayQueries {
-    /// `device` was made of `physical` with [`EXTENSIONS`] and [`Features::wanted`].
+    /// `device` was created from `physical` with [`EXTENSIONS`] and [`Features::required`].
     pub fn new(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Self {
         let mut limits = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
@@ -78,8 +82,8 @@ impl RayQueries {
         Self {
             functions: khr::acceleration_structure::Device::new(instance, device),
             scratch_alignment: u64::from(limits.min_acceleration_structure_scratch_offset_alignment).max(1),
-            most_instances: limits.max_instance_count,
-            most_triangles: limits.max_primitive_count,
+            max_instances: limits.max_instance_count,
+            max_triangles: limits.max_primitive_count,
         }
     }
 }

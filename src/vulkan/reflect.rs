@@ -1,4 +1,4 @@
-//! What a compiled shader asks for: bindings by name, push constants, group size, struct layouts.
+//! SPIR-V reflection: bindings by name, push constants, group size, struct layouts.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use rspirv::spirv::{Decoration, Dim, ExecutionMode, Op, StorageClass, Word};
 
 use super::VulkanError;
 
-/// What kind of resource a binding takes.
+/// Descriptor type of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindingKind {
     /// `uniform` block.
@@ -18,8 +18,6 @@ pub enum BindingKind {
     ReadOnlyStorageBuffer,
     /// `utextureBuffer`.
     TexelBuffer,
-    /// `uimageBuffer`.
-    StorageTexelBuffer,
     /// `texture2D`, `texture2DArray`.
     SampledImage,
     /// `image2D`, `image2DArray`.
@@ -35,13 +33,13 @@ pub enum BindingKind {
 pub struct Binding {
     /// Descriptor set.
     pub set: u32,
-    /// Number within the set.
+    /// Binding number within the set.
     pub binding: u32,
-    /// What it takes.
+    /// Its descriptor type.
     pub kind: BindingKind,
 }
 
-/// What one or several shaders of a pipeline ask for.
+/// Interface of one shader, or of all stages of a pipeline.
 #[derive(Clone, Debug, Default)]
 pub struct Reflection {
     /// Bindings by name.
@@ -57,14 +55,14 @@ pub struct Reflection {
 }
 
 impl Reflection {
-    /// Reads a SPIR-V module. `name` is for messages.
+    /// Reflects a SPIR-V module. `name` is for messages.
     pub fn new(name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
         let module = rspirv::dr::load_bytes(spirv)
             .map_err(|error| VulkanError::Shader { name: name.to_owned(), problem: error.to_string() })?;
         Ok(Reader::new(&module).read())
     }
 
-    /// Joins the stages of a graphics pipeline.
+    /// Merges the stages of a graphics pipeline.
     pub(super) fn merge(mut self, other: Self) -> Self {
         self.bindings.extend(other.bindings);
         self.push_size = self.push_size.max(other.push_size);
@@ -117,7 +115,7 @@ impl<'a> Reader<'a> {
         }
         for (&id, instruction) in &self.types {
             match instruction.class.opcode {
-                // Structs of local variables have no layout, even where a buffer's has the same name.
+                // Skip structs of local variables: they have no offsets, and may share a buffer struct's name.
                 Op::TypeStruct if self.member_decoration(id, 0, Decoration::Offset).is_some() => {
                     let name = self.names.get(&id).copied().unwrap_or_default().to_owned();
                     reflection.structs.insert(name, self.members(id, instruction));
@@ -171,12 +169,7 @@ impl<'a> Reader<'a> {
             StorageClass::UniformConstant => {
                 let instruction = self.types.get(&pointee)?;
                 if instruction.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer)) {
-                    let stored = instruction.operands.get(5) == Some(&Operand::LiteralBit32(2));
-                    return Some(if stored {
-                        BindingKind::StorageTexelBuffer
-                    } else {
-                        BindingKind::TexelBuffer
-                    });
+                    return Some(BindingKind::TexelBuffer);
                 }
                 match (instruction.class.opcode, instruction.operands.get(5)) {
                     (Op::TypeAccelerationStructureKHR, _) => Some(BindingKind::AccelerationStructure),
@@ -225,7 +218,7 @@ impl<'a> Reader<'a> {
             .collect()
     }
 
-    /// Bytes of a type, for what push-constant blocks hold: scalars, vectors, matrices, arrays, structs.
+    /// Size in bytes of a type in a push-constant block: scalar, vector, matrix, array or struct.
     fn size_of(&self, id: Word) -> u32 {
         let Some(instruction) = self.types.get(&id) else { return 0 };
         let literal = |index: usize| match instruction.operands.get(index) {

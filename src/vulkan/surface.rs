@@ -1,4 +1,4 @@
-//! What Vulkan draws a window's content through.
+//! The Vulkan surface of a window.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
 
 use super::{Instance, VulkanError};
 
-/// A window as Vulkan sees it.
+/// A window's surface.
 pub struct Surface {
     functions: khr::surface::Instance,
     raw: vk::SurfaceKHR,
@@ -22,7 +22,7 @@ trait Window: Send + Sync {}
 impl<W: Send + Sync> Window for W {}
 
 impl Surface {
-    /// The surface of `window`, which it keeps open; `instance` was made for its display.
+    /// Creates the surface of `window` and keeps the window open; `instance` was created for its display.
     pub fn new<W>(instance: &Arc<Instance>, window: &Arc<W>) -> Result<Self, VulkanError>
     where
         W: HasDisplayHandle + HasWindowHandle + Send + Sync + 'static,
@@ -42,7 +42,7 @@ impl Surface {
         })
     }
 
-    /// The instance that it was made with.
+    /// Its instance.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }

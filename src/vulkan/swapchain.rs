@@ -1,4 +1,4 @@
-//! The images that a window shows in turn.
+//! Swapchains and present modes.
 
 use std::sync::Arc;
 
@@ -7,18 +7,18 @@ use serde::Serialize;
 
 use super::{Device, Surface, VulkanError};
 
-/// When a finished picture replaces the one on screen.
+/// When a presented image replaces the one on screen (`VkPresentModeKHR`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PresentMode {
-    /// At the display's next refresh, in order: no tearing. Every device has it.
+    /// At the next vertical blank, in order: no tearing. Always available.
     #[default]
     Fifo,
-    /// In order, but a late picture at once: tears rather than stutters.
+    /// In order, but a late image at once: tears rather than stutters.
     FifoRelaxed,
-    /// At the next refresh the newest picture: no tearing, little delay, more work.
+    /// The newest image at the next vertical blank: no tearing, low latency, more work.
     Mailbox,
-    /// At once: tears, no delay.
+    /// At once: tearing, lowest latency.
     Immediate,
 }
 
@@ -30,7 +30,7 @@ impl PresentMode {
         (Self::Immediate, vk::PresentModeKHR::IMMEDIATE),
     ];
 
-    /// Name for people.
+    /// Label in the user interface.
     pub fn label(self) -> &'static str {
         match self {
             Self::Fifo => "fifo",
@@ -40,7 +40,7 @@ impl PresentMode {
         }
     }
 
-    /// What `surface` offers on `device`.
+    /// The modes that `surface` supports on `device`.
     pub fn offered(device: &Device, surface: &Surface) -> Result<Vec<Self>, VulkanError> {
         let offered = surface.present_modes(device.physical())?;
         Ok(Self::ALL.into_iter().filter(|(_, raw)| offered.contains(raw)).map(|(mode, _)| mode).collect())
@@ -67,13 +67,13 @@ pub(super) struct Swapchain {
 pub(super) struct SwapchainImage {
     pub raw: vk::Image,
     pub view: vk::ImageView,
-    /// Signalled when it is drawn. One an image: it is free again when the image is acquired again.
+    /// Signalled when rendering is done. One per image: reusable once the image is acquired again.
     pub drawn: vk::Semaphore,
 }
 
 impl Swapchain {
-    /// Images of the size of the window, which the caller thinks is `wanted`; none while it has no area,
-    /// as when it is minimised. `old` is given up.
+    /// Creates a swapchain of the surface's extent, or of `wanted` if the surface leaves it open; none while the
+    /// window has no area, as when minimised. Retires `old`.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -165,7 +165,7 @@ impl Drop for Swapchain {
     }
 }
 
-/// What the surface says, or, where it leaves that open, `wanted` within its limits.
+/// The surface's extent, or, if it leaves that open, `wanted` clamped to its limits.
 fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> vk::Extent2D {
     let current = capabilities.current_extent;
     if current.width != u32::MAX {
@@ -178,7 +178,7 @@ fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> vk::Ex
     }
 }
 
-/// 8 bits without conversion: pictures come encoded as sRGB.
+/// 8-bit UNORM: pictures are sRGB-encoded already.
 fn format(offered: &[vk::SurfaceFormatKHR]) -> vk::SurfaceFormatKHR {
     let plain = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let fits = |format: &&vk::SurfaceFormatKHR| {

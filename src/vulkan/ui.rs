@@ -1,4 +1,4 @@
-//! What egui has laid out, drawn over a picture.
+//! Draws egui's output over a picture.
 
 use std::mem::ManuallyDrop;
 use std::sync::Arc;
@@ -14,24 +14,24 @@ use super::{Device, VulkanError};
 pub struct UiDrawing {
     /// Triangles in points.
     pub primitives: Vec<ClippedPrimitive>,
-    /// Textures that are new, changed or no longer needed.
+    /// Textures to create, update or free.
     pub textures: TexturesDelta,
-    /// Pixels a point.
+    /// Pixels per point.
     pub pixels_per_point: f32,
 }
 
-/// Draws it.
+/// Draws a [`UiDrawing`].
 pub(super) struct UiRenderer {
-    // Dropped by hand, before the device.
+    // Dropped manually, before the device.
     renderer: ManuallyDrop<Renderer<GpuAllocator>>,
     pool: vk::CommandPool,
-    /// The frame that lets go of textures may still draw them.
+    /// Textures to free after the frame that may still draw them.
     to_free: Vec<TextureId>,
     device: Arc<Device>,
 }
 
 impl UiRenderer {
-    /// Draws into targets of this format, with so many frames in flight.
+    /// Renders to targets of `format`, with `in_flight_frames` frames in flight.
     pub fn new(
         device: &Arc<Device>,
         format: vk::Format,
@@ -58,12 +58,12 @@ impl UiRenderer {
         })
     }
 
-    /// Uploads new textures and drops old ones. Waits for the device where there are any.
+    /// Uploads new textures and frees old ones. Waits for the device if there are any.
     pub fn update_textures(&mut self, textures: &TexturesDelta) -> Result<(), VulkanError> {
         if textures.is_empty() {
             return Ok(());
         }
-        // A texture that is replaced may be in use by a frame on its way.
+        // A frame in flight may use a texture that is replaced.
         self.device.wait_idle()?;
         let queue = self.device.queue();
         for id in self.to_free.drain(..) {
@@ -78,7 +78,7 @@ impl UiRenderer {
         Ok(())
     }
 
-    /// Records the drawing; rendering into a target of `extent` is open.
+    /// Records the draws; requires open rendering to a target of `extent`.
     pub fn draw(
         &mut self,
         commands: vk::CommandBuffer,

@@ -1,4 +1,4 @@
-//! Moving data to and from device memory outside of frames: loading, tests, pictures.
+//! Blocking transfers to and from device memory, outside of frames.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::barrier::barrier_for_image;
 use super::{Buffer, Device, Image, VulkanError};
 
 impl Buffer {
-    /// A device-local buffer that holds `data`.
+    /// Creates a device-local buffer with the content `data`.
     pub fn with_data<T: Pod>(device: &Arc<Device>, name: &str, data: &[T]) -> Result<Self, VulkanError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = Self::new(device, name, bytes.len() as u64)?;
@@ -27,7 +27,7 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// Waits for the device and copies the buffer's content back.
+    /// Reads the buffer's content back; waits for the device.
     pub fn read(&self, device: &Arc<Device>) -> Result<Vec<u8>, VulkanError> {
         device.wait_idle()?;
         let target = Self::in_memory(device, "readback", self.size, MemoryLocation::GpuToCpu)?;
@@ -41,8 +41,7 @@ impl Buffer {
 }
 
 impl Image {
-    /// An sRGB texture with its mip chain, ready to be sampled in graphics passes. Each level is
-    /// (width, height, RGBA8 texels).
+    /// Creates an sRGB texture with its mip chain, in shader-read layout. Each level is (width, height, RGBA8 texels).
     pub fn texture(
         device: &Arc<Device>,
         name: &str,
@@ -79,7 +78,7 @@ impl Image {
         Ok(image)
     }
 
-    /// Waits for the device and copies layer `layer` of the first mip level back, row by row without gaps.
+    /// Reads back layer `layer` of mip level 0, tightly packed rows; waits for the device.
     pub fn read_layer(
         &self,
         device: &Arc<Device>,

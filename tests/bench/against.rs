@@ -1,4 +1,4 @@
-//! What counts as faster or slower.
+//! Significance of changes between reports.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use glowworm::bench::{Report, compare_reports, read_report};
 use super::program::{Run, assert_fails, stderr};
 use super::report::folder;
 
-/// Random numbers of no particular quality: SplitMix64.
+/// Random numbers: SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -19,14 +19,14 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// About normal.
+    /// Approximately normal.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.next()).sum::<f64>() - 6.0
     }
 }
 
-/// The settings of a real report with made-up times: 10 ms of indirect shadows, 1 ms of everything else, which grows by half
-/// along the animation; noise of `frame` from frame to frame, which lasts, and of `round` from round to round.
+/// A real report with synthetic times: 10 ms of indirect shadows, 1 ms of everything else, increasing by half along the
+/// animation; correlated noise of `frame` between frames, and of `round` between rounds.
 fn made_up(seed: u64, frame: f64, round: f64) -> Report {
     let mut random = Random(seed);
     let mut report = read_report(&folder().join("bench.json")).unwrap();
@@ -38,11 +38,11 @@ fn made_up(seed: u64, frame: f64, round: f64) -> Report {
         let mut lasting = 0.0;
         samples.total_ms.clear();
         samples.other_ms.clear();
-        samples.passes.0.iter_mut().for_each(Vec::clear);
+        samples.passes.0.values_mut().for_each(Vec::clear);
         for number in 0..frames {
             lasting = 0.8 * lasting + 0.6 * frame * random.normal();
             let speed = drift * (1.0 + lasting) * (1.0 + 0.5 * f64::from(number) / f64::from(frames));
-            for (pass, column) in samples.passes.0.iter_mut().enumerate() {
+            for (pass, column) in samples.passes.0.values_mut().enumerate() {
                 column.push(if pass == 6 { 10.0 } else { 1.0 } * speed);
             }
             samples.other_ms.push(0.5 * speed);
@@ -97,7 +97,7 @@ fn a_pass_that_was_slowed_is_reported() {
         let [low, high] = pass.growth_ms;
         assert!(low < 0.4 * pass.old_ms && 0.4 * pass.old_ms < high, "{pass}");
         assert!(comparison.changes.iter().all(|change| change.run == pass.run), "{:?}", comparison.changes);
-        // Seen the other way round it has become faster.
+        // In reverse it is faster.
         assert!(compare_reports(&new, &old).changes.iter().any(|change| !change.is_slower()));
     }
 }
@@ -108,20 +108,20 @@ fn reports_of_other_runs_and_machines_say_so() {
     let mut new = old.clone();
     new.machine.driver.push('2');
     new.runs.remove(0);
-    new.runs[0].settings.budget += 1;
+    new.runs[0].settings.vpl.budget += 1;
     let comparison = compare_reports(&old, &new);
     assert_eq!(comparison.other_machine, Some("driver"));
     assert_eq!((comparison.compared, comparison.unmatched), (6, 3));
 }
 
-/// Copies the finished report with times that never change, so that nothing is left to chance.
+/// Copies the finished report with constant times, so that the result is deterministic.
 fn steady(run: &Run) -> Report {
     let mut report = read_report(&folder().join("bench.json")).unwrap();
     for measured in &mut report.runs {
         let first = measured.rounds[0].clone();
         measured.rounds.fill(first);
         for samples in measured.rounds.iter_mut().map(|round| &mut round.samples) {
-            let columns = samples.passes.0.iter_mut().chain([&mut samples.total_ms, &mut samples.other_ms]);
+            let columns = samples.passes.0.values_mut().chain([&mut samples.total_ms, &mut samples.other_ms]);
             columns.for_each(|column| {
                 let first = column[0];
                 column.fill(first);
@@ -152,7 +152,7 @@ fn a_regression_ends_with_3() {
     let said = String::from_utf8(same.stdout).unwrap();
     assert!(said.ends_with("against a/bench.json: 0 slower, 0 faster beyond noise, in 8 runs\n"), "{said}");
 
-    // What was faster once is slower now.
+    // In reverse it is slower.
     let mut faster = report.clone();
     slow_down(&mut faster, 1, 6, 0.3);
     save(&run, "faster.json", &faster);

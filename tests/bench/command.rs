@@ -1,4 +1,4 @@
-//! Bad input is one clear line and leaves nothing behind.
+//! Bad input gives a one-line error and leaves no files behind.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Data sets for denoisers, read as a program that knows BMFR's layout would.
+//! Data sets for denoisers, read by BMFR's layout.
 
 use std::fs;
 use std::path::Path;
@@ -109,7 +109,7 @@ fn colour_times_albedo_is_the_picture() {
             let ratio = mean(&product, channel) / mean(&reference, channel);
             assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
         }
-        // The floor's blue albedo is 0, which nothing can be divided by.
+        // The floor's blue albedo is 0: no division by it.
         assert!(albedo.iter().flatten().all(|&a| (1e-3..=1.0).contains(&a)));
         noisier += product.iter().zip(&reference).filter(|(a, b)| a != b).count();
     }
@@ -122,7 +122,7 @@ fn an_interrupted_data_set_goes_on() {
     let run = Run::new();
     fs::write(run.path("my.toml"), SCENE).unwrap();
     fs::create_dir(run.path("b")).unwrap();
-    // As if the first frame alone had been finished.
+    // As if only the first frame were finished.
     let state = fs::read_to_string(DONE.path("a/glowworm-dataset.json")).unwrap();
     fs::write(run.path("b/glowworm-dataset.json"), state.replace("\"done\": 3", "\"done\": 1")).unwrap();
     let output = run.glowworm(&dataset("b", &["--resume"]));

@@ -1,6 +1,6 @@
-//! The benchmark as a person meets it, its reports, and what it says of changes; data sets for denoisers.
+//! The benchmark from the command line, its reports and comparisons; data sets for denoisers.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod against;
 mod command;

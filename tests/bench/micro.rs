@@ -1,5 +1,4 @@
-//! Small things by themselves: the program's tables against its JSON, tracers against each other, and the rays
-//! against those of a real frame.
+//! Micro-benchmarks: tables against JSON, tracers against each other, ray sets against those of a real frame.
 
 use std::fs;
 
@@ -7,11 +6,10 @@ use glowworm::bench::micro::{
     Contender, Obvhs, OwnTracer, Query, RayKind, ShaderTracer, differing, ray_sets,
 };
 use glowworm::renderer::PreparedScene;
-use glowworm::report::PASS_NAMES;
-use glowworm::settings::Settings;
+use glowworm::settings::{Settings, VplSettings};
 use serde_json::Value;
 
-use super::program::{Run, assert_fails, stderr};
+use super::program::{PASS_NAMES, Run, assert_fails, stderr};
 use super::support::{Lab, named_scene};
 
 fn small(run: &Run, scene: &str) -> (String, Value) {
@@ -67,7 +65,7 @@ fn the_table_says_what_the_json_says() {
             let cells = line(&text, &[&rays, run["query"].as_str().unwrap(), name]);
             assert_eq!(cells[3], format!("{:.2}", number(&tracer["spread"]["median"])), "{rays} {name}");
             assert_eq!(cells[6], tracer["differing"].to_string());
-            // The rates are those that the median is of, and a tracer is as fast as itself.
+            // The median is that of the rates, and a tracer's speed relative to itself is 1.
             let rates: Vec<f64> = tracer["rates"].as_array().unwrap().iter().map(number).collect();
             assert!(rates.len() == 2 && rates.contains(&number(&tracer["spread"]["median"])));
             assert_eq!(cells[7 + index], "1.00");
@@ -84,7 +82,7 @@ fn the_table_says_what_the_json_says() {
         let time = times.iter().find(|time| time["what"] == *what).unwrap();
         assert_eq!(line(&text, &[&what])[1], format!("{:.3}", number(&time["spread"]["median"])), "{what}");
     }
-    // What has nothing to do while nothing moves has while something does.
+    // Passes that are skipped in a stationary world take time in a moving one.
     let ms =
         |what: &str| number(&times.iter().find(|time| time["what"] == what).unwrap()["spread"]["median"]);
     assert_eq!(ms("gbuffer, still"), 0.0);
@@ -104,7 +102,7 @@ fn only_what_knows_masks_casts_rays_at_them() {
     let (text, report) = small(&run, "atrium-drapery");
     let tracers = report["scenes"][0]["rays"][0]["tracers"].as_array().unwrap();
     let names: Vec<_> = tracers.iter().filter_map(|tracer| tracer["tracer"].as_str()).collect();
-    // The last one where the device has ray queries.
+    // The last one if the device has ray queries.
     let ours = ["glowworm, CPU", "glowworm, shader", "ray queries"];
     assert!(names.len() >= 2 && ours.starts_with(&names), "{text}");
     assert!(report["scenes"][0]["notes"][0].as_str().unwrap().contains("alpha masks"));
@@ -157,14 +155,21 @@ fn shadow_rays_are_those_of_real_frames() {
     let scene = named_scene("cornell-box", None);
     let pose = scene.pose(0.0);
     for interleave in [1, 4] {
-        let settings =
-            Settings { size: [72, 56], vpls: 64, temporal_sets: 1, interleave, ..Settings::default() };
+        let settings = Settings {
+            size: [72, 56],
+            vpl: VplSettings { slots: 64, temporal_sets: 1, interleave, ..VplSettings::default() },
+            ..Settings::default()
+        };
         let mut renderer = lab.rendered(&scene, &settings, 1);
-        let cast = renderer.finish().unwrap()[0].figures.shadow_rays;
+        let cast = renderer.finish().unwrap()[0].figures.counters.get("shadow_rays");
         let sets = ray_sets(&PreparedScene::new(&scene), &pose, &settings, 1 << 20);
         let rays = sets.iter().find(|set| set.kind == RayKind::Shadow).unwrap().rays.len();
         // Surfaces of the G-buffer are rounded, so that some pairs are on the other side of a threshold.
-        assert!(rays.abs_diff(cast as usize) * 200 < rays, "{rays}, and {cast} in a frame");
+        let cast = cast as usize;
+        assert!(rays < cast + rays / 200, "{rays}, and {cast} in a frame");
+        // Sparse windows cast some more.
+        let most = if interleave == 1 { rays / 200 } else { rays / 10 };
+        assert!(cast < rays + most, "{rays}, and {cast} in a frame");
         assert!(rays > 10_000 / (interleave * interleave) as usize);
     }
 }

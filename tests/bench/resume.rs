@@ -1,4 +1,4 @@
-//! Interrupted and gone on with, a benchmark comes to the same report, timings apart.
+//! A benchmark that is interrupted and resumed gives the same report, except for timings.
 
 use std::cell::Cell;
 use std::fs;
@@ -29,7 +29,7 @@ fn bench(device: &Arc<Device>, folder: &Path) -> Bench {
     Bench::new(device, plan(), Folder::new(folder).unwrap(), None).unwrap()
 }
 
-/// Goes on until `frames` frames have been drawn in this call, or to the end.
+/// Runs until `frames` frames have been drawn in this call, or to the end.
 fn go_on(bench: &mut Bench, frames: Option<u32>) -> Result<(), BenchError> {
     let stop = AtomicBool::new(false);
     let drawn = Cell::new(0);
@@ -42,12 +42,13 @@ fn go_on(bench: &mut Bench, frames: Option<u32>) -> Result<(), BenchError> {
     bench.run(&mut Control::new(&stop, &mut progress))
 }
 
-/// Without what a clock says or the system's memory.
+/// Removes timings and memory.
 fn timeless(report: &Report) -> Report {
     let mut report = report.clone();
+    report.scenes.iter_mut().for_each(|scene| scene.load = None);
     for round in report.runs.iter_mut().flat_map(|run| &mut run.rounds) {
-        let Samples { vpls, shadow_rays, .. } = round.samples.clone();
-        round.samples = Samples { vpls, shadow_rays, ..Samples::default() };
+        let counters = round.samples.counters.clone();
+        round.samples = Samples { counters, ..Samples::default() };
         round.cpu_peak = None;
     }
     report
@@ -98,7 +99,7 @@ fn another_plan_is_not_gone_on_with() {
     let other = Plan { frames: 4, ..plan() };
     let mut bench = Bench::new(&lab.device, other, Folder::new(&folder).unwrap(), None).unwrap();
     let error = bench.resume().unwrap_err().to_string();
-    assert!(error.contains("was begun with another --frames"), "{error}");
+    assert!(error.contains("was started with another --frames"), "{error}");
 }
 
 #[cfg(unix)]
@@ -126,7 +127,7 @@ fn an_interrupted_program_keeps_what_it_has() {
     assert_fails(
         &child.wait_with_output().unwrap(),
         1,
-        &["interrupted after", "of 6 runs; --resume goes on"],
+        &["interrupted after", "of 6 runs; --resume continues"],
     );
     let output = run.glowworm(&["bench", "--out", "a", "--resume"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

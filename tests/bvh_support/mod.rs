@@ -1,4 +1,4 @@
-//! Small worlds, random numbers and the naive answer, for the BVH's tests.
+//! Small scenes, random numbers and brute force, for the BVH's tests.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
@@ -11,11 +11,11 @@ use glowworm::scene::{AlphaMask, Instance, Material, Mesh, Scene};
 /// A scene with its instances at rest.
 pub struct World {
     pub scene: Scene,
-    /// What single precision may do to barycentric weights and to t.
+    /// Tolerance of single precision in barycentric weights and t.
     pub tolerance: f64,
 }
 
-/// One triangle met by a ray, in double precision.
+/// The intersection of a ray with a triangle, in double precision.
 struct Crossing {
     t: f64,
     /// Smallest barycentric weight: below zero outside.
@@ -42,9 +42,8 @@ impl World {
         TwoLevelBvh::build(&self.scene, &self.transforms())
     }
 
-    /// Compares one ray's answers with brute force; differences are allowed only where single
-    /// precision cannot tell: at an edge, at a bound of t, or between surfaces at the same t.
-    /// Returns whether something was hit.
+    /// Compares one ray's results with brute force; differences are allowed only within rounding: at an edge, at a
+    /// bound of t, or between surfaces at the same t. Returns whether the ray hit.
     pub fn check(&self, bvh: &TwoLevelBvh, ray: &Ray) -> bool {
         let tolerance = self.tolerance;
         let blur = |t: f64| tolerance * (t.abs() + 0.1);
@@ -73,7 +72,7 @@ impl World {
         true
     }
 
-    /// All triangles whose planes the ray crosses anywhere.
+    /// All triangles whose planes the ray crosses.
     fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
         let mut crossings = Vec::new();
         for (instance, placed) in self.scene.instances.iter().enumerate() {
@@ -146,7 +145,7 @@ pub fn masked_square() -> Mesh {
     square
 }
 
-/// A world with two masked materials, the unmasked one first.
+/// A scene with two masked materials after an unmasked one.
 pub fn masked_world(random: &mut Random) -> World {
     let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
     world.scene.materials.push(material(Some(1)));
@@ -196,7 +195,7 @@ pub fn grid(axis: usize, side: u32) -> Mesh {
     }
 }
 
-/// A ray without an end.
+/// A ray with infinite t_max.
 pub fn ray(origin: Vec3, direction: Vec3) -> Ray {
     Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
 }
@@ -239,7 +238,7 @@ impl Random {
         }
     }
 
-    /// Between points about the bounds, of any length; now and then along an axis or of short reach.
+    /// A ray between points around the bounds, of any length; now and then along an axis or with a short t_max.
     pub fn ray(&mut self, min: Vec3, max: Vec3) -> Ray {
         let margin = (max - min) * 0.5;
         let origin = self.point(min - margin, max + margin);
@@ -254,7 +253,7 @@ impl Random {
         Ray { origin, direction, t_min: 0.0, t_max }
     }
 
-    /// Rotation, nonuniform scale about `size`, mirrored half of the time, moved by up to `spread`.
+    /// Rotation, nonuniform scale around `size`, mirrored half of the time, translation by up to `spread`.
     pub fn transform(&mut self, size: f32, spread: f32) -> Affine3A {
         let rotation = Quat::from_axis_angle(self.direction(), 6.0 * self.unit());
         let mut scale = self.point(Vec3::splat(0.3 * size), Vec3::splat(1.5 * size));

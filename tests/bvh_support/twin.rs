@@ -1,4 +1,4 @@
-//! The CPU twin of `shaders/include/tracer_software.glsl`: the same steps over the same words.
+//! The CPU twin of `shaders/include/tracer_software.glsl`: the same steps on the same buffers.
 
 use bytemuck::cast_slice;
 use glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
@@ -39,7 +39,7 @@ struct TracerRay {
     shear: Vec3,
 }
 
-/// As large as the shader's; overflowing it panics.
+/// The shader's stack size; an overflow panics.
 #[derive(Default)]
 struct Stack(Vec<UVec2>);
 
@@ -97,7 +97,7 @@ impl<'a> Tracer<'a> {
 
         while primitives.y != 0 || group.y != 0 || !stack.0.is_empty() {
             if instance != NONE && primitives.y == 0 && group.y == 0 && stack.0.len() == base {
-                // Back out of the instance.
+                // Leave the instance.
                 ray = prepare(world.origin, world.direction);
                 instance = NONE;
                 base = 0;
@@ -110,7 +110,7 @@ impl<'a> Tracer<'a> {
                     (primitives, group.y) = (group, 0);
                 }
                 if primitives.y != 0 {
-                    // Enter one instance, and leave the others and this level's nodes for later.
+                    // Enter one instance, and push the others and this level's nodes.
                     let first = 31 - primitives.y.leading_zeros();
                     primitives.y &= !(1 << first);
                     for later in [primitives, group] {
@@ -127,13 +127,13 @@ impl<'a> Tracer<'a> {
             }
 
             while primitives.y == 0 && (group.y != 0 || stack.0.len() != base) {
-                // Go on with what was left for later.
+                // Pop the stack.
                 if group.y == 0 {
                     group = stack.pop();
                 }
                 primitives = group;
                 if group.y > 0x00ff_ffff {
-                    // Take the nearest child of the group, and leave the rest for later.
+                    // Take the nearest child of the group, and push the rest.
                     let first = 31 - group.y.leading_zeros();
                     let slot = (first - 24) ^ (ray.octant & 7);
                     let node = (group.x + (group.y & !(u32::MAX << slot)).count_ones()) as usize * 5;

@@ -12,15 +12,15 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-/// Longest wait for the window's answers.
-const PATIENCE: Duration = Duration::from_secs(30);
+use crate::desk::{PATIENCE, atom, root};
+
 /// XdndVersion in the highest byte, and that the kinds of data fit into the message.
 const VERSION: u32 = 5 << 24;
 
 /// Drops `file` on the middle of `target`.
 pub fn drop_file(display: &str, target: u32, file: &Path) {
-    let (connection, screen) = x11rb::connect(Some(display)).unwrap();
-    let root = connection.setup().roots[screen].root;
+    let connection = x11rb::connect(Some(display)).unwrap().0;
+    let root = root(&connection);
     let source = connection.generate_id().unwrap();
     let look = CreateWindowAux::new();
     connection.create_window(0, source, root, 0, 0, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &look).unwrap();
@@ -49,11 +49,7 @@ pub fn drop_file(display: &str, target: u32, file: &Path) {
     answer("XdndFinished");
 }
 
-fn atom(connection: &RustConnection, name: &str) -> u32 {
-    connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom
-}
-
-/// Hands out `data` to whoever asks until a message of this kind comes; gives that message's data.
+/// Serves `data` on request until a message of this kind arrives; returns that message's data.
 fn serve_until(connection: &RustConnection, kind: u32, list: u32, data: &str) -> [u32; 5] {
     let end = Instant::now() + PATIENCE;
     loop {

@@ -1,18 +1,21 @@
 //! The window, driven by real input events on an X server without a screen.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 #[path = "../support/mod.rs"]
 mod support;
 
 mod desk;
 mod drop;
+mod log;
 mod opening;
 mod replay;
+mod screen;
 mod session;
 mod smooth;
+mod window;
 
 use std::sync::Mutex;
 
-/// Windows get input one after the other: two at once are slow enough to be taken for stuck.
+/// Windows get input one at a time: two at once are slow enough to seem stuck.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());

@@ -1,9 +1,10 @@
-//! Scenes are opened while another is on show: by name, by drop, and broken ones.
+//! Scenes are opened while another is shown: by name, by drop, and broken ones.
 
 use std::fs;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::{Demo, Desk};
+use crate::desk::Desk;
+use crate::window::Demo;
 
 #[test]
 fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
@@ -14,18 +15,18 @@ fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     demo.frames(12);
     let before = demo.screen().picture();
 
-    // The second line of the file is at fault; the scene on show stays as it is.
+    // The error is in the second line of the file; the current scene stays.
     fs::write(demo.path("broken.toml"), "name = \"broken\"\nlight = 3\n").unwrap();
     let seen = demo.now();
     demo.click_thing("path");
-    demo.xdotool(&["type", "broken.toml"]);
-    demo.xdotool(&["key", "Return"]);
+    demo.input(&["type", "broken.toml"]);
+    demo.input(&["key", "Return"]);
     let failed = demo.wait_after(seen, "failure", |event| event["event"] == "scene-failed");
     let said = failed["details"].as_str().unwrap();
     assert!(said.contains("broken.toml:2") && said.contains("light"), "{said}");
-    demo.frames(3);
-    demo.screen().keep("10-broken");
-    assert!(demo.screen().picture() == before, "a broken scene changes the picture");
+    let after = demo.screen();
+    after.keep("10-broken");
+    assert!(after.picture() == before, "a broken scene changes the picture");
 
     // A good one, dropped; a space in its name is percent-encoded on the way.
     let scene = "[[models]]\nname = \"ball\"\nprimitive = \"sphere\"\n\n[[instances]]\nmodel = \"ball\"\n\n\
@@ -35,8 +36,8 @@ fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     demo.drop_file(&demo.path("a%20ball.toml"));
     let opened = demo.wait_after(seen, "dropped scene", |event| event["event"] == "scene");
     assert!(opened["details"]["name"].as_str().unwrap().ends_with("a ball.toml"), "{opened}");
-    demo.frames(6);
-    demo.screen().keep("11-dropped");
-    assert!(demo.screen().picture().difference(&before) > 5.0, "the dropped scene is not seen");
+    let dropped = demo.screen();
+    dropped.keep("11-dropped");
+    assert!(dropped.picture().difference(&before) > 5.0, "the dropped scene is not seen");
     demo.close();
 }

@@ -1,9 +1,10 @@
-//! What was recorded in the window is rendered to the same pixels; what was saved loads to the same scene.
+//! Recordings replay to the same pixels; saved scenes load to the same scene.
 
 use std::process::Command;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::{CACHE, Demo, Desk, is_action};
+use crate::desk::Desk;
+use crate::window::{CACHE, Demo, is_action};
 
 const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
@@ -19,15 +20,14 @@ fn a_recording_renders_to_what_was_on_screen() {
     demo.frames(4);
 
     // Fly, look around, move the ball, change a setting, all while the board turns.
-    demo.xdotool(&["keydown", "a"]);
+    demo.input(&["keydown", "a"]);
     demo.frames(3);
-    demo.xdotool(&["keyup", "a"]);
+    demo.input(&["keyup", "a"]);
     demo.key_for("Tab", "toggle-panel");
     demo.move_to([160, 100]);
-    demo.xdotool(&["mousedown", "3"]);
+    demo.input(&["mousedown", "3"]);
     demo.move_to([150, 104]);
-    demo.frames(2);
-    demo.xdotool(&["mouseup", "3"]);
+    demo.input(&["mouseup", "3"]);
     demo.key_for("Tab", "toggle-panel");
     let seen = demo.now();
     demo.click([30, 185]);
@@ -38,7 +38,7 @@ fn a_recording_renders_to_what_was_on_screen() {
     let screen = demo.screen();
     screen.keep("9-recorded");
     let seen = demo.now();
-    demo.xdotool(&["key", "ctrl+r"]);
+    demo.input(&["key", "ctrl+r"]);
     let saved = demo.wait_after(seen, "recording", |event| event["event"] == "saved");
     let file = saved["details"].as_str().unwrap().to_owned();
 

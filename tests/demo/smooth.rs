@@ -1,89 +1,111 @@
-//! How evenly frames follow each other, and what the panel costs.
+//! Frame pacing, and the cost of the panel.
 
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::{Demo, Desk, is_action};
+use crate::desk::Desk;
+use crate::window::{Demo, is_action, is_frame};
 
-/// Others may be using the machine: the best of so many runs counts.
-const RUNS: usize = 3;
+/// Most sessions. Other load on the machine delays different frames each time, so the best run of each part of a session
+/// counts.
+const RUNS: usize = 5;
+/// Limit of the longest frame over the median.
+const LONGEST: f64 = 3.0;
+/// Limit of the panel's fraction of a frame.
+const PANEL_SHARE: f64 = 0.05;
+
+/// A part of a session: what is done in it, and its first frame.
+type Part = (&'static str, u64);
 
 #[test]
 fn frames_are_even_while_one_scrubs_picks_edits_and_loads() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(desk) = Desk::open() else { return };
-    let mut last = String::new();
+    // Longest frame over median of each part, and the panel's share of a frame; the least of all runs.
+    let mut best: Option<(Vec<(&str, f64)>, f64)> = None;
+    let is_even = |(parts, panel): &(Vec<(&str, f64)>, f64)| {
+        parts.iter().all(|(_, longest)| *longest <= LONGEST) && *panel <= PANEL_SHARE
+    };
     for _ in 0..RUNS {
-        match judge(&session(&desk)) {
-            Ok(()) => return,
-            Err(problem) => last = problem,
+        let (log, parts) = session(&desk);
+        let (mut run, mut panel) = judge(&log, &parts);
+        if let Some((earlier, least)) = best {
+            run.iter_mut().zip(&earlier).for_each(|(part, earlier)| part.1 = part.1.min(earlier.1));
+            panel = panel.min(least);
         }
+        let now = (run, panel);
+        if is_even(&now) {
+            return;
+        }
+        best = Some(now);
     }
-    panic!("{last}");
+    panic!("longest frames over the median, and the panel's share of a frame: {best:?}");
 }
 
-/// Scrubs, picks, edits and loads another scene while the animation plays: frames of a scene that stands still draw much less,
-/// and would be no measure for those of one that moves.
-fn session(desk: &Desk) -> Value {
+/// Scrubs, picks, edits and loads another scene while the animation plays: stationary frames are much cheaper and would
+/// distort the median.
+fn session(desk: &Desk) -> (Value, Vec<Part>) {
     let mut demo = Demo::start(desk, &["--size", "640x360", "--vpls=64"]);
+    let mut parts = Vec::new();
+    let mut begins = |demo: &mut Demo<'_>, part: &'static str| {
+        parts.push((part, demo.last_frame()["frame"].as_u64().unwrap() + 1));
+    };
+    demo.frames(10);
+    begins(&mut demo, "playing");
     demo.frames(20);
+    begins(&mut demo, "scrubbing");
     demo.drag_thing("scrub", 60);
+    begins(&mut demo, "picking");
     for x in [30, 120, 220, 320] {
         demo.click([x, 250]);
     }
+    begins(&mut demo, "a new light");
     demo.click_thing("Scene");
-    demo.click_thing("Lights and things");
+    demo.click_thing("Lights and objects");
     demo.click_thing("add spot");
+    begins(&mut demo, "dragging it");
     demo.drag([355, 180], [300, 180]);
+    begins(&mut demo, "copying it");
     let seen = demo.now();
-    demo.xdotool(&["key", "ctrl+d"]);
+    demo.input(&["key", "ctrl+d"]);
     demo.wait_after(seen, "copy", |event| is_action(event, "duplicate"));
     demo.frames(6);
+    begins(&mut demo, "loading");
     let seen = demo.now();
-    demo.click_thing("Lights and things");
+    demo.click_thing("Lights and objects");
     demo.click_thing("Scene");
     demo.click_thing("path");
-    demo.xdotool(&["type", "cornell-box"]);
-    demo.xdotool(&["key", "Return"]);
+    demo.input(&["type", "cornell-box"]);
+    demo.input(&["key", "Return"]);
     demo.wait_after(seen, "another scene", |event| event["details"]["name"] == "cornell-box");
+    begins(&mut demo, "another scene");
     demo.frames(10);
-    demo.close()
+    (demo.close(), parts)
 }
 
-/// No frame longer than three times the median, apart from those in which another scene appears; the panel
-/// below 5 % of a frame.
-fn judge(log: &Value) -> Result<(), String> {
+/// Of each part, the longest frame over the median of all, apart from frames in which another scene appears; the share of the
+/// panel in a frame.
+fn judge(log: &Value, parts: &[Part]) -> (Vec<(&'static str, f64)>, f64) {
     let events = log["events"].as_array().unwrap();
-    let swaps: Vec<u64> = events
-        .iter()
-        .filter(|event| event["event"] == "scene")
-        .map(|event| event["frame"].as_u64().unwrap())
-        .collect();
-    let frames: Vec<&Value> = events
-        .iter()
-        .filter(|event| event["event"] == "frame")
-        .filter(|event| {
-            let frame = event["frame"].as_u64().unwrap();
-            frame > swaps[0] + 3 && swaps.iter().all(|swap| frame.abs_diff(*swap) > 2)
-        })
-        .collect();
-    let of = |key: &str| {
+    let number = |event: &Value| event["frame"].as_u64().unwrap();
+    let swaps: Vec<u64> = events.iter().filter(|event| event["event"] == "scene").map(number).collect();
+    let counts = |frame: u64| frame >= parts[0].1 && swaps.iter().all(|swap| frame.abs_diff(*swap) > 2);
+    let frames: Vec<&Value> =
+        events.iter().filter(|event| is_frame(event)).filter(|event| counts(number(event))).collect();
+    let median = |key: &str| {
         let mut values: Vec<f64> = frames.iter().map(|frame| frame[key].as_f64().unwrap()).collect();
         values.sort_by(f64::total_cmp);
-        values
+        values[values.len() / 2]
     };
-    let intervals = of("interval_ms");
-    let (median, longest) = (intervals[intervals.len() / 2], intervals[intervals.len() - 1]);
-    let [cpu, device] = ["ui_cpu_ms", "ui_device_ms"].map(|key| of(key)[frames.len() / 2]);
-    eprintln!(
-        "frames {}: median {median:.1} ms, longest {longest:.1} ms, panel {cpu:.2} + {device:.2} ms",
-        frames.len()
-    );
-    if longest > 3.0 * median {
-        return Err(format!("longest frame {longest:.1} ms, median {median:.1} ms"));
-    }
-    if cpu + device > 0.05 * median {
-        return Err(format!("the panel takes {:.2} ms of {median:.1} ms", cpu + device));
-    }
-    Ok(())
+    let interval = median("interval_ms");
+    let panel = (median("ui_cpu_ms") + median("ui_device_ms")) / interval;
+    let ends = parts.iter().skip(1).map(|part| part.1).chain([u64::MAX]);
+    let longest = parts.iter().zip(ends).map(|((part, begin), end)| {
+        let within = frames.iter().filter(|frame| (*begin..end).contains(&number(frame)));
+        let longest = within.map(|frame| frame["interval_ms"].as_f64().unwrap()).fold(0.0, f64::max);
+        (*part, longest / interval)
+    });
+    let longest: Vec<(&str, f64)> = longest.collect();
+    eprintln!("frames {}: median {interval:.1} ms, longest {longest:.2?}, panel {panel:.3}", frames.len());
+    (longest, panel)
 }

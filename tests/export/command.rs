@@ -73,11 +73,15 @@ fn mistakes_are_one_line_each() {
     assert_eq!(run(&folder, &cornell).status.code(), Some(0));
     for json in ["a/scene.xml", "a/meshes/b.json", "a/glowworm-export.json"] {
         let output = run(&folder, &[&cornell[..], &["--json", json]].concat());
-        assert_fails(&output, 2, "would be written over the export");
+        assert_fails(&output, 2, "would overwrite the export");
     }
     fs::write(folder.path().join("file"), "").unwrap();
     assert_fails(&run(&folder, &["cornell-box", "--out", "file"]), 1, "--out file: is not a folder");
-    assert_fails(&run(&folder, &["cornell-box", "--out", "."]), 1, "holds files that are not of an earlier");
+    assert_fails(
+        &run(&folder, &["cornell-box", "--out", "."]),
+        1,
+        "contains files that are not of an earlier",
+    );
 }
 
 #[cfg(target_os = "linux")]

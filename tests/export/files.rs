@@ -1,4 +1,4 @@
-//! The folder: what is written, replaced and left alone.
+//! The output folder: which files are written, replaced and kept.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -83,7 +83,7 @@ fn a_new_folder_is_made_and_an_earlier_export_replaced() {
     let folder = place.path().join("new");
     export_into(&folder, &all_kinds()).unwrap();
     assert!(folder.join("textures").is_dir());
-    // What others put there stays.
+    // Foreign files are kept.
     fs::write(folder.join("scene.exr"), "picture").unwrap();
     fs::write(folder.join("textures/mine.png"), "mine").unwrap();
     export_into(&folder, &cornell_box()).unwrap();
@@ -107,9 +107,9 @@ fn other_peoples_folders_are_left_alone() {
         assert!(message.contains(says) && !message.contains('\n'), "{message}");
         assert_eq!(files_below(place.path()), before);
     };
-    refused("holds files that are not of an earlier export", place.path());
+    refused("contains files that are not of an earlier export", place.path());
     write("glowworm-export.json", "{}");
-    refused("holds files that are not of an earlier export", place.path());
+    refused("contains files that are not of an earlier export", place.path());
     refused("is not a folder", &place.path().join("notes.txt"));
     refused("create it first", &place.path().join("a/b"));
     assert!(!place.path().join("a").exists());
@@ -142,9 +142,9 @@ fn a_report_cannot_make_us_remove_what_is_not_ours() {
     let listing =
         r#"{"format": "mitsuba", "files": ["../precious", "own.ply", "meshes/../own.ply", "meshes/.."]}"#;
     fs::write(folder.join("glowworm-export.json"), listing).unwrap();
-    // The files that the listing does not name are now in the way.
+    // The files that the listing does not name now block the export.
     let message = export_into(&folder, &cornell_box()).unwrap_err().to_string();
-    assert!(message.contains("is in the way"), "{message}");
+    assert!(message.contains("exists and is not of an earlier export"), "{message}");
     fs::remove_dir_all(folder.join("meshes")).unwrap();
     fs::remove_file(folder.join("scene.xml")).unwrap();
     fs::remove_file(folder.join("glowworm-export.json")).unwrap();

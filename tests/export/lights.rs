@@ -5,7 +5,7 @@ use glowworm::scene::spot_falloff;
 
 use crate::support::*;
 
-/// What Mitsuba's spots of this id send together at an angle to their axis (radians), W/sr.
+/// Total intensity of Mitsuba's spots of this id at an angle to their axis (radians), W/sr.
 fn sent(root: Node<'_, '_>, id: &str, angle: f32) -> Vec3 {
     let spots = elements(root, "emitter").into_iter().filter(|node| {
         kind(*node) == "spot" && node.attribute("id").is_some_and(|other| other.starts_with(id))
@@ -55,7 +55,7 @@ fn spots_fall_off_as_ours() {
         let got = sent(root, "light-3-torch", angle);
         assert!(got.distance(expected) < 6e-4 * intensity.length(), "{got} {expected} at {angle}");
     }
-    // Together they are picked as often as one other light.
+    // Together they have the sampling weight of one light.
     let weights = elements(root, "emitter").into_iter().filter(|node| kind(*node) == "spot");
     let weight: f32 = weights.map(|spot| value(spot, "sampling_weight").parse::<f32>().unwrap()).sum();
     assert!((weight - 1.0).abs() < 1e-5);

@@ -1,4 +1,4 @@
-//! `glowworm export`: what Mitsuba is told about a scene, read back from the files.
+//! `glowworm export`: the content of the exported files.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

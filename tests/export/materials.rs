@@ -77,7 +77,7 @@ fn masks_are_black_where_nothing_is() {
     assert!(!exported.mesh(by_id(document.root_element(), "mesh-0-room-material-4")).uvs.is_empty());
 }
 
-/// One quad of a material, perhaps with a texture of one grey, under a point light.
+/// One quad of a material, optionally with a uniform grey texture, under a point light.
 fn shiny(material: Material, texel: Option<u8>) -> Exported {
     let mut scene = Scene::new("shiny");
     scene.materials.push(Material { albedo_texture: texel.map(|_| 0), ..material });
@@ -140,7 +140,7 @@ fn highlights_that_are_left_out_are_named_only_where_they_would_be_seen() {
     scene.materials[1].specular = Vec3::splat(0.1);
     let left_out = |scene: &Scene| {
         let report = export(scene).report;
-        let named = report.inexact.iter().any(|line| line.contains("left out"));
+        let named = report.inexact.iter().any(|line| line.contains("omitted"));
         assert_eq!(named, report.highlights > 0);
         named
     };

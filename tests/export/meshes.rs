@@ -60,7 +60,7 @@ fn lamps_are_flat_and_shine_on_their_front_side() {
         let shape = by_id(document.root_element(), &format!("instance-{index}-lamp"));
         assert_eq!(value(shape, "face_normals"), "true");
         assert_eq!(vector(value(only(shape, "emitter"), "radiance")), Vec3::ONE);
-        // In the world, outwards, even where the instance is mirrored.
+        // In world space, facing outwards, even for mirrored instances.
         assert_eq!(to_world(shape), glam::Mat4::IDENTITY);
         let ply = exported.mesh(shape);
         assert_eq!(ply.triangles.len(), 80);
@@ -122,7 +122,7 @@ fn small_and_smooth_scenes_are_remarked_upon() {
     };
     let says = |exported: &Exported, what| exported.report.inexact.iter().any(|line| line.contains(what));
     let (small, large) = (ball(0.02), ball(2.0));
-    assert!(says(&small, "as small as this") && !says(&large, "as small as this"));
-    assert!(says(&large, "turns that normal over"));
+    assert!(says(&small, "this small") && !says(&large, "this small"));
+    assert!(says(&large, "flips that normal"));
     assert!(!says(&export(&load_scene("cornell-box", None).unwrap()), "normal"));
 }

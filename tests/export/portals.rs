@@ -1,4 +1,4 @@
-//! Lights that are not there, and lamps beside them.
+//! Portals, and visible area lights beside them.
 
 use crate::support::*;
 
@@ -12,7 +12,7 @@ fn light_passes_through_portals() {
     let sky = by_id(root, "instance-6-sky");
     assert_eq!(kind(only(sky, "bsdf")), "null");
     assert_eq!(kind(only(sky, "emitter")), "area");
-    // It shines into the room.
+    // It emits into the room.
     let ply = exported.mesh(sky);
     assert!((0..2).all(|triangle| ply.front(triangle).x > 0.999));
 }
@@ -31,7 +31,7 @@ fn lamps_beside_portals_have_a_copy_for_the_camera() {
     let glass = only(pane, "bsdf");
     assert_eq!((value(glass, "int_ior"), value(glass, "ext_ior")), ("1.0", "1.0"));
 
-    // Each lies behind the one before it, by more than Mitsuba moves rays off surfaces.
+    // Each is behind the one before it, by more than Mitsuba's ray offset.
     let meshes = [lamp, pane, copy].map(|shape| exported.mesh(shape));
     for pair in meshes.windows(2) {
         for triangle in 0..2 {
@@ -53,6 +53,6 @@ fn without_portals_there_are_no_copies() {
     }
     let exported = export(&scene);
     assert!(!exported.text.contains("hide_emitters") && !exported.text.contains("dielectric"));
-    // The lattice lets light through as well.
+    // The masked lattice also needs volpath.
     assert_eq!(exported.report.integrator, "volpath");
 }

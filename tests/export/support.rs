@@ -1,4 +1,4 @@
-//! Exports a scene into a folder of its own and reads it back.
+//! Exports a scene to a temporary folder and parses the files.
 
 use std::fs;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub fn export_with(scene: &Scene, settings: &ExportSettings) -> Exported {
     Exported { folder, report, text }
 }
 
-/// The scene that has something of every kind.
+/// A scene with every kind of light, material and instance.
 pub fn all_kinds() -> Scene {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/all-kinds.toml");
     load_scene(file, None).unwrap()

@@ -1,4 +1,4 @@
-//! Integrator, camera, film, and what frame it is.
+//! Integrator, camera, film and frame.
 
 use glowworm::scene::load_scene;
 
@@ -54,7 +54,7 @@ fn everything_stands_where_it_is_at_that_time() {
         let root = document.root_element();
         let pose = scene.pose(time);
 
-        // Numbers read back as the same ones.
+        // Numbers round-trip.
         let place = only(named(only(root, "sensor"), "to_world"), "lookat");
         let camera = [pose.camera.eye, pose.camera.target, pose.camera.up];
         for (key, expected) in ["origin", "target", "up"].into_iter().zip(camera) {

@@ -1,4 +1,4 @@
-//! `glowworm compare` as a person meets it: figures, files, and one clear line for each failure.
+//! `glowworm compare`: metrics, files, and error messages.
 
 use std::fs;
 use std::process::Output;
@@ -156,14 +156,14 @@ fn missing_frames_are_named() {
     }
     let compare = |arguments: &[&str]| run.glowworm(&[&["compare"], arguments].concat());
     let gap = compare(&["f{frame:02}.exr", "b.exr"]);
-    assert_fails(&gap, 1, &["f03.exr: is not there, but f04.exr is", "--frames"]);
+    assert_fails(&gap, 1, &["f03.exr: is missing, but f04.exr exists", "--frames"]);
     assert_fails(&compare(&["f{frame:02}.exr", "b.exr", "--frames", "2-3"]), 1, &["f03.exr: cannot be read"]);
     let extra = compare(&["r{frame}.exr", "f{frame:02}.exr"]);
-    assert_fails(&extra, 1, &["f03.exr: is not there, but r3.exr is"]);
+    assert_fails(&extra, 1, &["f03.exr: is missing, but r3.exr exists"]);
     fs::remove_file(run.path("f04.exr")).unwrap();
     fs::remove_file(run.path("r2.exr")).unwrap();
     let missing = compare(&["f{frame:02}.exr", "r{frame}.exr"]);
-    assert_fails(&missing, 1, &["r2.exr: is not there, but f02.exr is"]);
+    assert_fails(&missing, 1, &["r2.exr: is missing, but f02.exr exists"]);
     assert_fails(
         &compare(&["none{frame}.exr", "b.exr"]),
         1,
@@ -191,8 +191,8 @@ fn what_cannot_be_compared_is_one_line() {
         ("a.exr", "nan.exr", &["nan.exr: pixel (0, 0) has a red of NaN"]),
         ("missing.exr", "b.exr", &["missing.exr: cannot be read"]),
         ("text.png", "b.png", &["text.png: neither a PNG nor an OpenEXR file"]),
-        ("cut.png", "b.png", &["cut.png: broken"]),
-        ("cut.exr", "b.exr", &["cut.exr: broken"]),
+        ("cut.png", "b.png", &["cut.png: cannot be decoded"]),
+        ("cut.exr", "b.exr", &["cut.exr: cannot be decoded"]),
     ] {
         let output = run.glowworm(&["compare", image, reference, "--json", "a.json", "--heatmap", "h.png"]);
         assert_fails(&output, 1, says);
@@ -218,7 +218,7 @@ fn wrong_options_are_wrong_usage() {
         (&["a.exr", "b.exr", "--frames", "0-1"], "--frames: a.exr is a single picture"),
         (&["a.exr", "b.exr", "--plot", "a.svg"], "--plot: a.exr is a single picture"),
         (&["a.exr", "b{frame}.exr"], "a.exr: a single picture cannot be compared with a sequence"),
-        (&["a{frame:x}.exr", "b.exr"], "{frame:x} is not a place"),
+        (&["a{frame:x}.exr", "b.exr"], "{frame:x} is not a valid placeholder"),
         (&["a.exr", "b.exr", "--heatmap", "h.svg"], "--heatmap h.svg: must end in .png"),
         (&["a.exr", "b.exr", "--heatmap", "h.png", "--heatmap-of", "ssim"], "--heatmap-of"),
         (&["a.exr", "b.exr", "--heatmap", "h.png", "--heatmap-limit", "0"], "above 0"),
@@ -243,22 +243,14 @@ fn outputs_are_found_writable_first_and_never_lie_over_inputs() {
         (&["a.png", "b.png", "--json", "missing/a.json"][..], 1, "there is no folder missing"),
         (&["a.png", "b.png", "--heatmap", "missing/a.png"], 1, "there is no folder missing"),
         (&["f{frame}.png", "b.png", "--plot", "missing/a.svg"], 1, "there is no folder missing"),
-        (&["a.png", "b.png", "--heatmap", "./a.png"], 2, "over a file of IMAGE"),
-        (&["a.png", "b.png", "--heatmap", "b.png"], 2, "over a file of REFERENCE"),
-        (
-            &["a.png", "b.png", "--json", "b.png"],
-            2,
-            "--json b.png: would be written over a file of REFERENCE",
-        ),
-        (
-            &["f{frame}.png", "b.png", "--heatmap", "f{frame:01}.png"],
-            2,
-            "--heatmap f0.png: would be written over",
-        ),
-        (&["f{frame}.png", "b.png", "--plot", "f0.png"], 2, "over a file of IMAGE"),
-        (&["a.png", "b.png", "--json", "h.png", "--heatmap", "h.png"], 2, "over a file of --heatmap"),
+        (&["a.png", "b.png", "--heatmap", "./a.png"], 2, "would overwrite a file of IMAGE"),
+        (&["a.png", "b.png", "--heatmap", "b.png"], 2, "would overwrite a file of REFERENCE"),
+        (&["a.png", "b.png", "--json", "b.png"], 2, "--json b.png: would overwrite a file of REFERENCE"),
+        (&["f{frame}.png", "b.png", "--heatmap", "f{frame:01}.png"], 2, "--heatmap f0.png: would overwrite"),
+        (&["f{frame}.png", "b.png", "--plot", "f0.png"], 2, "would overwrite a file of IMAGE"),
+        (&["a.png", "b.png", "--json", "h.png", "--heatmap", "h.png"], 2, "would overwrite a file of --heatmap"),
         (&["f{frame}.png", "b.png", "--json", "./x.svg", "--plot", "x.svg"], 2, "--plot and --json"),
-        (&["f{frame}.png", "b.png", "--frames", "0-0", "--json", "f1.png"], 2, "over a file of IMAGE"),
+        (&["f{frame}.png", "b.png", "--frames", "0-0", "--json", "f1.png"], 2, "would overwrite a file of IMAGE"),
     ] {
         assert_fails(&run.glowworm(&[&["compare"], arguments].concat()), code, &[says]);
     }

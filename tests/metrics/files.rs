@@ -1,4 +1,4 @@
-//! Pictures as other programs write them, and files that are none.
+//! Pictures as other programs write them, and invalid files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -139,7 +139,7 @@ fn exrs_of_all_sample_types_and_compressions_are_linear() {
 fn luminance_alone_is_grey() {
     let folder = Folder::new();
     assert_constant(&read(&folder.exr("a.exr", [part(None, &[("Y", 3.0), ("A", 1.0)])])), [3.0; 3]);
-    // Y of a vector is not luminance.
+    // The Y of a vector is not luminance.
     let path = folder.exr("a.exr", [part(None, &[("X", 1.0), ("Y", 2.0), ("Z", 3.0)])]);
     assert!(
         error(&path, None).ends_with("has no layer with channels R, G and B, or Y; it has a part (X Y Z)")
@@ -242,7 +242,7 @@ fn pixels_that_are_not_finite_are_named() {
     assert!(message.contains("a.exr, layer indirect: pixel (1, 2) has a blue of inf"), "{message}");
 }
 
-/// Whatever a byte is changed to, and wherever a file ends: an error or a picture, never more.
+/// Changed bytes and truncation give an error or a picture, never a panic.
 #[test]
 fn broken_files_are_errors() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! The pairs of pairs.rs against what other people's programs say of them.
+//! Metrics of the pairs in pairs.rs against other programs.
 
 use glowworm::metrics::{CompareOptions, Metrics, compare};
 

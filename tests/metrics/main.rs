@@ -1,5 +1,5 @@
-//! Metrics against the answers of other programs, pictures as other programs write them, and
-//! `glowworm compare` as a person meets it. No Vulkan.
+//! Metrics against the results of other programs, pictures as other programs write them, and `glowworm compare`.
+//! Without Vulkan.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 

@@ -1,11 +1,11 @@
-//! Five pairs of pictures of different kinds, made of whole numbers; scripts/check_metrics.py makes the same.
+//! Five pairs of pictures of different kinds, computed with integers; scripts/check_metrics.py computes the same.
 
 use glowworm::metrics::Image;
 
 const WIDTH: i64 = 96;
 const HEIGHT: i64 = 64;
 
-/// What a reference and its picture are made for: PNG (0 to 255) or EXR (values over 4096).
+/// Format of a pair: PNG (0 to 255) or EXR (values over 4096).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Png,
@@ -83,7 +83,7 @@ fn triangle(n: i64, period: i64) -> i64 {
     (n % (2 * period) - period).abs()
 }
 
-/// A number that looks random.
+/// A hash, as a pseudo-random number.
 fn scatter(x: i64, y: i64, channel: i64) -> i64 {
     let times = |n: i64, factor: u32| (n as u32).wrapping_mul(factor);
     let mut h = times(x, 73_856_093) ^ times(y, 19_349_663) ^ times(channel, 83_492_791);

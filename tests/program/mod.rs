@@ -81,3 +81,17 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
         assert!(message.contains(part), "{part:?} is not in {message:?}");
     }
 }
+
+/// The passes of `--indirect vpls`, in the order of the frame.
+pub const PASS_NAMES: [&str; 10] = [
+    "bvh_update",
+    "vpl_invalidation",
+    "vpl_replacement",
+    "gbuffer",
+    "direct_shadows",
+    "direct_shading",
+    "indirect_shadows",
+    "indirect_shading",
+    "indirect_reprojection",
+    "combine",
+];

@@ -15,7 +15,7 @@ fn reference(run: &Run, arguments: &[&str]) -> std::process::Output {
     run.glowworm(&[&["reference", "cornell-box"], &SMALL[..], arguments].concat())
 }
 
-/// A run that would go on for hours, once it has saved something.
+/// Starts a run that would take hours, and waits until it has saved.
 fn long_run(run: &Run, arguments: &[&str]) -> Child {
     let mut child = Command::new(env!("CARGO_BIN_EXE_glowworm"))
         .args(
@@ -58,6 +58,7 @@ fn it_writes_pictures_and_a_report() {
         (&4.into(), &().into(), &3.into())
     );
     assert!(report["relative_error"].as_f64().unwrap() > 0.0);
+    assert!(["load_ms", "bvh_ms"].iter().all(|key| report[key].as_f64().unwrap() > 0.0), "{report}");
     let picture = Picture::read_exr(Path::new(&run.path("a.exr"))).unwrap();
     assert_eq!((picture.width, picture.height, picture.layers.len()), (16, 12, 0));
     let shown = image::open(run.path("a.png")).unwrap().into_rgb8();
@@ -81,7 +82,7 @@ fn an_interrupted_run_keeps_what_it_has_and_goes_on() {
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_fails(&output, 1, &["interrupted after", "a.exr holds them", "--resume goes on"]);
+    assert_fails(&output, 1, &["interrupted after", "a.exr holds them", "--resume continues"]);
 
     let size = ["--size", "32x32", "--out", "a.exr", "--resume", "--layers"];
     let wrong = reference(&run, &[&size[..], &["--bounces", "1"]].concat());

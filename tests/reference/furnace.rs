@@ -1,4 +1,4 @@
-//! Closed rooms whose radiance is known everywhere.
+//! Furnace tests: closed rooms with analytic radiance.
 
 use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Instance, Material, Mesh, Scene};
@@ -20,7 +20,7 @@ fn furnace(albedo: f32) -> Scene {
 
 #[test]
 fn an_emissive_box_has_the_radiance_of_its_series() {
-    // Emission, and what 0 to B surfaces pass on before the visible one.
+    // Emission, and light scattered at 0 to B surfaces before the visible one.
     let series = |albedo: f32, bounces: i32| (0..=bounces + 1).map(|k| albedo.powi(k)).sum::<f32>();
     for (albedo, bounces, expected) in [
         (1.0, Some(0), 2.0),

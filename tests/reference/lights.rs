@@ -1,10 +1,10 @@
-//! Each kind of light against its equation, and all of them together.
+//! Each type of light against its equation, and all types together.
 
 use std::f32::consts::PI;
 
 use glam::Vec3;
 use glowworm::output::Picture;
-use glowworm::scene::Scene;
+use glowworm::scene::{AlphaMask, Scene};
 
 use super::support::{assert_near, colour, layer, mean, picture, scene, settings};
 
@@ -51,7 +51,7 @@ fn a_point_light_falls_off_with_the_square() {
         0.5 / PI * 3.0 * (d.y / d.length()) / d.length_squared()
     };
     assert_floor(&rendered, &colour(&rendered), expected, 0.01);
-    // A lone flat floor lights nothing.
+    // A single flat floor has no indirect light.
     assert_eq!(mean(&layer(&rendered, "indirect")), Vec3::ZERO);
 }
 
@@ -113,7 +113,7 @@ fn an_area_light_lights_by_its_form_factor_seen_or_not() {
 
 #[test]
 fn an_area_light_shines_from_its_front_only() {
-    // The polygon above faces down; seen from above it is black, and what lies above it stays dark.
+    // The polygon above faces down: from above it is black, and surfaces above it stay dark.
     let scene = floor(LAMP);
     let rendered = picture(&scene, &settings(16, Some(0)), 16);
     let positions = layer(&rendered, "position");
@@ -125,7 +125,7 @@ fn an_area_light_shines_from_its_front_only() {
         .collect();
     assert!(on_lamp.len() > 20 && on_lamp.iter().all(|&colour| colour == Vec3::ZERO));
 
-    // An emissive quad faces up; turned over, it lights the floor.
+    // An emissive quad faces up; rotated by 180 degrees, it lights the floor.
     let quad = |rotation: &str| {
         floor(&format!(
             "[[models]]\nname = \"glow\"\nprimitive = \"quad\"\nsize = [1, 1, 1]\n\
@@ -144,7 +144,7 @@ fn lights_of_all_kinds_add_up() {
         "[[lights]]\ntype = \"point\"\nposition = [0.5, 2, 0]\nintensity = [30, 3, 3]",
         "[[lights]]\ntype = \"spot\"\nposition = [-1, 2, 0]\ndirection = [0.2, -1, 0]\nintensity = [0.3, 3, 3]\nouter_deg = 40",
         "[[lights]]\ntype = \"directional\"\ndirection = [1, -1, 0.3]\nirradiance = [0.2, 0.2, 2]",
-        // Seen, it would stand in the way of the others.
+        // If visible, it would occlude the others.
         &format!("{LAMP}\nvisible = false"),
     ];
     let wall = "[[models]]\nname = \"wall\"\nprimitive = \"box\"\nsize = [0.2, 3, 8]\n\
@@ -162,4 +162,27 @@ fn lights_of_all_kinds_add_up() {
             assert_near(together[part][channel], sum[channel], 0.01);
         }
     }
+}
+
+/// An area light with half of it masked equals one of half the size, for light samples and for scattered rays.
+#[test]
+fn holes_in_an_area_light_emit_nothing() {
+    let lamp = |left: f32, right: f32| {
+        floor(&format!(
+            "[[lights]]\ntype = \"area\"\nradiance = [1, 1, 1]\n\
+             polygon = [[{left}, 3, -1], [{right}, 3, -1], [{right}, 3, 1], [{left}, 3, 1]]"
+        ))
+    };
+    let mut masked = lamp(-1.0, 1.0);
+    masked.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1] });
+    let mesh = masked.meshes.last_mut().unwrap();
+    for (uv, position) in mesh.uvs.iter_mut().zip(&mesh.positions) {
+        uv.x = (0.5 * (position.x + 1.0)).clamp(0.0, 0.999);
+    }
+    let material = mesh.triangle_materials[0] as usize;
+    masked.materials[material].alpha_mask = Some(0);
+    let irradiance = |scene: &Scene| mean(&layer(&picture(scene, &settings(16, Some(1)), 256), "indirect")).x;
+    let (ours, expected) = (irradiance(&masked), irradiance(&lamp(-1.0, 0.0)));
+    assert!(expected > 0.0);
+    assert_near(ours, expected, 0.02);
 }

@@ -1,7 +1,8 @@
-//! The reference path tracer against analytic answers, against itself, and as a person meets it.
+//! The reference path tracer against analytic results, for consistency, and through its command.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod camera;
 mod command;
 mod furnace;
 mod lights;

@@ -1,11 +1,11 @@
-//! Parts of a picture, its estimated error, and going on with it.
+//! Layers of a picture, its estimated error, and resuming it.
 
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use glowworm::output::Picture;
 use glowworm::reference::{Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
-use glowworm::scene::{Scene, load_scene, luminance};
+use glowworm::scene::{CameraOverride, Scene, load_scene, luminance};
 
 use super::support::{assert_near, colour, film, layer, mean, picture, settings};
 
@@ -15,7 +15,7 @@ fn cornell() -> Scene {
 
 #[test]
 fn direct_and_indirect_light_make_up_the_picture() {
-    // With paths from the middles of pixels there is one surface a pixel, so that the parts multiply.
+    // With rays through pixel centres there is one surface a pixel, so the layers recombine exactly.
     let settings = ReferenceSettings { filter: PixelFilter::Center, ..settings(24, Some(2)) };
     let picture = picture(&cornell(), &settings, 32);
     let [direct, indirect, albedo] = ["direct", "indirect", "albedo"].map(|name| layer(&picture, name));
@@ -78,6 +78,7 @@ fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
             bounces: settings.bounces,
             seed: settings.seed,
             pixel_filter: settings.filter,
+            camera: CameraOverride::default(),
             layers: settings.layers,
         },
         samples,
@@ -85,7 +86,7 @@ fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
     };
     let mut resumed = reference.resumed_film(&begun.picture(), &progress(9)).unwrap();
     while resumed.samples() < 24 {
-        // What is interrupted changes nothing.
+        // An interrupted sample leaves the film unchanged.
         assert!(!reference.add_sample(&mut resumed, &AtomicBool::new(true)));
         assert!(reference.add_sample(&mut resumed, &AtomicBool::new(false)));
     }

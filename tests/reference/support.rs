@@ -1,4 +1,4 @@
-//! Scenes from text or code, and pictures of them.
+//! Scenes from text or code, and their reference pictures.
 
 use std::sync::atomic::AtomicBool;
 

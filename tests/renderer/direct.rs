@@ -1,11 +1,8 @@
-//! Direct light against its formula and shadow maps against rays.
+//! Direct light against its formula and the CPU's rays.
 
-use std::sync::Arc;
-
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::scene::{LightKind, Scene, spot_falloff};
-use glowworm::settings::Settings;
+use glowworm::scene::{LightKind, spot_falloff};
 
 use super::support::{Lab, exact, layer, luminance, scene};
 
@@ -37,12 +34,12 @@ fn floor(light: &str) -> String {
     )
 }
 
-/// Compares every pixel with the formula and a shadow ray; only pixels at shadow edges may differ.
+/// Compares every pixel with the formula and a shadow ray; only where an edge is a matter of rounding may they differ.
 fn check(light: &str) {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(&floor(light));
     let mut settings = exact([160, 120]);
-    settings.vpls = 4;
+    settings.vpl.slots = 4;
     let picture = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&scene, &pose.instances);
@@ -76,13 +73,13 @@ fn check(light: &str) {
             if seen { luminance(&(power * cosine * 0.5 / std::f32::consts::PI).to_array()) } else { 0.0 };
         lit += u32::from(seen);
         shadowed += u32::from(!seen);
-        if (luminance(direct) - expected).abs() > 0.03 * expected + 1e-4 {
+        if (luminance(direct) - expected).abs() > 0.005 * expected + 1e-4 {
             wrong += 1;
         }
     }
     assert!(lit > 1000 && shadowed > 150, "{lit} lit, {shadowed} shadowed pixels");
     let share = wrong as f32 / (lit + shadowed) as f32;
-    assert!(share < 0.04, "{share} of the pixels are neither lit nor shadowed as they should be");
+    assert!(share < 0.002, "{share} of the pixels are neither lit nor shadowed as they should be");
 }
 
 #[test]
@@ -107,44 +104,4 @@ fn wide_spot_light() {
 #[test]
 fn directional_light() {
     check("type = \"directional\"\ndirection = [-1, -1.5, -0.4]\nirradiance = [3, 3, 3]");
-}
-
-/// The block's mesh with a triangle inside of it that nobody sees: it is no longer closed, so raster draws all its sides.
-fn opened(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    let block = &mut scene.meshes[1];
-    let first = block.positions.len() as u32;
-    block.positions.extend([Vec3::ZERO, Vec3::X * 0.1, Vec3::Y * 0.1]);
-    block.normals.extend([Vec3::Z; 3]);
-    block.uvs.extend([Vec2::ZERO; 3]);
-    block.triangles.push([first, first + 1, first + 2]);
-    block.triangle_materials.push(block.triangle_materials[0]);
-    scene
-}
-
-#[test]
-fn sides_that_face_away_change_nothing() {
-    let Some(lab) = Lab::open() else { return };
-    let mirrored = "[[instances]]
-        model = \"block\"
-        translation = [-0.9, 0.6, 0.5]
-        scale = [-0.6, 0.5, 0.7]
-        rotation = { axis = [1, 2, 0], degrees = 40 }
-        [[lights]]";
-    let lights = [
-        "type = \"point\"\nposition = [1, 3, 1]\nintensity = [40, 40, 40]",
-        "type = \"spot\"\nposition = [1, 3, 1]\ndirection = [-0.3, -1, -0.3]\nintensity = [40, 40, 40]\ninner_deg = 30\nouter_deg = 40",
-        "type = \"directional\"\ndirection = [-0.5, -1, -0.3]\nirradiance = [3, 3, 3]",
-    ];
-    for light in lights {
-        let closed = scene(&floor(light).replace("[[lights]]", mirrored));
-        let open = Arc::new(opened(&closed));
-        let [closed, open] = [closed, open].map(|scene| {
-            let settings = Settings { vpls: 4, ..exact([160, 120]) };
-            lab.rendered(&scene, &settings, 1).read_picture(true).unwrap()
-        });
-        for name in ["position", "normal", "direct"] {
-            assert_eq!(layer(&closed, name), layer(&open, name), "{name} under {light}");
-        }
-    }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::scene::{Pose, Scene};
-use glowworm::settings::Settings;
+use glowworm::settings::{Settings, VplSettings};
 
 use super::support::{Lab, indirect, relative_differences, scene};
 
@@ -50,10 +50,13 @@ fn check(change: impl Fn(&mut Pose, f32)) {
     let scene: Arc<Scene> = scene(ROOM);
     let settings = Settings {
         size: [80, 60],
-        vpls: 200,
-        temporal_sets: 8,
-        budget: 32,
-        interleave: 2,
+        vpl: VplSettings {
+            slots: 200,
+            temporal_sets: 8,
+            budget: 32,
+            interleave: 2,
+            ..VplSettings::default()
+        },
         ..Settings::default()
     };
     let pose_at = |time: f32| {
@@ -66,17 +69,17 @@ fn check(change: impl Fn(&mut Pose, f32)) {
         renderer.render(&pose_at(frame as f32 / 19.0)).unwrap();
     }
     let end = pose_at(1.0);
-    for _ in 0..settings.vpls.div_ceil(settings.budget) + settings.temporal_sets {
+    for _ in 0..settings.vpl.slots.div_ceil(settings.vpl.budget) + settings.vpl.temporal_sets {
         renderer.render(&end).unwrap();
     }
     let mut fresh = lab.renderer(&scene, &settings, &end);
-    for _ in 0..settings.temporal_sets {
+    for _ in 0..settings.vpl.temporal_sets {
         fresh.render(&end).unwrap();
     }
     let (average, worst) = relative_differences(&indirect(&renderer), &indirect(&fresh));
     assert!(average < 1e-4 && worst < 2e-3, "differs by {average} in the mean, {worst} at most");
     for report in renderer.finish().unwrap() {
-        assert!(report.figures.vpls.shot <= 32, "frame {} broke the budget", report.frame);
+        assert!(report.figures.counters.get("vpls.shot") <= 32, "frame {} broke the budget", report.frame);
     }
 }
 

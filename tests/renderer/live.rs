@@ -6,20 +6,24 @@ use std::sync::Arc;
 use glowworm::output::Picture;
 use glowworm::renderer::{PreparedScene, RenderError, Renderer};
 use glowworm::scene::{LightKind, Scene};
-use glowworm::settings::{Sequence, Settings, TracerKind};
+use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
 use super::support::{Lab, indirect, layer, luminance, mean, named_scene, scene};
 use super::views::STUDIO;
 
 fn start() -> Settings {
-    Settings { size: [72, 48], vpls: 128, temporal_sets: 4, interleave: 2, ..Settings::default() }
+    Settings {
+        size: [72, 48],
+        vpl: VplSettings { slots: 128, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
+        ..Settings::default()
+    }
 }
 
 type Change = fn(&mut Settings);
 
 /// What a renderer made with these settings shows once all sets have been drawn.
 fn fresh(lab: &Lab, scene: &Arc<Scene>, settings: &Settings) -> Picture {
-    lab.rendered(scene, settings, 2 * settings.temporal_sets).read_picture(true).unwrap()
+    lab.rendered(scene, settings, 2 * settings.vpl.temporal_sets).read_picture(true).unwrap()
 }
 
 fn brightness(renderer: &Renderer) -> f32 {
@@ -32,21 +36,25 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     let changes: [(&str, Change); 9] = [
-        ("more sets", |settings| settings.temporal_sets = 7),
-        ("one set", |settings| settings.temporal_sets = 1),
-        ("VPLs", |settings| settings.vpls = 700),
+        ("more sets", |settings| settings.vpl.temporal_sets = 7),
+        ("one set", |settings| settings.vpl.temporal_sets = 1),
+        ("VPLs", |settings| settings.vpl.slots = 700),
         ("bounces", |settings| settings.bounces = 4),
-        ("interleave", |settings| settings.interleave = 3),
+        ("interleave", |settings| settings.vpl.interleave = 3),
         ("clamp, cut-off, exposure", |settings| {
-            (settings.clamp, settings.position_cutoff, settings.exposure) = (3.0, 0.05, Some(1.0));
+            (settings.vpl.clamp, settings.vpl.position_cutoff, settings.exposure) = (3.0, 0.05, Some(1.0));
         }),
         ("size", |settings| settings.size = [40, 56]),
         ("seed, sequence, budget", |settings| {
-            (settings.seed, settings.sequence, settings.budget) = (5, Sequence::Random, 3);
+            (settings.seed, settings.vpl.sequence, settings.vpl.budget) = (5, Sequence::Random, 3);
         }),
         ("everything", |settings| {
             let budget = 9;
-            *settings = Settings { vpls: 300, budget, size: [33, 65], interleave: 4, ..start() };
+            *settings = Settings {
+                size: [33, 65],
+                vpl: VplSettings { slots: 300, budget, interleave: 4, ..start().vpl },
+                ..start()
+            };
         }),
     ];
     // One after the other: what an earlier change left must not show either.
@@ -56,7 +64,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
         change(&mut settings);
         let before = brightness(&renderer);
         renderer.set_settings(&settings, &pose).unwrap();
-        for frame in 0..settings.temporal_sets + 1 {
+        for frame in 0..settings.vpl.temporal_sets + 1 {
             renderer.render(&pose).unwrap();
             let now = brightness(&renderer);
             assert!((0.6..1.5).contains(&(now / before)), "{what}, frame {frame}: {before} becomes {now}");
@@ -74,7 +82,9 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
     let before = indirect(&renderer);
     // Changed again on the way, as by a slider.
     for temporal_sets in [6, 9, 8] {
-        renderer.set_settings(&Settings { temporal_sets, ..start() }, &pose).unwrap();
+        renderer
+            .set_settings(&Settings { vpl: VplSettings { temporal_sets, ..start().vpl }, ..start() }, &pose)
+            .unwrap();
         for _ in 0..3 {
             renderer.render(&pose).unwrap();
             assert!(indirect(&renderer) == before);
@@ -83,7 +93,7 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
     for _ in 3..8 {
         renderer.render(&pose).unwrap();
     }
-    let settings = Settings { temporal_sets: 8, ..start() };
+    let settings = Settings { vpl: VplSettings { temporal_sets: 8, ..start().vpl }, ..start() };
     assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &settings));
 }
 
@@ -117,7 +127,8 @@ fn settings_that_the_device_cannot_do_change_nothing() {
         let error = renderer.set_settings(&hardware, &pose).unwrap_err();
         assert!(matches!(error, RenderError::NoHardwareTracer { .. }), "{error}");
     }
-    let huge = Settings { size: [16_384, 16_384], temporal_sets: 64, ..start() };
+    let huge =
+        Settings { size: [16_384, 16_384], vpl: VplSettings { temporal_sets: 64, ..start().vpl }, ..start() };
     let error = renderer.set_settings(&huge, &pose).unwrap_err().to_string();
     assert!(!error.contains('\n'), "{error}");
     assert_eq!(renderer.settings(), &start());

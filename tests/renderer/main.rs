@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod direct;
+mod estimators;
 mod forgetting;
 mod golden;
 mod live;
@@ -11,9 +12,13 @@ mod motion;
 mod overlay;
 mod pictures;
 mod reference;
+mod rooms;
+mod shadows;
 mod sphere;
 #[path = "../support/mod.rs"]
 mod support;
 mod temporal;
+mod thin_features;
 mod tracers;
+mod uneven_vpls;
 mod views;

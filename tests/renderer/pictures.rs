@@ -1,7 +1,7 @@
 //! Whole pictures of the real scenes, for plausibility.
 
 use super::support::{Lab, assets, luminance, mean, named_scene};
-use glowworm::settings::Settings;
+use glowworm::settings::{Settings, VplSettings};
 
 #[test]
 fn the_real_scenes_render() {
@@ -9,7 +9,11 @@ fn the_real_scenes_render() {
     let Some(assets) = assets() else { return };
     for name in ["sponza", "sibenik", "conference", "classroom", "living-room"] {
         let scene = named_scene(name, Some(&assets));
-        let settings = Settings { size: [96, 54], vpls: 128, temporal_sets: 4, ..Settings::default() };
+        let settings = Settings {
+            size: [96, 54],
+            vpl: VplSettings { slots: 128, temporal_sets: 4, ..VplSettings::default() },
+            ..Settings::default()
+        };
         let picture = lab.rendered(&scene, &settings, 5).read_picture(true).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite()), "{name}");
         let brightness = mean(

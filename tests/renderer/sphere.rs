@@ -33,7 +33,7 @@ fn check(radius: f32, bounces: u32, vpls: u32, interleave: u32) {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(&sphere(radius, INTENSITY * radius * radius, ALBEDO));
     let mut settings = exact([64, 64]);
-    (settings.bounces, settings.vpls, settings.interleave) = (bounces, vpls, interleave);
+    (settings.bounces, settings.vpl.slots, settings.vpl.interleave) = (bounces, vpls, interleave);
     let found: Vec<f32> = indirect(&lab.rendered(&scene, &settings, 1)).iter().map(luminance).collect();
     let expected: f32 = INTENSITY * (1..=bounces as i32).map(|bounce| ALBEDO.powi(bounce)).sum::<f32>();
     let average = mean(found.iter().copied());

@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glowworm::estimators::vpls::{SlotState, VplLook};
 use glowworm::output::Picture;
 use glowworm::passes::tracer::RayTracer;
 use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
-use glowworm::settings::{Settings, TracerKind};
-use glowworm::vpl::SlotState;
+use glowworm::settings::{Settings, TracerKind, VplSettings};
 
 use super::support::{Lab, assets, layer, luminance, mean, named_scene, skip};
 
@@ -16,7 +16,12 @@ use super::support::{Lab, assets, layer, luminance, mean, named_scene, skip};
 const STEP: f64 = 0.1;
 
 fn settings(tracer: TracerKind) -> Settings {
-    Settings { size: [120, 80], vpls: 128, temporal_sets: 4, interleave: 2, tracer, ..Settings::default() }
+    Settings {
+        size: [120, 80],
+        tracer,
+        vpl: VplSettings { slots: 128, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
+        ..Settings::default()
+    }
 }
 
 /// A device with both tracers.
@@ -112,8 +117,12 @@ fn views_follow_the_tracer() {
     let scene = all_kinds();
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &settings(TracerKind::Software), 4);
-    let valid = renderer.vpls().slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
-    let view = DebugView { single_vpl: Some(valid.unwrap() as u32), ..DebugView::default() };
+    let valid =
+        renderer.vpls().unwrap().slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
+    let view = DebugView {
+        vpl: VplLook { single_vpl: Some(valid.unwrap() as u32), ..VplLook::default() },
+        ..DebugView::default()
+    };
     renderer.set_view(&view).unwrap();
     let mut shown = [TracerKind::Software, TracerKind::Hardware].map(|tracer| {
         renderer.set_settings(&settings(tracer), &pose).unwrap();

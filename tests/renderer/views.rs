@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
+use glowworm::estimators;
+use glowworm::estimators::vpls::{SlotState, VplLook};
 use glowworm::output::{Picture, tone_map};
-use glowworm::renderer::{BufferView, DebugView, Renderer};
+use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::Settings;
-use glowworm::vpl::SlotState;
+use glowworm::settings::{Settings, VplSettings};
 
 use super::support::{Lab, channel, layer, mean, scene};
 
@@ -47,11 +48,24 @@ const SIDE: u32 = 64;
 
 pub fn settings(temporal_sets: u32, interleave: u32) -> Settings {
     let size = [SIDE, SIDE];
-    Settings { size, temporal_sets, interleave, vpls: 128, exposure: Some(0.0), ..Settings::default() }
+    Settings {
+        size,
+        exposure: Some(0.0),
+        vpl: VplSettings { temporal_sets, interleave, slots: 128, ..VplSettings::default() },
+        ..Settings::default()
+    }
 }
 
-pub fn view(buffer: BufferView) -> DebugView {
-    DebugView { buffer, ..DebugView::default() }
+pub fn view(buffer: &'static str) -> DebugView {
+    DebugView { buffer: buffer.into(), ..DebugView::default() }
+}
+
+fn of_set(buffer: &'static str, set: u32) -> DebugView {
+    DebugView { vpl: VplLook { set, ..VplLook::default() }, ..view(buffer) }
+}
+
+fn single(buffer: &'static str, single_vpl: Option<u32>) -> DebugView {
+    DebugView { vpl: VplLook { single_vpl, ..VplLook::default() }, ..view(buffer) }
 }
 
 /// Stands still for all sets; then the camera and the block move a little, and the picture is what the view
@@ -59,7 +73,7 @@ pub fn view(buffer: BufferView) -> DebugView {
 fn picture(lab: &Lab, scene: &Arc<Scene>, settings: &Settings, view: &DebugView) -> (Renderer, Picture) {
     let rest = scene.pose(0.0);
     let mut renderer = lab.renderer(scene, settings, &rest);
-    for _ in 0..settings.temporal_sets {
+    for _ in 0..settings.vpl.temporal_sets {
         renderer.render(&rest).unwrap();
     }
     renderer.set_view(view).unwrap();
@@ -118,7 +132,7 @@ fn number_colour(number: f32) -> Vec3 {
 }
 
 /// What a view should show, from the layers of its picture; none where these do not tell.
-fn expected(view: BufferView, picture: &Picture) -> Option<Vec<Vec3>> {
+fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
     let map = |name: &str, to: &dyn Fn(Vec3) -> Vec3| vectors(picture, name).into_iter().map(to).collect();
     let times = |a: Vec<Vec3>, b: Vec<Vec3>| a.into_iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>();
     let per_pi = |e: Vec3| e / std::f32::consts::PI;
@@ -127,22 +141,20 @@ fn expected(view: BufferView, picture: &Picture) -> Option<Vec<Vec3>> {
         layer.channels[index].1.clone()
     };
     Some(match view {
-        BufferView::Combined => toned(picture, picture.colour.iter().copied().map(Vec3::from).collect()),
-        BufferView::Direct => toned(picture, vectors(picture, "direct")),
-        BufferView::Irradiance => toned(picture, map("indirect", &per_pi)),
-        BufferView::Indirect => toned(picture, times(vectors(picture, "albedo"), map("indirect", &per_pi))),
-        BufferView::Position => {
-            map("position", &|p| (p + Vec3::new(2.0, 1.5, 2.0)) / Vec3::new(4.0, 3.0, 4.0))
-        }
-        BufferView::Normal => map("normal", &|n| n * 0.5 + 0.5),
-        BufferView::Albedo => map("albedo", &encode),
-        BufferView::Specular => map("specular", &encode),
-        BufferView::Shininess => of_layer("specular", 3)
+        "combined" => toned(picture, picture.colour.iter().copied().map(Vec3::from).collect()),
+        "direct" => toned(picture, vectors(picture, "direct")),
+        "irradiance" => toned(picture, map("indirect", &per_pi)),
+        "indirect" => toned(picture, times(vectors(picture, "albedo"), map("indirect", &per_pi))),
+        "position" => map("position", &|p| (p + Vec3::new(2.0, 1.5, 2.0)) / Vec3::new(4.0, 3.0, 4.0)),
+        "normal" => map("normal", &|n| n * 0.5 + 0.5),
+        "albedo" => map("albedo", &encode),
+        "specular" => map("specular", &encode),
+        "shininess" => of_layer("specular", 3)
             .into_iter()
             .map(|exponent| Vec3::splat((exponent + 1.0).log2() / 10.0))
             .collect(),
-        BufferView::Instance => channel(picture, "instance").into_iter().map(number_colour).collect(),
-        BufferView::Motion => of_layer("motion", 0)
+        "instance" => channel(picture, "instance").into_iter().map(number_colour).collect(),
+        "motion" => of_layer("motion", 0)
             .into_iter()
             .zip(of_layer("motion", 1))
             .map(|(x, y)| {
@@ -150,7 +162,7 @@ fn expected(view: BufferView, picture: &Picture) -> Option<Vec<Vec3>> {
                 (share.signum() * share.abs().map(f32::sqrt) * 0.5 + 0.5).extend(0.5)
             })
             .collect(),
-        BufferView::Depth => {
+        "depth" => {
             // The eye is within the room: nearest is the near plane, farthest a corner.
             let camera = moved(&super::support::scene(STUDIO).pose(0.0)).camera;
             let half = Vec3::new(2.0, 1.5, 2.0).dot(camera.forward().abs());
@@ -167,10 +179,10 @@ fn views_of_layers_show_them() {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(STUDIO);
     let mut checked = 0;
-    for buffer in BufferView::ALL {
+    for buffer in estimators::views().map(|view| view.name) {
         let (_, picture) = picture(&lab, &scene, &settings(2, 2), &view(buffer));
         let Some(expected) = expected(buffer, &picture) else { continue };
-        assert_shows(buffer.label(), &picture, &expected, 1.5, 0.0);
+        assert_shows(buffer, &picture, &expected, 1.5, 0.0);
         checked += 1;
     }
     assert_eq!(checked, 12);
@@ -180,12 +192,12 @@ fn views_of_layers_show_them() {
 fn every_view_shows_something_of_its_own() {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(STUDIO);
-    let mut seen: Vec<(BufferView, Vec<[u8; 4]>)> = Vec::new();
-    for buffer in BufferView::ALL {
-        let view = DebugView { set: 1, ..view(buffer) };
+    let mut seen: Vec<(&str, Vec<[u8; 4]>)> = Vec::new();
+    for buffer in estimators::views().map(|view| view.name) {
+        let view = of_set(buffer, 1);
         let (renderer, picture) = picture(&lab, &scene, &settings(4, 2), &view);
         assert_eq!(renderer.view(), &view);
-        if buffer != BufferView::VplVisibility {
+        if buffer != "vpl-visibility" {
             let same = seen.iter().find(|(_, display)| *display == picture.display);
             assert!(same.is_none(), "{buffer:?} looks like {:?}", same.map(|(buffer, _)| buffer));
         }
@@ -199,14 +211,12 @@ fn one_set_without_interleaving_is_the_irradiance_in_all_its_views() {
     let scene = scene(STUDIO);
     let rest = scene.pose(0.0);
     let mut renderer = lab.renderer(&scene, &settings(1, 1), &rest);
-    for buffer in
-        [BufferView::Unfiltered, BufferView::Filtered, BufferView::SetBuffer, BufferView::SetReprojected]
-    {
+    for buffer in ["unfiltered", "filtered", "set-buffer", "set-reprojected"] {
         renderer.set_view(&view(buffer)).unwrap();
         renderer.render(&rest).unwrap();
         let picture = renderer.read_picture(true).unwrap();
-        let expected = expected(BufferView::Irradiance, &picture).unwrap();
-        assert_shows(buffer.label(), &picture, &expected, 1.5, 0.0);
+        let expected = expected("irradiance", &picture).unwrap();
+        assert_shows(buffer, &picture, &expected, 1.5, 0.0);
     }
 }
 
@@ -218,8 +228,8 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     let mut counted = vec![0; (SIDE * SIDE) as usize];
     let mut by_renderer = Vec::new();
     for set in 0..SETS {
-        let view = DebugView { set, ..view(BufferView::SetReprojected) };
-        let (renderer, picture) = picture(&lab, &scene, &settings(SETS, 2), &view);
+        let view = of_set("set-reprojected", set);
+        let (renderer, picture) = picture(&lab, &scene, &settings(SETS, 1), &view);
         by_renderer = renderer.read_set_counts().unwrap();
         for (count, pixel) in counted.iter_mut().zip(&picture.display) {
             *count += u32::from(pixel[..3] != [255, 0, 255]);
@@ -230,7 +240,7 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     assert!(rejected > 20, "only {rejected} pixels lack a set");
 
     // The view of the counts has one colour for each.
-    let (_, picture) = picture(&lab, &scene, &settings(SETS, 2), &view(BufferView::SetCount));
+    let (_, picture) = picture(&lab, &scene, &settings(SETS, 1), &view("set-count"));
     let colour_of = |count: u32| {
         let of_count = |(pixel, of): (&[u8; 4], &u32)| (*of == count).then_some(*pixel);
         let mut colours: Vec<_> = picture.display.iter().zip(&counted).filter_map(of_count).collect();
@@ -247,12 +257,12 @@ fn a_single_vpl_lights_what_it_sees() {
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
-    let valid = renderer.vpls().slots().filter(|slot| slot.state == SlotState::Valid);
+    let valid = renderer.vpls().unwrap().slots().filter(|slot| slot.state == SlotState::Valid);
     let slots: Vec<u32> = valid.map(|slot| slot.slot).step_by(37).collect();
     assert!(slots.len() >= 3);
     for slot in slots {
         let single_vpl = Some(slot);
-        let weight = renderer.vpls().counters().valid as f32;
+        let weight = renderer.vpls().unwrap().counters().valid as f32;
         let mut found = (Vec::new(), Vec::new());
         for y in 0..SIDE {
             for x in 0..SIDE {
@@ -263,14 +273,14 @@ fn a_single_vpl_lights_what_it_sees() {
                 found.1.push(Vec3::splat(if light.is_some() { 1.0 } else { 0.0 }));
             }
         }
-        renderer.set_view(&DebugView { single_vpl, ..view(BufferView::Irradiance) }).unwrap();
+        renderer.set_view(&single("irradiance", single_vpl)).unwrap();
         renderer.render(&pose).unwrap();
         let picture = renderer.read_picture(true).unwrap();
         let radiance = found.0.iter().map(|e| *e / std::f32::consts::PI).collect();
         assert_shows("its irradiance", &picture, &toned(&picture, radiance), 2.5, 0.01);
 
         // Visibility alone asks nobody which way surfaces face: it may be white where no light falls.
-        renderer.set_view(&DebugView { single_vpl, ..view(BufferView::VplVisibility) }).unwrap();
+        renderer.set_view(&single("vpl-visibility", single_vpl)).unwrap();
         renderer.render(&pose).unwrap();
         let picture = renderer.read_picture(true).unwrap();
         let black = picture.display.iter().zip(&found.1).filter(|(pixel, lit)| pixel[0] == 0 && lit.x > 0.0);
@@ -284,7 +294,11 @@ fn what_the_inspector_lists_adds_up_to_the_picture() {
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     for clamp in [0.0, 400.0] {
-        let renderer = lab.rendered(&scene, &Settings { clamp, roulette: 0.0, ..settings(1, 1) }, 1);
+        let renderer = lab.rendered(
+            &scene,
+            &Settings { vpl: VplSettings { clamp, ..settings(1, 1).vpl }, ..settings(1, 1) },
+            1,
+        );
         let indirect = vectors(&renderer.read_picture(true).unwrap(), "indirect");
         let mut differences = Vec::new();
         for (index, expected) in indirect.iter().enumerate().step_by(7) {
@@ -309,7 +323,7 @@ fn the_default_view_changes_no_bit() {
     let plain = lab.rendered(&scene, &settings(4, 2), 6).read_picture(true).unwrap();
     let mut renderer = lab.renderer(&scene, &settings(4, 2), &pose);
     for frame in 0..6 {
-        let buffer = if frame == 2 { BufferView::Normal } else { BufferView::Combined };
+        let buffer = if frame == 2 { "normal" } else { "combined" };
         renderer.set_view(&view(buffer)).unwrap();
         renderer.render(&pose).unwrap();
     }

@@ -1,4 +1,4 @@
-//! Broken models end in one line that names file and line, or in a warning and a stand-in.
+//! Invalid models give an error of one line with file and line, or a warning and a fallback.
 
 use super::*;
 
@@ -54,12 +54,12 @@ fn missing_and_truncated_textures_become_checkerboards() {
         let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {name}\n");
         let folder = Folder::new().with("m.obj", TRIANGLE).with("m.mtl", &mtl);
         let file = folder.path().join(&name);
-        let check = |state: &str, stand_in: bool| {
+        let check = |state: &str, fallback: bool| {
             let scene = folder.load("m.obj").unwrap();
             let warned = scene.warnings.iter().any(|w| w.contains(&name) && w.contains("checkerboard"));
-            assert_eq!(warned, stand_in, "{state} {name}: {:?}", scene.warnings);
+            assert_eq!(warned, fallback, "{state} {name}: {:?}", scene.warnings);
             let magenta = scene.textures[0].levels[0].2[..4] == [255, 0, 255, 255];
-            assert_eq!(magenta, stand_in, "{state} {name}");
+            assert_eq!(magenta, fallback, "{state} {name}");
         };
         check("missing", true);
         image.save(&file).unwrap();

@@ -1,4 +1,4 @@
-//! Broken scene files end in one line that names file, line and key.
+//! Invalid scene files give an error of one line with file, line and key.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn broken_scene_files_name_line_and_key() {
         ("[camera]\neye = [0, 0, 1e19]\ntarget = [0, 5, 1]", &["bad.toml:1", "eye must lie within +-1e9"]),
         ("background = [0, -1, 0]", &["bad.toml:1", "background", "negative"]),
         ("[settings]\nvpls = 3\nvplz = 4", &["bad.toml:3", "vplz"]),
-        ("[settings]\nvpls = \"many\"", &["bad.toml:2", "u32"]),
+        ("[settings]\nvpls = \"many\"", &["bad.toml:2", "vpls = many: must be a whole number"]),
     ] {
         expect_error("bad.toml", text, parts);
     }
@@ -47,7 +47,7 @@ fn broken_scene_files_name_line_and_key() {
 #[test]
 fn broken_models_name_themselves() {
     for (text, parts) in [
-        ("[[instances]]\nmodel = \"x\"", &["bad.toml:1", "\"x\"", "there are: none"][..]),
+        ("[[instances]]\nmodel = \"x\"", &["bad.toml:1", "\"x\"", "known are none"][..]),
         ("[[models]]\nname = \"m\"", &["bad.toml:1", "exactly one"]),
         ("[[models]]\nname = \"m\"\npath = \"no.obj\"", &["bad.toml:1", "no.obj", "relative"]),
         ("[[models]]\nname = \"m\"\nbuiltin = \"teapot\"", &["bad.toml:1", "teapot", "cornell-box"]),
@@ -61,7 +61,7 @@ fn broken_models_name_themselves() {
             "[[models]]\nname = \"m\"\nprimitive = \"sphere\"\nsize = [1e19, 1, 1]",
             &["bad.toml:1", "size must lie within +-1e9"],
         ),
-        ("[[models]]\nname = \"m\"\npath = \"m.obj\"\nsize = [1, 1, 1]", &["size", "does not belong"]),
+        ("[[models]]\nname = \"m\"\npath = \"m.obj\"\nsize = [1, 1, 1]", &["size", "is not allowed"]),
     ] {
         expect_error("bad.toml", text, parts);
     }
@@ -108,14 +108,21 @@ fn broken_lights_name_themselves() {
             &["light \"l\"", "intensity", "negative"][..],
         ),
         ("type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, nan, 1]", &["intensity", "finite"]),
-        ("type = \"point\"\nposition = [0, 0, 0]", &["needs the key intensity"]),
-        ("type = \"point\"\nintensity = [1, 1, 1]", &["needs the key position"]),
+        ("type = \"point\"\nposition = [0, 0, 0]", &["the key intensity is missing"]),
+        ("type = \"point\"\nintensity = [1, 1, 1]", &["the key position is missing"]),
         ("type = \"point\"\nposition = [0, 0, 0]\nintensity = 3", &["bad.toml:5"]),
         ("type = \"lamp\"", &["bad.toml:3", "lamp", "directional"]),
+        // The error is the unknown type, not the unknown keys.
+        (
+            "radius = 1\nheight = 2\ntype = \"tube\"",
+            &["bad.toml:5", "light \"l\"", "tube", "point", "spot", "area"],
+        ),
+        ("type = \"sphere\"\nradius = 1", &["bad.toml:3", "unknown type", "sphere", "directional"]),
+        ("type = \"point\"\nradius = 1", &["bad.toml:4", "radius"]),
         ("intensity = [1, 1, 1]", &["bad.toml:1", "type"]),
         (
             "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, 1, 1]\nouter_deg = 3",
-            &["outer_deg", "does not belong"],
+            &["outer_deg", "is not allowed"],
         ),
         (
             "type = \"spot\"\nposition = [0, 0, 0]\ndirection = [0, 0, 0]\nouter_deg = 9\nintensity = [1, 1, 1]",
@@ -129,10 +136,10 @@ fn broken_lights_name_themselves() {
             "type = \"spot\"\nposition = [0, 0, 0]\ndirection = [0, 1, 0]\nouter_deg = 180\nintensity = [1, 1, 1]",
             &["outer_deg"],
         ),
-        ("type = \"directional\"\nirradiance = [1, 1, 1]", &["needs the key direction"]),
+        ("type = \"directional\"\nirradiance = [1, 1, 1]", &["the key direction is missing"]),
         ("type = \"directional\"\ndirection = [0, 0, 0]\nirradiance = [1, 1, 1]", &["direction", "zero"]),
         ("type = \"area\"\nradiance = [1, 1, 1]", &["polygon", "instance"]),
-        ("type = \"area\"\nradiance = [1, 1, 1]\ninstance = \"x\"", &["no instance", "\"x\""]),
+        ("type = \"area\"\nradiance = [1, 1, 1]\ninstance = \"x\"", &["unknown instance", "\"x\""]),
         (
             "type = \"area\"\nradiance = [1, 1, 1]\npolygon = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]",
             &["polygon", "convex"],
@@ -144,7 +151,11 @@ fn broken_lights_name_themselves() {
     ] {
         expect_error("bad.toml", format!("[[lights]]\nname = \"l\"\n{rest}"), parts);
     }
-    expect_error("bad.toml", format!("[[lights]]\ntype = \"area\"\n{quad}"), &["needs the key radiance"]);
+    expect_error(
+        "bad.toml",
+        format!("[[lights]]\ntype = \"area\"\n{quad}"),
+        &["the key radiance is missing"],
+    );
 }
 
 #[test]

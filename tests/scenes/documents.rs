@@ -1,4 +1,4 @@
-//! A scene that is opened to be edited, saved and loaded is the same scene.
+//! Opening a scene for editing, saving and loading it gives the same scene.
 
 use glam::Vec3;
 use glowworm::scene::{SceneDocument, load_scene, scene_of_text};

@@ -1,4 +1,4 @@
-//! The built-in scenes that are made by code: how large they are, how quickly they are there, what moves.
+//! The procedural built-in scenes: triangle counts, build times, animation.
 
 use std::time::Instant;
 
@@ -32,7 +32,7 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         wrong.extend((!triangles.contains(&count)).then(|| format!("{name}: {count} triangles")));
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
         assert!(bvh.bounds().0.distance(scene.bounds(&pose).0) < 1e-3, "{name}");
-        // 2 s are the aim on two cores of their own; these may be shared.
+        // The goal is 2 s on two idle cores; these may be shared.
         assert!(built.as_secs_f32() < 10.0, "{name} took {built:.2?}");
     }
     assert!(wrong.is_empty(), "{wrong:?}");

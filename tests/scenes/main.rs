@@ -1,9 +1,9 @@
-//! Scenes from their public side: models, scene files, animation and radiometry, and what happens when
-//! something is wrong with a file.
+//! The public interface of scenes: models, scene files, animation, radiometry, and errors in files.
 
 // A failed unwrap fails the test, and helpers are not marked as tests.
 #![allow(clippy::unwrap_used)]
 
+mod bare_models;
 mod broken_models;
 mod broken_scene_files;
 mod documents;
@@ -21,7 +21,7 @@ use glowworm::scene::{LightKind, Scene, SceneError, load_scene, luminance};
 const TRIANGLE: &str =
     "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
 
-/// A folder of scene files that goes away with the value.
+/// A temporary folder of scene files, removed on drop.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -53,7 +53,7 @@ fn expect_error(name: &str, content: impl AsRef<[u8]>, parts: &[&str]) {
     }
 }
 
-/// Cuts the file off at every byte and changes every byte; a panic fails the test.
+/// Truncates the file at every byte and changes every byte; a panic fails the test.
 fn fuzz(folder: &Folder, name: &str, text: &str) {
     let file = folder.path().join(name);
     let mut loaded = 0;
@@ -80,7 +80,7 @@ fn fuzz(folder: &Folder, name: &str, text: &str) {
     assert!(loaded > 0);
 }
 
-/// The folder of the downloadable models; says aloud that the test is skipped when there is none.
+/// The folder of the downloadable models; reports the test as skipped if there is none.
 fn assets() -> Option<PathBuf> {
     let assets = std::env::var_os("GLOWWORM_ASSETS").map(PathBuf::from);
     if assets.is_none() {
@@ -108,7 +108,7 @@ fn load_toml(text: &str) -> Scene {
     load_files(&[("test.toml", text)])
 }
 
-/// Everything that the rest of the program relies on.
+/// The invariants of a scene that the program relies on.
 fn check_consistency(scene: &Scene) {
     for mesh in &scene.meshes {
         let vertices = mesh.positions.len();

@@ -19,7 +19,7 @@ fn cornell_box_needs_no_assets() {
 #[test]
 fn real_scenes_load() {
     let Some(assets) = assets() else { return };
-    // Triangles of the source plus two for each area light made here, less those without area.
+    // Triangles of the source plus two for each added area light, minus degenerate ones.
     for (name, triangles, lights, textures) in [
         ("sponza", 66_440..=66_449, 1, 12),
         ("sibenik", 75_270..=75_277, 3, 3),
@@ -106,7 +106,7 @@ fn obj_peculiarities_are_understood() {
     let scene = load_files(&[("odd.obj", obj), ("my lib.mtl other.mtl", mtl), ("wood.png", "not an image")]);
     check_consistency(&scene);
     let mesh = &scene.meshes[0];
-    // Three triangles, and a concave pentagon of three; the one without area is gone.
+    // Three triangles, and a concave pentagon of three; the degenerate one is removed.
     assert_eq!(mesh.triangles.len(), 6);
     let area: f32 = (0..6).map(|i| mesh.triangle_area(i)).sum();
     assert!((area - (3.0 * 0.5 + 10.0)).abs() < 1e-5, "{area}");
@@ -143,6 +143,26 @@ fn dissolve_and_alpha_cut_surfaces_away() {
     assert_eq!(scene.textures.len(), 1);
     let albedo = scene.materials[1].albedo_at(&scene, Vec2::new(0.25, 0.5));
     assert!((albedo.y - 0.578).abs() < 2e-3, "{albedo}");
+}
+
+/// `d` does not hide an emissive surface; maps mask it like any other.
+#[test]
+fn what_emits_stays_visible_whatever_d_says() {
+    let mtl = "newmtl a\nKe 2 2 2\nd 0.2\nnewmtl b\nd 0.2\nnewmtl c\nKe 2 2 2\nd 0\nmap_d hole.png\n";
+    let folder = Folder::new().with("m.mtl", mtl).with("m.obj", TRIANGLE);
+    let hole = image::GrayImage::from_fn(4, 4, |_, y| image::Luma([if y < 2 { 255 } else { 0 }]));
+    hole.save(folder.path().join("hole.png")).unwrap();
+    let scene = folder.load("m.obj").unwrap();
+    let opaque = |material: u32, v: f32| scene.opaque_at(material, Vec2::new(0.1, v));
+    assert!(opaque(0, 0.1) && !opaque(1, 0.1) && opaque(2, 0.1) && !opaque(2, 0.9));
+    assert!(scene.lights.iter().any(|light| matches!(light.kind, LightKind::Area { .. })));
+    // A light that names an instance whose `d` would hide it.
+    let text = "[[models]]\nname = \"m\"\npath = \"m.obj\"\n[[instances]]\nname = \"i\"\nmodel = \"m\"\n[[lights]]\n\
+                type = \"area\"\ninstance = \"i\"\nradiance = [1, 1, 1]\n";
+    let glass = TRIANGLE.replace("usemtl a", "usemtl b");
+    let scene = folder.with("m.obj", glass).with("s.toml", text).load("s.toml").unwrap();
+    let material = scene.meshes.last().unwrap().triangle_materials[0];
+    assert!(scene.materials[material as usize].is_emissive() && scene.opaque_at(material, Vec2::ZERO));
 }
 
 #[test]

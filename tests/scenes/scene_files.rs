@@ -1,4 +1,4 @@
-//! Scene files, the motion that they describe, and the flux of their lights.
+//! Scene files: animation, and the flux of lights.
 
 use std::f32::consts::PI;
 
@@ -113,7 +113,7 @@ fn a_scene_file_says_what_it_means() {
     assert_eq!(visible, [true, true, false, true, false]);
     assert_eq!(scene.settings.get("vpls").and_then(toml::Value::as_integer), Some(64));
     assert_eq!(scene.settings.len(), 2);
-    // A quad that is turned over and lit shines from what was its upper side.
+    // An emissive quad that is rotated by 180 degrees emits from its former upper side.
     let LightKind::Area { instance, triangles } = &scene.lights[4].kind else { panic!("an area light") };
     assert_eq!((*instance, triangles.len(), triangles[0].radiance), (1, 2, Vec3::splat(5.0)));
     let down =
@@ -133,7 +133,7 @@ fn poses_follow_the_animations() {
     let centre = Vec3::from(quarter.instances[0].translation);
     assert!(centre.distance(Vec3::new(3.0, 2.0, -1.0)) < 1e-4, "{centre}");
     assert_eq!(quarter.instances[1], rest.instances[1]);
-    // The bulb turns about z, the spot about itself, the panel rises.
+    // The bulb rotates about z, the spot about itself, the panel rises.
     assert!(quarter.lights[0].position.distance(Vec3::new(0.0, -5.0, 0.0)) < 1e-4);
     assert_eq!(quarter.lights[1].position, rest.lights[1].position);
     assert!(quarter.lights[1].direction.distance(Vec3::NEG_Z) < 1e-5);
@@ -225,6 +225,6 @@ fn many_instances_load_in_good_time() {
     }
     let start = std::time::Instant::now();
     assert_eq!(load_toml(&text).instances.len(), count);
-    // A second is plenty; what counted the lines of every instance took more than half a minute.
+    // A second is enough; counting the lines of every instance took more than half a minute.
     assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
 }

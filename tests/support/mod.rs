@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene, load_scene};
-use glowworm::settings::Settings;
+use glowworm::settings::{Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
 /// A device whose validation messages fail the test when it goes.
@@ -99,7 +99,17 @@ pub fn scene(text: &str) -> Arc<Scene> {
 
 /// Settings for small, exact pictures: no clamp, no interleaving.
 pub fn exact(size: [u32; 2]) -> Settings {
-    Settings { size, clamp: 0.0, interleave: 1, temporal_sets: 1, vpls: 256, ..Settings::default() }
+    Settings {
+        size,
+        vpl: VplSettings {
+            clamp: 0.0,
+            interleave: 1,
+            temporal_sets: 1,
+            slots: 256,
+            ..VplSettings::default()
+        },
+        ..Settings::default()
+    }
 }
 
 /// Three channels of a layer of the last frame, pixel by pixel.

@@ -1,14 +1,14 @@
-//! Where first VPLs come to lie against the emission of each kind of light.
+//! Distribution of first VPLs against the emission of each kind of light.
 
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use glowworm::scene::{Light, Mesh, Scene};
-use glowworm::vpl::{SlotState, VplManager};
+use glowworm::estimators::vpls::{SlotState, VplManager};
+use glowworm::scene::{AlphaMask, Light, Mesh, Scene};
 
 use crate::support::*;
 
-/// Share of the samples in each bin against the expected share.
+/// Compares the fraction of samples in each bin with the expected one.
 fn assert_shares(what: &str, counts: &[u32], expected: &[f32]) {
     let total: u32 = counts.iter().sum();
     for (bin, (count, expected)) in counts.iter().zip(expected).enumerate() {
@@ -109,11 +109,12 @@ fn sun_finds_a_house_on_a_wide_plain() {
     scene.lights.push(directional(3.0, Vec3::NEG_Y));
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &settings(4096, 1));
-    let is_on_dome =
-        |slot: &glowworm::vpl::SlotView| slot.state == SlotState::Valid && slot.position.y > 1e-4;
+    let is_on_dome = |slot: &glowworm::estimators::vpls::SlotView| {
+        slot.state == SlotState::Valid && slot.position.y > 1e-4
+    };
     let on_dome = manager.slots().filter(is_on_dome).count();
     assert!(on_dome > 250, "{on_dome}");
-    // And yet each place gets what falls on it.
+    // The weights still give each point its irradiance.
     let flux = flux_of(&manager, is_on_dome) as f32;
     assert!((flux / (3.0 * PI * 0.5) - 1.0).abs() < 0.03, "{flux}");
     let flux = flux_of(&manager, |_| true) as f32;
@@ -122,7 +123,7 @@ fn sun_finds_a_house_on_a_wide_plain() {
 
 #[test]
 fn area_light_starts_evenly_and_shines_by_the_cosine() {
-    // A small light in the middle of a large sphere, so that where it starts hardly matters.
+    // A small light at the centre of a large sphere, so that the start on the light hardly matters.
     let stage = sphere_scene(|scene| {
         let lamp = place(scene, square(0.02), Vec3::ZERO, false);
         area(scene, lamp, 1.0)
@@ -161,4 +162,28 @@ fn area_light_weighs_its_triangles() {
     let flux: Vec3 = manager.slots().filter(|slot| slot.bounce == 0).map(|slot| slot.flux).sum();
     let expected = Vec3::new(3.0, 0.0, 1.0) * PI * 0.5;
     assert!(flux.distance(expected) < 0.01 * expected.length(), "{flux} {expected}");
+}
+
+/// An alpha mask cuts half of the lamp away: half of its paths carry no flux, the rest carry half of it.
+#[test]
+fn holes_in_an_area_light_emit_nothing() {
+    let mut scene = grey_scene(0.5);
+    scene.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1] });
+    scene.materials[0].alpha_mask = Some(0);
+    let mut mesh = square(2.0);
+    mesh.uvs = mesh.positions.iter().map(|position| glam::Vec2::new(0.5 * (position.x + 1.0), 0.5)).collect();
+    // Up to the edge, where coordinates wrap around.
+    mesh.uvs.iter_mut().for_each(|uv| uv.x = uv.x.clamp(0.0, 0.999));
+    let lamp = place(&mut scene, mesh, Vec3::ZERO, false);
+    let light = area(&scene, lamp, 1.0);
+    scene.lights.push(light);
+    let stage = Stage::new(scene);
+    let manager = VplManager::new(stage.world(), &settings(4096, 1));
+    let primaries: Vec<_> = manager.slots().filter(|slot| slot.bounce == 0).collect();
+    let valid: Vec<_> = primaries.iter().filter(|slot| slot.state == SlotState::Valid).collect();
+    assert!(valid.iter().all(|slot| slot.position.x < 0.01));
+    let kept = valid.len() as f32 / primaries.len() as f32;
+    assert!((kept - 0.5).abs() < 0.02, "{kept}");
+    let flux = flux_of(&manager, |slot| slot.bounce == 0) as f32;
+    assert!((flux / (0.5 * PI * 4.0) - 1.0).abs() < 0.02, "{flux}");
 }

@@ -1,10 +1,10 @@
-//! Flux that VPLs carry against what light transport says.
+//! Flux of VPLs against analytic light transport.
 
 use std::f64::consts::PI;
 
 use glam::Vec3;
+use glowworm::estimators::vpls::{SlotState, VplManager};
 use glowworm::scene::{Mesh, luminance};
-use glowworm::vpl::{SlotState, VplManager};
 
 use crate::support::*;
 
@@ -41,7 +41,7 @@ fn sets_add_up_to_the_total() {
     let total = manager.total_flux(stage.world());
     assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
     assert!((cells.classes.iter().sum::<f32>() / total - 1.0).abs() < 1e-5);
-    // Sets and classes hold what they say.
+    // Sets and classes hold the flux that they report.
     let mut classes = [0.0; 4];
     let mut seen = vec![false; 333];
     for (index, set) in sets.iter().enumerate() {
@@ -128,7 +128,7 @@ fn each_of_four_lights_gets_its_energy() {
                         0.0
                     }
                 }
-                // From the roof outside, nothing comes back.
+                // Light from the outside of the roof never returns.
                 2.. if sun => 0.0,
                 _ => flux * 0.5f64.powi(bounce as i32),
             };
@@ -169,13 +169,16 @@ fn escapes_are_true_zeros_and_invalid_slots_are_made_up_for() {
     let plate = place(&mut scene, square(0.6), Vec3::new(0.0, -5.0, 0.0), true);
     scene.lights.push(point(1.0, Vec3::Y));
     let mut stage = Stage::new(scene);
-    let settings = glowworm::settings::Settings { budget: 1, ..settings(4096, 1) };
+    let settings = glowworm::settings::Settings {
+        vpl: glowworm::settings::VplSettings { budget: 1, ..settings(4096, 1).vpl },
+        ..settings(4096, 1)
+    };
     let mut manager = VplManager::new(stage.world(), &settings);
     let expected = 4.0 * PI / 6.0 * 0.8;
     let whole = flux_of(&manager, |_| true);
     assert!((whole / expected - 1.0).abs() < 0.02, "{whole} {expected}");
     let escaped = manager.counters().escaped;
-    // Hold the plate below the light: what is behind it is invalid, and what is left keeps its flux.
+    // Hold the plate below the light: VPLs behind it are invalid, and the rest keeps the total flux.
     stage.move_instance(plate, Vec3::new(0.0, 5.5, 0.0));
     stage.invalidate(&mut manager);
     let counters = manager.counters();

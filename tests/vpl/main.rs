@@ -1,9 +1,9 @@
-//! The VPL manager against known answers: energy, balance, budget, and forgetting the past.
+//! The VPL manager against known answers: energy, balance, budget, and expiry of history.
 
 mod emission;
 mod energy;
-mod forgetting;
-mod looking;
+mod history;
+mod inspection;
 mod motion;
 mod replacement;
 mod sizes;

@@ -1,16 +1,17 @@
 //! Smooth motion, and independence of scale.
 
 use glam::{Affine3A, Quat, Vec3};
+use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
 use glowworm::scene::{Light, LightKind, Mesh};
-use glowworm::settings::Settings;
-use glowworm::vpl::{SlotState, SlotView, VplManager};
+use glowworm::settings::{Settings, VplSettings};
 
 use crate::support::*;
 
-/// Moves a light by small steps, shooting everything anew each time, and returns for each step and slot of
-/// `bounce` how far its VPL went.
+/// Moves a light by small steps, shoots everything again each time, and returns the distance that each slot's VPL of
+/// `bounce` moved in each step.
 fn steps(mut stage: Stage, bounces: u32, bounce: u32, change: impl Fn(u32, &mut Light)) -> Vec<f32> {
-    let settings = Settings { budget: 512, ..settings(512, bounces) };
+    let settings =
+        Settings { vpl: VplSettings { budget: 512, ..settings(512, bounces).vpl }, ..settings(512, bounces) };
     let mut manager = VplManager::new(stage.world(), &settings);
     let mut distances = Vec::new();
     for step in 0..50 {
@@ -42,7 +43,7 @@ fn first_vpls_follow_a_moving_light() {
         light.position.x += 0.01;
     });
     assert_eq!(distances.len(), 512 * 50);
-    // At most 1.0 off the centre of a sphere of radius 2, no VPL runs more than a few times faster.
+    // At most 1.0 off the centre of a sphere of radius 2, no VPL moves more than a few times faster than the light.
     assert!(distances[distances.len() - 1] < 0.04, "{:?}", distances.last());
 }
 
@@ -84,7 +85,7 @@ fn vpls_ride_on_their_object() {
     let floor = place(&mut scene, square(2.0), Vec3::ZERO, true);
     scene.lights.push(directional(1.0, Vec3::NEG_Y));
     let mut stage = Stage::new(scene);
-    let settings = Settings { budget: 1, ..settings(200, 1) };
+    let settings = Settings { vpl: VplSettings { budget: 1, ..settings(200, 1).vpl }, ..settings(200, 1) };
     let manager = VplManager::new(stage.world(), &settings);
     let before = all_sets(&manager, &stage, &settings);
     stage.move_instance(floor, Vec3::new(0.0, 0.25, 0.0));
@@ -138,7 +139,7 @@ fn scale_changes_nothing() {
                             < 1e-3 * expected.flux.max_element()));
             differ += u32::from(!same);
         }
-        // Powers of two round alike; else a ray that barely meets an edge may go either way.
+        // Powers of two round alike; otherwise a ray that grazes an edge may hit or miss.
         let exact = scale.log2().fract() == 0.0;
         assert!(differ <= if exact { 0 } else { 5 }, "{scale}: {differ} of 512 slots differ");
     }

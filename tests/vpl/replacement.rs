@@ -1,9 +1,9 @@
-//! Budget, order and fairness of replacement; what must go at once.
+//! Budget, order and fairness of replacement; immediate invalidation.
 
 use glam::Vec3;
+use glowworm::estimators::vpls::{SlotState, VplManager};
 use glowworm::scene::Mesh;
-use glowworm::settings::Settings;
-use glowworm::vpl::{SlotState, VplManager};
+use glowworm::settings::{Settings, VplSettings};
 
 use crate::support::*;
 
@@ -36,11 +36,14 @@ fn static_scene_never_shoots() {
 fn nothing_starves_while_the_light_keeps_moving() {
     for (vpls, bounces, budget) in [(96, 16, 1), (96, 16, 5), (100, 3, 7)] {
         let mut stage = sphere_with(point(1.0, Vec3::ZERO));
-        let settings = Settings { budget, ..settings(vpls, bounces) };
+        let settings = Settings {
+            vpl: VplSettings { budget, ..settings(vpls, bounces).vpl },
+            ..settings(vpls, bounces)
+        };
         let mut manager = VplManager::new(stage.world(), &settings);
         let mut last_change = vec![0; vpls as usize];
         let mut positions: Vec<Vec3> = manager.slots().map(|slot| slot.position).collect();
-        // Whatever is shot again lands elsewhere, since its parent has moved.
+        // Slots that are shot again hit elsewhere, since their parent moved.
         let round = vpls.div_ceil(budget) + bounces;
         for frame in 1..=4 * round {
             let angle = frame as f32 * 0.05;
@@ -62,7 +65,8 @@ fn nothing_starves_while_the_light_keeps_moving() {
 fn no_shot_is_lost_once_the_world_stands_still() {
     for moving_frames in 1..20 {
         let mut stage = sphere_with(point(1.0, Vec3::ZERO));
-        let settings = Settings { budget: 3, ..settings(80, 16) };
+        let settings =
+            Settings { vpl: VplSettings { budget: 3, ..settings(80, 16).vpl }, ..settings(80, 16) };
         let mut manager = VplManager::new(stage.world(), &settings);
         for _ in 0..moving_frames {
             stage.pose.lights[0].position.x += 0.02;
@@ -85,7 +89,7 @@ fn invalid_slots_come_first() {
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.99, 0.0), true);
     scene.lights.push(point(1.0, Vec3::new(0.0, 0.5, 0.0)));
     let mut stage = Stage::new(scene);
-    let settings = Settings { budget: 16, ..settings(256, 2) };
+    let settings = Settings { vpl: VplSettings { budget: 16, ..settings(256, 2).vpl }, ..settings(256, 2) };
     let mut manager = VplManager::new(stage.world(), &settings);
     stage.pose.lights[0].position.x = 0.01;
     stage.move_instance(plate, Vec3::new(0.0, 1.5, 0.0));
@@ -128,7 +132,7 @@ fn plate_slides_out_from_under_its_vpls() {
     let plate = place(&mut scene, square(2.0), Vec3::new(0.0, 0.5, 0.0), true);
     scene.lights.push(spot(1.0, Vec3::new(0.0, 2.0, 0.0), Vec3::NEG_Y));
     let mut stage = Stage::new(scene);
-    let settings = Settings { budget: 3, ..settings(128, 1) };
+    let settings = Settings { vpl: VplSettings { budget: 3, ..settings(128, 1).vpl }, ..settings(128, 1) };
     let mut manager = VplManager::new(stage.world(), &settings);
     assert!(manager.slots().all(|slot| (slot.position.y - 0.5).abs() < 1e-5));
     for frame in 1..80 {
@@ -141,7 +145,7 @@ fn plate_slides_out_from_under_its_vpls() {
                 let on_floor = p.y.abs() < 1e-5;
                 let on_plate = (p.y - 0.5).abs() < 1e-5 && (p.x - slid).abs() < 1.0 + 1e-5;
                 assert!(on_floor || on_plate, "{p} hangs in the air");
-                // And it still lies in the light.
+                // It is still lit.
                 let to_vpl = (p - Vec3::new(0.0, 2.0, 0.0)).normalize();
                 assert!(to_vpl.dot(Vec3::NEG_Y) > 0.6f32.cos() - 1e-4, "{p} in the dark");
             }
@@ -165,7 +169,7 @@ fn spot_turned_away_loses_its_vpls_at_once() {
 
 #[test]
 fn same_slot_same_spot() {
-    // A plate passes through the light of an unmoved lamp; afterwards all is as it was.
+    // A plate passes through the light of a stationary lamp; afterwards all slots are as before.
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.9, 0.0), true);

@@ -1,8 +1,8 @@
-//! Every size and mix that the settings allow.
+//! All sizes and mixes of lights that the settings allow.
 
 use glam::Vec3;
-use glowworm::settings::Settings;
-use glowworm::vpl::{SlotState, VplManager};
+use glowworm::estimators::vpls::{SlotState, VplManager};
+use glowworm::settings::{Settings, VplSettings};
 
 use crate::support::*;
 
@@ -32,9 +32,12 @@ fn every_small_number_of_slots() {
         for vpls in 1..=70 {
             for bounces in [1, 2, 3, 16] {
                 let settings = Settings {
-                    temporal_sets: 64.min(vpls),
-                    interleave: 1 + vpls % 8,
-                    budget: 1 + vpls % 5,
+                    vpl: VplSettings {
+                        temporal_sets: 64.min(vpls),
+                        interleave: 1 + vpls % 8,
+                        budget: 1 + vpls % 5,
+                        ..settings(vpls, bounces).vpl
+                    },
                     ..settings(vpls, bounces)
                 };
                 stage.pose.lights[0].position = Vec3::ZERO;
@@ -46,9 +49,9 @@ fn every_small_number_of_slots() {
                 assert!(all_used(&manager), "{mix} {vpls} {bounces}");
                 assert_eq!(manager.counters().slots, vpls);
                 stage.pose.lights[0].position.x += 0.01;
-                let frames = vpls.div_ceil(settings.budget);
+                let frames = vpls.div_ceil(settings.vpl.budget);
                 for _ in 0..frames {
-                    assert!(stage.frame(&mut manager).shot <= settings.budget);
+                    assert!(stage.frame(&mut manager).shot <= settings.vpl.budget);
                 }
                 assert!(all_used(&manager), "{mix} {vpls} {bounces}");
                 assert_eq!(stage.frame(&mut manager).shot, 0);
@@ -64,8 +67,15 @@ fn every_small_number_of_slots() {
 fn most_slots() {
     let mut stage = lit_room(15);
     for bounces in [1, 16] {
-        let settings =
-            Settings { temporal_sets: 64, interleave: 8, budget: 4096, ..settings(65_536, bounces) };
+        let settings = Settings {
+            vpl: VplSettings {
+                temporal_sets: 64,
+                interleave: 8,
+                budget: 4096,
+                ..settings(65_536, bounces).vpl
+            },
+            ..settings(65_536, bounces)
+        };
         let mut manager = VplManager::new(stage.world(), &settings);
         let counters = manager.counters();
         assert_eq!(counters.valid + counters.escaped, 65_536);
@@ -100,7 +110,7 @@ fn without_light_there_is_nothing() {
             let sets = all_sets(&manager, &stage, &settings);
             assert!(sets.iter().all(|set| set.vpls.is_empty() && set.class_starts == [0; 5]));
         }
-        // Light comes back.
+        // The lights are switched on again.
         stage.pose.lights = vec![point(1.0, Vec3::ZERO)];
         for _ in 0..2 {
             stage.frame(&mut manager);

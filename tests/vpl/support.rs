@@ -1,12 +1,13 @@
-//! Small scenes and a stage on which they move.
+//! Small scenes, and their animation by hand.
 
 use glam::{Affine3A, Vec3};
 use glowworm::bvh::TwoLevelBvh;
+use glowworm::estimators::World;
+use glowworm::estimators::vpls::{SetVpls, SlotState, SlotView, VplCounters, VplManager};
 use glowworm::scene::{AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene};
-use glowworm::settings::Settings;
-use glowworm::vpl::{SetVpls, SlotState, SlotView, VplCounters, VplManager, World};
+use glowworm::settings::{Settings, VplSettings};
 
-/// A scene with where everything stands now.
+/// A scene with its current pose.
 pub struct Stage {
     pub scene: Scene,
     pub pose: Pose,
@@ -24,7 +25,7 @@ impl Stage {
         World { scene: &self.scene, pose: &self.pose, bvh: &self.bvh }
     }
 
-    /// The same scene and pose, with nothing kept from before.
+    /// The same scene and pose, without history.
     pub fn fresh(&self) -> Self {
         Self {
             scene: self.scene.clone(),
@@ -55,7 +56,11 @@ impl Stage {
 }
 
 pub fn settings(vpls: u32, bounces: u32) -> Settings {
-    Settings { vpls, bounces, temporal_sets: 4.min(vpls), interleave: 2, ..Settings::default() }
+    Settings {
+        bounces,
+        vpl: VplSettings { slots: vpls, temporal_sets: 4.min(vpls), interleave: 2, ..VplSettings::default() },
+        ..Settings::default()
+    }
 }
 
 /// A scene with material 0 of grey `albedo`.
@@ -112,7 +117,7 @@ pub fn directional(irradiance: f32, direction: Vec3) -> Light {
     light(LightKind::Directional { irradiance }, Vec3::ZERO, direction)
 }
 
-/// Makes all triangles of `instance` glow with `radiance`.
+/// Makes all triangles of `instance` emit `radiance`.
 pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
     let triangles = scene.meshes[scene.instances[instance].mesh].triangles.len();
     let triangles = (0..triangles as u32)
@@ -122,12 +127,12 @@ pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
     light(kind, Vec3::ZERO, Vec3::NEG_Y)
 }
 
-/// All sets, as they would be drawn.
+/// The VPLs of all sets.
 pub fn all_sets(manager: &VplManager, stage: &Stage, settings: &Settings) -> Vec<SetVpls> {
-    (0..settings.temporal_sets).map(|set| manager.set_vpls(stage.world(), set)).collect()
+    (0..settings.vpl.temporal_sets).map(|set| manager.set_vpls(stage.world(), set)).collect()
 }
 
-/// Red flux of the slots that `filter` takes, summed.
+/// Total red flux of the slots that pass `filter`.
 pub fn flux_of(manager: &VplManager, filter: impl Fn(&SlotView) -> bool) -> f64 {
     manager.slots().filter(filter).map(|slot| f64::from(slot.flux.x)).sum()
 }

@@ -1,22 +1,22 @@
-//! What casts rays in the benchmark, and how its answers are compared.
+//! The interface of tracers in the benchmark, and the comparison of their results.
 
 use serde::{Deserialize, Serialize};
 
 use super::super::BenchError;
 use super::rays::RaySet;
 
-/// What is asked of a ray.
+/// Query of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Query {
-    /// Whether anything is met.
+    /// Any hit.
     Occluded,
-    /// What is met first.
+    /// Closest hit.
     Closest,
 }
 
 impl Query {
-    /// Both.
+    /// Both queries.
     pub const ALL: [Self; 2] = [Self::Occluded, Self::Closest];
 
     /// Its name in tables.
@@ -31,26 +31,26 @@ impl Query {
 /// All rays of a set, cast once.
 #[derive(Clone, Debug, Default)]
 pub struct Cast {
-    /// What it took, without setting up and without looking at the answers.
+    /// Time without set-up and without reading the results, seconds.
     pub seconds: f64,
-    /// A number for each ray: negative where nothing was met, else t of the closest hit, or 0 where any would do.
+    /// Result of each ray: negative for a miss, else t of the closest hit, or 0 for any hit.
     pub answers: Vec<f32>,
 }
 
-/// Something that casts rays.
+/// A tracer under test.
 pub trait Contender {
     /// Its name in tables and files.
     fn name(&self) -> &str;
 
-    /// Casts all rays of a set over all cores.
+    /// Casts all rays of a set, on all cores.
     ///
     /// # Errors
-    /// Where a device fails.
+    /// If the device fails.
     fn cast(&mut self, set: &RaySet, query: Query) -> Result<Cast, BenchError>;
 }
 
-/// How many answers differ: a hit for none, or hits that are not at the same t but for rounding, of t itself and of
-/// where the ray begins.
+/// Number of results that differ: hit against miss, or hits whose t differ beyond the rounding of t and of the
+/// ray's origin.
 pub fn differing(a: &[f32], b: &[f32]) -> usize {
     let differs = |(&a, &b): (&f32, &f32)| {
         let other_hit = (a - b).abs() > 1e-4 * a.abs().max(b.abs()) + 1e-5;

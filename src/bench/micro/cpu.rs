@@ -15,7 +15,7 @@ use super::rays::RaySet;
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::scene::{Pose, Scene};
 
-/// Rays of a task where the tracer does not decide that itself.
+/// Rays per task, for tracers without batches of their own.
 pub(super) const RAYS_PER_TASK: usize = 256;
 
 /// [`TwoLevelBvh`], as the VPL manager and the path tracer use it.
@@ -44,7 +44,7 @@ impl Contender for OwnTracer<'_> {
     }
 }
 
-/// The triangles of all visible instances in world space; none where alpha masks say which parts of them are there.
+/// The triangles of all visible instances, world space; none if the scene has alpha masks.
 pub(super) fn world_triangles(scene: &Scene, pose: &Pose) -> Option<Vec<[Vec3A; 3]>> {
     if !scene.alpha_masks.is_empty() {
         return None;
@@ -58,14 +58,14 @@ pub(super) fn world_triangles(scene: &Scene, pose: &Pose) -> Option<Vec<[Vec3A; 
     Some(triangles.collect())
 }
 
-/// Casts rays over all cores, each with `cast`, which gives an answer as [`Cast`] has them.
+/// Casts rays on all cores; `cast` returns a result as in [`Cast`].
 pub(super) fn cast_all(rays: &[Ray], cast: impl Fn(&Ray) -> f32 + Sync) -> Cast {
     let begun = Instant::now();
     let answers = rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| rays.iter().map(&cast)).collect();
     Cast { seconds: begun.elapsed().as_secs_f64(), answers }
 }
 
-/// obvhs as it comes: its builder, traversal and triangle test.
+/// obvhs with its own builder, traversal and triangle test.
 pub struct Obvhs {
     bvh: CwBvh,
     /// In the order of the leaves.
@@ -73,7 +73,7 @@ pub struct Obvhs {
 }
 
 impl Obvhs {
-    /// None where the scene has alpha masks, of which it knows nothing.
+    /// None if the scene has alpha masks, which it does not support.
     pub fn new(scene: &Scene, pose: &Pose) -> Option<Self> {
         let triangles: Vec<Triangle> =
             world_triangles(scene, pose)?.into_iter().map(|[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();

@@ -1,7 +1,7 @@
-//! Embree 3 on the CPU: a yardstick, in builds with the feature `embree` only.
+//! Embree 3 on the CPU, as a baseline; in builds with the feature `embree` only.
 //!
-//! As it comes: a static scene of medium build quality, `rtcOccluded1` and `rtcIntersect1`, one ray after the other
-//! in tasks over the same threads that our own tracer has.
+//! A static scene of medium build quality, `rtcOccluded1` and `rtcIntersect1`, single rays in tasks on the same thread
+//! pool as our own tracer.
 
 use embree::{
     CommittedScene, Device, Geometry, IntersectContext, Ray as Segment, RayHit, Scene, TriangleMesh,
@@ -14,8 +14,8 @@ use super::rays::RaySet;
 use crate::bvh::Ray;
 use crate::scene::Pose;
 
-/// Calls `with` with Embree over all triangles of the world; with none where the scene has alpha masks, of which it
-/// knows nothing.
+/// Calls `with` with Embree over all triangles in world space, or with none if the scene has alpha masks, which it does
+/// not support.
 pub fn with_embree<T>(
     scene: &crate::scene::Scene,
     pose: &Pose,

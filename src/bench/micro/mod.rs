@@ -1,10 +1,10 @@
-//! Small things by themselves: rays per second of each tracer, and what the BVH and each pass take.
+//! Micro-benchmarks: rays per second of each tracer, and times of BVH operations and passes.
 //!
-//! In: scenes and settings. Out: a [`MicroReport`]. What is compared is measured in turns, one after the other and
-//! again, and ratios are of the same turn, so that others who use the machine disturb all alike.
+//! In: scenes and settings. Out: a [`MicroReport`]. Contenders are measured alternately, turn by turn, and ratios are
+//! taken within a turn, so that other load on the machine affects all alike.
 //!
-//! - `rays`: the rays; `contender`, `cpu`, `shader`, `embree`: what casts them.
-//! - `times`: the BVH and the passes; `report`: all of it, and the tables.
+//! - `rays`: the rays; `contender`, `cpu`, `shader`, `embree`: the tracers.
+//! - `times`: BVH and passes; `report`: the report and its tables.
 
 mod contender;
 mod cpu;
@@ -35,7 +35,7 @@ use crate::settings::Settings;
 use crate::vulkan::Device;
 use times::{bvh_times, pass_times};
 
-/// A benchmark of small things.
+/// A set of micro-benchmarks.
 pub struct Micro {
     device: Arc<Device>,
     scenes: Vec<(Arc<Scene>, Settings)>,
@@ -45,7 +45,7 @@ pub struct Micro {
 }
 
 impl Micro {
-    /// Of `scenes` with the settings of their frames; every set has at most `most_rays` rays.
+    /// Benchmarks `scenes` with the settings of their frames; every set has at most `most_rays` rays.
     pub fn new(
         device: &Arc<Device>,
         scenes: Vec<(Arc<Scene>, Settings)>,
@@ -55,7 +55,7 @@ impl Micro {
         Self { device: Arc::clone(device), scenes, most_rays, turns }
     }
 
-    /// How many times [`Control`] hears of progress.
+    /// Total work, in the units of [`Control`].
     pub fn work(&self) -> u64 {
         let of_scene = RayKind::ALL.len() * Query::ALL.len() + 3;
         u64::from(self.turns) * (of_scene * self.scenes.len() + 1) as u64
@@ -64,7 +64,7 @@ impl Micro {
     /// Measures everything.
     ///
     /// # Errors
-    /// Where the device fails, or somebody interrupts.
+    /// If the device fails or the run is interrupted.
     pub fn run(&self, control: &mut Control<'_>) -> Result<MicroReport, BenchError> {
         control.runs = [0, self.work() as usize];
         let mut scenes = Vec::new();
@@ -95,7 +95,7 @@ impl Micro {
         let mut shaders = ShaderTracer::all(&self.device, &prepared.bvh)?;
         let mut obvhs = Obvhs::new(scene, &pose);
         if obvhs.is_none() {
-            notes.push("other libraries are left out: they know nothing of alpha masks".to_owned());
+            notes.push("other libraries are omitted: they do not support alpha masks".to_owned());
         }
         let rays = with_yardstick(scene, &pose, |yardstick| {
             let mut tracers: Vec<&mut dyn Contender> = vec![&mut own];
@@ -111,7 +111,7 @@ impl Micro {
         Ok(SceneMicro { scene: SceneFacts::of(scene), settings: settings.clone(), rays, times, notes })
     }
 
-    /// Every set with every query, by all tracers in turns.
+    /// Casts every set with every query, alternating between all tracers.
     fn rays(
         &self,
         sets: &[RaySet],
@@ -124,7 +124,7 @@ impl Micro {
             if set.rays.is_empty() {
                 continue;
             }
-            // Warm up, and compare the answers.
+            // Warm up, and compare the results.
             let mut answers = Vec::new();
             for tracer in &mut *tracers {
                 answers.push(tracer.cast(set, query)?.answers);
@@ -149,7 +149,7 @@ impl Micro {
         Ok(runs)
     }
 
-    /// The BVH of a thousand instances of which a hundred move, the same for every scene.
+    /// BVH times of the crowd: 1,000 instances, of which 100 move.
     fn crowd(&self, control: &mut Control<'_>) -> Result<SceneMicro, BenchError> {
         control.begin("crowd, BVH".to_owned());
         let scene = crowd()?;
@@ -159,7 +159,7 @@ impl Micro {
     }
 }
 
-/// A thousand balls, 1.28 million triangles in all, of which every tenth moves.
+/// 1,000 spheres, 1.28 million triangles in total; every tenth one is dynamic.
 ///
 /// # Errors
 /// Never, unless the scene format has changed.
@@ -177,7 +177,7 @@ pub fn crowd() -> Result<Scene, BenchError> {
     Ok(scene_of_text(&text, None)?)
 }
 
-/// Calls `with` with Embree, in builds that have it and scenes that it can do.
+/// Calls `with` with Embree, if the build and the scene support it.
 #[cfg(feature = "embree")]
 fn with_yardstick<T>(
     scene: &Scene,

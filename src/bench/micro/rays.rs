@@ -1,31 +1,34 @@
-//! The rays that tracers are compared with: those that real frames of a scene cast, in the order of the threads.
+//! Ray sets of real frames of a scene, in the order of shader invocations.
 //!
 //! In: a scene with its BVH and settings. Out: primary rays, the rays from pixels to VPLs that
-//! shaders/indirect_shadows.comp casts, and rays that scatter off the visible surfaces.
+//! shaders/estimators/vpls/indirect_shadows.comp casts, and diffuse rays from the visible surfaces.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::bvh::Ray;
-use crate::renderer::{Culling, PreparedScene, camera_ray};
+use crate::estimators::World;
+use crate::estimators::vpls::inspect::geometry_bound_of;
+use crate::estimators::vpls::manager::contribution;
+use crate::estimators::vpls::{GpuVpl, SetVpls, VplManager};
+use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
-use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, luminance, ray_offset};
+use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};
 use crate::settings::Settings;
-use crate::vpl::{GpuVpl, SetVpls, VplManager, World, contribution};
 
-/// Side of the blocks of pixels that go together, as in a workgroup.
+/// Side of a workgroup's block of pixels.
 const GROUP: u32 = 8;
 
-/// Where rays come from.
+/// Kind of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RayKind {
-    /// From the eye through pixels.
+    /// From the camera through pixels.
     Primary,
     /// From pixels to the VPLs of their class.
     Shadow,
-    /// Off visible surfaces into random directions, distributed as the cosine.
+    /// From visible surfaces, cosine-distributed.
     Incoherent,
 }
 
@@ -46,13 +49,13 @@ impl RayKind {
 /// Rays of one kind.
 #[derive(Clone, Debug)]
 pub struct RaySet {
-    /// Where they come from.
+    /// Kind of rays.
     pub kind: RayKind,
-    /// In the order in which a device's threads have them.
+    /// In the order of shader invocations.
     pub rays: Vec<Ray>,
 }
 
-/// `most` rays of each kind, or as many as there are to VPLs, of frames with `settings` of the scene as it stands in `pose`.
+/// `most` rays of each kind, fewer if there are fewer to VPLs, for frames with `settings` in pose `pose`.
 pub fn ray_sets(prepared: &PreparedScene, pose: &Pose, settings: &Settings, most: usize) -> Vec<RaySet> {
     let pixels = Pixels::new(prepared, pose, settings.size);
     let set = |kind| {
@@ -67,7 +70,7 @@ pub fn ray_sets(prepared: &PreparedScene, pose: &Pose, settings: &Settings, most
     RayKind::ALL.into_iter().map(set).collect()
 }
 
-/// What a camera sees.
+/// The visible surfaces.
 struct Pixels<'a> {
     prepared: &'a PreparedScene,
     pose: &'a Pose,
@@ -111,7 +114,7 @@ impl<'a> Pixels<'a> {
         self.surfaces[(y * self.size[0] + x) as usize].as_ref()
     }
 
-    /// `count` rays from the eye, again and again through other places of the same pixels.
+    /// `count` camera rays; repeats the pixels with new subpixel positions.
     fn primary(&self, count: usize) -> Vec<Ray> {
         let ray = |(index, [x, y]): (usize, [u32; 2])| {
             let within = random_point(index as u32, 0, 0);
@@ -122,7 +125,7 @@ impl<'a> Pixels<'a> {
         places.take(count).enumerate().map(ray).collect()
     }
 
-    /// `count` rays off the pixels' surfaces, one of each and again; none where no surface is in sight.
+    /// `count` rays from the pixels' surfaces, cycling through them; none if no surface is visible.
     fn scattered(&self, count: usize) -> Vec<Ray> {
         let surfaces: Vec<&WorldSurface> =
             self.blocks(1, [0, 0]).flatten().filter_map(|place| self.surface(place)).collect();
@@ -136,24 +139,23 @@ impl<'a> Pixels<'a> {
         surfaces.iter().cycle().take(count).enumerate().map(ray).collect()
     }
 
-    /// The occlusion rays of frames that stand still, one temporal set after the other, until there are `enough`.
+    /// The occlusion rays of stationary frames, set by set, until there are `enough`.
     fn to_vpls(&self, settings: &Settings, enough: usize) -> Vec<Ray> {
         let PreparedScene { scene, bvh, .. } = self.prepared;
         let world = World { scene, pose: self.pose, bvh };
         let manager = VplManager::new(world, settings);
-        let flux = manager.flux_by_cell().sets.iter().sum();
-        let culling = self.prepared.culling(settings, flux);
+        let bound = geometry_bound_of(world, &settings.vpl, self.scene_radius);
         let mut rays = Vec::new();
-        for set in 0..settings.temporal_sets {
+        for set in 0..settings.vpl.temporal_sets {
             if rays.len() < enough {
-                self.to_set(&manager.set_vpls(world, set), settings.interleave, &culling, &mut rays);
+                self.to_set(&manager.set_vpls(world, set), settings.vpl.interleave, bound, &mut rays);
             }
         }
         rays
     }
 
-    /// Twin of shaders/indirect_shadows.comp: a workgroup is 8x8 pixels of one class.
-    fn to_set(&self, set: &SetVpls, interleave: u32, culling: &Culling, rays: &mut Vec<Ray>) {
+    /// Twin of shaders/estimators/vpls/indirect_shadows.comp: a workgroup is 8x8 pixels of one class.
+    fn to_set(&self, set: &SetVpls, interleave: u32, bound: f32, rays: &mut Vec<Ray>) {
         let classes: Vec<Vec<Vec<[u32; 2]>>> = (0..interleave * interleave)
             .map(|class| self.blocks(interleave, [class % interleave, class / interleave]).collect())
             .collect();
@@ -161,17 +163,16 @@ impl<'a> Pixels<'a> {
             for (class, blocks) in classes.iter().enumerate() {
                 let vpls = &set.vpls[set.class_starts[class] as usize..set.class_starts[class + 1] as usize];
                 for vpl in vpls {
-                    rays.extend(blocks[block].iter().filter_map(|&pixel| self.to_vpl(pixel, vpl, culling)));
+                    rays.extend(blocks[block].iter().filter_map(|&pixel| self.to_vpl(pixel, vpl, bound)));
                 }
             }
         }
     }
 
     /// The ray from a pixel to a VPL, if one is cast.
-    fn to_vpl(&self, pixel: [u32; 2], vpl: &GpuVpl, culling: &Culling) -> Option<Ray> {
+    fn to_vpl(&self, pixel: [u32; 2], vpl: &GpuVpl, bound: f32) -> Option<Ray> {
         let surface = self.surface(pixel)?;
-        let share = luminance(contribution(vpl, surface, culling.geometry_bound)) * culling.roulette;
-        if share.min(1.0) <= ray_chance(pixel, vpl.slot) {
+        if contribution(vpl, surface, bound) == Vec3::ZERO {
             return None;
         }
         let origin = surface.offset_position(self.scene_radius);
@@ -182,16 +183,4 @@ impl<'a> Pixels<'a> {
 
 fn pixel_ray(pose: &Pose, size: [u32; 2], [x, y]: [u32; 2]) -> Ray {
     camera_ray(&pose.camera, size, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
-}
-
-/// Twin of `ray_chance` in shaders/include/vpls.glsl.
-fn ray_chance(pixel: [u32; 2], slot: u32) -> f32 {
-    let [mut x, mut y, mut z] =
-        [pixel[0], pixel[1], slot].map(|v| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    x = x.wrapping_add(y.wrapping_mul(z));
-    y = y.wrapping_add(z.wrapping_mul(x));
-    z = z.wrapping_add(x.wrapping_mul(y));
-    [x, y, z] = [x, y, z].map(|v| v ^ (v >> 16));
-    x = x.wrapping_add(y.wrapping_mul(z));
-    ((x >> 9) as f32 + 0.5) / 8_388_608.0
 }

@@ -1,4 +1,4 @@
-//! What was found, and the tables that say so.
+//! The report of the micro-benchmarks, and its tables.
 
 use std::collections::BTreeMap;
 
@@ -12,23 +12,23 @@ use super::rays::RayKind;
 use crate::settings::Settings;
 use crate::statistics::{Spread, percentile};
 
-/// What kind of file it is.
+/// File format.
 pub const MICRO_FORMAT: &str = "glowworm bench micro 1";
 
-/// Everything.
+/// The whole report.
 #[derive(Clone, Debug, Serialize)]
 pub struct MicroReport {
     /// [`MICRO_FORMAT`].
     pub format: String,
-    /// What it was measured on.
+    /// The machine.
     pub machine: Machine,
-    /// How often each thing was measured.
+    /// Measurements of each quantity.
     pub turns: u32,
     /// Scene by scene.
     pub scenes: Vec<SceneMicro>,
 }
 
-/// What was found in one scene.
+/// Results of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneMicro {
     /// The scene.
@@ -39,53 +39,53 @@ pub struct SceneMicro {
     pub rays: Vec<RayRun>,
     /// Building, updating and uploading the BVH, then each pass.
     pub times: Vec<TimeRun>,
-    /// What could not be measured, and why.
+    /// What was not measured, and why.
     pub notes: Vec<String>,
 }
 
-/// A set of rays, cast by all tracers in turns.
+/// A ray set, cast by all tracers.
 #[derive(Clone, Debug, Serialize)]
 pub struct RayRun {
-    /// Where the rays come from.
+    /// Kind of rays.
     pub kind: RayKind,
-    /// What was asked of them.
+    /// Query.
     pub query: Query,
-    /// How many there are.
+    /// Number of rays.
     pub rays: usize,
-    /// The share of them that meets something.
+    /// Fraction of hits.
     pub hit_share: f64,
-    /// Who cast them.
+    /// Results of each tracer.
     pub tracers: Vec<TracerRun>,
 }
 
-/// What one tracer made of a set of rays.
+/// Result of one tracer for a ray set.
 #[derive(Clone, Debug, Serialize)]
 pub struct TracerRun {
     /// Its name.
     pub tracer: String,
-    /// Million rays a second, turn by turn.
+    /// Million rays per second, by turn.
     pub rates: Vec<f64>,
     /// Their spread.
     pub spread: Spread,
-    /// How many times as fast it is as each other tracer: the median over the turns.
+    /// Speed relative to each other tracer: median over the turns.
     pub over: BTreeMap<String, f64>,
-    /// Answers that differ from those of the first tracer.
+    /// Results that differ from those of the first tracer.
     pub differing: usize,
 }
 
-/// How long something takes.
+/// Times of one operation.
 #[derive(Clone, Debug, Serialize)]
 pub struct TimeRun {
-    /// What does.
+    /// The operation.
     pub what: String,
-    /// Milliseconds, turn by turn.
+    /// Times in ms, by turn.
     pub ms: Vec<f64>,
     /// Their spread.
     pub spread: Spread,
 }
 
 impl TimeRun {
-    /// Of at least one measurement.
+    /// From at least one measurement.
     pub(super) fn new(what: impl Into<String>, ms: Vec<f64>) -> Self {
         let spread = Spread::of(&ms, false).unwrap_or_default();
         Self { what: what.into(), ms, spread }
@@ -93,7 +93,7 @@ impl TimeRun {
 }
 
 impl RayRun {
-    /// Sums up what the tracers named `names` did: their rates by turn, and how many answers differed.
+    /// Summarises the tracers `names`: their rates by turn, and the number of differing results.
     pub(super) fn tracers(names: &[String], rates: &[Vec<f64>], differing: &[usize]) -> Vec<TracerRun> {
         let over = |mine: &[f64]| {
             let ratio = |others: &Vec<f64>| {
@@ -119,7 +119,7 @@ pub fn micro_tables(report: &MicroReport) -> Vec<Table> {
     report.scenes.iter().flat_map(of_scene).filter(|table| !table.rows.is_empty()).collect()
 }
 
-/// A rate or ratio, as tables write it.
+/// Formats a rate or ratio.
 pub fn short(value: f64) -> String {
     format!("{value:.2}")
 }
@@ -131,7 +131,7 @@ fn rays(scene: &SceneMicro, turns: u32) -> Table {
             names.push(&tracer.tracer);
         }
     }
-    let fixed = ["rays", "asked", "tracer", "million rays/s", "5 %", "95 %", "differing"];
+    let fixed = ["rays", "query", "tracer", "million rays/s", "5 %", "95 %", "differing"];
     let over = names.iter().map(|name| format!("over {name}"));
     let row = |run: &RayRun, tracer: &TracerRun| {
         let Spread { median, p5, p95, .. } = tracer.spread;
@@ -152,8 +152,8 @@ fn rays(scene: &SceneMicro, turns: u32) -> Table {
     Table {
         title: format!("Rays of {}", scene.scene.name),
         note: format!(
-            "Median of {turns} turns; `over`: the median over the turns of how many times as fast. `differing`: answers \
-             that are not those of the first tracer."
+            "Median of {turns} turns; `over`: relative speed, median over the turns. `differing`: results \
+             that differ from those of the first tracer."
         ),
         columns: fixed.map(str::to_owned).into_iter().chain(over).collect(),
         rows: scene
@@ -173,9 +173,7 @@ fn times(scene: &SceneMicro, turns: u32) -> Table {
     let [width, height] = scene.settings.size;
     Table {
         title: format!("Times of {} in ms", scene.scene.name),
-        note: format!(
-            "Median of {turns} turns; passes at {width}x{height}, in frames of which no two overlap."
-        ),
+        note: format!("Median of {turns} turns; passes at {width}x{height}, in frames that do not overlap."),
         columns: ["what", "ms", "5 %", "95 %"].map(str::to_owned).to_vec(),
         rows: scene.times.iter().map(row).collect(),
         detail: false,

@@ -1,4 +1,4 @@
-//! The shaders' tracer on a list of rays: device time of one dispatch, without what brings the rays there.
+//! The shaders' tracers on a list of rays: device time of one dispatch, without the upload of the rays.
 
 use std::sync::Arc;
 
@@ -15,15 +15,15 @@ use crate::vulkan::{Device, VulkanError};
 pub struct ShaderTracer {
     name: &'static str,
     caster: RayCaster,
-    /// Kind and number of the rays that the device has.
+    /// Kind and number of the uploaded rays.
     uploaded: Option<(RayKind, usize)>,
 }
 
 impl ShaderTracer {
-    /// Each tracer that the device can do with, over `bvh`.
+    /// Each tracer that the device supports, over `bvh`.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub fn all(device: &Arc<Device>, bvh: &TwoLevelBvh) -> Result<Vec<Self>, BenchError> {
         let tracer = |&kind: &RayTracer| {
             let name = match kind {

@@ -1,13 +1,14 @@
-//! What the BVH and each pass take by themselves, at inputs that are the same in every turn.
+//! Times of BVH operations and of each pass, with the same inputs in every turn.
 //!
 //! A pass is measured by its timer: frames do not overlap, and barriers keep a pass from overlapping with the next.
-//! Half of the passes have nothing to do while nothing moves, so there are two kinds of frames: in some the world
-//! stands still, in the others camera, lights and moving instances jump to and fro.
+//! Half of the passes are skipped while nothing moves, so there are two kinds of frames: a stationary world, and one
+//! whose camera, lights and dynamic instances alternate between two poses.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
+use indexmap::IndexMap;
 
 use super::super::{BenchError, Control};
 use super::report::TimeRun;
@@ -15,15 +16,15 @@ use super::shader::failed;
 use crate::bvh::TwoLevelBvh;
 use crate::passes::tracer::{RayTracer, Tracer};
 use crate::renderer::{PreparedScene, Renderer};
-use crate::report::PASS_NAMES;
+use crate::report::PassTimes;
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
 use crate::vulkan::{Device, Frames};
 
-/// How far things jump, as a share of the distance from the eye to the middle of the scene.
+/// Distance between the two poses, relative to that from the camera to the scene's centre.
 const JUMP: f32 = 1.0 / 512.0;
 
-/// Building the BVH, updating it where anything may move, and bringing both to the device.
+/// Times of building, updating (if anything is dynamic) and uploading the BVH.
 pub(super) fn bvh_times(
     device: &Arc<Device>,
     scene: &Scene,
@@ -61,7 +62,7 @@ pub(super) fn bvh_times(
     Ok(times)
 }
 
-/// Each pass in a world that stands still, and in one that moves.
+/// Times of each pass in a stationary and in a moving world.
 pub(super) fn pass_times(
     device: &Arc<Device>,
     prepared: &PreparedScene,
@@ -72,14 +73,16 @@ pub(super) fn pass_times(
     let mut frames = PassFrames::new(device, prepared, settings)?;
     let mut times = Vec::new();
     for motion in [Motion::Still, Motion::Moving] {
-        let mut by_pass = vec![Vec::new(); PASS_NAMES.len()];
+        let mut by_pass = IndexMap::<&'static str, Vec<f64>>::new();
         for _ in 0..turns {
-            let frame = frames.render(motion)?;
-            by_pass.iter_mut().zip(frame).for_each(|(times, ms)| times.push(ms));
+            for (name, ms) in frames.render(motion)? {
+                by_pass.entry(name).or_default().push(ms);
+            }
             control.turn_done()?;
         }
-        let named = PASS_NAMES.into_iter().zip(by_pass);
-        times.extend(named.map(|(name, ms)| TimeRun::new(format!("{name}, {}", motion.name()), ms)));
+        times.extend(
+            by_pass.into_iter().map(|(name, ms)| TimeRun::new(format!("{name}, {}", motion.name()), ms)),
+        );
     }
     Ok(times)
 }
@@ -89,7 +92,7 @@ pub(super) fn pass_times(
 pub enum Motion {
     /// Nothing moves.
     Still,
-    /// Camera, lights and moving instances jump to and fro.
+    /// Camera, lights and dynamic instances alternate between two poses.
     Moving,
 }
 
@@ -111,10 +114,10 @@ pub struct PassFrames {
 }
 
 impl PassFrames {
-    /// A renderer that has drawn all sets of a world that stands still.
+    /// A renderer that has drawn all sets of a stationary world.
     ///
     /// # Errors
-    /// Where the device fails.
+    /// If the device fails.
     pub fn new(
         device: &Arc<Device>,
         prepared: &PreparedScene,
@@ -123,25 +126,25 @@ impl PassFrames {
         let poses = poses(&prepared.scene);
         let renderer = Renderer::with_scene(device, prepared.clone(), settings, &poses[0])?;
         let mut frames = Self { renderer, poses, frame: 0 };
-        for _ in 0..=settings.temporal_sets {
+        for _ in 0..=settings.vpl.temporal_sets {
             frames.render(Motion::Still)?;
         }
         Ok(frames)
     }
 
-    /// Draws a frame: the milliseconds of each pass, in the order of [`PASS_NAMES`].
+    /// Draws a frame: the milliseconds of each pass.
     ///
     /// # Errors
-    /// Where the device fails.
-    pub fn render(&mut self, motion: Motion) -> Result<[f64; PASS_NAMES.len()], BenchError> {
+    /// If the device fails.
+    pub fn render(&mut self, motion: Motion) -> Result<PassTimes, BenchError> {
         self.frame = if motion == Motion::Moving { self.frame + 1 } else { self.frame };
         self.renderer.render(&self.poses[self.frame % 2])?;
         let reports = self.renderer.finish()?;
-        Ok(reports.last().map(|report| report.figures.passes.0).unwrap_or_default())
+        Ok(reports.last().map(|report| report.figures.passes.clone()).unwrap_or_default())
     }
 }
 
-/// The scene at rest, and with everything that can move a little aside.
+/// The scene at rest, and with everything dynamic slightly displaced.
 fn poses(scene: &Scene) -> [Pose; 2] {
     let rest = scene.pose(0.0);
     let (low, high) = scene.bounds(&rest);

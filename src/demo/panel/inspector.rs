@@ -6,7 +6,7 @@ use super::{Shown, WIDTH};
 use crate::demo::action::Action;
 use crate::scene::luminance;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let window = Window::new("VPL inspector")
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .max_width((ui.available_width() - WIDTH).max(200.0))
@@ -30,12 +30,12 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
             ui.end_row();
             for found in &shown.inspector.found {
                 let slot = found.slot.slot;
-                if ui.link(slot.to_string()).on_hover_text("Show its light alone.").clicked()
+                if ui.link(slot.to_string()).on_hover_text("Isolate this VPL.").clicked()
                     && let Some(stage) = shown.stage
                 {
                     let mut view = stage.renderer.view().clone();
-                    view.single_vpl = Some(slot);
-                    wishes.push(Action::View(Box::new(view)));
+                    view.vpl.single_vpl = Some(slot);
+                    actions.push(Action::View(Box::new(view)));
                 }
                 let share = if all > 0.0 { 100.0 * brought(found) / all } else { 0.0 };
                 ui.label(format!("{share:.1} %"))
@@ -48,15 +48,16 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
                     .history
                     .and_then(|history| history.invalidation)
                     .map_or("never invalidated", |last| last.reason.label());
-                ui.label(path.join(" > ")).on_hover_text(format!("slots of its path; last: {last}"));
-                ui.label(if found.contribution.visible { "free" } else { "blocked" });
+                ui.label(path.join(" > "))
+                    .on_hover_text(format!("slots of its path; last invalidation: {last}"));
+                ui.label(if found.contribution.visible { "visible" } else { "occluded" });
                 ui.end_row();
             }
         });
     });
 }
 
-/// What it brings, or 0 where it cannot be seen.
+/// Luminance of its contribution; 0 if occluded.
 fn brought(found: &crate::demo::inspector::Found) -> f32 {
     let seen = found.contribution.visible;
     if seen { luminance(found.contribution.irradiance) } else { 0.0 }

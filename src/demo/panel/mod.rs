@@ -1,4 +1,4 @@
-//! The panel, one file a section. Sections show state and give back wishes; they change nothing themselves.
+//! The panel, one file per section. Sections show state and return actions; they change nothing themselves.
 
 mod help;
 mod inspector;
@@ -28,23 +28,23 @@ pub(super) use scene::Purpose;
 /// Width of the panel in points.
 const WIDTH: f32 = 250.0;
 
-/// What a person has set that concerns the panel alone.
+/// State of the panel.
 #[derive(Default)]
 pub(super) struct PanelState {
-    /// Nothing is drawn over the picture.
+    /// Whether panel and overlays are hidden.
     pub hidden: bool,
     pub help: bool,
-    /// What went wrong last, until it is dismissed.
+    /// The last error, until dismissed.
     pub error: Option<String>,
-    /// What was done last.
+    /// The last status message.
     pub message: String,
     pub scene: scene::SceneState,
     pub places: Places,
-    /// What the pointer is over, for people who ask.
+    /// Documentation of the settings, for tooltips.
     settings: settings::SettingsDocs,
 }
 
-/// What the panel shows.
+/// Input of the panel.
 pub(super) struct Shown<'a> {
     pub stage: Option<&'a Stage>,
     pub clock: &'a mut Clock,
@@ -57,19 +57,19 @@ pub(super) struct Shown<'a> {
     pub recording: &'a Recording,
 }
 
-/// Lays out everything that is drawn over the picture.
+/// Lays out panel and overlays; returns the user's actions.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
-    let mut wishes = Vec::new();
+    let mut actions = Vec::new();
     if state.help {
         help::show(ui, state);
     }
     if state.hidden {
-        return wishes;
+        return actions;
     }
     if let Some(stage) = shown.stage {
         handles::paint(ui, stage, shown.mode);
     }
-    state.scene.ask(ui.ctx(), &mut wishes);
+    state.scene.ask(ui.ctx(), &mut actions);
     state.places.clear();
     let fill = ui.visuals().panel_fill.gamma_multiply(0.93);
     let frame = Frame::side_top_panel(ui.style()).fill(fill);
@@ -81,21 +81,21 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
                 |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
             let mut inner = Places::new();
             let scene = section(ui, "Scene", true, |ui| {
-                scene::show(ui, state, shown, &mut inner, &mut wishes);
+                scene::show(ui, state, shown, &mut inner, &mut actions);
             });
             header(ui, "Scene", scene);
-            let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, &mut wishes));
+            let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, &mut actions));
             header(ui, "Time", time);
-            let objects = section(ui, "Lights and things", false, |ui| {
-                objects::show(ui, shown, &mut inner, &mut wishes);
+            let objects = section(ui, "Lights and objects", false, |ui| {
+                objects::show(ui, shown, &mut inner, &mut actions);
             });
-            header(ui, "Lights and things", objects);
-            let views = section(ui, "Look inside", false, |ui| views::show(ui, shown, &mut wishes));
-            header(ui, "Look inside", views);
-            let plots = section(ui, "Measured", false, |ui| plots::show(ui, shown));
-            header(ui, "Measured", plots);
+            header(ui, "Lights and objects", objects);
+            let views = section(ui, "Debug views", false, |ui| views::show(ui, shown, &mut actions));
+            header(ui, "Debug views", views);
+            let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
+            header(ui, "Performance", plots);
             let settings = section(ui, "Settings", false, |ui| {
-                settings::show(ui, state, shown, &mut inner, &mut wishes);
+                settings::show(ui, state, shown, &mut inner, &mut actions);
             });
             header(ui, "Settings", settings);
             places.extend(inner);
@@ -103,15 +103,15 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         });
     });
     if shown.inspector.is_on() {
-        inspector::show(ui, shown, &mut wishes);
+        inspector::show(ui, shown, &mut actions);
     }
-    wishes
+    actions
 }
 
-/// Where things are in the window, in points: for the log, so that tests find them.
+/// Widget rectangles in the window, points; logged so that tests find them.
 pub(super) type Places = BTreeMap<String, [f32; 4]>;
 
-/// Notes where a thing is, if it can be seen.
+/// Records a widget's rectangle, if visible.
 fn place(ui: &Ui, places: &mut Places, name: &str, response: &Response) {
     if ui.clip_rect().contains(response.rect.center()) {
         let rect = response.rect;
@@ -124,16 +124,16 @@ fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) 
     header.show(ui, content).header_response
 }
 
-/// Frame rate, notes and errors.
+/// Frame rate, messages and errors.
 fn head(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) {
     let median = shown.history.median_and_p95(|sample| sample.interval_ms).map_or(0.0, |[median, _]| median);
     let rate = if median > 0.0 { 1e3 / median } else { 0.0 };
     ui.horizontal(|ui| {
         ui.strong("glowworm");
-        ui.label(format!("{rate:.0} frames a second"));
+        ui.label(format!("{rate:.0} frames/s"));
     });
     if shown.gpu.device.is_cpu() {
-        ui.small("Runs on the CPU: slow, so small and with fewer VPLs.")
+        ui.small("CPU driver: smaller picture and fewer VPLs by default.")
             .on_hover_text(&shown.gpu.device.info().name);
     }
     if let Some((name, step, elapsed)) = shown.loader.progress() {

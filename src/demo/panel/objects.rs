@@ -1,4 +1,4 @@
-//! Lights and instances: choosing, changing, adding, deleting.
+//! Lights and instances: select, edit, add, delete.
 
 use egui::{ComboBox, DragValue, ScrollArea, TextEdit, Ui};
 use glam::Vec3;
@@ -15,58 +15,58 @@ use crate::scene::{
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, wishes: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     let Some(stage) = shown.stage else { return };
-    list(ui, stage, wishes);
+    list(ui, stage, actions);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
-            let button = ui.small_button(label(kind)).on_hover_text("A new light where the camera looks");
+            let button = ui.small_button(label(kind)).on_hover_text("A new light in view of the camera");
             place(ui, places, &format!("add {}", label(kind)), &button);
             if button.clicked() {
-                wishes.push(Action::AddLight(kind));
+                actions.push(Action::AddLight(kind));
             }
         }
     });
     let Some(selected) = stage.selected else {
-        ui.small("Click a thing or a light in the picture to choose it.");
+        ui.small("Click an object or a light in the picture to select it.");
         return;
     };
     ui.horizontal(|ui| {
         for (mode, name) in [(Mode::Move, "move"), (Mode::Turn, "turn")] {
-            if ui.selectable_label(shown.mode == mode, name).on_hover_text("T changes it").clicked()
+            if ui.selectable_label(shown.mode == mode, name).on_hover_text("T switches").clicked()
                 && shown.mode != mode
             {
-                wishes.push(Action::ToggleHandles);
+                actions.push(Action::ToggleHandles);
             }
         }
         if let Selected::Light(_) = selected {
             if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
-                wishes.push(Action::Duplicate);
+                actions.push(Action::Duplicate);
             }
             if ui.button("delete").on_hover_text("Del").clicked() {
-                wishes.push(Action::Delete);
+                actions.push(Action::Delete);
             }
         }
     });
     match selected {
         Selected::Light(index) => {
             if let Some(entry) = stage.document.lights().nth(index) {
-                light(ui, stage, index, entry, wishes);
+                light(ui, stage, index, entry, actions);
             }
         }
         Selected::Instance(index) => {
             if let Some(entry) = stage.document.instances().nth(index) {
-                instance(ui, stage, index, entry, wishes);
+                instance(ui, stage, index, entry, actions);
             }
         }
     }
 }
 
-fn list(ui: &mut Ui, stage: &Stage, wishes: &mut Vec<Action>) {
+fn list(ui: &mut Ui, stage: &Stage, actions: &mut Vec<Action>) {
     let mut entry = |ui: &mut Ui, this: Selected, name: String| {
         if ui.selectable_label(stage.selected == Some(this), name).clicked() {
-            wishes.push(Action::Select(Some(this)));
+            actions.push(Action::Select(Some(this)));
         }
     };
     ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
@@ -81,7 +81,7 @@ fn list(ui: &mut Ui, stage: &Stage, wishes: &mut Vec<Action>) {
     });
 }
 
-fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, wishes: &mut Vec<Action>) {
+fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, actions: &mut Vec<Action>) {
     let mut light = entry.clone();
     let speed = 2e-3 * stage.radius;
     if let Some(name) = &mut light.name {
@@ -94,7 +94,7 @@ fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, wishes: &
         ("irradiance", "W/m²", light.irradiance.as_mut()),
         ("radiance", "W/m²/sr", light.radiance.as_mut()),
     ] {
-        // A black area light would not be a light any more.
+        // An area light must stay emissive.
         let least = if light.kind == LightType::Area { 1e-3 } else { 0.0 };
         power(ui, what, unit, value, least);
     }
@@ -103,19 +103,19 @@ fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, wishes: &
     }
     let mut headlamp = stage.headlamp == Some(index);
     let can_go = light.kind != LightType::Area;
-    let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "goes with the camera (H)"));
+    let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "attached to the camera (H)"));
     if check.changed() {
-        wishes.push(Action::ToggleHeadlamp);
+        actions.push(Action::ToggleHeadlamp);
     }
     if light.instance.is_none() {
         motion(ui, &mut light.animation, stage.radius);
     }
     if light != *entry {
-        wishes.push(Action::EditLight(index, Box::new(light)));
+        actions.push(Action::EditLight(index, Box::new(light)));
     }
 }
 
-fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, wishes: &mut Vec<Action>) {
+fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, actions: &mut Vec<Action>) {
     let mut instance = entry.clone();
     let mut place = instance.translation.unwrap_or_default();
     vector(ui, "position", Some(&mut place), 2e-3 * stage.radius);
@@ -126,14 +126,14 @@ fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, wis
         Some(RotationEntry::AxisAngle(AxisAngle { axis, degrees })) => {
             vector(ui, "axis", Some(axis), 0.01);
             ui.horizontal(|ui| {
-                ui.label("turned by");
+                ui.label("rotation");
                 ui.add(DragValue::new(degrees).suffix("°"));
             });
         }
-        Some(RotationEntry::Euler(degrees)) => vector(ui, "turned by", Some(degrees), 1.0),
+        Some(RotationEntry::Euler(degrees)) => vector(ui, "rotation", Some(degrees), 1.0),
         None => {
             let mut degrees = [0.0; 3];
-            vector(ui, "turned by", Some(&mut degrees), 1.0);
+            vector(ui, "rotation", Some(&mut degrees), 1.0);
             if degrees != [0.0; 3] {
                 instance.rotation = Some(RotationEntry::Euler(degrees));
             }
@@ -153,7 +153,7 @@ fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, wis
     }
     motion(ui, &mut instance.animation, stage.radius);
     if instance != *entry {
-        wishes.push(Action::EditInstance(index, Box::new(instance)));
+        actions.push(Action::EditInstance(index, Box::new(instance)));
     }
 }
 
@@ -167,7 +167,7 @@ fn vector(ui: &mut Ui, name: &str, value: Option<&mut [f32; 3]>, speed: f32) {
     });
 }
 
-/// A colour with a strength: its largest channel.
+/// A colour and a scale, its largest channel.
 fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, least: f32) {
     let Some(value) = value else { return };
     let now = Vec3::from_array(*value);
@@ -181,7 +181,7 @@ fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, leas
         ui.label(name);
         if picked || dragged {
             let hue = Vec3::from_array(colour);
-            // A black light has no colour to make brighter.
+            // Black has no hue to scale.
             let hue = if hue == Vec3::ZERO { Vec3::splat(1e-3) } else { hue };
             *value = (hue / hue.max_element().max(if picked { 1.0 } else { 0.0 }) * strength).to_array();
         }
@@ -228,7 +228,7 @@ fn motion(ui: &mut Ui, animation: &mut Option<Spanned<AnimationEntry>>, radius: 
     });
     ui.horizontal(|ui| match &mut motion {
         Motion::Spin(speed) => {
-            ui.add(DragValue::new(speed).suffix("° a second"));
+            ui.add(DragValue::new(speed).suffix("°/s"));
         }
         Motion::Sway(degrees, period) => {
             ui.add(DragValue::new(degrees).range(-179.0..=179.0).suffix("°"));

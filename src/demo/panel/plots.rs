@@ -1,23 +1,22 @@
-//! The last seconds as plots: frame rate, pass times, VPLs.
+//! Plots of the last frames: frame intervals, pass times, VPL counters.
 
 use egui::{Color32, Grid, RichText, Ui};
 use egui_plot::{FilledArea, Line, Plot, PlotPoints};
 
 use super::Shown;
 use crate::demo::history::Sample;
-use crate::report::{PASS_COLOURS, PASS_NAMES};
+use crate::estimators;
 
 /// Height of a plot, points.
 const HEIGHT: f32 = 90.0;
 
-/// What is counted of VPLs, with its colour.
-type Counter = (&'static str, Color32, fn(&Sample) -> u32);
-const COUNTERS: [Counter; 5] = [
-    ("valid", Color32::from_rgb(110, 200, 110), |sample| sample.report.figures.vpls.valid),
-    ("escaped", Color32::from_rgb(110, 160, 230), |sample| sample.report.figures.vpls.escaped),
-    ("stale", Color32::from_rgb(200, 200, 90), |sample| sample.report.figures.vpls.stale),
-    ("invalidated", Color32::from_rgb(230, 90, 80), |sample| sample.report.figures.vpls.invalidated),
-    ("shot", Color32::from_rgb(230, 160, 60), |sample| sample.report.figures.vpls.shot),
+/// Counters to plot, with label and colour; skipped if the method lacks them.
+const COUNTERS: [(&str, &str, Color32); 5] = [
+    ("vpls.valid", "valid", Color32::from_rgb(110, 200, 110)),
+    ("vpls.escaped", "escaped", Color32::from_rgb(110, 160, 230)),
+    ("vpls.stale", "stale", Color32::from_rgb(200, 200, 90)),
+    ("vpls.invalidated", "invalidated", Color32::from_rgb(230, 90, 80)),
+    ("vpls.shot", "shot", Color32::from_rgb(230, 160, 60)),
 ];
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
@@ -33,38 +32,42 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     figures(ui, shown, "panel, device", Color32::LIGHT_GRAY, |sample| sample.ui_device_ms);
     ui.separator();
     ui.small("milliseconds of each pass, stacked");
-    passes(ui, &samples);
-    for (index, name) in PASS_NAMES.iter().enumerate().rev() {
-        figures(ui, shown, name, pass_colour(index), |sample| sample.report.figures.passes.0[index]);
+    let last = samples[samples.len() - 1];
+    let names: Vec<&str> = last.report.figures.passes.keys().copied().collect();
+    passes(ui, &samples, &names);
+    for name in names.iter().rev() {
+        figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
+    }
+    let counters = COUNTERS.into_iter().filter(|(key, ..)| last.report.figures.counters.0.contains_key(key));
+    let counters: Vec<_> = counters.collect();
+    if counters.is_empty() {
+        return;
     }
     ui.separator();
     ui.small("VPLs");
+    let count = |sample: &Sample, key: &str| sample.report.figures.counters.get(key);
     plot("vpls", ui, |plot| {
-        for (name, colour, count) in COUNTERS {
-            plot.line(line(name, colour, samples.iter().map(|sample| f64::from(count(sample)))));
+        for (key, name, colour) in &counters {
+            plot.line(line(name, *colour, samples.iter().map(|sample| count(sample, key) as f64)));
         }
     });
-    let last = samples[samples.len() - 1];
     Grid::new("counters").num_columns(2).show(ui, |ui| {
-        for (name, colour, count) in COUNTERS {
-            ui.label(RichText::new(name).small().color(colour));
-            ui.small(count(last).to_string());
+        for (key, name, colour) in &counters {
+            ui.label(RichText::new(*name).small().color(*colour));
+            ui.small(count(last, key).to_string());
             ui.end_row();
         }
     });
 }
 
-fn passes(ui: &mut Ui, samples: &[&Sample]) {
+fn passes(ui: &mut Ui, samples: &[&Sample], names: &[&str]) {
     let xs: Vec<f64> = (0..samples.len()).map(|x| x as f64).collect();
     plot("passes", ui, |plot| {
         let mut below = vec![0.0; samples.len()];
-        for (index, name) in PASS_NAMES.into_iter().enumerate() {
-            let above: Vec<f64> = below
-                .iter()
-                .zip(samples)
-                .map(|(below, sample)| below + sample.report.figures.passes.0[index])
-                .collect();
-            let area = FilledArea::new(name, &xs, &below, &above).fill_color(pass_colour(index));
+        for name in names {
+            let above: Vec<f64> =
+                below.iter().zip(samples).map(|(below, sample)| below + pass_ms(sample, name)).collect();
+            let area = FilledArea::new(*name, &xs, &below, &above).fill_color(pass_colour(name));
             plot.add(area.allow_hover(false));
             below = above;
         }
@@ -102,7 +105,12 @@ fn figures(ui: &mut Ui, shown: &Shown<'_>, name: &str, colour: Color32, figure: 
     });
 }
 
-fn pass_colour(index: usize) -> Color32 {
-    let [r, g, b] = PASS_COLOURS[index];
+fn pass_ms(sample: &Sample, name: &str) -> f64 {
+    sample.report.figures.passes.get(name).copied().unwrap_or(0.0)
+}
+
+fn pass_colour(name: &str) -> Color32 {
+    let colour = estimators::passes().find(|(_, pass)| pass.name == name).map(|(_, pass)| pass.colour);
+    let [r, g, b] = colour.unwrap_or([186; 3]);
     Color32::from_rgb(r, g, b)
 }

@@ -1,4 +1,4 @@
-//! Opening and saving scenes, screenshots, the window itself.
+//! Open and save scenes, screenshots, window and device.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use crate::demo::action::Action;
 use crate::demo::app::Recording;
 use crate::scene::BUILTIN_SCENES;
 
-/// What is being typed, and the dialog for files.
+/// Text field and file dialog.
 #[derive(Default)]
 pub(in crate::demo) struct SceneState {
     path: String,
     dialog: Option<(FileDialog, Purpose)>,
 }
 
-/// What a file is asked for.
+/// Purpose of the file dialog.
 #[derive(Clone, Copy)]
 pub(in crate::demo) enum Purpose {
     Open,
@@ -25,7 +25,7 @@ pub(in crate::demo) enum Purpose {
 }
 
 impl SceneState {
-    /// Opens the dialog; a new file is called `name`.
+    /// Opens the dialog; `name` is the default name of a new file.
     pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
         let scenes: Filter<Path> = Filter::new(|path: &Path| {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -43,12 +43,12 @@ impl SceneState {
     }
 
     /// Shows the dialog, if it is open.
-    pub(super) fn ask(&mut self, context: &egui::Context, wishes: &mut Vec<Action>) {
+    pub(super) fn ask(&mut self, context: &egui::Context, actions: &mut Vec<Action>) {
         let Some((dialog, purpose)) = &mut self.dialog else { return };
         dialog.update(context);
         let picked = dialog.take_picked();
         let done = picked.is_some() || !matches!(dialog.state(), DialogState::Open);
-        wishes.extend(picked.map(|path| match purpose {
+        actions.extend(picked.map(|path| match purpose {
             Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
             Purpose::Save => Action::Save(path),
         }));
@@ -63,13 +63,13 @@ pub(super) fn show(
     state: &mut PanelState,
     shown: &Shown<'_>,
     places: &mut Places,
-    wishes: &mut Vec<Action>,
+    actions: &mut Vec<Action>,
 ) {
     let name = shown.stage.map_or("none", |stage| stage.name.as_str());
     ComboBox::from_id_salt("scene").selected_text(short(name)).width(210.0).truncate().show_ui(ui, |ui| {
         for scene in BUILTIN_SCENES {
             if ui.selectable_label(scene == name, scene).clicked() {
-                wishes.push(Action::Open(scene.to_owned()));
+                actions.push(Action::Open(scene.to_owned()));
             }
         }
     });
@@ -80,27 +80,27 @@ pub(super) fn show(
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let typed = state.scene.path.trim();
         if (ui.button("Open").clicked() || entered) && !typed.is_empty() {
-            wishes.push(Action::Open(typed.to_owned()));
+            actions.push(Action::Open(typed.to_owned()));
         }
     });
     ui.horizontal(|ui| {
         if ui.button("Open …").on_hover_text("Ctrl+O; files can also be dropped on the window").clicked() {
-            wishes.push(Action::AskOpen);
+            actions.push(Action::AskOpen);
         }
         if ui
             .button("Save …")
             .on_hover_text("The scene with all changes, camera and settings (Ctrl+S)")
             .clicked()
         {
-            wishes.push(Action::AskSave);
+            actions.push(Action::AskSave);
         }
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button("Screenshot").on_hover_text("F12; with shift: EXR").clicked() {
-            wishes.push(Action::Screenshot { exr: false });
+            actions.push(Action::Screenshot { exr: false });
         }
         if ui.button("Command").on_hover_text("Copies the command line that renders this (F4)").clicked() {
-            wishes.push(Action::CopyCommand);
+            actions.push(Action::CopyCommand);
         }
         let (label, recording) = match shown.recording {
             Recording::On(recorder) => (format!("Stop ({})", recorder.count()), true),
@@ -109,26 +109,26 @@ pub(super) fn show(
         };
         let button = ui.selectable_label(recording, label);
         if button.on_hover_text("Records camera and edits; render replays the file (Ctrl+R)").clicked() {
-            wishes.push(Action::ToggleRecording);
+            actions.push(Action::ToggleRecording);
         }
         if ui.button("Keys").on_hover_text("F1").clicked() {
-            wishes.push(Action::ToggleHelp);
+            actions.push(Action::ToggleHelp);
         }
     });
-    window(ui, shown, wishes);
+    window(ui, shown, actions);
 }
 
-/// A file without its folder.
+/// A path without its folder.
 fn short(name: &str) -> &str {
     Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
 }
 
-fn window(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let mode = shown.gpu.presenter.mode();
     ComboBox::from_label("present mode").selected_text(mode.label()).show_ui(ui, |ui| {
         for offered in &shown.gpu.modes {
             if ui.selectable_label(*offered == mode, offered.label()).clicked() {
-                wishes.push(Action::SetPresentMode(*offered));
+                actions.push(Action::SetPresentMode(*offered));
             }
         }
     });
@@ -137,7 +137,7 @@ fn window(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
     combo.show_ui(ui, |ui| {
         for device in shown.gpu.devices.iter().filter(|device| device.unusable.is_none()) {
             if ui.selectable_label(device.index == current.index, &device.name).clicked() {
-                wishes.push(Action::RestartDevice(Some(device.index)));
+                actions.push(Action::RestartDevice(Some(device.index)));
             }
         }
     });

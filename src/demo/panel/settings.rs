@@ -1,6 +1,6 @@
-//! Every setting, with its documentation, a reset, and presets.
+//! All settings, with tooltips, reset buttons and presets.
 //!
-//! The documentation comes from the command line's help, where it is written once.
+//! The tooltips come from the command line's help.
 
 use std::collections::BTreeMap;
 
@@ -9,18 +9,13 @@ use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
-use crate::settings::{MissingSets, Sequence, Settings, TracerKind};
+use crate::settings::{Group, Indirect, MissingSets, Sequence, Settings, TracerKind, VplSettings, groups};
 
-/// Which settings stand together.
-const GROUPS: [(&str, &[&str]); 4] = [
-    ("Virtual point lights", &["vpls", "bounces", "budget", "clamp", "seed", "sequence"]),
-    ("Over time", &["temporal_sets", "missing_sets", "position_cutoff", "time_step"]),
-    ("Over pixels", &["interleave", "roulette", "size"]),
-    ("Picture", &["exposure", "tracer"]),
-];
-
-/// Documentation of each setting.
-pub(super) struct SettingsDocs(BTreeMap<String, String>);
+/// The groups of settings, and the documentation of each setting.
+pub(super) struct SettingsDocs {
+    groups: Vec<Group>,
+    docs: BTreeMap<String, String>,
+}
 
 impl Default for SettingsDocs {
     fn default() -> Self {
@@ -29,14 +24,20 @@ impl Default for SettingsDocs {
             let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
             (argument.get_id().to_string(), help)
         };
-        Self(command.get_arguments().map(doc).collect())
+        Self { groups: groups(), docs: command.get_arguments().map(doc).collect() }
     }
 }
 
-/// Settings that go together well.
+/// Whether the method that a group belongs to is in use.
+fn is_in_use(group: &Group, settings: &Settings) -> bool {
+    group.table != "settings.vpls" || settings.indirect == Indirect::Vpls
+}
+
+/// Presets.
 fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
-    // What is not a matter of quality stays.
+    // Keep what does not affect quality.
     let base = Settings {
+        indirect: now.indirect,
         size: now.size,
         seed: now.seed,
         time_step: now.time_step,
@@ -48,18 +49,22 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
         (
             "draft",
             "Few VPLs, one bounce: for slow devices.",
-            Settings { vpls: 128, bounces: 1, budget: 32, ..base.clone() },
+            Settings { bounces: 1, vpl: VplSettings { slots: 128, budget: 32, ..base.vpl }, ..base.clone() },
         ),
         ("balanced", "The defaults.", base.clone()),
         (
             "quality",
             "Many VPLs, four bounces, a large budget: for fast devices.",
-            Settings { vpls: 4096, bounces: 4, budget: 512, clamp: 1600.0, ..base.clone() },
+            Settings {
+                bounces: 4,
+                vpl: VplSettings { slots: 4096, budget: 512, clamp: 1600.0, ..base.vpl },
+                ..base.clone()
+            },
         ),
         (
             "as in the dissertation",
             "512 VPLs in 16 sets, 4x4 interleaving; surfaces missing from a set stay dark (Tonna 2019).",
-            Settings { missing_sets: MissingSets::Dark, ..base },
+            Settings { vpl: VplSettings { missing_sets: MissingSets::Dark, ..base.vpl }, ..base },
         ),
     ]
 }
@@ -69,7 +74,7 @@ pub(super) fn show(
     state: &PanelState,
     shown: &Shown<'_>,
     places: &mut Places,
-    wishes: &mut Vec<Action>,
+    actions: &mut Vec<Action>,
 ) {
     let Some(stage) = shown.stage else { return };
     let mut settings = stage.settings.clone();
@@ -83,28 +88,30 @@ pub(super) fn show(
         }
     });
     let defaults = Settings { size: settings.size, ..Settings::default() };
-    for (title, names) in GROUPS {
+    for group in &state.settings.groups {
         ui.separator();
-        ui.small(title);
-        for name in names {
-            let doc = state.settings.0.get(*name).map_or("", String::as_str);
-            row(ui, name, doc, &mut settings, &defaults);
-        }
+        ui.small(&group.heading);
+        ui.add_enabled_ui(is_in_use(group, &stage.settings), |ui| {
+            for name in &group.settings {
+                let doc = state.settings.docs.get(name).map_or("", String::as_str);
+                row(ui, name, doc, &mut settings, &defaults);
+            }
+        });
     }
     let mut coarseness = shown.coarseness;
     ui.horizontal(|ui| {
-        ui.label("window pixels a pixel");
+        ui.label("window pixels per pixel");
         ui.add(DragValue::new(&mut coarseness).range(1..=8).speed(0.03));
     })
     .response
     .on_hover_text(
-        "The size follows the window. 2: every pixel covers 2x2 of the window, at a quarter of the cost.",
+        "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
     );
     if coarseness != shown.coarseness {
-        wishes.push(Action::SetCoarseness(coarseness));
+        actions.push(Action::SetCoarseness(coarseness));
     }
     if settings != stage.settings {
-        wishes.push(Action::Set(Box::new(settings)));
+        actions.push(Action::Set(Box::new(settings)));
     }
 }
 
@@ -131,33 +138,35 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
     };
     match name {
         "vpls" => {
-            // More sets than VPLs to fill them is an error.
-            let least = settings.temporal_sets;
-            ui.add(DragValue::new(&mut settings.vpls).range(least..=65_536).speed(8.0))
+            // There must be at least as many VPLs as sets.
+            let least = settings.vpl.temporal_sets;
+            ui.add(DragValue::new(&mut settings.vpl.slots).range(least..=65_536).speed(8.0))
+        }
+        "indirect" => {
+            choice(ui, name, &mut settings.indirect, &[(Indirect::Vpls, "vpls"), (Indirect::None, "none")])
         }
         "bounces" => whole(ui, &mut settings.bounces, 16),
-        "budget" => whole(ui, &mut settings.budget, 65_536),
-        "clamp" => ui.add(DragValue::new(&mut settings.clamp).range(0.0..=1e9).speed(5.0)),
-        "roulette" => ui.add(DragValue::new(&mut settings.roulette).range(0.0..=1.0).speed(0.005)),
+        "budget" => whole(ui, &mut settings.vpl.budget, 65_536),
+        "clamp" => ui.add(DragValue::new(&mut settings.vpl.clamp).range(0.0..=1e9).speed(5.0)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
         "sequence" => choice(
             ui,
             name,
-            &mut settings.sequence,
+            &mut settings.vpl.sequence,
             &[(Sequence::Sobol, "sobol"), (Sequence::Random, "random")],
         ),
         "temporal_sets" => {
-            let most = settings.vpls.min(64);
-            whole(ui, &mut settings.temporal_sets, most)
+            let most = settings.vpl.slots.min(64);
+            whole(ui, &mut settings.vpl.temporal_sets, most)
         }
         "missing_sets" => choice(
             ui,
             name,
-            &mut settings.missing_sets,
+            &mut settings.vpl.missing_sets,
             &[(MissingSets::Scale, "scale"), (MissingSets::Dark, "dark")],
         ),
         "position_cutoff" => {
-            let slider = Slider::new(&mut settings.position_cutoff, 1e-4..=1.0).logarithmic(true);
+            let slider = Slider::new(&mut settings.vpl.position_cutoff, 1e-4..=1.0).logarithmic(true);
             ui.spacing_mut().slider_width = 50.0;
             ui.add(slider)
         }
@@ -165,7 +174,7 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             let value = DragValue::new(&mut settings.time_step).range(0.0..=10.0).speed(1e-3);
             ui.add(value.max_decimals(4).suffix(" s"))
         }
-        "interleave" => whole(ui, &mut settings.interleave, 8),
+        "interleave" => whole(ui, &mut settings.vpl.interleave, 8),
         "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
         "exposure" => exposure(ui, &mut settings.exposure),
         _ => choice(
@@ -213,18 +222,18 @@ fn choice<Value: Copy + PartialEq>(
 /// Copies one setting.
 fn copy(name: &str, from: &Settings, to: &mut Settings) {
     match name {
-        "vpls" => to.vpls = from.vpls.max(to.temporal_sets),
+        "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
+        "indirect" => to.indirect = from.indirect,
         "bounces" => to.bounces = from.bounces,
-        "budget" => to.budget = from.budget,
-        "clamp" => to.clamp = from.clamp,
-        "roulette" => to.roulette = from.roulette,
+        "budget" => to.vpl.budget = from.vpl.budget,
+        "clamp" => to.vpl.clamp = from.vpl.clamp,
         "seed" => to.seed = from.seed,
-        "sequence" => to.sequence = from.sequence,
-        "temporal_sets" => to.temporal_sets = from.temporal_sets.min(to.vpls),
-        "missing_sets" => to.missing_sets = from.missing_sets,
-        "position_cutoff" => to.position_cutoff = from.position_cutoff,
+        "sequence" => to.vpl.sequence = from.vpl.sequence,
+        "temporal_sets" => to.vpl.temporal_sets = from.vpl.temporal_sets.min(to.vpl.slots),
+        "missing_sets" => to.vpl.missing_sets = from.vpl.missing_sets,
+        "position_cutoff" => to.vpl.position_cutoff = from.vpl.position_cutoff,
         "time_step" => to.time_step = from.time_step,
-        "interleave" => to.interleave = from.interleave,
+        "interleave" => to.vpl.interleave = from.vpl.interleave,
         "size" => to.size = from.size,
         "exposure" => to.exposure = from.exposure,
         _ => to.tracer = from.tracer,
@@ -238,27 +247,30 @@ mod tests {
     /// Every field of the struct is in one group, has documentation, and can be copied.
     #[test]
     fn no_setting_is_missing() {
-        let docs = SettingsDocs::default().0;
-        let mut shown: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let SettingsDocs { groups, docs } = SettingsDocs::default();
+        let mut shown: Vec<&str> =
+            groups.iter().flat_map(|group| &group.settings).map(String::as_str).collect();
         shown.sort_unstable();
         assert_eq!(shown, docs.keys().map(String::as_str).collect::<Vec<_>>());
         assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
         let other = Settings {
-            vpls: 77,
+            indirect: Indirect::None,
             bounces: 7,
-            interleave: 2,
-            temporal_sets: 3,
-            budget: 5,
-            clamp: 1.5,
-            roulette: 0.5,
-            position_cutoff: 0.5,
             size: [8, 9],
             seed: 4,
-            sequence: Sequence::Random,
             time_step: 0.5,
             tracer: TracerKind::Software,
-            missing_sets: MissingSets::Dark,
             exposure: Some(1.0),
+            vpl: VplSettings {
+                slots: 77,
+                interleave: 2,
+                temporal_sets: 3,
+                budget: 5,
+                clamp: 1.5,
+                position_cutoff: 0.5,
+                sequence: Sequence::Random,
+                missing_sets: MissingSets::Dark,
+            },
         };
         let mut copied = Settings::default();
         for name in shown {
@@ -267,6 +279,21 @@ mod tests {
             assert_ne!(copied, before, "{name}");
         }
         assert_eq!(copied, other);
+    }
+
+    #[test]
+    fn vpl_settings_are_hidden_without_vpls() {
+        let none = Settings { indirect: Indirect::None, ..Settings::default() };
+        let in_use = |settings: &Settings| {
+            let groups = groups();
+            groups
+                .into_iter()
+                .filter(|group| is_in_use(group, settings))
+                .map(|group| group.table)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(in_use(&Settings::default()), ["settings", "settings.vpls"]);
+        assert_eq!(in_use(&none), ["settings"]);
     }
 
     #[test]

@@ -1,60 +1,58 @@
-//! Ways to look into the method: buffers, paths, single VPLs.
+//! Debug views: buffers, VPL paths, single VPLs.
 
-use clap::ValueEnum;
 use egui::{Color32, ComboBox, DragValue, RichText, Ui};
 
 use super::Shown;
 use crate::demo::action::Action;
-use crate::renderer::{BufferView, DebugView, PathStyle, reason_colour};
-use crate::vpl::InvalidationReason;
+use crate::estimators::vpls::{InvalidationReason, PathStyle, reason_colour, shows_a_set};
+use crate::estimators::{self, vpls::VplLook};
+use crate::renderer::DebugView;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, wishes: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(stage) = shown.stage else { return };
     let mut view = stage.renderer.view().clone();
-    buffers(ui, &mut view, stage.settings.temporal_sets);
-    paths(ui, &mut view);
-    single(ui, &view, wishes);
+    buffers(ui, &mut view, stage.settings.vpl.temporal_sets);
+    if stage.renderer.vpls().is_some() {
+        paths(ui, &mut view.vpl);
+        single(ui, &view.vpl, actions);
+    }
     let mut inspecting = shown.inspector.is_on();
     if ui
         .checkbox(&mut inspecting, "inspector")
         .on_hover_text("Click a surface to list the VPLs that light it (I).")
         .changed()
     {
-        wishes.push(Action::ToggleInspector);
+        actions.push(Action::ToggleInspector);
     }
     if view != *stage.renderer.view() {
-        wishes.push(Action::View(Box::new(view)));
+        actions.push(Action::View(Box::new(view)));
     }
 }
 
 fn buffers(ui: &mut Ui, view: &mut DebugView, sets: u32) {
     ui.horizontal(|ui| {
         ui.label("buffer");
-        let chosen =
-            ComboBox::from_id_salt("buffer").selected_text(view.buffer.label()).width(150.0).height(300.0);
+        let shown = estimators::views().find(|known| known.name == view.buffer);
+        let label = shown.map_or("", |shown| shown.label);
+        let chosen = ComboBox::from_id_salt("buffer").selected_text(label).width(150.0).height(300.0);
         chosen.show_ui(ui, |ui| {
-            for buffer in BufferView::ALL {
-                let label = ui.selectable_value(&mut view.buffer, buffer, buffer.label());
-                label.on_hover_text(doc(buffer));
+            for known in estimators::views() {
+                let label = ui.selectable_value(&mut view.buffer, known.name.into(), known.label);
+                label.on_hover_text(known.about);
             }
         });
     });
-    if matches!(view.buffer, BufferView::SetBuffer | BufferView::SetReprojected) {
+    if shows_a_set(&view.buffer) {
         ui.horizontal(|ui| {
             ui.label("temporal set");
-            ui.add(DragValue::new(&mut view.set).range(0..=sets.saturating_sub(1)).speed(0.05));
+            ui.add(DragValue::new(&mut view.vpl.set).range(0..=sets.saturating_sub(1)).speed(0.05));
         });
     }
-    ui.small(doc(view.buffer));
+    let shown = estimators::views().find(|known| known.name == view.buffer);
+    ui.small(shown.map_or("", |shown| shown.about));
 }
 
-/// The documentation of a buffer, written once, for the command line.
-fn doc(buffer: BufferView) -> String {
-    let value = buffer.to_possible_value();
-    value.and_then(|value| value.get_help().map(ToString::to_string)).unwrap_or_default()
-}
-
-fn paths(ui: &mut Ui, view: &mut DebugView) {
+fn paths(ui: &mut Ui, view: &mut VplLook) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
         if ui
@@ -84,18 +82,18 @@ fn paths(ui: &mut Ui, view: &mut DebugView) {
     }
 }
 
-fn single(ui: &mut Ui, view: &DebugView, wishes: &mut Vec<Action>) {
+fn single(ui: &mut Ui, view: &VplLook, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.label("VPL");
-        if ui.small_button("<").on_hover_text("VPL before (,)").clicked() {
-            wishes.push(Action::StepVpl(-1));
+        if ui.small_button("<").on_hover_text("previous VPL (,)").clicked() {
+            actions.push(Action::StepVpl(-1));
         }
         ui.label(view.single_vpl.map_or_else(|| "all".to_owned(), |slot| slot.to_string()));
         if ui.small_button(">").on_hover_text("next VPL (.)").clicked() {
-            wishes.push(Action::StepVpl(1));
+            actions.push(Action::StepVpl(1));
         }
         if ui.add_enabled(view.single_vpl.is_some(), egui::Button::new("all").small()).clicked() {
-            wishes.push(Action::AllVpls);
+            actions.push(Action::AllVpls);
         }
     });
 }

@@ -1,4 +1,4 @@
-//! The atrium: two storeys of colonnades round a court that is open to the sky.
+//! The atrium: two storeys of colonnades around an open court.
 //!
 //! In: materials and the columns to use. Out: the building. x runs along the court, y up; metres.
 
@@ -19,9 +19,9 @@ use super::wood::TIMBER;
 pub(super) const BAY: f32 = 3.2;
 /// Bays along the long and the short sides.
 pub(super) const BAYS: [u32; 2] = [7, 3];
-/// The middle of the arcades, from the middle of the court.
+/// Distance of the arcades' centre line from the centre of the court.
 pub(super) const HALF: Vec2 = Vec2::new(0.5 * BAY * BAYS[0] as f32, 0.5 * BAY * BAYS[1] as f32);
-/// From the middle of the arcades to the outer walls.
+/// Distance from the arcades' centre line to the outer walls.
 pub(super) const DEPTH: f32 = 3.6;
 /// Half thickness of the arcades.
 pub(super) const HALF_WALL: f32 = 0.32;
@@ -70,8 +70,7 @@ impl Paints {
     }
 }
 
-/// The four sides: takes what stands at z = 0, looking towards +z into the court, along x, to its place.
-/// With half the length of that side.
+/// The four sides: transforms from a side along x at z = 0, facing the court at +z, and half the length of each side.
 pub(super) fn sides() -> [(Affine3A, u32); 4] {
     let side = |degrees: f32, away: f32| {
         Affine3A::from_rotation_y(degrees.to_radians()) * Affine3A::from_translation(vec3(0.0, 0.0, -away))
@@ -84,12 +83,12 @@ pub(super) fn sides() -> [(Affine3A, u32); 4] {
     ]
 }
 
-/// Middles of the bays of a side, along x.
+/// Centres of the bays of a side, along x.
 pub(super) fn bay_middles(bays: u32) -> impl Iterator<Item = f32> {
     (0..bays).map(move |i| BAY * (i as f32 - 0.5 * (bays - 1) as f32))
 }
 
-/// Where columns stand along a side: between bays, not in the corners.
+/// Positions of columns along a side: between bays, not in the corners.
 pub(super) fn column_places(bays: u32) -> impl Iterator<Item = f32> {
     (1..bays).map(move |i| BAY * (i as f32 - 0.5 * bays as f32))
 }
@@ -115,7 +114,7 @@ pub(super) fn building(paints: &Paints, columns: [&Part; 2]) -> Part {
     all
 }
 
-/// A ring of four slabs about the court: from `inner` to `outer`, both half extents.
+/// A ring of four slabs around the court: from `inner` to `outer`, both half extents.
 pub(super) fn ring(inner: Vec2, outer: Vec2, [bottom, top]: [f32; 2], material: u32) -> Part {
     let long = |z: [f32; 2]| cuboid(vec3(-outer.x, bottom, z[0]), vec3(outer.x, top, z[1]), material);
     let short = |x: [f32; 2]| cuboid(vec3(x[0], bottom, -inner.y), vec3(x[1], top, inner.y), material);
@@ -266,7 +265,7 @@ fn string_courses(paints: &Paints) -> Part {
     cornice(out.x, out.y, &low, paints.trim).and(cornice(out.x, out.y, &high, paints.trim))
 }
 
-/// Brick above a floor of stone: the walls that close the building.
+/// The outer walls: brick on a stone floor.
 fn outer_walls(paints: &Paints) -> Part {
     let inner = HALF + DEPTH;
     let plinth = [[-0.05, 0.0], [0.08, 0.0], [0.08, 0.42], [0.03, 0.48], [-0.05, 0.48]];
@@ -282,7 +281,7 @@ fn outer_walls(paints: &Paints) -> Part {
     ))
 }
 
-/// A well with a stone basin in the middle of the court.
+/// A well with a stone basin in the centre of the court.
 fn well(paints: &Paints) -> Part {
     let basin = [
         [1.15, -0.05],

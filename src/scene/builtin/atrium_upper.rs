@@ -1,6 +1,6 @@
 //! The upper storey of the atrium and its roof.
 //!
-//! In: materials and a column. Out: one side of the gallery, as `atrium::sides` wants it, and the roof.
+//! In: materials and a column. Out: one side of the gallery, in the frame of `atrium::sides`, and the roof.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
@@ -16,7 +16,7 @@ pub(super) const SPRING: f32 = 7.75;
 /// Height of the parapet above the floor.
 const PARAPET: f32 = 0.95;
 
-/// The slender columns; every other one stands over the middle of a bay below.
+/// The slender columns; every other one is above the centre of a bay of the arcade.
 pub(super) fn column(paints: &Paints, segments: u32) -> Column {
     Column {
         height: SPRING - UPPER - PARAPET,

@@ -10,8 +10,8 @@ use super::part::Part;
 use super::paths::{arc, circle, way};
 use super::shapes::{Ends, lathe_shaped, loft_open, sweep};
 
-/// How far a row of `leaves` stands out at an angle: `t` from 0 at their foot to 1 at their tips, in shares of the
-/// radius.
+/// Relief height of a row of `leaves` at an angle, relative to the radius; `t` from 0 at their base to 1 at their
+/// tips.
 fn leaf_row(angle: f32, t: f32, leaves: f32, turn: f32) -> f32 {
     if !(0.0..=1.0).contains(&t) {
         return 0.0;
@@ -59,7 +59,7 @@ pub(super) fn carved_column(column: &Column, flutes: u32, [segments, rings]: [u3
         .and(column.abacus())
 }
 
-/// How far the relief of a lion's head stands out at a place in the unit disc.
+/// Relief height of a lion's head at a point in the unit disc.
 fn lion(place: Vec2) -> f32 {
     let (radius, angle) = (place.length(), place.y.atan2(place.x));
     let bump = |x: f32, y: f32, width: f32, height: f32| {
@@ -78,7 +78,7 @@ fn lion(place: Vec2) -> f32 {
     mane + face + brow + nose + muzzle + eyes + mouth + ears
 }
 
-/// A round relief in a moulded frame, before the wall z = 0.
+/// A round relief in a moulded frame, in front of the wall z = 0.
 pub(super) fn medallion(radius: f32, [segments, rings]: [u32; 2], material: u32) -> Part {
     let ring = |share: f32, depth: Option<f32>| {
         let corner = |i: u32| {
@@ -91,7 +91,7 @@ pub(super) fn medallion(radius: f32, [segments, rings]: [u32; 2], material: u32)
     let mut all_rings = vec![ring(0.0, Some(-0.05)), ring(1.0, Some(-0.05))];
     all_rings.extend((1..=rings).rev().map(|i| ring(i as f32 / rings as f32, None)));
     all_rings.push(ring(0.0, None));
-    // x goes inwards from the rim.
+    // x points inwards from the rim.
     let profile = [[0.0, -0.08], [0.24, -0.08], [0.24, 0.12], [0.15, 0.1], [0.08, 0.16], [0.0, 0.08]];
     let rim = way(&circle(Vec2::ZERO, 1.2 * radius, 64), true);
     let frame = sweep(&profile.map(|p| vec2(p[0], p[1]) * radius), &rim, Ends::Joined, material);

@@ -21,15 +21,15 @@ pub(super) const BAY: f32 = 5.0;
 pub(super) const BAYS: u32 = 7;
 /// Half of the nave's length.
 pub(super) const HALF_LENGTH: f32 = 0.5 * BAY * BAYS as f32;
-/// From the middle of the nave to the middle of its arcades.
+/// Distance from the nave's centre line to that of its arcades.
 pub(super) const NAVE: f32 = 4.4;
 /// Half thickness of the walls of the nave.
 pub(super) const HALF_WALL: f32 = 0.45;
-/// From the middle of the nave to the inside of the outer walls.
+/// Distance from the nave's centre line to the inside of the outer walls.
 pub(super) const AISLE: f32 = 8.6;
 /// Top of the piers.
 pub(super) const PIER: f32 = 4.6;
-/// Where the vault of the nave begins, and how far it rises.
+/// Springing of the nave's vault, and its rise.
 pub(super) const SPRING: f32 = 9.6;
 pub(super) const RISE: f32 = 4.2;
 /// Top of the walls.
@@ -78,7 +78,7 @@ pub(super) fn model(palette: &mut Palette) -> Part {
     let mut side = arcade(&paints);
     side.push(aisle(&paints));
     let mut all = floor(&paints);
-    // The south side is the north side, turned about: both ends are alike as far as a side goes.
+    // The south side is the north side rotated by 180 degrees: a side is symmetric.
     all.push(side.turned(180.0, Vec3::ZERO));
     all.push(side);
     all.push(nave_vault(&paints));
@@ -87,12 +87,12 @@ pub(super) fn model(palette: &mut Palette) -> Part {
     all
 }
 
-/// Middles of the bays, along x.
+/// Centres of the bays, along x.
 fn bay_middles() -> impl Iterator<Item = f32> {
     (0..BAYS).map(|i| BAY * (i as f32 + 0.5) - HALF_LENGTH)
 }
 
-/// Where bays meet, the ends among them.
+/// Boundaries of the bays, including both ends.
 fn bay_edges() -> impl Iterator<Item = f32> {
     (0..=BAYS).map(|i| BAY * i as f32 - HALF_LENGTH)
 }
@@ -105,7 +105,7 @@ fn floor(paints: &Paints) -> Part {
     let end = HALF_LENGTH + 0.5;
     let split = NAVE + HALF_WALL;
     let aisle = |from: f32, to: f32| cuboid(vec3(-end, -0.4, from), vec3(end, 0.0, to), paints.aisle);
-    // The carpet's pattern runs across x before it is turned.
+    // The carpet's pattern runs across x before the rotation.
     let half = 1.55;
     let carpet =
         super::shapes::bevelled(vec3(0.0, -0.01, -14.8), vec3(2.0 * half, 0.025, 15.9), 0.008, paints.carpet);
@@ -120,7 +120,7 @@ fn floor(paints: &Paints) -> Part {
         .and(carpet.turned(-90.0, vec3(0.0, 0.0, -half)))
 }
 
-/// How far the surface of a pier lies from its axis at an angle: a round core with eight shafts.
+/// Radius of a pier at an angle: a round core with eight shafts.
 fn cluster(angle: f32) -> f32 {
     let shaft = |turn: f32, away: f32, radius: f32| {
         let step = std::f32::consts::FRAC_PI_2;
@@ -146,7 +146,7 @@ fn pier(paints: &Paints) -> Part {
         .and(octagon(&[[0.84, 4.42], [0.9, 4.48], [0.9, PIER + 0.04], [0.84, PIER + 0.1]]))
 }
 
-/// One wall of the nave with its piers: arcade, blind arches, clerestory. At z = -NAVE, seen from the nave.
+/// One wall of the nave with its piers: arcade, blind arches, clerestory. At z = -NAVE, facing the nave.
 fn arcade(paints: &Paints) -> Part {
     let mut all = Part::default();
     let wall = vec3(0.0, 0.0, -NAVE);
@@ -184,7 +184,7 @@ fn arcade_bay(paints: &Paints) -> Part {
         .and(opening.moulding(&back, -HALF_WALL, paints.trim))
 }
 
-/// Four blind arches a bay between the string courses, before a wall.
+/// Four blind arches a bay between the string courses, in front of a wall.
 fn blind_arches(paints: &Paints) -> Part {
     let [low, high] = COURSES;
     let half = 0.5 * BAY;

@@ -15,7 +15,7 @@ use super::walls::{Opening, Panel, pierced};
 const THICK: f32 = 0.8;
 /// Sides of the apse.
 const SIDES: u32 = 5;
-/// Level of the choir, and how far it reaches into the nave.
+/// Level of the choir, and its extent into the nave.
 const CHOIR: f32 = 0.45;
 
 /// The west wall with its door and rose window.
@@ -59,7 +59,7 @@ fn aisle_ends(paints: &Paints, depth: [f32; 2]) -> Part {
     all
 }
 
-/// The east wall, which opens into the apse.
+/// The east wall, with the opening to the apse.
 pub(super) fn east(paints: &Paints) -> Part {
     let depth = [-THICK, 0.0];
     let panel = Panel { min: vec2(-NAVE, -0.1), max: vec2(NAVE, TOP), depth };
@@ -79,7 +79,7 @@ pub(super) fn east(paints: &Paints) -> Part {
     wall.turned(-90.0, Vec3::X * HALF_LENGTH).and(apse(paints)).and(choir(paints))
 }
 
-/// Where the corners of the apse stand, from north to south, about its own middle.
+/// Corners of the apse, from north to south, relative to its centre.
 fn apse_corner(i: u32) -> Vec2 {
     let angle = PI * (0.5 - i as f32 / SIDES as f32);
     vec2(angle.cos(), -angle.sin()) * NAVE
@@ -122,7 +122,7 @@ fn apse(paints: &Paints) -> Part {
     all.at(apse_middle())
 }
 
-/// Height of the dome over its foot at a share of the way from the wall to the middle.
+/// Height of the dome over its springing, at a fraction of the distance from the wall to the centre.
 fn meridian(share: f32) -> Vec2 {
     let angle = 0.5 * PI * share;
     vec2(NAVE * angle.cos(), SPRING + RISE * angle.sin())
@@ -136,7 +136,7 @@ fn half_dome(paints: &Paints) -> Part {
     let mut inside: Vec<Vec2> = inner.collect();
     inside.reverse();
     profile.extend(&inside);
-    // Slices on the walls; the way goes against the angle.
+    // Slices on the walls; the path runs against the angle.
     let slice = |i: u32| {
         let angle = PI * (0.5 - i as f32 / SIDES as f32);
         Frame { origin: Vec3::ZERO, right: vec3(angle.cos(), 0.0, -angle.sin()), up: Vec3::Y }

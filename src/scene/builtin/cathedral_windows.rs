@@ -56,7 +56,7 @@ pub(super) fn clerestory(paints: &Paints, from: f32) -> Part {
     window
 }
 
-/// A round window with twelve petals, of `radius`, about `middle`.
+/// A round window with twelve petals, of `radius`, around `middle`.
 pub(super) fn rose(paints: &Paints, panel: &Panel, middle: Vec2, radius: f32) -> Part {
     let [back, front] = panel.depth;
     let plane = middle.extend(0.5 * (back + front));
@@ -73,7 +73,7 @@ pub(super) fn rose(paints: &Paints, panel: &Panel, middle: Vec2, radius: f32) ->
         all.push(tracery(&spoke, false, paints.trim).at(plane - Vec3::Z * 0.015));
         let between = Vec2::from_angle(std::f32::consts::TAU * (i as f32 + 0.5) / 12.0);
         let petal = circle(between * 0.79 * radius, 0.19 * radius, 14);
-        // Neighbours touch; their faces do not lie on each other.
+        // Neighbours touch, but no faces coincide.
         let lifted = 0.012 * (1 + i % 2) as f32;
         all.push(tracery(&petal, true, paints.trim).at(plane + Vec3::Z * lifted));
     }

@@ -1,6 +1,6 @@
 //! Chairs of the meeting room.
 //!
-//! In: materials. Out: chairs that stand on y = 0 about the y axis and look towards +z.
+//! In: materials. Out: chairs on y = 0 around the y axis, facing +z.
 
 use std::f32::consts::{PI, TAU};
 
@@ -35,7 +35,7 @@ pub(super) fn swivel_chair(paints: &Paints) -> Part {
     all
 }
 
-/// The back: a cushion, bent about the one who sits, with ribs across.
+/// The back: a cushion, curved around the sitter, with horizontal ribs.
 fn back(paints: &Paints) -> Part {
     const SEGMENTS: u32 = 48;
     const RINGS: u32 = 52;
@@ -44,7 +44,7 @@ fn back(paints: &Paints) -> Part {
         let latitude = PI * (share - 0.5);
         let width = if j == 0 || j == RINGS { 0.0 } else { latitude.cos().powf(0.28) };
         let height = latitude.sin().abs().powf(0.5).copysign(latitude);
-        // Stitched across, so that it swells in between.
+        // Bulges between horizontal stitches.
         let swell = 1.0 + 0.22 * (9.0 * PI * height).cos() * (1.0 - height * height);
         let corner = |i: u32| {
             let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();

@@ -1,6 +1,6 @@
-//! What a model must be for light not to leak and pictures not to flicker.
+//! Checks of a model against light leaks and z-fighting.
 //!
-//! In: the pieces of a model. Out: what is wrong with them, one line each.
+//! In: the pieces of a model. Out: defects, one line each.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -8,21 +8,21 @@ use glam::{DVec2, DVec3, Vec3};
 
 use crate::scene::mesh::Mesh;
 
-/// Two faces nearer than this lie on each other, metres.
+/// Parallel faces nearer than this are coincident, metres.
 const TOUCHING: f64 = 2e-4;
 
-/// Overlaps smaller than this cannot be seen, square metres.
+/// Smaller overlaps are ignored, square metres.
 const SMALLEST_OVERLAP: f64 = 2e-5;
 
 fn key(point: Vec3) -> [u32; 3] {
-    // Adding zero turns -0 into +0, which is the same place.
+    // Adding zero turns -0 into +0, which must compare equal.
     (point + 0.0).to_array().map(f32::to_bits)
 }
 
-/// A piece with one vertex a place.
+/// A piece with welded vertices: one for each position.
 struct Welded {
     triangles: Vec<[usize; 3]>,
-    /// For each vertex another of the same body, or itself.
+    /// Union-find parents: vertices of one connected body share a root.
     body: Vec<usize>,
 }
 
@@ -56,7 +56,7 @@ impl Welded {
     }
 }
 
-/// Whether each edge is shared by just two triangles, in opposite directions, and the inside is inside.
+/// Checks that a solid is a closed manifold (each edge has two triangles, in opposite directions) facing outwards.
 pub(super) fn solid(mesh: &Mesh) -> Result<(), String> {
     let welded = Welded::of(mesh);
     let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
@@ -81,7 +81,7 @@ pub(super) fn solid(mesh: &Mesh) -> Result<(), String> {
     }
 }
 
-/// Whether no edge of a sheet has more than two triangles, and those agree on which side is the front.
+/// Checks that each edge of a sheet has at most two triangles, with consistent winding.
 pub(super) fn sheet(mesh: &Mesh) -> Result<(), String> {
     let welded = Welded::of(mesh);
     let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
@@ -98,7 +98,7 @@ pub(super) fn sheet(mesh: &Mesh) -> Result<(), String> {
     }
 }
 
-/// Whether all triangles have an area and all vertices unit normals on the triangle's own side.
+/// Checks that all triangles have an area, and all vertices unit normals on the front side.
 pub(super) fn surface(mesh: &Mesh) -> Result<(), String> {
     for (i, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
@@ -123,15 +123,15 @@ pub(super) fn surface(mesh: &Mesh) -> Result<(), String> {
     Ok(())
 }
 
-/// A triangle on its plane.
+/// A triangle, projected to its plane.
 struct Face {
     corners: [DVec3; 3],
     normal: DVec3,
     piece: usize,
 }
 
-/// Places where two faces of the same direction lie on each other, so that nobody can say which is seen; not those
-/// inside of another solid. One place for each two pieces.
+/// Coincident faces with the same normal, which would z-fight; not those inside another solid. One point for each pair
+/// of pieces.
 pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
     let mut faces = Vec::new();
     let mut planes: HashMap<[i64; 4], Vec<usize>> = HashMap::new();
@@ -167,13 +167,13 @@ pub(super) fn overlaps(pieces: &[Mesh]) -> Vec<String> {
     found
 }
 
-/// Normal and distance from the origin of a face's plane, in cells of a table.
+/// Hash cell of a face's plane: normal and distance from the origin.
 fn plane(face: &Face) -> [f64; 4] {
     let Face { normal, corners, .. } = face;
     [normal.x * 256.0, normal.y * 256.0, normal.z * 256.0, normal.dot(corners[0]) / 4e-3]
 }
 
-/// The cells where faces in the plane of this one may be found, whose own plane is a little inexact.
+/// The cells that may contain faces coplanar with this one, given rounding.
 fn nearby(face: &Face) -> Vec<[i64; 4]> {
     let mut cells = vec![[0; 4]];
     for (axis, value) in plane(face).into_iter().enumerate() {
@@ -187,7 +187,7 @@ fn nearby(face: &Face) -> Vec<[i64; 4]> {
     cells
 }
 
-/// Area that two faces share and a point there, if they lie in one plane and look the same way.
+/// Overlap area of two faces and a point in it, if they are coplanar with the same normal.
 fn overlap(first: &Face, second: &Face) -> Option<(f64, DVec3)> {
     let off_plane = |point: &DVec3| first.normal.dot(*point - first.corners[0]).abs();
     if first.normal.dot(second.normal) < 0.999 || second.corners.iter().any(|p| off_plane(p) > TOUCHING) {
@@ -227,7 +227,7 @@ fn overlap(first: &Face, second: &Face) -> Option<(f64, DVec3)> {
     (area > SMALLEST_OVERLAP).then(|| (area, first.corners[0] + x * middle.x + y * middle.y))
 }
 
-/// A piece, to ask what lies inside of it.
+/// A piece, for inside tests.
 struct Solid<'a> {
     mesh: &'a Mesh,
     bounds: (DVec3, DVec3),
@@ -239,12 +239,12 @@ impl<'a> Solid<'a> {
         Self { mesh, bounds: (min.as_dvec3(), max.as_dvec3()) }
     }
 
-    /// Counts how often a ray from `point` leaves, less how often it enters.
+    /// Winding number: how often a ray from `point` leaves the piece, minus how often it enters.
     fn contains(&self, point: DVec3) -> bool {
         if point.cmplt(self.bounds.0).any() || point.cmpgt(self.bounds.1).any() {
             return false;
         }
-        // No edge of a model lies along this.
+        // A generic direction, which no edge of a model is parallel to.
         let direction = DVec3::new(0.2718, 0.8315, 0.4846);
         let mut leaving = 0;
         for i in 0..self.mesh.triangles.len() {

@@ -13,16 +13,16 @@ use super::shapes::sheet;
 pub(super) struct Curtain {
     pub width: f32,
     pub drop: f32,
-    /// Which way its folds fall.
+    /// Seed of its folds.
     pub seed: u32,
     pub material: u32,
 }
 
 impl Curtain {
-    /// How far down it is tied, as a share of its height.
+    /// Height of its tie, as a fraction of its height from above.
     const TIE: f32 = 0.58;
 
-    /// How wide it is at a share of its height.
+    /// Width at a fraction of its height.
     fn width_at(&self, v: f32) -> f32 {
         let gathered = 0.2 * self.width;
         if v < Self::TIE {
@@ -40,7 +40,7 @@ impl Curtain {
         let folds = 6.0 + 2.0 * pick(0);
         let point = |share: Vec2| {
             let width = self.width_at(share.y);
-            // What is gathered lies in deeper folds.
+            // Gathered cloth has deeper folds.
             let depth = 0.035 + 0.05 * (1.0 - width / self.width);
             let drift = pick(1) + 0.3 * (share.y - 0.3) * (pick(2) - 0.5);
             let phase = TAU * (folds * share.x + drift);
@@ -53,7 +53,7 @@ impl Curtain {
     }
 }
 
-/// A banner that hangs down from y = 0 in front of z = 0, pointed below, in slight folds.
+/// A banner that hangs from y = 0 in front of z = 0, pointed at the bottom, with slight folds.
 pub(super) fn banner(width: f32, drop: f32, seed: u32, material: u32) -> Part {
     let point = |share: Vec2| {
         let x = share.x - 0.5;
@@ -65,7 +65,7 @@ pub(super) fn banner(width: f32, drop: f32, seed: u32, material: u32) -> Part {
     sheet([16, 24], vec2(width, drop), material, point)
 }
 
-/// The band that ties a curtain: a closed ring about the y axis.
+/// The tie of a curtain: a closed ring around the y axis.
 pub(super) fn tie(half: Vec2, material: u32) -> Part {
     use super::shapes::{Ends, Frame, sweep};
     let frame = |i: u32| {

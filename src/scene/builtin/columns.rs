@@ -1,6 +1,6 @@
-//! Columns, pedestals, balusters and vases: profiles that are turned.
+//! Columns, pedestals, balusters and vases: surfaces of revolution.
 //!
-//! In: heights and radii in metres. Out: parts that stand on y = 0 about the y axis.
+//! In: heights and radii in metres. Out: parts on y = 0 around the y axis.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
@@ -41,7 +41,7 @@ impl Column {
         1.9 * self.radius
     }
 
-    /// Where the capital's bell begins.
+    /// Bottom of the capital's bell.
     pub fn capital_foot(&self) -> f32 {
         self.height - self.plates()[1] - self.capital_height()
     }
@@ -61,8 +61,7 @@ impl Column {
             .and(self.abacus())
     }
 
-    /// Plate, base and shaft up to the capital; `shape` multiplies the radius of the shaft, which has
-    /// `segments` of its own.
+    /// Plate, base and shaft up to the capital; `shape` scales the radius of the shaft, which has its own `segments`.
     pub fn shaft(&self, segments: u32, shape: impl Fn(f32, f32) -> f32) -> Part {
         let r = self.radius;
         let [under, _] = self.plates();
@@ -123,7 +122,7 @@ pub(super) fn vase(height: f32, [segments, steps]: [u32; 2], material: u32) -> P
     lathe(&profile, segments, material)
 }
 
-/// Places evenly along a line, both ends among them.
+/// Equidistant values over a range, including both ends.
 pub(super) fn along(from: Vec3, to: Vec3, count: u32) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |i| if count == 1 { from } else { from.lerp(to, i as f32 / (count - 1) as f32) })
 }

@@ -1,4 +1,4 @@
-//! The Cornell box, made by code.
+//! The procedural Cornell box.
 
 use glam::{Affine3A, Vec3};
 
@@ -10,7 +10,7 @@ use crate::scene::{Camera, Instance, Scene};
 const MILLIMETRE: f32 = 1e-3;
 
 /// The walls of the Cornell box: material and corners in millimetres, seen from inside. The ceiling has
-/// a hole where the light sits, so it comes as four strips around that.
+/// a hole for the light, so it consists of four strips.
 const WALLS: [(u32, [[f32; 3]; 4]); 8] = [
     (WHITE, [[552.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [549.6, 0.0, 559.2]]),
     (WHITE, [[556.0, 548.8, 0.0], [556.0, 548.8, 227.0], [0.0, 548.8, 227.0], [0.0, 548.8, 0.0]]),
@@ -98,7 +98,7 @@ mod tests {
         let mesh = &scene.meshes[0];
         assert_eq!(mesh.triangles.len(), 2 * (8 + 10 + 1));
         let middle = Vec3::new(0.278, 0.2744, 0.2796);
-        // Walls and light look at the middle, blocks away from their own.
+        // Walls and light face the centre of the box, blocks away from their own centres.
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = mesh.triangle_positions(i as u32);
             let normal = (b - a).cross(c - a).normalize();

@@ -1,4 +1,4 @@
-//! The atrium once more, with carved columns, curtains and banners, lions' heads, vases and plants.
+//! The atrium with carved columns, curtains, banners, lions' heads, vases and plants.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
@@ -16,7 +16,7 @@ use super::shapes::{bar, cushion, lathe};
 use super::stone::TERRACOTTA;
 use super::textile::{DAMASK, IVY, LEAF};
 
-/// What the plain atrium has not.
+/// Materials that the plain atrium does not have.
 struct Finery {
     /// Red, green, blue.
     cloths: [u32; 3],
@@ -68,7 +68,7 @@ pub(super) fn model(palette: &mut Palette) -> Part {
 /// Two curtains a bay, tied back to the columns, on a rod.
 fn curtains(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
     let mut all = Part::default();
-    // Under the vaults' springing, behind the columns.
+    // Below the vaults' springing, behind the columns.
     let (level, depth) = (SPRING - 0.22, -HALF_WALL - 0.28);
     let reach = 0.5 * BAY - 0.02;
     let rod = bar(vec3(-reach, 0.0, 0.0), vec3(reach, 0.0, 0.0), 0.022, 8, paints.bronze);
@@ -110,7 +110,7 @@ fn banners(paints: &Paints, finery: &Finery, bays: u32, side: u32) -> Part {
     all
 }
 
-/// Ivy that has come up to the parapet and hangs from it.
+/// Ivy that hangs from the parapet.
 fn greenery(finery: &Finery, bays: u32, side: u32) -> Part {
     let half = 0.5 * BAY * bays as f32;
     // It hangs down in tongues.

@@ -1,4 +1,4 @@
-//! What is fixed to walls and ceiling of the meeting room: blinds, panels, lamps, doors, pictures.
+//! Fittings of the meeting room's walls and ceiling: blinds, panels, lamps, doors, pictures.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
@@ -15,7 +15,7 @@ fn points(list: &[[f32; 2]]) -> Vec<Vec2> {
     list.iter().map(|p| vec2(p[0], p[1])).collect()
 }
 
-/// A venetian blind before an opening of `size`, hanging from its upper edge; z points into the room.
+/// A venetian blind in front of an opening of `size`, hanging from its upper edge; z points into the room.
 pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
     let half = 0.5 * size.x - 0.02;
     // The cross section of a slat, bent a little; x is across, y up.
@@ -53,8 +53,8 @@ pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
     all
 }
 
-/// Panels under the ceiling `y` of a room of these half extents, but for places `spared` for lamps; a grid of
-/// bars between them.
+/// Panels under the ceiling `y` of a room of these half extents, except at `spared` for lamps, with a grid of bars
+/// between them.
 pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]) -> Part {
     let mut all = Part::default();
     let count = (half / (0.5 * PANEL)).round().as_ivec2();
@@ -82,7 +82,7 @@ pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]
     all
 }
 
-/// A ceiling light with louvres in place of one panel, which is off.
+/// A ceiling light with louvres, switched off, in place of one panel.
 pub(super) fn louvred_lamp(paints: &Paints) -> Part {
     let mut all = cuboid(vec3(-0.285, 0.06, -0.285), vec3(0.285, 0.1, 0.285), paints.panel);
     all.push(

@@ -1,4 +1,4 @@
-//! Table, sideboard and shelves of the meeting room, and what stands on them.
+//! Table, sideboard and shelves of the meeting room, and objects on them.
 
 use std::f32::consts::TAU;
 
@@ -16,7 +16,7 @@ pub(super) const TABLE: f32 = 0.74;
 /// Half extents of its top.
 pub(super) const TABLE_HALF: Vec2 = Vec2::new(3.0, 0.85);
 
-/// A rounded plan, counter-clockwise seen from above, at a height.
+/// A rounded outline, counter-clockwise seen from above, at a height.
 fn plan(half: Vec2, y: f32) -> Vec<Vec3> {
     const CORNERS: u32 = 72;
     let corner = |i: u32| {
@@ -41,7 +41,7 @@ pub(super) fn table(paints: &Paints) -> Part {
     all
 }
 
-/// What lies before the one who sits at z < 0 and looks towards +z.
+/// Objects on the table in front of a person at z < 0 who faces +z.
 pub(super) fn place_setting(paints: &Paints, seat: u32) -> Part {
     let pick = |i: u32| chance(seat, i, 501);
     let mut all = Part::default();
@@ -90,7 +90,7 @@ fn cup(paints: &Paints) -> Part {
         .and(rod(&handle.map(|[x, y]| vec3(x, y, 0.0)), 0.005, 8, paints.china))
 }
 
-/// An open laptop; the one who types sits at z < 0.
+/// An open laptop for a person at z < 0.
 fn laptop(paints: &Paints) -> Part {
     let mut all = bevelled(vec3(-0.16, 0.0, -0.11), vec3(0.16, 0.018, 0.11), 0.004, paints.steel);
     let key = bevelled(vec3(-0.0095, 0.0, -0.0085), vec3(0.0095, 0.006, 0.0085), 0.002, paints.plastic);
@@ -110,7 +110,7 @@ fn laptop(paints: &Paints) -> Part {
     all
 }
 
-/// A low cupboard along z = 0 whose front looks towards +z, with a plant, a vase and cups.
+/// A low cupboard along z = 0 with its front at +z, with a plant, a vase and cups.
 pub(super) fn sideboard(paints: &Paints) -> Part {
     let half = 1.5;
     let mut all = bevelled(vec3(-half, 0.08, 0.0), vec3(half, 0.78, 0.46), 0.008, paints.veneer);
@@ -143,7 +143,7 @@ pub(super) fn sideboard(paints: &Paints) -> Part {
     all
 }
 
-/// Shelves full of books, along z = 0, looking towards +z.
+/// Shelves full of books, along z = 0, facing +z.
 pub(super) fn bookcase(paints: &Paints) -> Part {
     let (half, height, depth) = (0.95, 2.1, 0.32);
     let mut all = cuboid(vec3(-half, 0.0, 0.0), vec3(half, height, 0.02), paints.veneer);

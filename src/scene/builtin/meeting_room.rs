@@ -24,9 +24,9 @@ const CEILING: f32 = 3.1;
 const WALL: f32 = 0.25;
 /// Half width of a window, and its lower and upper edge.
 const WINDOW: [f32; 3] = [1.15, 0.92, 2.72];
-/// Middles of the windows, along x.
+/// Centres of the windows, along x.
 const WINDOWS: [f32; 4] = [-4.35, -1.45, 1.45, 4.35];
-/// What the torus turns about, above the floor.
+/// Height of the torus's axis above the floor.
 const AXLE: f32 = 2.0;
 
 /// Materials of the meeting room.
@@ -160,7 +160,7 @@ fn windows(paints: &Paints) -> Part {
 
 /// Ceiling, lamps, projector, the spot light and the axle of the torus.
 fn overhead(paints: &Paints) -> Part {
-    // Panels by their place from the corner at -x, -z.
+    // Panels by column and row from the corner at -x, -z.
     let lamps: Vec<(i32, i32)> = [3, 7, 12, 16].into_iter().flat_map(|i| [(i, 3), (i, 10)]).collect();
     let mut all = ceiling(paints, HALF, CEILING, &lamps);
     let place = |&(i, j): &(i32, i32)| {
@@ -198,7 +198,7 @@ fn table_with_chairs(paints: &Paints) -> Part {
     all
 }
 
-/// Doors, boards, pictures and what stands beside the walls.
+/// Doors, boards, pictures and furniture along the walls.
 fn along_the_walls(paints: &Paints) -> Part {
     let mut all = Part::default();
     let (x, z) = (HALF.x, HALF.y);

@@ -1,5 +1,5 @@
-//! Scenes that are found by name: the Cornell box, models made by code, and the embedded scene files of
-//! `scenes/`, which place, light and move such models or those that people download.
+//! Built-in scenes: the Cornell box, procedural models, and the embedded scene files of `scenes/`, which place, light
+//! and animate procedural or downloadable models.
 
 mod atrium;
 mod atrium_upper;
@@ -59,14 +59,14 @@ pub const NAMES: [&str; 14] = [
     "living-room",
 ];
 
-/// The scenes that a benchmark runs: those of Tonna 2019, figure 24, or what is made by code in their stead.
+/// The scenes of the benchmark: those of Tonna 2019, figure 24, or procedural substitutes.
 pub const BENCH_SCENES: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room"];
 
-/// The same five with the models of the original, which are not shipped.
+/// The same five with the original models, which are not shipped.
 pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
     ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
 
-/// Names of the models that scene files may ask for as `builtin`.
+/// Names of the procedural models, for the key `builtin` in scene files.
 pub(super) const MODELS: [&str; 6] =
     ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
@@ -90,7 +90,7 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
     }
 }
 
-/// A mesh made by code and all that it needs; its indices count from 0.
+/// A procedural mesh with its materials, textures and masks; indices start at 0.
 pub(super) struct Model {
     mesh: Mesh,
     materials: Vec<Material>,
@@ -133,7 +133,7 @@ fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
 }
 
 impl Model {
-    /// Adds it to a scene; its mesh's index.
+    /// Adds it to a scene; returns the index of its mesh.
     pub fn add_to(mut self, scene: &mut Scene) -> usize {
         let (materials, textures, masks) =
             (scene.materials.len(), scene.textures.len(), scene.alpha_masks.len());

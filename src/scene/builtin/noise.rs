@@ -1,8 +1,8 @@
-//! Chance and noise that are the same on every run.
+//! Deterministic random numbers and noise.
 
 use glam::{Vec2, vec2};
 
-/// A number in [0, 1) for each triple of whole numbers (PCG output of a mixed state).
+/// A hash of three integers to [0, 1) (PCG output of a mixed state).
 pub(super) fn chance(x: u32, y: u32, seed: u32) -> f32 {
     let mut state =
         x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ seed.wrapping_mul(0xc2b2_ae3d);
@@ -11,7 +11,7 @@ pub(super) fn chance(x: u32, y: u32, seed: u32) -> f32 {
     ((word >> 22) ^ word) as f32 / 4_294_967_296.0 * 0.999_999
 }
 
-/// Value noise in [0, 1] over the unit square, which it repeats beyond: `cells` lattice cells a side.
+/// Periodic value noise in [0, 1] with the unit square as period and `cells` lattice cells a side.
 pub(super) fn noise(point: Vec2, cells: u32, seed: u32) -> f32 {
     let scaled = (point - point.floor()) * cells as f32;
     let cell = scaled.floor();
@@ -24,7 +24,7 @@ pub(super) fn noise(point: Vec2, cells: u32, seed: u32) -> f32 {
     top * (1.0 - t.y) + bottom * t.y
 }
 
-/// `octaves` of noise, each twice as fine and half as strong as the one before; in [0, 1].
+/// Fractal noise in [0, 1]: `octaves` with doubling frequency and halving amplitude.
 pub(super) fn fractal(point: Vec2, cells: u32, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut weight, mut total) = (0.0, 1.0, 0.0);
     for octave in 0..octaves {
@@ -35,13 +35,13 @@ pub(super) fn fractal(point: Vec2, cells: u32, octaves: u32, seed: u32) -> f32 {
     sum / total
 }
 
-/// `point` pushed about by noise of `strength`, in units of the square.
+/// Domain warping: `point` displaced by noise of amplitude `strength`.
 pub(super) fn warped(point: Vec2, cells: u32, strength: f32, seed: u32) -> Vec2 {
     let push = vec2(fractal(point, cells, 3, seed), fractal(point, cells, 3, seed + 57));
     point + (push - 0.5) * strength
 }
 
-/// 0 below `low`, 1 above `high`, smooth in between.
+/// Smoothstep from 0 at `low` to 1 at `high`.
 pub(super) fn ramp(low: f32, high: f32, value: f32) -> f32 {
     let t = ((value - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,7 +1,7 @@
-//! Materials of the built-in models, and their textures, painted by code.
+//! Materials of the built-in models, with procedural textures.
 //!
-//! In: recipes that give a colour for each place of a texture. Out: materials, textures and alpha masks whose
-//! indices go together; recipes used twice are painted once.
+//! In: functions from texture coordinates to colour. Out: materials, textures and alpha masks with consistent indices;
+//! a function used twice is evaluated once.
 
 use std::collections::HashMap;
 
@@ -11,20 +11,20 @@ use rayon::prelude::*;
 use crate::scene::material::{AlphaMask, Material, Texture};
 use crate::scene::texture::linear_to_srgb;
 
-/// A texture to be painted.
+/// A procedural texture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recipe {
     /// Name for reports.
     pub name: &'static str,
-    /// Texels.
+    /// Size in texels.
     pub size: [u32; 2],
-    /// Metres that it covers.
+    /// Size in metres.
     pub extent: [f32; 2],
-    /// Linear colour and opacity at a place in the unit square, y downwards.
+    /// Linear colour and opacity at a point in the unit square, y down.
     pub paint: fn(Vec2) -> Vec4,
 }
 
-/// Materials under construction; an index into it goes into the meshes.
+/// Materials under construction; meshes hold indices into it.
 #[derive(Debug, Default)]
 pub(super) struct Palette {
     materials: Vec<Material>,
@@ -36,7 +36,7 @@ pub(super) struct Paints {
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
     pub alpha_masks: Vec<AlphaMask>,
-    /// Metres that the texture of each material covers.
+    /// Size of each material's texture, metres.
     pub tiles: Vec<Vec2>,
 }
 
@@ -69,7 +69,7 @@ impl Palette {
         self.materials.len() as u32 - 1
     }
 
-    /// Paints the textures.
+    /// Evaluates the textures.
     pub fn finish(mut self) -> Paints {
         let mut used: Vec<Recipe> = Vec::new();
         let mut places: HashMap<&str, usize> = HashMap::new();

@@ -1,15 +1,15 @@
-//! What the built-in models are put together from: parts, each a few meshes that stand for solids or sheets.
+//! Parts of the built-in models: meshes of solids and sheets.
 //!
-//! In: vertices and triangles without normals. Out: meshes with normals, placed, and in the end one mesh of
-//! all of them. One big mesh, rather than instances of columns and chairs, is what the scenes are that these
-//! stand in for, and one bottom-level BVH without instances in between is what rays get through fastest.
+//! In: vertices and triangles without normals. Out: placed meshes with normals, and finally one mesh of all. The
+//! models are single meshes like the scenes that they replace, not instances of columns and chairs; rays traverse
+//! a single bottom level fastest.
 
 use glam::{Affine3A, Vec2, Vec3};
 
 use crate::scene::mesh::Mesh;
 use crate::scene::normals;
 
-/// Solids and sheets that belong together. Texture coordinates are in metres until [`Part::into_mesh`].
+/// A group of solids and sheets. Texture coordinates are in metres until [`Part::into_mesh`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// Each one closed solid, or one sheet.
@@ -17,35 +17,35 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// A part of one piece, whose normals are made: smooth but for edges of 40 degrees and more.
+    /// A part of one piece, with generated normals: smooth except at creases of 40 degrees or more.
     pub fn of(mut piece: Mesh) -> Self {
         piece.drop_degenerate_triangles();
         normals::fill_missing(&mut piece);
         Self { pieces: vec![piece] }
     }
 
-    /// Takes over the pieces of `other`.
+    /// Appends the pieces of `other`.
     pub fn push(&mut self, other: Part) {
         self.pieces.extend(other.pieces);
     }
 
-    /// This and `other`.
+    /// This part with the pieces of `other`.
     pub fn and(mut self, other: Part) -> Self {
         self.push(other);
         self
     }
 
-    /// A copy of this elsewhere; a mirroring `transform` keeps the outside outside.
+    /// A transformed copy; faces keep their orientation under a mirroring `transform`.
     pub fn placed(&self, transform: &Affine3A) -> Self {
         Self { pieces: self.pieces.iter().map(|piece| transformed(piece, transform)).collect() }
     }
 
-    /// A copy of this, moved.
+    /// A translated copy.
     pub fn at(&self, offset: Vec3) -> Self {
         self.placed(&Affine3A::from_translation(offset))
     }
 
-    /// A copy of this, turned about the y axis, then moved.
+    /// A copy, rotated about the y axis, then translated.
     pub fn turned(&self, degrees: f32, offset: Vec3) -> Self {
         self.placed(&(Affine3A::from_translation(offset) * Affine3A::from_rotation_y(degrees.to_radians())))
     }
@@ -57,13 +57,12 @@ impl Part {
         }
     }
 
-    /// Triangles of all pieces.
+    /// Triangle count of all pieces.
     pub fn triangle_count(&self) -> usize {
         self.pieces.iter().map(|piece| piece.triangles.len()).sum()
     }
 
-    /// All pieces as one mesh, sorted by material. `tiles` are the metres that the texture of each material
-    /// covers.
+    /// All pieces as one mesh, sorted by material. `tiles` are the texture sizes of the materials, metres.
     pub fn into_mesh(self, name: &str, tiles: &[Vec2]) -> Mesh {
         let mut mesh = Mesh { name: name.to_owned(), ..Mesh::default() };
         let vertices = self.pieces.iter().map(|piece| piece.positions.len()).sum();
@@ -109,7 +108,7 @@ fn transformed(piece: &Mesh, transform: &Affine3A) -> Mesh {
     piece
 }
 
-/// A vertex whose normal is still to be made.
+/// Appends a vertex without a normal.
 pub(super) fn push_vertex(mesh: &mut Mesh, position: Vec3, uv: Vec2) -> u32 {
     mesh.positions.push(position);
     mesh.normals.push(Vec3::ZERO);
@@ -117,19 +116,20 @@ pub(super) fn push_vertex(mesh: &mut Mesh, position: Vec3, uv: Vec2) -> u32 {
     mesh.positions.len() as u32 - 1
 }
 
-/// A triangle of vertices that are there.
+/// Appends a triangle of existing vertices.
 pub(super) fn push_triangle(mesh: &mut Mesh, corners: [u32; 3], material: u32) {
     mesh.triangles.push(corners);
     mesh.triangle_materials.push(material);
 }
 
-/// Two triangles of vertices that are there, counter-clockwise.
+/// Appends a quad of existing vertices, counter-clockwise.
 pub(super) fn push_quad(mesh: &mut Mesh, [a, b, c, d]: [u32; 4], material: u32) {
     push_triangle(mesh, [a, b, c], material);
     push_triangle(mesh, [a, c, d], material);
 }
 
-/// Metres along the two axes that a face of this normal lies along most: right and down on walls.
+/// Planar texture coordinates (metres) along the two dominant axes of a face with this normal: right and down on
+/// walls.
 pub(super) fn face_uv(position: Vec3, normal: Vec3) -> Vec2 {
     let n = normal.abs();
     if n.y >= n.x && n.y >= n.z {

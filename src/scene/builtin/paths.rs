@@ -1,4 +1,4 @@
-//! Curves of arches and ways for mouldings.
+//! Curves of arches, and sweep paths of mouldings.
 //!
 //! In: spans and rises. Out: polylines in a wall's plane, and [`Frame`]s along them.
 
@@ -22,7 +22,7 @@ pub(super) fn arch(half_span: f32, rise: f32, steps: u32) -> Vec<Vec2> {
                 vec2(half_span * angle.cos(), rise * angle.sin())
             };
         }
-        // Each side is an arc about a point on the line of the feet, beyond the middle.
+        // Each side is an arc with its centre on the base line, beyond the middle.
         let radius = (half_span * half_span + rise * rise) / (2.0 * half_span);
         let angle = (rise / radius).asin() * share;
         if i == half {
@@ -47,12 +47,12 @@ pub(super) fn legged_arch(half_span: f32, spring: f32, rise: f32, foot: f32, ste
     points
 }
 
-/// A circle about `middle`, counter-clockwise from the right.
+/// A circle around `middle`, counter-clockwise from the right.
 pub(super) fn circle(middle: Vec2, radius: f32, steps: u32) -> Vec<Vec2> {
     (0..steps).map(|i| middle + radius * Vec2::from_angle(TAU * i as f32 / steps as f32)).collect()
 }
 
-/// A way along a polyline in the plane z = 0: x of the profile goes to the left of the way, y towards +z.
+/// A sweep path along a polyline in the plane z = 0: x of the profile points to the left of the path, y to +z.
 /// Corners are mitred; `closed` joins the last point to the first.
 pub(super) fn way(points: &[Vec2], closed: bool) -> Vec<Frame> {
     let n = points.len();
@@ -67,7 +67,7 @@ pub(super) fn way(points: &[Vec2], closed: bool) -> Vec<Frame> {
     (0..n).map(frame).collect()
 }
 
-/// A rectangle about the origin, counter-clockwise, from the lower left.
+/// A rectangle around the origin, counter-clockwise, from the lower left.
 pub(super) fn rectangle(half_x: f32, half_y: f32) -> [Vec2; 4] {
     [vec2(-half_x, -half_y), vec2(half_x, -half_y), vec2(half_x, half_y), vec2(-half_x, half_y)]
 }

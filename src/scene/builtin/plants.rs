@@ -1,4 +1,4 @@
-//! Plants: leaves are sheets that a mask cuts out.
+//! Plants: leaves are sheets with alpha masks.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -15,7 +15,7 @@ pub(super) struct Tuft {
     /// Of the longest leaf, metres.
     pub length: f32,
     pub width: f32,
-    /// Which way the leaves fall.
+    /// Seed of the leaves' directions.
     pub seed: u32,
     pub material: u32,
 }
@@ -30,7 +30,7 @@ impl Tuft {
         for leaf in 0..self.leaves {
             let pick = |i: u32| chance(leaf, i, self.seed);
             let heading = TAU * (leaf as f32 * 0.618_034 + 0.05 * pick(0));
-            // Inner leaves stand, outer ones hang.
+            // Inner leaves are upright, outer ones droop.
             let age = (leaf as f32 + pick(1)) / self.leaves as f32;
             let lean = 0.12 + 1.0 * age;
             let bend = 0.5 + 1.3 * age * (0.6 + 0.4 * pick(2));
@@ -55,7 +55,7 @@ impl Tuft {
     }
 }
 
-/// Ivy on a wall z = 0, over the places that `covers` says yes to out of `tries`; `area` is where to try (x, y).
+/// Ivy on a wall z = 0, at those of `tries` random points (x, y) in `area` for which `covers` is true.
 pub(super) fn ivy(
     [min, max]: [Vec2; 2],
     tries: u32,

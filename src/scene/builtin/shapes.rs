@@ -1,4 +1,4 @@
-//! Solids and sheets: boxes, extruded outlines, turned and swept profiles.
+//! Solids and sheets: boxes, extrusions, surfaces of revolution and sweeps.
 //!
 //! In: sizes in metres and a material. Out: a [`Part`] of one closed solid that faces outwards, or of one
 //! sheet.
@@ -11,22 +11,22 @@ use super::part::{Part, face_uv, push_quad, push_triangle, push_vertex};
 use crate::scene::mesh::Mesh;
 use crate::scene::polygon::triangulate;
 
-/// Where one cross section of a sweep lies. The way goes along `right` x `up`.
+/// Frame of one cross section of a sweep. The path runs along `right` x `up`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub origin: Vec3,
-    /// Where x of the profile goes; of any length.
+    /// Direction of the profile's x axis; of any length.
     pub right: Vec3,
-    /// Where y of the profile goes.
+    /// Direction of the profile's y axis; of any length.
     pub up: Vec3,
 }
 
-/// What becomes of the first and the last ring of a loft.
+/// Treatment of the first and last ring of a loft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ends {
-    /// Flat lids.
+    /// Closed by flat caps.
     Capped,
-    /// One is joined to the other.
+    /// Joined to each other.
     Joined,
 }
 
@@ -36,15 +36,15 @@ pub(super) fn cuboid(min: Vec3, max: Vec3, material: u32) -> Part {
     prism(&outline, min.z, max.z, material)
 }
 
-/// A box of `size` that stands on y = 0 with its middle on the y axis.
+/// A box of `size` on y = 0, centred on the y axis.
 pub(super) fn block(size: Vec3, material: u32) -> Part {
     let half = vec3(0.5 * size.x, 0.0, 0.5 * size.z);
     cuboid(-half, half + Vec3::Y * size.y, material)
 }
 
-/// An axis-aligned box whose edges are cut off by `bevel`.
+/// An axis-aligned box with edges bevelled by `bevel`.
 pub(super) fn bevelled(min: Vec3, max: Vec3, bevel: f32, material: u32) -> Part {
-    // At the lids the two ends of each cut corner are one.
+    // At the caps the two vertices of each bevelled corner coincide.
     let ring = |y: f32, inset: f32| {
         let (low, high, b) = (min + inset, max - inset, bevel - inset);
         // Counter-clockwise seen from above.
@@ -75,26 +75,26 @@ fn boxed(part: &Part) -> Part {
     part
 }
 
-/// A flat outline, counter-clockwise seen from +z, between z = `from` and z = `to`.
+/// Extrudes an outline, counter-clockwise seen from +z, from z = `from` to z = `to`.
 pub(super) fn prism(outline: &[Vec2], from: f32, to: f32, material: u32) -> Part {
     let ring = |z: f32| outline.iter().map(|point| point.extend(z)).collect::<Vec<_>>();
     let part = loft(&[ring(from), ring(to)], Ends::Capped, material);
-    // Stone courses go on around corners; only soffits and roundings keep lengths of their own.
+    // Stone courses continue around corners; only soffits and roundings keep their own arc lengths.
     if outline.len() == 4 { boxed(&part) } else { part }
 }
 
-/// Takes x, y, z to x, -z, y: what stood in front of the wall now lies on the floor.
+/// Maps x, y, z to x, -z, y: from a wall to the floor.
 pub(super) fn lying() -> glam::Affine3A {
     glam::Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y))
 }
 
-/// A profile of (radius, height), from the bottom to the top, turned about the y axis. It is closed to the axis
+/// A surface of revolution about the y axis of a profile of (radius, height), from bottom to top, closed to the axis
 /// at both ends.
 pub(super) fn lathe(profile: &[Vec2], segments: u32, material: u32) -> Part {
     lathe_shaped(profile, segments, material, |_, _| 1.0)
 }
 
-/// A turned profile whose radius is multiplied by `shape(angle, height)`.
+/// A surface of revolution whose radius is scaled by `shape(angle, height)`.
 pub(super) fn lathe_shaped(
     profile: &[Vec2],
     segments: u32,
@@ -121,7 +121,7 @@ pub(super) fn lathe_shaped(
     loft_open(&rings, material)
 }
 
-/// A closed profile, counter-clockwise in (right, up), along a way.
+/// Sweeps a closed profile, counter-clockwise in (right, up), along a path.
 pub(super) fn sweep(profile: &[Vec2], way: &[Frame], ends: Ends, material: u32) -> Part {
     let ring = |frame: &Frame| {
         let point = |p: &Vec2| frame.origin + frame.right * p.x + frame.up * p.y;
@@ -135,7 +135,8 @@ pub(super) fn sweep(profile: &[Vec2], way: &[Frame], ends: Ends, material: u32) 
     part
 }
 
-/// A closed solid through rings of equally many points, each counter-clockwise about the way from ring to ring.
+/// Lofts a closed solid through rings with equal numbers of points, each counter-clockwise about the direction from
+/// ring to ring.
 pub(super) fn loft(rings: &[Vec<Vec3>], ends: Ends, material: u32) -> Part {
     let mut mesh = Mesh::default();
     push_sides(&mut mesh, rings, ends, material);
@@ -149,14 +150,14 @@ pub(super) fn loft(rings: &[Vec<Vec3>], ends: Ends, material: u32) -> Part {
     Part::of(mesh)
 }
 
-/// A solid whose first and last rings are single points.
+/// Lofts a solid whose first and last rings are single points.
 pub(super) fn loft_open(rings: &[Vec<Vec3>], material: u32) -> Part {
     let mut mesh = Mesh::default();
     push_sides(&mut mesh, rings, Ends::Capped, material);
     Part::of(mesh)
 }
 
-/// A flat face with vertices of its own.
+/// Appends a flat face with its own vertices.
 pub(super) fn push_lid(mesh: &mut Mesh, corners: &[Vec3], material: u32) {
     let area: Vec3 =
         (1..corners.len() - 1).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0])).sum();
@@ -194,7 +195,7 @@ fn push_sides(mesh: &mut Mesh, rings: &[Vec<Vec3>], ends: Ends, material: u32) {
     }
 }
 
-/// How far each point lies along the longest of the rings, and how long that is.
+/// Arc lengths of the points along the longest ring, and its total length.
 fn lengths_around(rings: &[Vec<Vec3>]) -> Vec<f32> {
     let lengths = |ring: &Vec<Vec3>| {
         let mut lengths = vec![0.0];
@@ -208,8 +209,8 @@ fn lengths_around(rings: &[Vec<Vec3>]) -> Vec<f32> {
     all.max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default()
 }
 
-/// A sheet of `columns` x `rows` quads: `point` gives the place for two shares from 0 to 1, the second
-/// downwards. It faces where right x up points. Texture coordinates are the shares times `extent`.
+/// A sheet of `columns` x `rows` quads with positions `point(u, v)`, u and v from 0 to 1, v down. Its front faces
+/// right x up. Texture coordinates are (u, v) times `extent`.
 pub(super) fn sheet(
     [columns, rows]: [u32; 2],
     extent: Vec2,
@@ -234,7 +235,7 @@ pub(super) fn sheet(
     Part::of(mesh)
 }
 
-/// A sheet of that shape and `thickness`, closed all round.
+/// A solid of that shape and `thickness`.
 pub(super) fn sheet_solid(
     [columns, rows]: [u32; 2],
     thickness: f32,
@@ -242,7 +243,7 @@ pub(super) fn sheet_solid(
     point: impl Fn(Vec2) -> Vec3,
 ) -> Part {
     let at = |column: u32, row: u32| point(vec2(column as f32 / columns as f32, row as f32 / rows as f32));
-    // Across the sheet, in the plane of one row: there and, on the other side, back.
+    // The cross section of one row: along the front, then back along the other side.
     let ring = |row: u32| {
         let (above, below) = (row.saturating_sub(1), (row + 1).min(rows));
         let place = |column: u32, side: f32| {
@@ -281,7 +282,7 @@ pub(super) fn rod(points: &[Vec3], radius: f32, segments: u32, material: u32) ->
     let mut way = Vec::with_capacity(points.len());
     for (i, point) in points.iter().enumerate() {
         let along = direction(i);
-        // What the last cross section had, brought into the plane of this one.
+        // Parallel transport: project the last frame to the plane of this cross section.
         right = right.reject_from(along).normalize_or(along.any_orthonormal_vector());
         way.push(Frame { origin: *point, right: right * radius, up: along.cross(right) * radius });
     }

@@ -1,6 +1,6 @@
 //! Textures of stone, brick, plaster and tiles.
 //!
-//! In: a place in the unit square. Out: linear colour, which repeats at the edges of the square.
+//! In: a point in the unit square. Out: linear colour, periodic over the square.
 
 use glam::{UVec2, Vec2, Vec3, Vec4, vec2, vec3};
 
@@ -34,15 +34,15 @@ pub(super) const MARBLE_FLOOR: Recipe =
 pub(super) const ROOF_TILES: Recipe =
     Recipe { name: "roof tiles", size: [256, 256], extent: [1.2, 1.2], paint: roof_tiles };
 
-/// Where a place lies in a bond of courses.
+/// A point's position in a bond of courses.
 struct Bond {
-    /// Which block.
+    /// Index of the block.
     block: UVec2,
-    /// Metres to the nearest joint.
+    /// Distance to the nearest joint, metres.
     joint: f32,
 }
 
-/// `blocks` in each of `courses`, every other course moved by half a block, on a square of `size` metres.
+/// `blocks` in each of `courses`, every other course offset by half a block, on a square of `size` metres.
 fn bond(place: Vec2, [blocks, courses]: [u32; 2], size: f32) -> Bond {
     let course = (place.y * courses as f32).floor();
     let shift = if course as u32 % 2 == 1 { 0.5 } else { 0.0 };
@@ -109,7 +109,7 @@ fn terracotta(place: Vec2) -> Vec4 {
     opaque(vec3(0.33, 0.28, 0.23).lerp(clay, ramp(0.003, 0.008, joint)))
 }
 
-/// How strongly a vein of marble shows.
+/// Strength of the marble's veins, 0 to 1.
 fn vein(place: Vec2, cells: u32, width: f32, seed: u32) -> f32 {
     let wave = fractal(warped(place, cells, 0.35, seed), cells, 5, seed + 3);
     1.0 - ramp(0.0, width, (wave - 0.5).abs())

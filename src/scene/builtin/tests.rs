@@ -1,9 +1,11 @@
+//! What every model made by code must be: solids closed and outside out, normals, no faces that lie on each other.
+
 use super::*;
 
 /// Materials of sheets without thickness: cloth and leaves.
 const SHEETS: [&str; 5] = ["red cloth", "green cloth", "blue cloth", "leaf", "ivy"];
 
-/// Models that are made of solids and sheets.
+/// Models of solids and sheets.
 const MADE: [&str; 5] = ["atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
 fn pieces(name: &str) -> (Part, Vec<Material>) {

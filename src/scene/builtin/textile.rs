@@ -1,4 +1,4 @@
-//! Textures of cloth and leaves; those of leaves are cut out.
+//! Textures of cloth, and of leaves with alpha masks.
 
 use std::f32::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ pub(super) const DAMASK: Recipe =
 pub(super) const LEAF: Recipe = Recipe { name: "leaf", size: [64, 256], extent: [1.0, 1.0], paint: leaf };
 /// A spray of ivy.
 pub(super) const IVY: Recipe = Recipe { name: "ivy", size: [256, 256], extent: [1.0, 1.0], paint: ivy };
-/// Red carpet with a golden border; once across, repeated along.
+/// Red carpet with a golden border; one period across, periodic along.
 pub(super) const CARPET: Recipe =
     Recipe { name: "carpet", size: [256, 256], extent: [2.6, 2.6], paint: carpet };
 /// Short pile in blue-grey, in tiles.
@@ -22,7 +22,7 @@ pub(super) const PILE: Recipe = Recipe { name: "pile", size: [256, 256], extent:
 /// Plain weave, nearly white, to be tinted.
 pub(super) const WEAVE: Recipe = Recipe { name: "weave", size: [128, 128], extent: [0.2, 0.2], paint: weave };
 
-/// A tile of the ornament: a pointed oval about a flower, from 0 (ground) to 1 (figure).
+/// A tile of the ornament: a pointed oval around a flower, from 0 (ground) to 1 (figure).
 fn ornament(place: Vec2) -> f32 {
     let centred = place - place.floor() - 0.5;
     let oval = (centred.x.abs() - 0.42 * (PI * (centred.y + 0.5)).sin()).abs();
@@ -60,7 +60,7 @@ fn leaf(place: Vec2) -> Vec4 {
     colour.extend(if across < width { 1.0 } else { 0.0 })
 }
 
-/// Whether `place` lies on an ivy leaf at the origin that points down, and how near its rib.
+/// Whether `place` is on an ivy leaf at the origin that points down, and its distance from the rib.
 fn ivy_leaf(place: Vec2) -> Option<f32> {
     let (radius, angle) = (place.length(), place.x.atan2(-place.y));
     // Five lobes, the one that points down the longest.

@@ -1,4 +1,4 @@
-//! A torus of two colours: the thing that turns in a beam of light.
+//! A two-coloured torus, which rotates in a beam of light.
 
 use std::f32::consts::TAU;
 
@@ -13,7 +13,7 @@ const RADII: [f32; 2] = [0.42, 0.15];
 /// Segments around the ring and around its body; the latter are even.
 const SEGMENTS: [u32; 2] = [96, 48];
 
-/// A torus about the y axis, as wide as 1.14; turquoise above, purple below.
+/// A torus around the y axis, 1.14 m wide; turquoise above, purple below.
 pub(super) fn model(palette: &mut Palette) -> Part {
     let [ring, body] = SEGMENTS;
     let paints =

@@ -1,6 +1,6 @@
-//! Groin vaults: a block of masonry whose underside is where two barrels cross.
+//! Groin vaults: a block of masonry whose underside is the intersection of two barrel vaults.
 //!
-//! In: size of a bay. Out: a closed block, its ribs, and how high its underside is.
+//! In: size of a bay. Out: a closed block, its ribs, and the height of its underside.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
@@ -9,23 +9,23 @@ use super::paths::way;
 use super::shapes::{Ends, Frame, sweep};
 use crate::scene::mesh::Mesh;
 
-/// A bay about the y axis.
+/// A bay around the y axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vault {
     /// Half of the bay's extent along x and z.
     pub half: Vec2,
-    /// Where the underside begins, in the corners.
+    /// Height of the springing, in the corners.
     pub spring: f32,
-    /// How far it rises to the middle.
+    /// Rise from the springing to the centre.
     pub rise: f32,
-    /// How pointed the barrels are: height over half span of the arch that is stretched to this bay; 1: round.
+    /// Pointedness of the barrels: height over half span of the arch before it is scaled to this bay; 1: round.
     pub point: f32,
     /// Quads from wall to wall, even.
     pub steps: u32,
 }
 
 impl Vault {
-    /// Height over the spring of a barrel at `share` of the half span from its foot, 1 in the middle.
+    /// Height of a barrel over its springing at the fraction `share` of the half span from its foot, 1 at the centre.
     fn barrel(&self, share: f32) -> f32 {
         let share = share.clamp(0.0, 1.0);
         if self.point <= 1.0 {
@@ -35,7 +35,7 @@ impl Vault {
         (2.0 * radius * share - share * share).max(0.0).sqrt() / self.point
     }
 
-    /// Height of the underside at `place` (x, z), in shares of the half extents.
+    /// Height of the underside at `place` (x, z), relative to the half extents.
     fn underside(&self, share: Vec2) -> f32 {
         let across = 1.0 - share.abs();
         self.spring + self.rise * self.barrel(across.x).max(self.barrel(across.y))
@@ -90,10 +90,10 @@ impl Vault {
         self.rib(profile, end, steps, material)
     }
 
-    /// From -`end` over the middle to `end`.
+    /// Positions from -`end` through the centre to `end`.
     fn rib(&self, profile: &[Vec2], end: Vec2, steps: u32, material: u32) -> Part {
         let (along, half_length) = (end.normalize(), end.length());
-        // Evenly in angle, so that the steep feet get as many steps as the crown.
+        // Equidistant in angle, which gives the steep feet as many steps as the crown.
         let place = |i: u32| {
             let angle = std::f32::consts::PI * (i as f32 / steps as f32 - 0.5);
             let t = if i == 0 {
@@ -114,7 +114,7 @@ impl Vault {
     }
 }
 
-/// Closes a surface that is seen from below: walls from its `rim`, which goes from +x to +z,
+/// Closes a surface that faces down to a solid: walls from its `rim`, which goes from +x to +z,
 /// to `top`.
 fn close_above(mesh: &mut Mesh, rim: &[Vec3], top: f32, material: u32) {
     let n = rim.len();

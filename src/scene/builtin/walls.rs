@@ -1,7 +1,7 @@
-//! Walls with openings, and the mouldings about them.
+//! Walls with openings, and their mouldings.
 //!
 //! In: rectangles and arches in the plane of a wall (x to the right, y up, z towards the viewer). Out: closed
-//! solids. A pierced wall comes in halves that meet above and below the middle of its opening.
+//! solids. A wall with an opening consists of two halves that meet above and below the opening's centre.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
@@ -23,15 +23,15 @@ pub(super) struct Panel {
 /// An opening with an arch on top.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Opening {
-    /// x of its middle.
+    /// x of its centre.
     pub middle: f32,
     /// Half of its width.
     pub half: f32,
-    /// Where it begins; at or below the bottom of the panel: it is open there.
+    /// Height of its sill; at or below the bottom of the panel: it has none.
     pub sill: f32,
-    /// Where its arch begins.
+    /// Height of its arch's springing.
     pub spring: f32,
-    /// How far that rises.
+    /// Rise of its arch.
     pub rise: f32,
     /// Segments of the arch, even.
     pub steps: u32,
@@ -44,12 +44,12 @@ impl Opening {
         arch.into_iter().map(|point| point + vec2(self.middle, 0.0)).collect()
     }
 
-    /// A moulding along the outline: x of the profile goes away from the opening, y towards the viewer.
+    /// A moulding along the outline: x of the profile points away from the opening, y towards the viewer.
     pub fn moulding(&self, profile: &[Vec2], z: f32, material: u32) -> Part {
         sweep(profile, &way(&self.outline(0.0), false), Ends::Capped, material).at(Vec3::Z * z)
     }
 
-    /// What fills it, from z = `from` to z = `to`, reaching `wider` into the wall.
+    /// A solid that fills the opening from z = `from` to z = `to`, extending by `wider` into the wall.
     pub fn filling(&self, wider: f32, [from, to]: [f32; 2], material: u32) -> Part {
         let mut outline = self.outline(wider);
         outline.reverse();
@@ -72,7 +72,7 @@ pub(super) fn pierced_by_circle(panel: &Panel, middle: Vec2, radius: f32, steps:
     let quarter = ring.len() / 4;
     let mut right: Vec<Vec2> = ring[..=quarter].iter().rev().copied().collect();
     right.extend((3 * quarter..4 * quarter).rev().map(|i| ring[i]));
-    // The topmost and the lowest point lie on the line that halves the wall.
+    // The highest and the lowest point are on the line between the halves.
     right[0].x = middle.x;
     if let Some(last) = right.last_mut() {
         last.x = middle.x;

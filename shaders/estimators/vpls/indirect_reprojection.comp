@@ -1,0 +1,72 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
+// coarse_reprojection.comp; where that has no pixel on the surface, or they have the full one, from the set buffers themselves.
+// Out: irradiance; a: how many sets saw the surface.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#define VPLS_BINDING 4
+#include "vpls.glsl"
+#include "representative.glsl"
+#define SET_BUFFERS_BINDING 6
+#include "set_buffers.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D coarse_irradiance;
+layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D irradiance;
+#include "surface.glsl"
+
+const float MIN_NORMAL_COSINE = 0.9;
+
+// Adds what the coarse texel knows of the pixel's surface, if it lies there too.
+void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, Surface surface) {
+    ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
+    texel = clamp(texel, ivec2(0), last);
+    float depth = imageLoad(gbuffer_depth, 2 * texel).r;
+    vec3 shading = octahedral_decode(imageLoad(gbuffer_normal, 2 * texel).xy);
+    vec4 coarse = imageLoad(coarse_irradiance, texel);
+    float from_plane = abs(dot(surface.geometric, position_at(2 * texel, depth) - surface.position));
+    bool same = depth > 0.0 && from_plane <= 0.25 * vpl.position_cutoff * surface.depth
+        && dot(shading, surface.shading) >= MIN_NORMAL_COSINE;
+    // What no set has seen has no irradiance yet.
+    weight = same && coarse.a > 0.0 ? weight : 0.0;
+    sum += weight * coarse;
+    weights += weight;
+}
+
+// Bilinear among the four coarse texels around that lie on the pixel's surface, or else the mean of those beyond; false where
+// there is none.
+bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
+    vec2 part = 0.5 * vec2(pixel % 2);
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 4; i++) {
+        ivec2 corner = ivec2(i & 1, i >> 1);
+        vec2 share = mix(1.0 - part, part, vec2(corner));
+        add_coarse(sum, weights, pixel / 2 + corner, share.x * share.y, surface);
+    }
+    bool beyond = weights == 0.0;
+    for (int i = 0; i < 16 && beyond; i++) {
+        add_coarse(sum, weights, pixel / 2 + ivec2(i & 3, i >> 2) - 1, 1.0, surface);
+    }
+    result = sum / max(weights, 1e-6);
+    return weights > 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    Surface surface = surface_at(pixel);
+    vec4 sum = vec4(0.0);
+    if (surface.depth > 0.0 && (sets.set_step == 1u || !upsampled(pixel, surface, sum))) {
+        uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
+        sum = sum_of_sets(instance, surface.position, surface.geometric);
+    }
+    imageStore(irradiance, pixel, sum);
+}

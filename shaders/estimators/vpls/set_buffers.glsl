@@ -1,0 +1,136 @@
+// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene.glsl, vpls.glsl and representative.glsl.
+// Define SET_BUFFERS_BINDING before including: it and the next two are taken. Twins: SetParameters, SetPush in
+// src/estimators/vpls/set_buffers.rs.
+
+layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16f) uniform readonly image2DArray set_buffers;
+// For each set its SetParameters, then three rows for each instance: from object space to the space of the set's camera.
+layout(set = 0, binding = SET_BUFFERS_BINDING + 1) uniform utextureBuffer set_views;
+layout(set = 0, binding = SET_BUFFERS_BINDING + 2, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+
+struct SetPush {
+    uvec2 size;         // of the pictures that the sets drew, pixels
+    uint set_step;      // pixels from one texel to the next
+    uint instance_count;
+    uint set_count;     // sets in all
+    uint shown_set;     // of vpl_view.comp
+    uint scale_missing; // 1: sets that saw the surface make up for those that did not
+    float total_flux;   // luminous, of all sets
+    uint view;          // of vpl_view.comp
+    float unfiltered;   // of vpl_view.comp
+};
+layout(push_constant) uniform Push { SetPush data; } push;
+SetPush sets = push.data;
+
+struct SetParameters {
+    float scale; // irradiance over what the set buffer holds; 0: it was not drawn yet
+    float flux;  // luminous, of the set
+    float tan_y; // tangent of half the vertical field of view of the camera that drew it
+    uvec2 offset; // of the representative
+};
+
+int first_row(uint set) { return int(set * (3u * sets.instance_count + 1u)); }
+
+SetParameters set_at(uint set) {
+    uvec4 texel = texelFetch(set_views, first_row(set));
+    vec3 floats = uintBitsToFloat(texel.xyz);
+    return SetParameters(floats.x, floats.y, floats.z, uvec2(texel.w & 1u, texel.w >> 1));
+}
+
+// A point of an instance's surface in its object space; the normal of any length.
+struct ObjectPoint {
+    uint instance;
+    vec3 position;
+    vec3 normal;
+};
+
+ObjectPoint to_object(uint instance, vec3 p, vec3 n) {
+    InstanceData now = instances.data[instance];
+    vec3 p_os = transform_point(now.world_to_object, p);
+    return ObjectPoint(instance, p_os, transform_point(now.world_to_object, p + n) - p_os);
+}
+
+// The same as the camera that drew a set saw it: x to the right, y down, z along the view, world units.
+struct ViewPoint {
+    vec3 position;
+    vec3 normal;
+};
+
+ViewPoint to_view(uint set, ObjectPoint point) {
+    int first = first_row(set) + 1 + int(3u * point.instance);
+    ViewPoint view;
+    for (int row = 0; row < 3; row++) {
+        vec4 to_view = uintBitsToFloat(texelFetch(set_views, first + row));
+        view.position[row] = dot(to_view, vec4(point.position, 1.0));
+        view.normal[row] = dot(to_view.xyz, point.normal);
+    }
+    view.normal = normalize(view.normal);
+    return view;
+}
+
+// Irradiance of a set where its camera saw the point, bilinear among the texels on its surface; false where it did not.
+bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
+    SetParameters drawn = set_at(set);
+    ViewPoint point = to_view(set, surface);
+    vec3 p = point.position;
+    vec2 size = vec2(sets.size);
+    vec2 tangents = drawn.tan_y * vec2(size.x / size.y, 1.0);
+    vec2 pixel = (p.xy / (p.z * tangents) * 0.5 + 0.5) * size - 0.5;
+    vec2 at = (pixel - vec2(drawn.offset)) / float(sets.set_step);
+    // Rounding must not ask a second texel in a view that stands still.
+    at = mix(at, round(at), lessThan(abs(at - round(at)), vec2(0.005)));
+    vec2 base = floor(at);
+    vec2 part = at - base;
+    // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
+    float cosine = abs(dot(point.normal, p)) * inversesqrt(dot(p, p));
+    float footprint = p.z * 2.0 / size.y * drawn.tan_y * float(sets.set_step) / max(cosine, 0.05);
+    float near = 0.25 * vpl.position_cutoff * p.z;
+    float cutoff = max(4.0 * near, 1.5 * footprint);
+
+    // Read the four texels around, all at once: left and right above, left and right below.
+    ivec2 last = ivec2(set_extent(sets.size, sets.set_step)) - 1;
+    ivec2 low = clamp(ivec2(base), ivec2(0), last);
+    ivec2 high = clamp(ivec2(base) + 1, ivec2(0), last);
+    vec2 low_weight = mix(vec2(0.0), 1.0 - part, equal(vec2(low), base));
+    vec2 high_weight = mix(vec2(0.0), part, equal(vec2(high), base + 1.0));
+    vec4 weight = vec4(low_weight.x, high_weight.x, low_weight.x, high_weight.x)
+        * vec4(low_weight.yy, high_weight.yy);
+    int layer = int(set);
+    vec4 stored[4] = vec4[](
+        imageLoad(set_buffers, ivec3(low, layer)), imageLoad(set_buffers, ivec3(high.x, low.y, layer)),
+        imageLoad(set_buffers, ivec3(low.x, high.y, layer)), imageLoad(set_buffers, ivec3(high, layer)));
+
+    // Keep those whose surfaces, from their depths, are the point's.
+    vec4 depths = abs(vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a)) / vpl.depth_scale;
+    vec2 low_pixel = vec2(representative(low, sets.set_step, drawn.offset, sets.size));
+    vec2 high_pixel = vec2(representative(high, sets.set_step, drawn.offset, sets.size));
+    vec2 low_ray = ((low_pixel + 0.5) / size * 2.0 - 1.0) * tangents;
+    vec2 high_ray = ((high_pixel + 0.5) / size * 2.0 - 1.0) * tangents;
+    vec4 x = depths * vec4(low_ray.x, high_ray.x, low_ray.x, high_ray.x) - p.x;
+    vec4 y = depths * vec4(low_ray.yy, high_ray.yy) - p.y;
+    vec4 z = depths - p.z;
+    vec4 from_plane = abs(x * point.normal.x + y * point.normal.y + z * point.normal.z);
+    bvec4 same = bvec4(uvec4(lessThanEqual(from_plane, vec4(near))) & uvec4(greaterThan(depths, vec4(0.0)))
+        & uvec4(lessThanEqual(x * x + y * y + z * z, vec4(cutoff * cutoff))));
+    weight = mix(vec4(0.0), weight, same);
+    float weights = weight.x + weight.y + weight.z + weight.w;
+    irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
+    irradiance *= drawn.scale / max(weights, 1e-6);
+    return drawn.scale > 0.0 && p.z > 0.0 && weights > 0.0;
+}
+
+// The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it are made up for
+// by the others, in proportion to flux. a: how many sets saw it.
+vec4 sum_of_sets(uint instance, vec3 position, vec3 normal) {
+    ObjectPoint point = to_object(instance, position, normal);
+    vec4 sum = vec4(0.0);
+    float flux = 0.0;
+    for (uint set = 0u; set < sets.set_count; set++) {
+        vec3 irradiance;
+        bool seen = look_up(set, point, irradiance);
+        sum += seen ? vec4(irradiance, 1.0) : vec4(0.0);
+        flux += seen ? set_at(set).flux : 0.0;
+    }
+    bool missing = sum.a < float(sets.set_count);
+    if (missing && sets.scale_missing == 1u && flux > 0.0) sum.rgb *= sets.total_flux / flux;
+    return sum;
+}

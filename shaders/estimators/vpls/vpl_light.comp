@@ -1,0 +1,35 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// What one VPL alone sends to every pixel. Out: rgb: irradiance, weighted; a: 1 where the VPL sees the pixel.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#define VPLS_BINDING 3
+#include "vpls.glsl"
+#define TRACER_BINDING 6
+#include "tracer.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 5, rgba32f) uniform writeonly image2D vpl_light;
+#include "surface.glsl"
+
+// weight: what the irradiance is multiplied by; 0: there is no such VPL.
+layout(push_constant) uniform Push { float weight; } push;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    Surface surface = surface_at(pixel);
+    vec4 light = vec4(0.0);
+    if (surface.depth > 0.0 && push.weight > 0.0) {
+        GpuVpl one = vpls.data[0];
+        vec3 origin = ray_origin(surface);
+        if (!trace_occluded(origin, ray_goal(one) - origin, 0.0, 1.0)) {
+            light = vec4(unshadowed_irradiance(one, surface.position, surface.shading) * push.weight, 1.0);
+        }
+    }
+    imageStore(vpl_light, pixel, light);
+}

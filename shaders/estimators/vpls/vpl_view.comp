@@ -1,0 +1,82 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Shows what the VPLs' passes have made instead of the picture. Out: display. Light is shown as the picture is, with its
+// exposure; everything else as plain display values.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#include "tone_map.glsl"
+#define VPLS_BINDING 4
+#include "vpls.glsl"
+#include "representative.glsl"
+#define SET_BUFFERS_BINDING 6
+#include "set_buffers.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D class_irradiance;
+layout(set = 0, binding = 10, rgba32f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 11, std430) readonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 12, rgba8) uniform writeonly image2D display;
+#include "surface.glsl"
+
+// Twin: VIEWS in src/estimators/vpls/view.rs.
+const uint UNFILTERED = 0u;
+const uint FILTERED = 1u;
+const uint SET_BUFFER = 2u;
+const uint SET_REPROJECTED = 3u;
+const uint SET_COUNT = 4u;
+const uint VPL_VISIBILITY = 5u;
+
+const vec3 MISSING = vec3(1.0, 0.0, 1.0);
+
+// A white surface under an irradiance.
+vec3 lit(vec3 e) { return shown(e / PI * exposure.factor); }
+
+// From black over blue and green to yellow.
+vec3 share_colour(float share) {
+    vec3 low = mix(vec3(0.0, 0.0, 0.05), vec3(0.15, 0.2, 0.75), clamp(share * 3.0, 0.0, 1.0));
+    vec3 middle = mix(low, vec3(0.1, 0.65, 0.45), clamp(share * 3.0 - 1.0, 0.0, 1.0));
+    return mix(middle, vec3(1.0, 0.92, 0.2), clamp(share * 3.0 - 2.0, 0.0, 1.0));
+}
+
+// The set as it was drawn, by the camera of that time.
+vec3 set_buffer(ivec2 pixel) {
+    SetParameters drawn = set_at(sets.shown_set);
+    ivec2 texel = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(set_extent(sets.size, sets.set_step)));
+    vec4 stored = imageLoad(set_buffers, ivec3(texel, sets.shown_set));
+    return drawn.scale > 0.0 ? lit(stored.rgb * drawn.scale * float(sets.set_count)) : MISSING;
+}
+
+// What the set knows of the surface of this pixel; what it does not know is marked.
+vec3 set_reprojected(Surface surface, uint instance) {
+    ObjectPoint point = to_object(instance, surface.position, surface.geometric);
+    vec3 found;
+    return look_up(sets.shown_set, point, found) ? lit(found * float(sets.set_count)) : MISSING;
+}
+
+vec3 surface_view(ivec2 pixel, uint instance) {
+    switch (sets.view) {
+        case UNFILTERED: return lit(imageLoad(class_irradiance, pixel).rgb / vpl.irradiance_scale * sets.unfiltered);
+        case SET_REPROJECTED: return set_reprojected(surface_at(pixel), instance);
+        case SET_COUNT: return share_colour(imageLoad(irradiance, pixel).a / float(sets.set_count));
+        default: return vec3(imageLoad(irradiance, pixel).a);
+    }
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uint id = texelFetch(gbuffer_instance, pixel, 0).x;
+    vec3 colour = vec3(0.0);
+    if (sets.view == FILTERED || sets.view == SET_BUFFER) {
+        colour = set_buffer(pixel);
+    } else if (id > 0u) {
+        colour = surface_view(pixel, id - 1u);
+    }
+    imageStore(display, pixel, vec4(clamp(colour, 0.0, 1.0), 1.0));
+}

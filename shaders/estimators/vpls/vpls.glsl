@@ -1,0 +1,43 @@
+// VPLs, and what one sends to a point. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
+// Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl in src/estimators/vpls/manager/mod.rs.
+
+struct VplUniforms {
+    float geometry_bound;   // c, 1/m^2; 0: none
+    float irradiance_scale; // images hold irradiance times this
+    float depth_scale;      // set buffers hold view depths times this
+    float position_cutoff;  // fraction of view depth
+    float total_flux;       // luminous, of all classes over all sets
+    uint first_class;       // of the set, in `vpl_classes`
+    uint first_vpl;         // of the set, in `vpls`
+    uint vpl_count;         // of the set
+    uint layer;             // of the set buffers, for the set
+    uint pad0;
+    uvec2 representative;   // see set_buffers.glsl
+};
+
+struct GpuVpl {
+    vec3 position; // on the surface
+    uint slot;
+    vec3 normal;   // of the side that shines
+    uint bounce;
+    vec3 flux;     // phi, W
+    uint _pad;
+};
+
+layout(set = 0, binding = VPLS_BINDING, std140) uniform VplUniformBlock { VplUniforms data; } vpl_uniforms;
+layout(set = 0, binding = VPLS_BINDING + 1, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
+VplUniforms vpl = vpl_uniforms.data;
+
+// Irradiance at p with normal n, were nothing between.
+vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
+    vec3 d = light.position - p;
+    float squared = dot(d, d);
+    if (squared <= 0.0) return vec3(0.0);
+    float inverse = 1.0 / squared;
+    float cosines = max(dot(n, d), 0.0) * max(-dot(light.normal, d), 0.0) * inverse;
+    float bound = vpl.geometry_bound;
+    return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
+}
+
+// Where rays to the VPL end.
+vec3 ray_goal(GpuVpl light) { return light.position + light.normal * ray_offset(light.position); }

@@ -1,0 +1,116 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Shows one of the images that a frame goes through instead of the picture. In: those images and which one.
+// Out: display. Light is shown as the picture is, with its exposure; everything else as plain display values.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#include "tone_map.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+#include "surface.glsl"
+#include "lights.glsl"
+layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
+layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 5, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
+layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+layout(set = 0, binding = 7, r32ui) uniform readonly uimage2DArray direct_shadows;
+layout(set = 0, binding = 8, rgba32f) uniform readonly image2D direct;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 10, std430) readonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 11, rgba8) uniform writeonly image2D display;
+
+// Twin: Push in src/passes/buffer_view.rs.
+layout(push_constant) uniform Push {
+    vec4 low;    // xyz: lower corner of the scene's bounds; w: nearest depth of anything
+    vec4 extent; // xyz: upper corner less the lower; w: farthest depth of anything
+    uint view;   // one of those below
+    uint pad0;
+    uint pad1;
+    uint pad2;
+} push;
+
+// Twin: VIEWS in src/passes/buffer_view.rs.
+const uint COMBINED = 0u;
+const uint DIRECT = 1u;
+const uint INDIRECT = 2u;
+const uint IRRADIANCE = 3u;
+const uint DIRECT_SHADOWS = 4u;
+const uint POSITION = 5u;
+const uint DEPTH = 6u;
+const uint NORMAL = 7u;
+const uint GEOMETRIC_NORMAL = 8u;
+const uint ALBEDO = 9u;
+const uint SPECULAR = 10u;
+const uint SHININESS = 11u;
+const uint INSTANCE = 12u;
+const uint MATERIAL_ID = 13u;
+const uint MOTION = 14u;
+
+// Movement in pixels that is shown at full strength.
+const float FULL_MOTION = 16.0;
+
+// Neighbouring numbers get colours far apart: their hues go on by the golden ratio.
+vec3 number_colour(uint number) {
+    float hue = fract(float(number) * 0.618034);
+    return 0.55 + 0.45 * cos(2.0 * PI * (vec3(hue) + vec3(0.0, 1.0, 2.0) / 3.0));
+}
+
+// The share of the lights that a pixel sees.
+float visibility(ivec2 pixel) {
+    int seen = 0;
+    for (uint first = 0u; first < frame.light_count; first += LIGHTS_PER_LAYER) {
+        seen += bitCount(imageLoad(direct_shadows, ivec3(pixel, first / LIGHTS_PER_LAYER)).r);
+    }
+    return float(seen) / float(max(frame.light_count, 1u));
+}
+
+// How far the surface has moved in the picture since the last frame, in pixels.
+vec2 motion(ivec2 pixel, vec3 p, uint instance) {
+    InstanceData data = instances.data[instance];
+    vec3 p_then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, p));
+    vec3 clip = (frame.previous_view_projection * vec4(p_then, 1.0)).xyw;
+    return vec2(pixel) + 0.5 - (clip.xy / clip.z * 0.5 + 0.5) * vec2(frame.size);
+}
+
+vec3 surface_view(ivec2 pixel, uvec2 id) {
+    Surface surface = surface_at(pixel);
+    vec4 specular = materials.data[id.y & MATERIAL].specular;
+    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
+    vec3 e = imageLoad(irradiance, pixel).rgb;
+    switch (push.view) {
+        case IRRADIANCE: return shown(e / PI * exposure.factor);
+        case DIRECT_SHADOWS: return vec3(visibility(pixel));
+        case POSITION: return (surface.position - push.low.xyz) / push.extent.xyz;
+        case DEPTH: return vec3((push.extent.w - surface.depth) / (push.extent.w - push.low.w));
+        case NORMAL: return surface.shading * 0.5 + 0.5;
+        case GEOMETRIC_NORMAL: return surface.geometric * 0.5 + 0.5;
+        case ALBEDO: return srgb(albedo);
+        case SPECULAR: return srgb(specular.rgb);
+        case SHININESS: return vec3(log2(specular.a + 1.0) / 10.0);
+        case INSTANCE: return number_colour(id.x - 1u);
+        case MATERIAL_ID: return number_colour(id.y & MATERIAL);
+        case MOTION:
+            vec2 pixels = motion(pixel, surface.position, id.x - 1u);
+            // The root shows slow movement, too.
+            return vec3(0.5 + 0.5 * sign(pixels) * sqrt(abs(pixels) / FULL_MOTION), 0.5);
+        default: return shown(albedo / PI * e * exposure.factor);
+    }
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    vec3 colour = vec3(0.0);
+    if (push.view == DIRECT) {
+        colour = shown(imageLoad(direct, pixel).rgb * exposure.factor);
+    } else if (id.x > 0u) {
+        colour = surface_view(pixel, id);
+    }
+    imageStore(display, pixel, vec4(clamp(colour, 0.0, 1.0), 1.0));
+}

@@ -1,0 +1,221 @@
+//! What computes indirect light: one folder a method.
+//!
+//! In: the visible surfaces, the tracer and the world. Out: irradiance, W/m^2, without the albedo of the visible surface. An
+//! estimator names its passes, its views and its counters; reports, the window and `--view` list what it names.
+
+pub mod none;
+pub mod vpls;
+
+use std::any::Any;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::bvh::TwoLevelBvh;
+use crate::passes::buffer_view::{COMBINED, VIEWS, View};
+use crate::passes::gbuffer::GBuffer;
+use crate::passes::overlay::Line;
+use crate::passes::scene_buffers::Instances;
+use crate::passes::tracer::{RayTracer, Tracer};
+use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
+use crate::scene::{Pose, Scene};
+use crate::settings::{Indirect, Settings};
+use crate::vulkan::{Buffer, Device, Frame, Image, Upload, VulkanError};
+
+/// The world at one moment, on the CPU.
+#[derive(Clone, Copy)]
+pub struct World<'a> {
+    /// What the world is.
+    pub scene: &'a Scene,
+    /// Where everything stands now.
+    pub pose: &'a Pose,
+    /// Its BVH, already updated to `pose`.
+    pub bvh: &'a TwoLevelBvh,
+}
+
+/// What an estimator is made with.
+#[derive(Clone)]
+pub struct EstimatorContext<'a> {
+    /// The device.
+    pub device: &'a Arc<Device>,
+    /// Which tracer its shaders are for.
+    pub tracer: RayTracer,
+    /// The settings, which were checked.
+    pub settings: &'a Settings,
+    /// The world as it stands now.
+    pub world: World<'a>,
+    /// Radius of the scene's bounding sphere, world units.
+    pub scene_radius: f32,
+}
+
+/// What an estimator's passes read.
+pub struct EstimatorInputs<'a> {
+    /// Frame uniforms.
+    pub frame: &'a Upload,
+    /// The visible surfaces.
+    pub gbuffer: &'a GBuffer,
+    /// Instances of this frame.
+    pub instances: &'a Instances,
+    /// What casts rays.
+    pub tracer: &'a Tracer,
+    /// Where everything stands.
+    pub pose: &'a Pose,
+}
+
+/// The passes of a method, in the order of the frame.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodPasses {
+    /// On the CPU, while the device draws the frame before.
+    pub cpu: &'static [PassInfo],
+    /// On the device.
+    pub device: &'static [PassInfo],
+}
+
+/// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].
+pub trait Estimator: Any + Send {
+    /// What it names.
+    fn method(&self) -> Method;
+
+    /// The frame's work on the CPU, while the device draws the frame before. Gives the milliseconds of each CPU pass.
+    fn update(&mut self, _world: World<'_>) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// What it counted in [`Self::update`], by name; dots nest.
+    fn counters(&self) -> Counters {
+        Counters::default()
+    }
+
+    /// Records its passes, which write [`Self::irradiance`].
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError>;
+
+    /// Indirect irradiance of the last frame, RGBA32F, of the picture's size.
+    fn irradiance(&self) -> &Image;
+
+    /// What the device counted in the frame, to be read back; it goes to [`Self::add_device_counters`].
+    fn device_counters(&self) -> Option<&Buffer> {
+        None
+    }
+
+    /// Adds what the device counted in a finished frame.
+    fn add_device_counters(&self, _counters: &mut Counters, _read_back: &[u8]) {}
+
+    /// Goes on with other settings, another size or tracer. No frame is on its way.
+    ///
+    /// # Errors
+    /// Where the device cannot do with them; it then goes on with the old ones.
+    fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError>;
+
+    /// Looks at `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
+    /// need for it.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn look_at(&mut self, _view: &DebugView) -> Result<(), VulkanError> {
+        Ok(())
+    }
+
+    /// Irradiance to look at in place of the picture, if there is any. It may record passes.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn shown_irradiance(
+        &self,
+        _frame: &mut Frame<'_>,
+        _inputs: &EstimatorInputs<'_>,
+    ) -> Result<Option<&Image>, VulkanError> {
+        Ok(None)
+    }
+
+    /// Draws one of the method's views over the picture.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn draw_view(
+        &self,
+        _frame: &mut Frame<'_>,
+        _inputs: &ViewInputs<'_>,
+        _view: &str,
+    ) -> Result<(), VulkanError> {
+        Ok(())
+    }
+
+    /// Lines to draw over the picture.
+    fn lines(&self) -> Vec<Line> {
+        Vec::new()
+    }
+}
+
+/// What to show. The default is the picture, at no cost.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DebugView {
+    /// The name of one of [`views`], to be shown in place of the picture.
+    pub buffer: Cow<'static, str>,
+    /// Lines to draw over everything.
+    pub lines: Vec<Line>,
+    /// What to look at of `--indirect vpls`.
+    #[serde(flatten)]
+    pub vpl: vpls::VplLook,
+}
+
+impl Default for DebugView {
+    fn default() -> Self {
+        Self { buffer: COMBINED.into(), lines: Vec::new(), vpl: vpls::VplLook::default() }
+    }
+}
+
+/// What a method's view reads and writes.
+pub struct ViewInputs<'a> {
+    /// What its passes have read.
+    pub estimator: &'a EstimatorInputs<'a>,
+    /// Factor of the picture's exposure.
+    pub exposure: &'a Buffer,
+    /// What is shown, RGBA8.
+    pub display: &'a Image,
+}
+
+/// Makes the estimator that the settings name.
+///
+/// # Errors
+/// Where the device cannot do with it.
+pub fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
+    Ok(match context.settings.indirect {
+        Indirect::Vpls => Box::new(vpls::Vpls::new(context)?),
+        Indirect::None => Box::new(none::NoIndirect::new(context)?),
+    })
+}
+
+/// What a method names.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    /// As in `--indirect`.
+    pub name: &'static str,
+    /// Its passes.
+    pub passes: MethodPasses,
+    /// Its views.
+    pub views: &'static [View],
+    /// Its counters.
+    pub counters: &'static [&'static str],
+}
+
+/// All methods.
+pub const METHODS: [Method; 2] = [vpls::METHOD, none::METHOD];
+
+/// All passes in the order of the frame, each with the name of its method, or `shared` by all.
+pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
+    let shared = |passes: &'static [PassInfo]| passes.iter().map(|pass| ("shared", pass));
+    let cpu = METHODS.iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name, pass)));
+    let device =
+        METHODS.iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name, pass)));
+    shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
+}
+
+/// The views of what all methods share, then those of the methods.
+pub fn views() -> impl Iterator<Item = &'static View> {
+    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views))
+}

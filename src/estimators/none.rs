@@ -1,0 +1,59 @@
+//! No indirect light: irradiance is 0.
+
+use std::sync::Arc;
+
+use super::{Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses};
+use crate::passes::storage_image;
+use crate::vulkan::{Device, Frame, Image, VulkanError, vk};
+
+/// It has no passes.
+pub const METHOD: Method =
+    Method { name: "none", passes: MethodPasses { cpu: &[], device: &[] }, views: &[], counters: &[] };
+
+/// The estimator.
+pub struct NoIndirect {
+    irradiance: Image,
+    is_clear: bool,
+    device: Arc<Device>,
+}
+
+impl NoIndirect {
+    /// Makes the image.
+    ///
+    /// # Errors
+    /// Where the device has no memory for it.
+    pub fn new(context: &EstimatorContext<'_>) -> Result<Self, VulkanError> {
+        let device = Arc::clone(context.device);
+        let irradiance = black(&device, context.settings.size)?;
+        Ok(Self { irradiance, is_clear: false, device })
+    }
+}
+
+impl Estimator for NoIndirect {
+    fn method(&self) -> Method {
+        METHOD
+    }
+
+    fn record(&mut self, frame: &mut Frame<'_>, _: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
+        if !std::mem::replace(&mut self.is_clear, true) {
+            frame.clear_image(&self.irradiance, [0.0; 4]);
+        }
+        Ok(())
+    }
+
+    fn irradiance(&self) -> &Image {
+        &self.irradiance
+    }
+
+    fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
+        if context.settings.size != self.irradiance.extent() {
+            self.irradiance = black(&self.device, context.settings.size)?;
+            self.is_clear = false;
+        }
+        Ok(())
+    }
+}
+
+fn black(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)
+}

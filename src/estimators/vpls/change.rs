@@ -1,0 +1,106 @@
+//! Other settings while it runs, without a flash.
+//!
+//! What the change does not concern is kept. Where the number of sets or the size changes, the old set buffers stay in the
+//! picture, reprojected like any others, until every new set has been drawn.
+
+use super::indirect_shading::IndirectShadingPass;
+use super::indirect_shadows::IndirectShadowsPass;
+use super::set_buffers::{SetBuffers, set_step};
+use super::vpl_buffer::VplBuffer;
+use super::vpl_light::VplLightPass;
+use super::{Passes, VplManager, Vpls};
+use crate::estimators::EstimatorContext;
+use crate::settings::{Settings, VplSettings};
+use crate::vulkan::VulkanError;
+
+impl Vpls {
+    /// See [`crate::estimators::Estimator::change`].
+    pub(super) fn change_settings(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
+        let EstimatorContext { device, tracer, settings, .. } = *context;
+        let (old, new) = (&self.settings, settings);
+        let retraced = tracer != self.tracer;
+        let resized = new.size != old.size;
+        let interleaved = new.vpl.interleave != old.vpl.interleave;
+        let other_sets = resized
+            || new.vpl.temporal_sets != old.vpl.temporal_sets
+            || set_step(&new.vpl) != set_step(&old.vpl);
+        let passes = &self.passes;
+
+        // Make what is to be another one; what fails leaves everything as it was.
+        let shadows = if interleaved || retraced {
+            Some(IndirectShadowsPass::new(device, tracer, new.size, new.vpl.interleave)?)
+        } else if resized {
+            Some(passes.indirect_shadows.resized(device, new.size)?)
+        } else {
+            None
+        };
+        let refiltered = interleaved
+            || retraced
+            || set_step(&new.vpl) != set_step(&old.vpl)
+            || new.vpl.slots != old.vpl.slots;
+        let shading = made_if(refiltered, || IndirectShadingPass::new(device, tracer, &new.vpl))?;
+        let reprojection = made_if(resized, || passes.indirect_reprojection.resized(device, new.size))?;
+        let sets = made_if(other_sets, || SetBuffers::new(device, new.size, &new.vpl, self.instances))?;
+        let vpls = made_if(dealt(new) != dealt(old), || VplBuffer::new(device, &new.vpl))?;
+        let vpl_light = match &self.views.vpl_light {
+            Some(_) if retraced => Some(VplLightPass::new(device, tracer, new.size)?),
+            Some(pass) if resized => Some(pass.resized(device, new.size)?),
+            _ => None,
+        };
+
+        // From here on nothing fails.
+        self.tracer = tracer;
+        let passes = &mut self.passes;
+        replace(&mut passes.indirect_shadows, shadows);
+        replace(&mut passes.indirect_shading, shading);
+        replace(&mut passes.indirect_reprojection, reprojection);
+        replace(&mut passes.vpls, vpls);
+        if let Some(sets) = sets {
+            passes.begin_sets(sets);
+        }
+        if vpl_light.is_some() {
+            self.views.vpl_light = vpl_light;
+        }
+        if shot(new) == shot(old) {
+            self.manager.set_budget(new.vpl.budget);
+        } else {
+            self.manager = VplManager::new(context.world, new);
+        }
+        self.settings.clone_from(new);
+        Ok(())
+    }
+}
+
+impl Passes {
+    /// Goes on with other sets.
+    fn begin_sets(&mut self, sets: SetBuffers) {
+        let last = std::mem::replace(&mut self.sets, sets);
+        if self.settled.is_none() && last.is_complete() {
+            self.settled = Some(last);
+        }
+    }
+}
+
+/// The settings that decide how much room VPLs need on the device.
+fn dealt(settings: &Settings) -> [u32; 3] {
+    let VplSettings { slots, temporal_sets, interleave, .. } = settings.vpl;
+    [slots, temporal_sets, interleave]
+}
+
+/// The settings that decide which VPLs there are and how they are dealt, all others at their defaults.
+fn shot(settings: &Settings) -> Settings {
+    let Settings { bounces, seed, vpl, .. } = *settings;
+    let VplSettings { slots, temporal_sets, interleave, sequence, .. } = vpl;
+    let vpl = VplSettings { slots, temporal_sets, interleave, sequence, ..VplSettings::default() };
+    Settings { bounces, seed, vpl, ..Settings::default() }
+}
+
+fn made_if<T>(wanted: bool, make: impl FnOnce() -> Result<T, VulkanError>) -> Result<Option<T>, VulkanError> {
+    if wanted { make().map(Some) } else { Ok(None) }
+}
+
+fn replace<T>(target: &mut T, by: Option<T>) {
+    if let Some(by) = by {
+        *target = by;
+    }
+}

@@ -1,0 +1,359 @@
+//! Assigns slots to lights, paths and bounces, and to temporal sets and pixel classes.
+//!
+//! In: a [`Quota`]. Out: an [`Address`] for each slot. Slots are ordered by bounce, then light, then path.
+//! Slot s is in temporal set s mod T. Each bounce of each light is a contiguous range of slots, so the sets
+//! receive equal counts of it to within one. If T n^2 divides the slot count, pixel classes (see
+//! [`Layout::cell`]) do not depend on T: each pixel gathers the same VPLs for every T.
+
+use glam::Vec2;
+
+use super::quota::{Quota, SlotBudget};
+use crate::sampling::{self, hash};
+use crate::settings::Sequence;
+
+/// Sentinel: no light or no parent slot.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Slot counts, and the mapping from slots to temporal sets and pixel classes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Number of slots.
+    pub(super) slots: u32,
+    /// Bounce limit.
+    pub(super) bounces: u32,
+    /// Temporal sets T.
+    pub(super) sets: u32,
+    /// Pixel classes n^2.
+    pub(super) classes: u32,
+    /// Seed of the sample sequences.
+    pub(super) seed: u32,
+    /// Sample sequence.
+    pub(super) sequence: Sequence,
+}
+
+impl Layout {
+    /// Number of rows; slot s is in row s mod rows. Each row belongs to one temporal set and, given enough
+    /// slots, holds every pixel class once.
+    fn rows(&self) -> u32 {
+        self.sets * (self.slots / (self.sets * self.classes)).max(1)
+    }
+
+    /// Temporal set and pixel class of a slot. The class increases by one along a row. Rows start at
+    /// different classes, both adjacent rows and the rows of one set.
+    pub(super) fn cell(&self, slot: u32) -> (u32, u32) {
+        let (rows, classes) = (u64::from(self.rows()), u64::from(self.classes));
+        let (row, column) = (u64::from(slot) % rows, u64::from(slot) / rows);
+        let class = (column + row + row * classes / rows) % classes;
+        (slot % self.sets, class as u32)
+    }
+
+    /// The slots that the quota distributes among the lights.
+    pub(super) fn slot_budget(&self) -> SlotBudget {
+        SlotBudget { slots: self.slots, bounces: self.bounces, seed: self.seed }
+    }
+
+    /// Sample in [0, 1)^2 for the `step`-th ray, or point on a light, of a slot's path.
+    pub(super) fn point(&self, address: &Address, step: u32) -> Vec2 {
+        let seed = hash(self.seed, address.light);
+        match self.sequence {
+            Sequence::Sobol => sampling::sequence_point(address.sequence, step, seed),
+            Sequence::Random => sampling::random_point(address.sequence, step, seed),
+        }
+    }
+}
+
+/// Light, path and bounce of a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Address {
+    /// Light, or [`NONE`] if the slot is unassigned.
+    pub(super) light: u32,
+    /// Index among the light's paths.
+    pub(super) path: u32,
+    /// Bounce, 0 for a primary VPL.
+    pub(super) bounce: u32,
+    /// Index of the path's point in the light's sample sequence.
+    pub(super) sequence: u32,
+    /// Slot of the parent VPL, or [`NONE`].
+    pub(super) parent: u32,
+}
+
+const UNUSED: Address = Address { light: NONE, path: 0, bounce: 0, sequence: 0, parent: NONE };
+
+/// The assignment of all slots.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assignment {
+    /// The quota it implements.
+    pub(super) quota: Quota,
+    /// Indexed by slot; parents precede their children.
+    pub(super) addresses: Vec<Address>,
+    /// Slots of all paths, concatenated; each path in bounce order.
+    path_slots: Vec<u32>,
+    /// Path p is `path_slots[path_starts[p]..path_starts[p + 1]]`.
+    path_starts: Vec<u32>,
+    /// Index of each light's first path.
+    light_starts: Vec<u32>,
+    /// All slots, sorted by temporal set, then pixel class.
+    cell_slots: Vec<u32>,
+    /// Cell c, class k of set t for c = t n^2 + k, is `cell_slots[cell_starts[c]..cell_starts[c + 1]]`.
+    cell_starts: Vec<u32>,
+}
+
+impl Assignment {
+    pub(super) fn new(quota: Quota, layout: &Layout) -> Self {
+        let mut assignment =
+            Self { addresses: vec![UNUSED; layout.slots as usize], quota, ..Self::default() };
+        assignment.index_paths(layout.bounces);
+        assignment.assign_slots(layout.bounces);
+        assignment.assign_sequence_points(layout);
+        assignment.sort_into_cells(layout);
+        assignment
+    }
+
+    /// The slots of one temporal set and pixel class.
+    pub(super) fn cell(&self, layout: &Layout, set: u32, class: u32) -> &[u32] {
+        let cell = (set * layout.classes + class) as usize;
+        &self.cell_slots[self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize]
+    }
+
+    /// Number of paths.
+    pub(super) fn paths(&self) -> usize {
+        self.path_starts.len() - 1
+    }
+
+    /// The slots of a path, in bounce order.
+    pub(super) fn path(&self, path: usize) -> &[u32] {
+        &self.path_slots[self.path_starts[path] as usize..self.path_starts[path + 1] as usize]
+    }
+
+    /// The slot of a light's path at `bounce`, if the path has one.
+    pub(super) fn slot_at(&self, light: u32, path: u32, bounce: u32) -> Option<u32> {
+        let range = self.light_starts.get(light as usize..light as usize + 2)?;
+        let index = range[0] + path;
+        let level = bounce.checked_sub(self.quota.first_bounce[light as usize])?;
+        if index >= range[1] {
+            return None;
+        }
+        self.path(index as usize).get(level as usize).copied()
+    }
+
+    fn index_paths(&mut self, bounces: u32) {
+        let mut slots = 0;
+        self.path_starts.push(0);
+        self.light_starts.push(0);
+        for light in 0..self.quota.full.len() {
+            for length in self.quota.lengths(light, bounces) {
+                slots += length;
+                self.path_starts.push(slots);
+            }
+            self.light_starts.push(self.path_starts.len() as u32 - 1);
+        }
+        self.path_slots = vec![NONE; slots as usize];
+    }
+
+    fn assign_slots(&mut self, bounces: u32) {
+        let lights: Vec<u32> =
+            (0..self.quota.full.len() as u32).filter(|&light| !self.light_paths(light).is_empty()).collect();
+        let mut slot = 0;
+        for bounce in 0..=bounces {
+            for turn in 0..lights.len() {
+                // Rotate the order of the lights by one per bounce. Otherwise, with one path per light and as
+                // many sets as lights, one set would hold all bounces of the same light.
+                let light = lights[(turn + bounce as usize) % lights.len()];
+                let first = self.quota.first_bounce[light as usize];
+                if bounce < first {
+                    continue;
+                }
+                let level = (bounce - first) as usize;
+                for path in self.light_paths(light) {
+                    let start = self.path_starts[path] as usize;
+                    if start + level >= self.path_starts[path + 1] as usize {
+                        continue;
+                    }
+                    self.path_slots[start + level] = slot;
+                    self.addresses[slot as usize] = Address {
+                        light,
+                        path: path as u32 - self.light_starts[light as usize],
+                        bounce,
+                        sequence: 0,
+                        parent: match level {
+                            0 => NONE,
+                            _ => self.path_slots[start + level - 1],
+                        },
+                    };
+                    slot += 1;
+                }
+            }
+        }
+    }
+
+    /// Contiguous ranges of a Sobol sequence are well stratified; every k-th point is not. Ordered by the
+    /// bit-reversed row, the paths of one set form a contiguous range for every power-of-two T, and a slot's
+    /// point does not depend on T. Truncated paths come last, so the points without later bounces do not
+    /// depend on T either.
+    fn assign_sequence_points(&mut self, layout: &Layout) {
+        let rows = layout.rows();
+        for light in 0..self.quota.full.len() as u32 {
+            let mut order: Vec<usize> = self.light_paths(light).collect();
+            let longest = order.iter().map(|&path| self.path(path).len()).max();
+            order.sort_by_key(|&path| {
+                let slots = self.path(path);
+                (Some(slots.len()) < longest, (slots[0] % rows).reverse_bits(), path)
+            });
+            for (sequence, path) in order.into_iter().enumerate() {
+                for at in self.path_starts[path]..self.path_starts[path + 1] {
+                    let slot = self.path_slots[at as usize];
+                    self.addresses[slot as usize].sequence = sequence as u32;
+                }
+            }
+        }
+    }
+
+    fn sort_into_cells(&mut self, layout: &Layout) {
+        self.cell_slots = (0..layout.slots).collect();
+        self.cell_slots.sort_by_key(|&slot| layout.cell(slot));
+        let cells = (0..layout.sets).flat_map(|set| (0..=layout.classes).map(move |class| (set, class)));
+        self.cell_starts = cells
+            .filter(|&(set, class)| class < layout.classes || set + 1 == layout.sets)
+            .map(|cell| self.cell_slots.partition_point(|&slot| layout.cell(slot) < cell) as u32)
+            .collect();
+    }
+
+    fn light_paths(&self, light: u32) -> std::ops::Range<usize> {
+        let range = &self.light_starts[light as usize..light as usize + 2];
+        range[0] as usize..range[1] as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::quota::{Claim, allocate_paths};
+    use super::*;
+    use std::collections::HashMap;
+
+    fn claims(kind: u32) -> Vec<Claim> {
+        let list: &[(f32, u32)] = match kind {
+            0 => &[(1.0, 1)],
+            1 => &[(1.0, 0)],
+            2 => &[(1.0, 1), (1.0, 1)],
+            3 => &[(3.0, 1), (100.0, 0), (0.0, 1), (0.5, 0), (7.0, 1)],
+            _ => &[(1.0, 1); 16],
+        };
+        let claim = |&(luminous_flux, first_bounce)| Claim { luminous_flux, first_bounce };
+        list.iter().map(claim).collect()
+    }
+
+    fn layouts() -> impl Iterator<Item = Layout> {
+        let sizes = [(512, 2), (513, 3), (100, 16), (37, 1), (1000, 5), (4096, 16)];
+        let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
+        sizes.into_iter().flat_map(move |(slots, bounces)| {
+            splits.into_iter().map(move |(sets, classes)| Layout {
+                slots,
+                bounces,
+                sets,
+                classes,
+                seed: 3,
+                sequence: Sequence::Sobol,
+            })
+        })
+    }
+
+    /// Calls `check` for every combination of lights and layout.
+    fn for_all_assignments(check: impl Fn(&Assignment, &Layout)) {
+        for layout in layouts() {
+            for kind in 0..5 {
+                let (quota, _) = allocate_paths(&claims(kind), layout.slot_budget());
+                check(&Assignment::new(quota, &layout), &layout);
+            }
+        }
+    }
+
+    #[test]
+    fn each_slot_is_assigned_once_and_parents_come_first() {
+        for_all_assignments(|assignment, layout| {
+            let mut seen = vec![false; layout.slots as usize];
+            for path in 0..assignment.paths() {
+                let slots = assignment.path(path);
+                assert!(!slots.is_empty());
+                let mut parent = NONE;
+                for &slot in slots {
+                    assert!(!std::mem::replace(&mut seen[slot as usize], true));
+                    let address = &assignment.addresses[slot as usize];
+                    assert_eq!(address.parent, parent);
+                    assert!(parent == NONE || parent < slot);
+                    let found = assignment.slot_at(address.light, address.path, address.bounce);
+                    assert_eq!(found, Some(slot));
+                    parent = slot;
+                }
+            }
+            assert!(seen.iter().all(|seen| *seen));
+        });
+    }
+
+    #[test]
+    fn sets_and_classes_hold_the_same_mix() {
+        for_all_assignments(|assignment, layout| {
+            // Count slots per set and class, by bounce and by (bounce, light).
+            let mut counts: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
+            let cells = (layout.sets * layout.classes) as usize;
+            for (slot, address) in assignment.addresses.iter().enumerate() {
+                let (set, class) = layout.cell(slot as u32);
+                for light in [None, Some(address.light)] {
+                    let count = counts.entry((address.bounce, light));
+                    let count = count.or_insert_with(|| vec![0; cells]);
+                    count[(set * layout.classes + class) as usize] += 1;
+                }
+            }
+            let spread =
+                |counts: &[u32]| counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0);
+            for (what, cells) in counts {
+                let sets = cells.chunks(layout.classes as usize);
+                let sets: Vec<u32> = sets.map(|set| set.iter().sum()).collect();
+                assert!(spread(&sets) <= 1, "{what:?} {layout:?} {sets:?}");
+                assert!(spread(&cells) <= 4, "{what:?} {layout:?} {cells:?}");
+            }
+        });
+    }
+
+    #[test]
+    fn a_sets_bounces_come_from_different_lights() {
+        let layout =
+            Layout { slots: 64, bounces: 4, sets: 16, classes: 1, seed: 0, sequence: Sequence::Sobol };
+        let (quota, _) = allocate_paths(&claims(4), layout.slot_budget());
+        let assignment = Assignment::new(quota, &layout);
+        for set in 0..16 {
+            let mut lights: Vec<u32> =
+                (0..4).map(|bounce| assignment.addresses[bounce * 16 + set].light).collect();
+            lights.sort_unstable();
+            lights.dedup();
+            assert_eq!(lights.len(), 4);
+        }
+    }
+
+    #[test]
+    fn each_set_has_a_contiguous_range_of_the_sequence() {
+        for_all_assignments(|assignment, layout| {
+            if !layout.rows().is_power_of_two() {
+                return;
+            }
+            for light in 0..assignment.quota.full.len() as u32 {
+                let longest = assignment.light_paths(light).map(|path| assignment.path(path).len()).max();
+                // A truncated path has the last point, whatever its cell.
+                let mut sequences: Vec<(u32, u32)> = assignment
+                    .light_paths(light)
+                    .filter(|&path| Some(assignment.path(path).len()) == longest)
+                    .map(|path| {
+                        let slot = assignment.path(path)[0];
+                        let address = &assignment.addresses[slot as usize];
+                        (address.sequence, layout.cell(slot).0)
+                    })
+                    .collect();
+                sequences.sort_unstable();
+                let indices = sequences.iter().map(|entry| entry.0);
+                assert!(indices.eq(0..sequences.len() as u32), "a permutation");
+                let blocks = sequences.chunk_by(|a, b| a.1 == b.1).count();
+                sequences.sort_unstable_by_key(|entry| entry.1);
+                assert_eq!(blocks, sequences.chunk_by(|a, b| a.1 == b.1).count(), "one range per set");
+            }
+        });
+    }
+}

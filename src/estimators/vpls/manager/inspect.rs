@@ -1,0 +1,89 @@
+//! The contribution of each VPL to a surface point, on the CPU.
+//!
+//! In: a surface point. Out: irradiance and visibility of each VPL, E = phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V.
+//! Twin of shaders/estimators/vpls/gather.glsl.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{GpuVpl, VplManager, World};
+use crate::bvh::Ray;
+use crate::scene::{WorldSurface, luminance, ray_offset};
+
+/// Parameters of gathering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gathering {
+    /// Bound c of the geometry term, 1/m^2; 0: unbounded.
+    pub clamp: f32,
+    /// Radius of the scene, m; ray offsets scale with it.
+    pub scene_radius: f32,
+}
+
+/// The contribution of one VPL to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VplContribution {
+    /// The VPL's slot.
+    pub slot: u32,
+    /// World position of the VPL, the end of its visibility ray.
+    pub position: Vec3,
+    /// Irradiance if it is visible, W/m^2.
+    pub irradiance: Vec3,
+    /// Whether it is unoccluded.
+    pub visible: bool,
+}
+
+impl VplManager {
+    /// The VPLs of all sets that face a surface point, visible ones first, then by descending luminance.
+    pub fn inspect(
+        &self,
+        world: World<'_>,
+        at: &WorldSurface,
+        gathering: &Gathering,
+    ) -> Vec<VplContribution> {
+        let radius = gathering.scene_radius;
+        let start = at.offset_position(radius);
+        let mut found: Vec<VplContribution> = (0..self.slots.len() as u32)
+            .into_par_iter()
+            .filter_map(|slot| self.gpu_vpl(world, slot))
+            .map(|vpl| (vpl, contribution(&vpl, at, gathering.clamp)))
+            .filter(|(_, irradiance)| *irradiance != Vec3::ZERO)
+            .map(|(vpl, irradiance)| {
+                let end = vpl.position + vpl.normal * ray_offset(vpl.position, radius);
+                let ray = Ray { origin: start, direction: end - start, t_min: 0.0, t_max: 1.0 };
+                let visible = !world.bvh.occluded(&ray);
+                VplContribution { slot: vpl.slot, position: vpl.position, irradiance, visible }
+            })
+            .collect();
+        found.sort_by(|a, b| {
+            let brighter = luminance(b.irradiance).total_cmp(&luminance(a.irradiance));
+            b.visible.cmp(&a.visible).then(brighter)
+        });
+        found
+    }
+
+    /// The slots of a VPL's path, from its first bounce to itself.
+    pub fn path_to(&self, slot: u32) -> Vec<u32> {
+        let parent = |&slot: &u32| {
+            let address = self.assignment.addresses.get(slot as usize)?;
+            (address.parent != super::NONE).then_some(address.parent)
+        };
+        let mut path: Vec<u32> = std::iter::successors(Some(slot), parent).collect();
+        path.reverse();
+        path
+    }
+}
+
+/// Unoccluded irradiance at a surface point, W/m^2; `clamp` bounds the geometry term unless it is 0.
+pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 {
+    let d = vpl.position - at.position;
+    let squared = d.length_squared();
+    if squared <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let inverse = 1.0 / squared;
+    let cosines = at.normal.dot(d).max(0.0) * (-vpl.normal.dot(d)).max(0.0) * inverse;
+    let geometry = if clamp > 0.0 { inverse.min(clamp) } else { inverse };
+    vpl.flux / PI * cosines * geometry
+}

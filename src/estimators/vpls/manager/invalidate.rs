@@ -1,0 +1,331 @@
+//! Algorithm 2: invalidates slots that no longer match the scene, and marks stale ones.
+//!
+//! In: the world of this frame. Out: slots marked invalid or stale. Traces one ray for each slot that the
+//! change may affect (Laine et al. 2007; Tonna 2019).
+//!
+//! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
+//! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
+//! the segment between the current positions of its parent and itself. A ray that was unoccluded in the last
+//! frame is tested against moving instances only.
+
+use rayon::prelude::*;
+
+use super::assignment::{Address, Assignment, NONE};
+use super::emitter::Source;
+use super::invalidation::{Invalidation, InvalidationReason};
+use super::quota::allocate_paths;
+use super::shoot::SLOTS_PER_TASK;
+use super::slots::{Slot, SlotState};
+use super::{VplManager, World};
+use crate::bvh::{Ray, TwoLevelBvh};
+use crate::scene::{Side, WorldSurface};
+
+/// Minimum number of tests per task.
+const TESTS_PER_TASK: usize = 64;
+
+/// The test that a slot needs.
+enum Test {
+    /// None: it stays as it is.
+    Keep,
+    /// None: it is invalid for this reason.
+    Fail(InvalidationReason),
+    /// It stays valid if this ray is unoccluded.
+    Trace(Ray),
+}
+
+/// Outcome of a slot's test.
+struct TestResult {
+    /// Why it is invalid; none if it passed.
+    failure: Option<InvalidationReason>,
+    /// The ray that was traced, if it is unoccluded.
+    unoccluded: Option<Ray>,
+}
+
+impl VplManager {
+    /// Updates all slots for the current world; returns how many became invalid.
+    pub(super) fn invalidate_slots(&mut self, world: World<'_>) -> u32 {
+        self.changes.update(world);
+        let mut invalidated = 0;
+        if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
+            invalidated += self.reassign_slots();
+        }
+        if self.changes.anything_changed() || self.any_pending() {
+            // Enter the thread pool once: each entry costs as much as testing many slots.
+            invalidated += rayon::scope(|_| {
+                self.update_surfaces(world);
+                self.mark_stale();
+                self.test_slots(world)
+            });
+        }
+        self.update_counters();
+        invalidated
+    }
+
+    /// Reassigns slots if the lights' quotas changed; a path in both assignments keeps its VPLs. Returns the
+    /// number of usable slots that were dropped.
+    fn reassign_slots(&mut self) -> u32 {
+        let (quota, flux_corrections) = allocate_paths(&self.changes.claims(), self.layout.slot_budget());
+        self.flux_corrections = flux_corrections;
+        if quota == self.assignment.quota {
+            return 0;
+        }
+        let new = Assignment::new(quota, &self.layout);
+        let old = std::mem::replace(&mut self.assignment, new);
+        let (slots, surfaces) = (self.slots.clone(), self.surfaces.clone());
+        let mut invalidated = slots.iter().filter(|slot| slot.state != SlotState::Invalid).count();
+        for (index, address) in self.assignment.addresses.iter().enumerate() {
+            let before = match address.light {
+                NONE => None,
+                light => self.changes.previous_index[light as usize]
+                    .and_then(|light| old.slot_at(light, address.path, address.bounce)),
+            };
+            self.slots[index] = Slot::INVALID;
+            let Some(before) = before.map(|slot| slot as usize) else {
+                continue;
+            };
+            invalidated -= usize::from(slots[before].state != SlotState::Invalid);
+            self.slots[index] = slots[before];
+            let (old, new) = (&old.addresses[before], address);
+            self.slots[index].fresh &= old.sequence == new.sequence && old.light == new.light;
+            self.surfaces[index] = surfaces[before];
+        }
+        self.cursors = Default::default();
+        self.invalidations.fill(None);
+        *self.counters.invalidated_by.count_mut(InvalidationReason::NoSlot) += invalidated as u32;
+        invalidated as u32
+    }
+
+    /// Moves VPLs along with their instances.
+    fn update_surfaces(&mut self, world: World<'_>) {
+        if !self.changes.moved.contains(&true) {
+            return;
+        }
+        let (changes, addresses) = (&self.changes, &self.assignment.addresses);
+        (&self.slots, &mut self.surfaces, addresses)
+            .into_par_iter()
+            .with_min_len(SLOTS_PER_TASK)
+            .filter(|(slot, _, _)| slot.state == SlotState::Valid && changes.has_moved(slot.instance))
+            .for_each(|(slot, surface, address)| *surface = locate(world, slot, address));
+    }
+
+    fn mark_stale(&mut self) {
+        for (index, address) in self.assignment.addresses.iter().enumerate() {
+            if address.light == NONE {
+                continue;
+            }
+            let parent_fresh = address.parent == NONE || self.slots[address.parent as usize].fresh;
+            let slot = &mut self.slots[index];
+            let on_moved = slot.state == SlotState::Valid && self.changes.has_moved(slot.instance);
+            let light_changed = self.changes.light_changed[address.light as usize];
+            let changed = on_moved || light_changed || self.changes.bounds_changed;
+            slot.fresh = slot.fresh && parent_fresh && !changed;
+        }
+    }
+
+    fn any_pending(&self) -> bool {
+        let mut slots = self.slots.iter().zip(&self.assignment.addresses);
+        slots.any(|(slot, address)| address.light != NONE && !slot.fresh)
+    }
+
+    fn test_slots(&mut self, world: World<'_>) -> u32 {
+        // Test all slots in parallel, ignoring their parents' outcome.
+        let this = &*self;
+        let results: Vec<TestResult> = (0..this.slots.len())
+            .into_par_iter()
+            .with_min_len(TESTS_PER_TASK)
+            .map(|index| this.test(world.bvh, index))
+            .collect();
+        // Apply the results in slot order, so that invalidation propagates from parents to children.
+        let mut invalidated = 0;
+        for (index, test) in results.into_iter().enumerate() {
+            invalidated += u32::from(self.apply_result(index, test));
+        }
+        invalidated
+    }
+
+    /// Applies the result of one slot, after that of its parent. Returns whether the slot became invalid.
+    fn apply_result(&mut self, index: usize, TestResult { failure, unoccluded }: TestResult) -> bool {
+        let parent = self.assignment.addresses[index].parent;
+        let (parent_state, parent_fresh) = match parent {
+            NONE => (SlotState::Valid, true),
+            _ => {
+                let parent = &self.slots[parent as usize];
+                (parent.state, parent.fresh)
+            }
+        };
+        let slot = &mut self.slots[index];
+        let (before, shot) = (slot.state, slot.shot);
+        if before == SlotState::Invalid {
+            return false;
+        }
+        slot.unoccluded = unoccluded;
+        let failure = match (parent_state, failure) {
+            (SlotState::Invalid, _) => Some(InvalidationReason::ParentInvalid),
+            (SlotState::Valid, failure) => failure,
+            (SlotState::Escaped, _) => {
+                *slot = Slot::escaped(parent_fresh, shot);
+                return false;
+            }
+        };
+        match failure {
+            Some(reason) => self.invalidate_slot(index, reason),
+            // The tested ray is the one that a new shot would trace, and it escapes.
+            None if before == SlotState::Escaped => slot.fresh = parent_fresh,
+            None => {}
+        }
+        failure.is_some()
+    }
+
+    /// Invalidates a slot and records the reason.
+    fn invalidate_slot(&mut self, index: usize, reason: InvalidationReason) {
+        *self.counters.invalidated_by.count_mut(reason) += 1;
+        if self.slots[index].state == SlotState::Valid {
+            let (position, origin) = (self.surfaces[index].position, self.origin(index));
+            self.invalidations[index] = Some(Invalidation { reason, frame: self.frame, position, origin });
+        }
+        self.slots[index] = Slot::INVALID;
+    }
+
+    fn test(&self, bvh: &TwoLevelBvh, index: usize) -> TestResult {
+        let ray = match self.select_test(index) {
+            Test::Keep => return TestResult { failure: None, unoccluded: None },
+            Test::Fail(reason) => return TestResult { failure: Some(reason), unoccluded: None },
+            Test::Trace(ray) => ray,
+        };
+        let occluded = if self.changes.static_moved || self.slots[index].unoccluded != Some(ray) {
+            bvh.occluded(&ray)
+        } else {
+            self.changes.geometry_moved && bvh.occluded_by_dynamic(&ray)
+        };
+        match occluded {
+            true => TestResult { failure: Some(InvalidationReason::Occluded), unoccluded: None },
+            false => TestResult { failure: None, unoccluded: Some(ray) },
+        }
+    }
+
+    fn select_test(&self, index: usize) -> Test {
+        let (slot, address) = (&self.slots[index], &self.assignment.addresses[index]);
+        if slot.state == SlotState::Invalid {
+            return Test::Keep;
+        }
+        if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
+            // It takes the state of its parent.
+            return Test::Keep;
+        }
+        match slot.state {
+            _ if slot.fresh => slot.unoccluded.map_or(Test::Keep, Test::Trace),
+            SlotState::Escaped => {
+                self.sample_ray(index as u32).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
+            }
+            _ if address.bounce == 0 => self.test_primary(slot, address),
+            _ => self.test_segment(&self.surfaces[index], address),
+        }
+    }
+
+    fn test_primary(&self, slot: &Slot, address: &Address) -> Test {
+        match &self.changes.emitters[address.light as usize].source {
+            Source::Area(table) if table.instance == slot.instance && table.contains(slot.point.triangle) => {
+                Test::Keep
+            }
+            _ => Test::Fail(InvalidationReason::LightChanged),
+        }
+    }
+
+    /// Test of the segment from the slot's parent to its surface: the two sides must face each other, the light
+    /// must emit in that direction, and the segment must be unoccluded.
+    fn test_segment(&self, surface: &WorldSurface, address: &Address) -> Test {
+        let radius = self.changes.bounds.radius;
+        let end = surface.offset_position(radius);
+        let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
+        if address.parent != NONE {
+            let parent = &self.surfaces[address.parent as usize];
+            let along = surface.position - parent.position;
+            let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
+            let arrives = surface.geometric_normal.dot(along) < 0.0;
+            return match leaves && arrives {
+                true => Test::Trace(towards(parent.offset_position(radius))),
+                false => Test::Fail(InvalidationReason::FacesAway),
+            };
+        }
+        let source = &self.changes.emitters[address.light as usize].source;
+        let ray = match source {
+            Source::Point { position } | Source::Spot { position, .. } => towards(*position),
+            Source::Directional { frame, .. } => {
+                Ray { origin: end, direction: -frame.normal, t_min: 0.0, t_max: f32::INFINITY }
+            }
+            Source::Area(_) => return Test::Fail(InvalidationReason::LightChanged),
+        };
+        let arrives = match source {
+            Source::Directional { frame, .. } => surface.geometric_normal.dot(frame.normal) < 0.0,
+            _ => surface.geometric_normal.dot(surface.position - ray.origin) < 0.0,
+        };
+        match (arrives, source.emits_towards(surface.position)) {
+            (true, true) => Test::Trace(ray),
+            (false, _) => Test::Fail(InvalidationReason::FacesAway),
+            (true, false) => Test::Fail(InvalidationReason::LightTurnedAway),
+        }
+    }
+}
+
+/// Current surface of a valid slot's VPL, world space.
+pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address) -> WorldSurface {
+    let side = Side::Front(slot.front);
+    let mut surface = world.scene.surface_at(world.pose, slot.instance, slot.point, side).surface;
+    if address.bounce == 0 {
+        // A light's own surface emits about the flat triangle's normal.
+        surface.normal = surface.geometric_normal;
+    }
+    surface
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::scene::{Instance, load_scene};
+    use crate::settings::{Settings, VplSettings};
+
+    /// A torus rotates by animation; a static one is moved by edits now and then.
+    #[test]
+    fn rays_recorded_as_unoccluded_are_unoccluded() {
+        let mut scene = load_scene("meeting-room", None).unwrap();
+        let edited = scene.instances.len();
+        let torus = scene.instances.iter().find(|instance| instance.dynamic).unwrap().clone();
+        scene.instances.push(Instance { dynamic: false, animation: None, ..torus });
+        let settings = Settings {
+            vpl: VplSettings { slots: 512, budget: 64, ..VplSettings::default() },
+            ..Settings::default()
+        };
+        let rest = scene.pose(0.0);
+        let mut bvh = TwoLevelBvh::build(&scene, &rest.instances);
+        let mut manager = VplManager::new(World { scene: &scene, pose: &rest, bvh: &bvh }, &settings);
+        let mut occluded_by = [0; 2];
+        for frame in 1..200_u32 {
+            // Every fourth frame is static.
+            let mut pose = scene.pose(f64::from(frame - frame / 4) / 20.0);
+            pose.instances[edited].translation.x += (frame / 4 * 4 % 7) as f32 - 3.0;
+            bvh.update(&pose.instances);
+            let world = World { scene: &scene, pose: &pose, bvh: &bvh };
+            manager.invalidate(world);
+            occluded_by[usize::from(manager.changes.static_moved)] +=
+                manager.counters().invalidated_by.occluded;
+            assert_unoccluded(&manager, &bvh, frame);
+            manager.replace(world);
+            assert_unoccluded(&manager, &bvh, frame);
+        }
+        assert!(occluded_by[0] > 0 && occluded_by[1] > 0, "{occluded_by:?}");
+    }
+
+    fn assert_unoccluded(manager: &VplManager, bvh: &TwoLevelBvh, frame: u32) {
+        for (index, (slot, address)) in manager.slots.iter().zip(&manager.assignment.addresses).enumerate() {
+            let from_light = slot.state == SlotState::Valid && address.bounce > 0;
+            assert!(
+                slot.unoccluded.is_some() || !(from_light && slot.fresh),
+                "slot {index} in frame {frame}"
+            );
+            if let Some(ray) = slot.unoccluded {
+                assert!(!bvh.occluded(&ray), "slot {index} in frame {frame}");
+            }
+        }
+    }
+}

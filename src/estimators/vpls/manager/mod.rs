@@ -1,0 +1,234 @@
+//! Virtual point lights: slots and paths, shooting, invalidation, replacement, temporal sets.
+//!
+//! In: a scene, its pose and its two-level BVH. Out: for each temporal set the VPLs that light it,
+//! sorted by pixel class. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
+//!
+//! - `quota`, `assignment`: paths per light; slots per path and bounce.
+//! - `emitter`, `focus`: emission sampling.
+//! - `changes`: what changed in the world; `invalidate`: algorithm 2; `replace`, `shoot`: algorithm 3.
+//! - `upload`: the VPLs of a set for the shaders.
+//! - `invalidation`, `inspect`: for debug views; `warning`: when most slots carry no light.
+
+mod assignment;
+mod changes;
+mod emitter;
+mod focus;
+mod inspect;
+mod invalidate;
+mod invalidation;
+mod quota;
+mod replace;
+mod shoot;
+mod slots;
+mod upload;
+mod warning;
+
+pub(crate) use inspect::contribution;
+pub use inspect::{Gathering, VplContribution};
+pub use invalidation::{InvalidatedBy, Invalidation, InvalidationReason};
+pub use slots::{SlotHistory, SlotState, SlotView};
+
+use crate::estimators::World;
+use crate::report::Counters;
+use crate::scene::WorldSurface;
+use crate::settings::Settings;
+use assignment::{Assignment, Layout, NONE};
+use bytemuck::{Pod, Zeroable};
+use changes::SceneChanges;
+use glam::Vec3;
+use quota::{FluxCorrections, allocate_paths};
+use replace::Cursor;
+use shoot::PathRange;
+use slots::Slot;
+
+/// A VPL as the shaders see it (std430, 48 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuVpl {
+    /// World position, on the surface.
+    pub position: Vec3,
+    /// Slot index.
+    pub slot: u32,
+    /// PathRange normal of the emitting side.
+    pub normal: Vec3,
+    /// Bounce, 0 for a primary VPL of an area light.
+    pub bounce: u32,
+    /// Flux phi, W.
+    pub flux: Vec3,
+    /// Unused.
+    pub _pad: u32,
+}
+
+/// The VPLs of one temporal set, valid ones only, sorted by pixel class.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SetVpls {
+    /// The VPLs, class by class.
+    pub vpls: Vec<GpuVpl>,
+    /// Class k's VPLs are `vpls[class_starts[k]..class_starts[k + 1]]`; n^2 + 1 entries.
+    pub class_starts: Vec<u32>,
+}
+
+/// Luminous flux of the valid VPLs, by temporal set and by pixel class.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellFlux {
+    /// Of each temporal set, over its classes.
+    pub sets: Vec<f32>,
+    /// Of each pixel class, over all sets.
+    pub classes: Vec<f32>,
+}
+
+/// Slot counters of one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VplCounters {
+    /// Number of slots.
+    pub slots: u32,
+    /// Slots that hold a usable VPL.
+    pub valid: u32,
+    /// Slots whose ray left the scene: true samples of zero light.
+    pub escaped: u32,
+    /// Usable slots that would hold something else if they were shot again.
+    pub stale: u32,
+    /// Slots invalidated in this frame.
+    pub invalidated: u32,
+    /// Those by reason.
+    pub invalidated_by: InvalidatedBy,
+    /// Slots shot in this frame.
+    pub shot: u32,
+}
+
+impl VplCounters {
+    /// The counters by their key in reports.
+    pub fn named(&self) -> Counters {
+        let mut named = Counters::default();
+        for (name, count) in [
+            ("vpls.slots", self.slots),
+            ("vpls.valid", self.valid),
+            ("vpls.escaped", self.escaped),
+            ("vpls.stale", self.stale),
+            ("vpls.invalidated", self.invalidated),
+            ("vpls.shot", self.shot),
+        ] {
+            named.insert(name, count.into());
+        }
+        for reason in InvalidationReason::ALL {
+            named.insert(reason.counter(), self.invalidated_by.count(reason).into());
+        }
+        named
+    }
+}
+
+/// Upper limit of the bounces of a path.
+const MAX_BOUNCES: usize = 16;
+
+/// Owns the slots. Each frame: [`Self::invalidate`], [`Self::replace`], then [`Self::set_vpls`], all with
+/// the same world.
+#[derive(Clone, Debug)]
+pub struct VplManager {
+    layout: Layout,
+    budget: u32,
+    changes: SceneChanges,
+    assignment: Assignment,
+    flux_corrections: FluxCorrections,
+    slots: Vec<Slot>,
+    /// Surface of each valid slot's VPL, world space.
+    surfaces: Vec<WorldSurface>,
+    /// Number of slots that are not invalid, by light and bounce.
+    live: Vec<[u32; MAX_BOUNCES + 1]>,
+    /// Number of slots that are not fresh.
+    pending: u32,
+    cursors: [Cursor; 2],
+    counters: VplCounters,
+    /// Frames so far.
+    frame: u32,
+    /// The last invalidation of each slot since the last reassignment.
+    invalidations: Vec<Option<Invalidation>>,
+}
+
+impl VplManager {
+    /// Assigns the slots to the lights and shoots them all (the first fill, outside any frame's budget).
+    pub fn new(world: World<'_>, settings: &Settings) -> Self {
+        let layout = Layout {
+            slots: settings.vpl.slots,
+            bounces: settings.bounces.clamp(1, MAX_BOUNCES as u32),
+            sets: settings.vpl.temporal_sets.max(1),
+            classes: settings.vpl.interleave.max(1).pow(2),
+            seed: settings.seed,
+            sequence: settings.vpl.sequence,
+        };
+        let changes = SceneChanges::new(world);
+        let (quota, flux_corrections) = allocate_paths(&changes.claims(), layout.slot_budget());
+        let mut manager = Self {
+            assignment: Assignment::new(quota, &layout),
+            slots: vec![Slot::INVALID; layout.slots as usize],
+            surfaces: vec![WorldSurface::default(); layout.slots as usize],
+            live: Vec::new(),
+            pending: 0,
+            cursors: Default::default(),
+            counters: VplCounters::default(),
+            frame: 0,
+            invalidations: vec![None; layout.slots as usize],
+            budget: settings.vpl.budget.max(1),
+            layout,
+            changes,
+            flux_corrections,
+        };
+        let full = |path| PathRange { path, start: 0, end: manager.assignment.path(path).len() };
+        let ranges: Vec<PathRange> = (0..manager.assignment.paths()).map(full).collect();
+        manager.shoot(world, &ranges);
+        manager.update_counters();
+        manager
+    }
+
+    /// Sets the most slots to shoot in one frame.
+    pub fn set_budget(&mut self, budget: u32) {
+        self.budget = budget.max(1);
+    }
+
+    /// Algorithm 2: invalidates slots that no longer match the scene; returns how many.
+    pub fn invalidate(&mut self, world: World<'_>) -> u32 {
+        self.frame += 1;
+        self.counters.shot = 0;
+        self.counters.invalidated_by = InvalidatedBy::default();
+        self.counters.invalidated = self.invalidate_slots(world);
+        self.counters.invalidated
+    }
+
+    /// Algorithm 3: shoots up to the budget, invalid slots first, then stale ones; returns how many.
+    pub fn replace(&mut self, world: World<'_>) -> u32 {
+        self.counters.shot = self.replace_slots(world);
+        self.counters.shot
+    }
+
+    /// Counters of the frame so far.
+    pub fn counters(&self) -> VplCounters {
+        self.counters
+    }
+
+    /// Frames so far: 1 in the first one, 0 before it.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
+    /// Recounts all slots.
+    fn update_counters(&mut self) {
+        self.live.clear();
+        self.live.resize(self.changes.emitters.len(), [0; MAX_BOUNCES + 1]);
+        self.pending = 0;
+        let (mut valid, mut escaped, mut stale) = (0, 0, 0);
+        for (slot, address) in self.slots.iter().zip(&self.assignment.addresses) {
+            if address.light == NONE {
+                continue;
+            }
+            self.pending += u32::from(!slot.fresh);
+            let live = slot.state != SlotState::Invalid;
+            self.live[address.light as usize][address.bounce as usize] += u32::from(live);
+            valid += u32::from(slot.state == SlotState::Valid);
+            escaped += u32::from(slot.state == SlotState::Escaped);
+            stale += u32::from(live && !slot.fresh);
+        }
+        self.counters.slots = self.layout.slots;
+        self.counters.valid = valid;
+        self.counters.escaped = escaped;
+        self.counters.stale = stale;
+    }
+}

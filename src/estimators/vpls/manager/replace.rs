@@ -1,0 +1,98 @@
+//! Algorithm 3: selects the paths to shoot in this frame.
+//!
+//! In: the slots' states, the budget, and the cursors of the last frame. Out: ranges of paths, within the
+//! budget. Paths with an invalid slot come first, then stale ones, each round robin (Laine et al. 2007;
+//! Tonna 2019).
+
+use super::shoot::PathRange;
+use super::slots::{Slot, SlotState};
+use super::{VplManager, World};
+
+/// State of one round robin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Cursor {
+    /// The next path.
+    path: usize,
+    /// First slot of that path that was not shot, if the budget ran out within it.
+    resume: Option<usize>,
+}
+
+/// The slots that a round robin selects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Criterion {
+    Invalid,
+    Stale,
+}
+
+impl Criterion {
+    fn matches(self, slot: &Slot) -> bool {
+        match self {
+            Self::Invalid => slot.state == SlotState::Invalid,
+            Self::Stale => !slot.fresh,
+        }
+    }
+}
+
+impl VplManager {
+    /// Shoots up to the budget; returns how many slots were shot.
+    pub(super) fn replace_slots(&mut self, world: World<'_>) -> u32 {
+        if self.pending == 0 {
+            return 0;
+        }
+        let ranges = self.select_ranges();
+        self.shoot(world, &ranges);
+        self.update_counters();
+        ranges.iter().map(|range| (range.end - range.start) as u32).sum()
+    }
+
+    fn select_ranges(&mut self) -> Vec<PathRange> {
+        let mut ranges = Vec::new();
+        let mut left = self.budget as usize;
+        let mut planned = vec![false; self.assignment.paths()];
+        for (turn, criterion) in [Criterion::Invalid, Criterion::Stale].into_iter().enumerate() {
+            let mut cursor = self.cursors[turn];
+            let first = cursor.path;
+            // Visit the first path twice: on the first visit it may have yielded to the others.
+            for step in 0..=planned.len() {
+                if left == 0 {
+                    break;
+                }
+                let path = (first + step) % planned.len();
+                let resume = cursor.resume.take();
+                cursor.path = (path + 1) % planned.len();
+                let Some(start) = self.first_to_shoot(path, criterion, resume) else {
+                    continue;
+                };
+                if std::mem::replace(&mut planned[path], true) {
+                    continue;
+                }
+                let length = self.assignment.path(path).len();
+                let end = length.min(start + left);
+                ranges.push(PathRange { path, start, end });
+                left -= end - start;
+                if end < length {
+                    cursor = Cursor { path, resume: Some(end) };
+                }
+            }
+            self.cursors[turn] = cursor;
+        }
+        ranges
+    }
+
+    /// First slot of a path to shoot: the first that is not fresh. A path that the budget cut resumes where it
+    /// stopped, even if its beginning is stale again: otherwise a light that keeps moving would starve the ends
+    /// of all paths. In a stationary world it starts over, so that no slot stays stale.
+    fn first_to_shoot(&self, path: usize, criterion: Criterion, resume: Option<usize>) -> Option<usize> {
+        let slots = || self.assignment.path(path).iter().map(|&slot| &self.slots[slot as usize]);
+        if !slots().any(|slot| criterion.matches(slot)) {
+            return None;
+        }
+        let first = slots().position(|slot| !slot.fresh)?;
+        let Some(resume) = resume.filter(|_| self.changes.anything_changed()) else {
+            return Some(first);
+        };
+        // The rest cannot be shot while its parent is invalid; other paths go first.
+        let has_parent = slots().nth(resume - 1)?.state != SlotState::Invalid;
+        has_parent.then(|| first.max(resume))
+    }
+}

@@ -1,0 +1,188 @@
+//! Traces light paths through the scene, all rays of one bounce in one batch.
+//!
+//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; ARCHITECTURE.md, "Paths").
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::assignment::NONE;
+use super::emitter::Source;
+use super::slots::{Slot, SlotState};
+use super::{VplManager, World};
+use crate::bvh::{Hit, Ray};
+use crate::sampling::{self, Frame};
+use crate::scene::{Side, SurfacePoint, WorldSurface};
+
+/// Minimum number of slots per task.
+pub(super) const SLOTS_PER_TASK: usize = 256;
+
+/// Fraction of the hit distance up to which a shot ray is unoccluded; excludes the hit itself.
+const HIT_MARGIN: f32 = 1.0 - 1e-5;
+
+/// Slots `start..end` of a path, counted from its first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PathRange {
+    pub(super) path: usize,
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+/// How the shot of a slot starts.
+enum Start {
+    /// The path has ended.
+    Escape,
+    /// A primary VPL on the light: instance, point, weight.
+    OnLight(u32, SurfacePoint, Vec3),
+    /// A ray to trace, with its weight.
+    Trace(Ray, f32),
+}
+
+impl VplManager {
+    /// Shoots the slots of all ranges, parents before their children.
+    pub(super) fn shoot(&mut self, world: World<'_>, ranges: &[PathRange]) {
+        let last = ranges.iter().map(|range| range.end).max().unwrap_or(0);
+        for level in 0..last {
+            let in_level = ranges.iter().filter(|range| (range.start..range.end).contains(&level));
+            let slots: Vec<u32> = in_level.map(|range| self.assignment.path(range.path)[level]).collect();
+            self.shoot_batch(world, &slots);
+            self.propagate_escapes(ranges, level);
+        }
+    }
+
+    /// Shoots slots none of which is the parent of another.
+    fn shoot_batch(&mut self, world: World<'_>, slots: &[u32]) {
+        // Sample the rays.
+        let this = &*self;
+        let starts: Vec<Start> =
+            slots.par_iter().with_min_len(SLOTS_PER_TASK).map(|&slot| this.start(slot)).collect();
+        // Trace them.
+        let rays: Vec<Ray> = starts
+            .iter()
+            .filter_map(|start| if let Start::Trace(ray, _) = start { Some(*ray) } else { None })
+            .collect();
+        let mut hits = world.bvh.intersect_batch(&rays).into_iter();
+        let traced: Vec<Option<Hit>> = starts
+            .iter()
+            .map(|start| match start {
+                Start::Trace(..) => hits.next().flatten(),
+                _ => None,
+            })
+            .collect();
+        // Store the hits.
+        let filled: Vec<(Slot, WorldSurface)> = (slots, &starts, &traced)
+            .into_par_iter()
+            .with_min_len(SLOTS_PER_TASK)
+            .map(|(&slot, start, hit)| this.store_hit(world, slot, start, *hit))
+            .collect();
+        for (&slot, (filled, surface)) in slots.iter().zip(filled) {
+            self.slots[slot as usize] = filled;
+            self.surfaces[slot as usize] = surface;
+        }
+    }
+
+    fn start(&self, slot: u32) -> Start {
+        let address = &self.assignment.addresses[slot as usize];
+        let emitter = &self.changes.emitters[address.light as usize];
+        if let (NONE, Source::Area(table)) = (address.parent, &emitter.source) {
+            let (point, weight) = table.sample(self.layout.point(address, 0));
+            return Start::OnLight(table.instance, point, weight);
+        }
+        match self.sample_ray(slot) {
+            Some((ray, weight)) => Start::Trace(ray, weight),
+            None => Start::Escape,
+        }
+    }
+
+    /// The ray that a shot of `slot` would trace now, with its weight; none if the parent is not valid, or if the
+    /// ray would enter its parent's surface. Not for primary VPLs.
+    pub(super) fn sample_ray(&self, slot: u32) -> Option<(Ray, f32)> {
+        let address = &self.assignment.addresses[slot as usize];
+        let emitter = &self.changes.emitters[address.light as usize];
+        let u = self.layout.point(address, address.bounce - emitter.first_bounce());
+        if address.parent == NONE {
+            return emitter.first_ray(u);
+        }
+        if self.slots[address.parent as usize].state != SlotState::Valid {
+            return None;
+        }
+        let parent = &self.surfaces[address.parent as usize];
+        let direction = Frame::around(parent.normal).to_world(sampling::cosine_hemisphere(u));
+        // A direction above the shading hemisphere but below the geometric surface carries no light.
+        let ray = Ray {
+            origin: parent.offset_position(self.changes.bounds.radius),
+            direction,
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
+    }
+
+    fn store_hit(
+        &self,
+        world: World<'_>,
+        slot: u32,
+        start: &Start,
+        hit: Option<Hit>,
+    ) -> (Slot, WorldSurface) {
+        let parent = self.assignment.addresses[slot as usize].parent;
+        let (fresh, throughput) = match parent {
+            NONE => (true, Vec3::ONE),
+            _ => {
+                let parent = &self.slots[parent as usize];
+                (parent.fresh, parent.throughput)
+            }
+        };
+        let found_at = |instance, point, side| world.scene.surface_at(world.pose, instance, point, side);
+        let (instance, point, found, throughput, unoccluded) = match (start, hit) {
+            (&Start::OnLight(instance, point, weight), _) => {
+                let mut found = found_at(instance, point, Side::Front(true));
+                let mesh = &world.scene.meshes[world.scene.instances[instance as usize].mesh];
+                let material = mesh.triangle_materials[point.triangle as usize];
+                if !world.scene.opaque_at(material, found.uv) {
+                    // The alpha mask cuts this point out of the light.
+                    return (Slot::escaped(fresh, self.frame), WorldSurface::default());
+                }
+                // Emission follows the geometric normal.
+                found.surface.normal = found.surface.geometric_normal;
+                (instance, point, found, weight, None)
+            }
+            (&Start::Trace(ray, weight), Some(hit)) => {
+                let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+                let found = found_at(hit.instance, point, Side::Facing(ray.direction));
+                let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
+                let material = mesh.triangle_materials[hit.triangle as usize];
+                let albedo = world.scene.materials[material as usize].albedo_at(world.scene, found.uv);
+                let unoccluded = Ray { t_max: hit.t * HIT_MARGIN, ..ray };
+                (hit.instance, point, found, throughput * weight * albedo, Some(unoccluded))
+            }
+            (Start::Trace(..) | Start::Escape, _) => {
+                let unoccluded = if let Start::Trace(ray, _) = start { Some(*ray) } else { None };
+                return (Slot { unoccluded, ..Slot::escaped(fresh, self.frame) }, WorldSurface::default());
+            }
+        };
+        let filled = Slot {
+            state: SlotState::Valid,
+            fresh,
+            front: found.front,
+            instance,
+            point,
+            throughput,
+            shot: self.frame,
+            unoccluded,
+        };
+        (filled, found.surface)
+    }
+
+    /// Marks all descendants of an escaped slot as escaped, also those beyond the range.
+    fn propagate_escapes(&mut self, ranges: &[PathRange], level: usize) {
+        for range in ranges.iter().filter(|range| (range.start..range.end).contains(&level)) {
+            let (path, slots) = (self.assignment.path(range.path), &mut self.slots);
+            let shot = slots[path[level] as usize];
+            if shot.state == SlotState::Escaped {
+                for &descendant in &path[level + 1..] {
+                    slots[descendant as usize] = Slot::escaped(shot.fresh, shot.shot);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Slots: their state, and their view for tests and debug views.
+
+use glam::{Vec2, Vec3};
+
+use super::invalidation::Invalidation;
+use crate::bvh::Ray;
+use crate::scene::SurfacePoint;
+
+/// State of a slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SlotState {
+    /// Must be shot again.
+    #[default]
+    Invalid,
+    /// Holds a usable VPL.
+    Valid,
+    /// The path left the scene, which is a true sample of zero light.
+    Escaped,
+}
+
+/// One slot. The VPL is attached to a surface and moves along with it. Its flux is computed at upload, so a
+/// change of the light's power needs no shooting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Slot {
+    pub(super) state: SlotState,
+    /// Whether shooting again now would change nothing. Children of slots that are not fresh are not fresh.
+    pub(super) fresh: bool,
+    /// Whether it emits on the side with counter-clockwise winding.
+    pub(super) front: bool,
+    /// Index into `Scene::instances`.
+    pub(super) instance: u32,
+    /// Point on the instance's mesh.
+    pub(super) point: SurfacePoint,
+    /// Product of the albedos along the path and the weight of its start.
+    pub(super) throughput: Vec3,
+    /// Frame in which it was shot.
+    pub(super) shot: u32,
+    /// The ray to it that was unoccluded in the last frame; none if unknown.
+    pub(super) unoccluded: Option<Ray>,
+}
+
+impl Slot {
+    /// An empty slot.
+    pub(super) const INVALID: Self = Self {
+        state: SlotState::Invalid,
+        fresh: false,
+        front: true,
+        instance: 0,
+        point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
+        throughput: Vec3::ZERO,
+        shot: 0,
+        unoccluded: None,
+    };
+
+    /// A slot whose path left the scene, shot in frame `shot`.
+    pub(super) fn escaped(fresh: bool, shot: u32) -> Self {
+        Self { state: SlotState::Escaped, fresh, shot, ..Self::INVALID }
+    }
+}
+
+/// A slot as tests and debug views see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotView {
+    /// Index of the slot.
+    pub slot: u32,
+    /// What it holds.
+    pub state: SlotState,
+    /// Index of its light; none if the slot is unassigned.
+    pub light: Option<u32>,
+    /// Index among the paths of that light.
+    pub path: u32,
+    /// Bounce, 0 for a primary VPL of an area light.
+    pub bounce: u32,
+    /// Slot of the parent VPL; none if the parent is the light.
+    pub parent: Option<u32>,
+    /// World position as of the last invalidation or replacement; meaningful if valid.
+    pub position: Vec3,
+    /// PathRange normal of the emitting side; meaningful if valid.
+    pub normal: Vec3,
+    /// Flux, W; zero unless valid.
+    pub flux: Vec3,
+    /// Whether it awaits replacement.
+    pub stale: bool,
+    /// Its temporal set.
+    pub set: u32,
+    /// World position of its parent or light; for directional lights a point towards the light. Meaningful
+    /// if valid.
+    pub origin: Vec3,
+}
+
+/// History of a slot. Unlike everything else in it, this does not follow from the current world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotHistory {
+    /// Frames since it was shot; 0: shot in the last frame.
+    pub age: u32,
+    /// Its last invalidation since the slots were last reassigned.
+    pub invalidation: Option<Invalidation>,
+}

@@ -1,0 +1,346 @@
+//! Indirect light from virtual point lights: instant radiosity with temporal sets (Keller 1997; Tonna 2019).
+//!
+//! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
+//! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has drawn.
+//! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
+//! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
+
+mod change;
+mod indirect_reprojection;
+mod indirect_shading;
+mod indirect_shadows;
+pub(crate) mod inspect;
+pub mod manager;
+mod path_lines;
+mod set_buffers;
+mod view;
+mod vpl_buffer;
+mod vpl_light;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+pub use manager::{
+    CellFlux, Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SetVpls, SlotHistory,
+    SlotState, SlotView, VplContribution, VplCounters, VplManager,
+};
+pub use path_lines::reason_colour;
+pub use view::{PathStyle, VIEWS, VPL_VISIBILITY, VplLook, shows_a_set};
+
+use super::{
+    DebugView, Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses, ViewInputs, World,
+};
+use crate::passes::overlay::Line;
+use crate::passes::tracer::RayTracer;
+use crate::report::{Counters, PassInfo};
+use crate::settings::{Settings, VplSettings};
+use crate::statistics::percentile;
+use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
+use indirect_reprojection::IndirectReprojectionPass;
+use indirect_shading::IndirectShadingPass;
+use indirect_shadows::IndirectShadowsPass;
+use path_lines::PathView;
+use set_buffers::{DrawnSet, SetBuffers};
+use view::{VplViewPass, VplViewSources};
+use vpl_buffer::{UploadedSet, VplBuffer, VplUniforms, rays_of};
+use vpl_light::VplLightPass;
+
+/// What it names.
+pub const METHOD: Method = Method { name: "vpls", passes: PASSES, views: VIEWS, counters: &COUNTERS };
+
+const PASSES: MethodPasses = MethodPasses {
+    cpu: &[
+        PassInfo { name: "vpl_invalidation", colour: [214, 95, 95] },
+        PassInfo { name: "vpl_replacement", colour: [242, 142, 43] },
+    ],
+    device: &[
+        PassInfo { name: "indirect_shadows", colour: [31, 111, 180] },
+        PassInfo { name: "indirect_shading", colour: [98, 182, 222] },
+        PassInfo { name: "indirect_reprojection", colour: [148, 103, 189] },
+    ],
+};
+
+const COUNTERS: [&str; 13] = [
+    "vpls.slots",
+    "vpls.valid",
+    "vpls.escaped",
+    "vpls.stale",
+    "vpls.invalidated",
+    "vpls.shot",
+    InvalidationReason::LightTurnedAway.counter(),
+    InvalidationReason::FacesAway.counter(),
+    InvalidationReason::Occluded.counter(),
+    InvalidationReason::ParentInvalid.counter(),
+    InvalidationReason::LightChanged.counter(),
+    InvalidationReason::NoSlot.counter(),
+    SHADOW_RAYS,
+];
+/// Occlusion rays from pixels to VPLs.
+const SHADOW_RAYS: &str = "shadow_rays";
+
+/// The estimator.
+pub struct Vpls {
+    manager: VplManager,
+    settings: Settings,
+    /// A typical distance between surfaces that light each other, world units.
+    transport: f32,
+    scene_radius: f32,
+    instances: usize,
+    /// Frames so far.
+    frame_count: u64,
+    /// What the frame is to draw.
+    turn: Turn,
+    passes: Passes,
+    /// The VPLs of the frame's set on the device; none before the first frame.
+    uploaded: Option<UploadedSet>,
+    look: VplLook,
+    views: ViewPasses,
+    tracer: RayTracer,
+    device: Arc<Device>,
+}
+
+/// The device's half.
+struct Passes {
+    vpls: VplBuffer,
+    indirect_shadows: IndirectShadowsPass,
+    indirect_shading: IndirectShadingPass,
+    indirect_reprojection: IndirectReprojectionPass,
+    /// What the sets have drawn.
+    sets: SetBuffers,
+    /// What they drew before they became others: shown until all of the new ones have been drawn.
+    settled: Option<SetBuffers>,
+}
+
+/// The set whose turn it is.
+#[derive(Default)]
+struct Turn {
+    set: u32,
+    vpls: SetVpls,
+    flux: CellFlux,
+    /// The VPL to look at, and what its light is multiplied by.
+    single: (Option<GpuVpl>, f32),
+}
+
+/// The passes of a view, made when they are first needed.
+#[derive(Default)]
+struct ViewPasses {
+    vpl_view: Option<VplViewPass>,
+    vpl_light: Option<VplLightPass>,
+}
+
+impl Vpls {
+    /// Shoots all VPLs for the world as it stands, and makes the passes.
+    ///
+    /// # Errors
+    /// Where the device cannot do with the settings.
+    pub fn new(context: &EstimatorContext<'_>) -> Result<Self, VulkanError> {
+        let instances = context.world.scene.instances.len();
+        Ok(Self {
+            manager: VplManager::new(context.world, context.settings),
+            settings: context.settings.clone(),
+            transport: transport_length(context.world).unwrap_or(context.scene_radius),
+            scene_radius: context.scene_radius,
+            instances,
+            frame_count: 0,
+            turn: Turn::default(),
+            passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
+            uploaded: None,
+            look: VplLook::default(),
+            views: ViewPasses::default(),
+            tracer: context.tracer,
+            device: Arc::clone(context.device),
+        })
+    }
+
+    /// The CPU's half.
+    pub fn manager(&self) -> &VplManager {
+        &self.manager
+    }
+
+    /// Bound c of the geometry term, 1/m^2; 0: none.
+    fn geometry_bound(&self) -> f32 {
+        geometry_bound(&self.settings.vpl, self.transport)
+    }
+
+    /// The irradiance of all VPLs, spread over surfaces a typical distance apart. Scaled by the power of two that brings it
+    /// near 1, half floats neither overflow nor lose digits, whatever the scene's units.
+    fn irradiance_scale(&self) -> f32 {
+        let flux: f32 = self.turn.flux.sets.iter().sum();
+        power_of_two_near(flux / (6.0 * self.transport * self.transport)).recip()
+    }
+}
+
+impl Passes {
+    fn new(
+        device: &Arc<Device>,
+        tracer: RayTracer,
+        settings: &Settings,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        let Settings { size, ref vpl, .. } = *settings;
+        Ok(Self {
+            vpls: VplBuffer::new(device, vpl)?,
+            indirect_shadows: IndirectShadowsPass::new(device, tracer, size, vpl.interleave)?,
+            indirect_shading: IndirectShadingPass::new(device, tracer, vpl)?,
+            indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
+            sets: SetBuffers::new(device, size, vpl, instances)?,
+            settled: None,
+        })
+    }
+}
+
+impl Estimator for Vpls {
+    fn method(&self) -> Method {
+        METHOD
+    }
+
+    fn update(&mut self, world: World<'_>) -> Vec<f64> {
+        let begun = Instant::now();
+        self.manager.invalidate(world);
+        let invalidated = Instant::now();
+        self.manager.replace(world);
+        let set = (self.frame_count % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        self.turn = Turn {
+            set,
+            vpls: self.manager.set_vpls(world, set),
+            flux: self.manager.flux_by_cell(),
+            single: (
+                self.look.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
+                self.manager.counters().valid as f32,
+            ),
+        };
+        self.frame_count += 1;
+        let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+        vec![ms(begun, invalidated), ms(invalidated, Instant::now())]
+    }
+
+    fn counters(&self) -> Counters {
+        self.manager.counters().named()
+    }
+
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
+        let irradiance_scale = self.irradiance_scale();
+        let Turn { set, vpls, flux, .. } = &self.turn;
+        let sets = &self.passes.sets;
+        let uniforms = VplUniforms {
+            geometry_bound: self.geometry_bound(),
+            irradiance_scale,
+            depth_scale: power_of_two_near(self.scene_radius).recip(),
+            position_cutoff: self.settings.vpl.position_cutoff,
+            layer: *set,
+            representative: sets.representative(*set),
+            ..VplUniforms::default()
+        };
+        let uploaded = self.passes.vpls.upload(frame, *set, vpls, &flux.classes, &uniforms)?;
+        let class_irradiance = self.passes.indirect_shadows.record(frame, inputs, &uploaded)?;
+        self.passes.indirect_shading.record(frame, inputs, &uploaded, class_irradiance, sets)?;
+
+        let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux.sets[*set as usize] };
+        self.passes.sets.note(frame, inputs.pose, &drawn)?;
+        if self.passes.sets.is_complete() && self.passes.settled.is_some() {
+            // Frames on their way still read the old ones.
+            self.device.wait_idle()?;
+            self.passes.settled = None;
+        }
+        let shown = self.passes.settled.as_ref().unwrap_or(&self.passes.sets);
+        let push = shown.push(self.settings.vpl.missing_sets, &flux.sets);
+        self.passes.indirect_reprojection.record(frame, inputs, &uploaded, (shown, &push))?;
+        self.uploaded = Some(uploaded);
+        Ok(())
+    }
+
+    fn irradiance(&self) -> &Image {
+        self.passes.indirect_reprojection.output()
+    }
+
+    fn device_counters(&self) -> Option<&Buffer> {
+        Some(self.passes.vpls.ray_counters())
+    }
+
+    fn add_device_counters(&self, counters: &mut Counters, read_back: &[u8]) {
+        counters.insert(SHADOW_RAYS, rays_of(read_back));
+    }
+
+    fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
+        self.change_settings(context)
+    }
+
+    fn look_at(&mut self, view: &DebugView) -> Result<(), VulkanError> {
+        let draws_view = VIEWS.iter().any(|known| known.name == view.buffer);
+        if draws_view && self.views.vpl_view.is_none() {
+            self.views.vpl_view = Some(VplViewPass::new(&self.device)?);
+        }
+        if view.vpl.single_vpl.is_some() && self.views.vpl_light.is_none() {
+            let size = self.settings.size;
+            self.views.vpl_light = Some(VplLightPass::new(&self.device, self.tracer, size)?);
+        }
+        self.look = view.vpl;
+        Ok(())
+    }
+
+    fn shown_irradiance(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+    ) -> Result<Option<&Image>, VulkanError> {
+        let (Some(pass), Some(set)) = (&self.views.vpl_light, &self.uploaded) else { return Ok(None) };
+        if self.look.single_vpl.is_none() {
+            return Ok(None);
+        }
+        pass.record(frame, inputs, set, self.turn.single)?;
+        Ok(Some(pass.output()))
+    }
+
+    fn draw_view(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &ViewInputs<'_>,
+        view: &str,
+    ) -> Result<(), VulkanError> {
+        let (Some(pass), Some(vpls)) = (&self.views.vpl_view, &self.uploaded) else { return Ok(()) };
+        let single = self.shown_irradiance(frame, inputs.estimator)?;
+        let sources = VplViewSources {
+            vpls,
+            class_irradiance: self.passes.indirect_shadows.output(),
+            irradiance: single.unwrap_or(self.irradiance()),
+            drawn: (&self.passes.sets, self.turn.set),
+            shown: (self.passes.settled.as_ref().unwrap_or(&self.passes.sets), self.look.set),
+            classes: self.settings.vpl.interleave.pow(2),
+        };
+        pass.record(frame, inputs, &sources, view)
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let VplLook { vpl_paths, single_vpl, .. } = self.look;
+        let height = self.settings.size[1];
+        let lines = |style| PathView { style, single: single_vpl, height }.lines(&self.manager);
+        vpl_paths.map(lines).unwrap_or_default()
+    }
+}
+
+/// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
+fn geometry_bound(settings: &VplSettings, length: f32) -> f32 {
+    settings.clamp / length.powi(2)
+}
+
+/// Powers of two scale without rounding. 1 for what is no positive number.
+fn power_of_two_near(value: f32) -> f32 {
+    if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
+}
+
+/// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
+/// large ground plane does not change. None where no VPL has a parent.
+fn transport_length(world: World<'_>) -> Option<f32> {
+    let pose = world.scene.pose(0.0);
+    let mut bvh = world.bvh.clone();
+    bvh.update(&pose.instances);
+    let vpl = VplSettings { slots: 1024, temporal_sets: 1, ..VplSettings::default() };
+    let settings = Settings { bounces: 2, vpl, ..Settings::default() };
+    let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
+    let slots: Vec<SlotView> = manager.slots().collect();
+    let lengths = slots
+        .iter()
+        .filter(|slot| slot.state == SlotState::Valid)
+        .filter_map(|slot| Some(slot.position.distance(slots[slot.parent? as usize].position)));
+    percentile(lengths, 0.5)
+}

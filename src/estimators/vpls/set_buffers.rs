@@ -1,0 +1,229 @@
+//! What the temporal sets have drawn: a buffer for each, and the camera, the light and the transforms of the
+//! frame that drew it. Written by `indirect_shading`, read by `indirect_reprojection`.
+//!
+//! Where the filter's window spans several pixels, set buffers have half the resolution in each direction. A texel then stands
+//! for one pixel of four, and sets differ in which, so that together they have seen every pixel.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+
+use crate::bvh::gpu::rows;
+use crate::passes::{storage_image_array, to_u32};
+use crate::scene::{Camera, Pose};
+use crate::settings::{MissingSets, VplSettings};
+use crate::vulkan::{Buffer, Device, Frame, Image, Pass, VulkanError, vk};
+
+/// A camera, as what its pixels see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SetView {
+    eye: Vec3,
+    /// [`Camera::pixel_rays`].
+    rays: [Vec3; 3],
+}
+
+impl SetView {
+    fn new(camera: &Camera, size: [u32; 2]) -> Self {
+        Self { eye: camera.eye, rays: camera.pixel_rays(size[0] as f32 / size[1] as f32) }
+    }
+
+    /// Rows of the matrix from an instance's object space to the camera's: x to the right, y down, z along the view, world
+    /// units.
+    fn rows(&self, object_to_world: &Affine3A) -> [Vec4; 3] {
+        let [z, x, y] = self.rays.map(|ray| Vec3A::from(ray.normalize()));
+        let turned = Mat3A::from_cols(x, y, z).transpose();
+        rows(&Affine3A {
+            matrix3: turned * object_to_world.matrix3,
+            translation: turned * (object_to_world.translation - Vec3A::from(self.eye)),
+        })
+    }
+}
+
+/// What is known of a set that was drawn, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct SetParameters {
+    /// Irradiance over what its buffer holds.
+    scale: f32,
+    /// Luminous flux.
+    flux: f32,
+    /// Tangent of half the vertical field of view of the camera that drew it.
+    tan_y: f32,
+    /// Bits 0 and 1: offset of the representative.
+    offset: u32,
+}
+
+/// What looking a surface up in the sets takes; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SetPush {
+    /// Of the pictures that the sets drew, pixels.
+    pub size: [u32; 2],
+    /// Pixels from one texel to the next.
+    pub set_step: u32,
+    /// Instances of the scene.
+    pub instance_count: u32,
+    /// Sets in all.
+    pub set_count: u32,
+    /// The set that a view shows.
+    pub shown_set: u32,
+    /// 1: sets that saw the surface make up for those that did not.
+    pub scale_missing: u32,
+    /// Luminous flux of all sets.
+    pub total_flux: f32,
+    /// Number of the view.
+    pub view: u32,
+    /// For a view: what the irradiance of one class and set stands for.
+    pub unfiltered: f32,
+}
+
+/// The set that a frame draws.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnSet {
+    /// Its index, and the layer that it goes to.
+    pub set: u32,
+    /// What its buffer's irradiance is multiplied by.
+    pub irradiance_scale: f32,
+    /// Its luminous flux.
+    pub flux: f32,
+}
+
+/// The set buffers with all that it takes to bring them into another view.
+pub struct SetBuffers {
+    /// A layer a set. rgb: scaled irradiance; a: scaled view depth.
+    buffers: Image,
+    /// Of the picture, pixels.
+    size: [u32; 2],
+    /// Pixels from one texel to the next: 1 or 2.
+    step: u32,
+    /// For each set its [`SetParameters`], zero before it was first drawn, and where its camera saw all instances:
+    /// [`SetView::rows`].
+    views: Buffer,
+    /// Luminous flux of each set, none before it was first drawn.
+    flux: Vec<Option<f32>>,
+    instances: usize,
+}
+
+/// Pixels from one texel of the set buffers to the next. A window of one pixel would lose what lies between, and a single set
+/// has no one to share the pixels with.
+pub fn set_step(settings: &VplSettings) -> u32 {
+    if settings.temporal_sets > 1 && settings.interleave > 1 { 2 } else { 1 }
+}
+
+impl SetBuffers {
+    /// Makes set buffers for pictures of `size` pixels, none of them drawn yet.
+    pub fn new(
+        device: &Arc<Device>,
+        size: [u32; 2],
+        settings: &VplSettings,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        let (sets, step) = (settings.temporal_sets, set_step(settings));
+        let format = vk::Format::R16G16B16A16_SFLOAT;
+        let texels = sets as usize * (1 + 3 * instances);
+        Ok(Self {
+            buffers: storage_image_array(
+                device,
+                "set_buffers",
+                format,
+                size.map(|side| side.div_ceil(step)),
+                sets,
+            )?,
+            size,
+            step,
+            views: Buffer::with_data(device, "set_views", &vec![Vec4::ZERO; texels])?.with_texels()?,
+            flux: vec![None; sets as usize],
+            instances,
+        })
+    }
+
+    /// The set buffers.
+    pub fn buffers(&self) -> &Image {
+        &self.buffers
+    }
+
+    /// Pixels from one texel to the next.
+    pub fn step(&self) -> u32 {
+        self.step
+    }
+
+    /// How many sets there are.
+    pub fn count(&self) -> u32 {
+        to_u32(self.flux.len())
+    }
+
+    /// Whether every set has been drawn.
+    pub fn is_complete(&self) -> bool {
+        self.flux.iter().all(Option::is_some)
+    }
+
+    /// The pixel that the texels of a set stand for, counted from the first of theirs.
+    pub fn representative(&self, set: u32) -> [u32; 2] {
+        const OFFSETS: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
+        if self.step == 1 { [0, 0] } else { OFFSETS[set as usize % 4] }
+    }
+
+    /// Notes that this frame draws a set with everything standing as in `pose`.
+    pub fn note(&mut self, frame: &mut Frame<'_>, pose: &Pose, drawn: &DrawnSet) -> Result<(), VulkanError> {
+        let view = SetView::new(&pose.camera, self.size);
+        let [x, y] = self.representative(drawn.set);
+        let parameters = SetParameters {
+            scale: 1.0 / drawn.irradiance_scale,
+            flux: drawn.flux,
+            tan_y: view.rays[2].length(),
+            offset: x | y << 1,
+        };
+        self.flux[drawn.set as usize] = Some(drawn.flux);
+        let rows = pose.instances.iter().flat_map(|instance| view.rows(instance));
+        let texels: Vec<Vec4> = std::iter::once(bytemuck::cast(parameters)).chain(rows).collect();
+        let upload = frame.upload(&texels)?;
+        frame.copy(&upload, &self.views, drawn.set as u64 * size_of_val(texels.as_slice()) as u64);
+        Ok(())
+    }
+
+    /// What looking surfaces up takes. `set_flux`: luminous flux of each set now, for those that were not drawn yet.
+    pub fn push(&self, missing_sets: MissingSets, set_flux: &[f32]) -> SetPush {
+        let flux = |(set, drawn): (usize, &Option<f32>)| {
+            drawn.unwrap_or_else(|| set_flux.get(set).copied().unwrap_or(0.0))
+        };
+        SetPush {
+            size: self.size,
+            set_step: self.step,
+            instance_count: to_u32(self.instances),
+            set_count: self.count(),
+            scale_missing: u32::from(missing_sets == MissingSets::Scale),
+            total_flux: self.flux.iter().enumerate().map(flux).sum(),
+            ..SetPush::default()
+        }
+    }
+
+    /// Binds what shaders/estimators/vpls/set_buffers.glsl names.
+    pub fn bind<'f>(&'f self, pass: Pass<'f>, instances: &'f Buffer) -> Pass<'f> {
+        pass.read("set_buffers", &self.buffers).read("set_views", &self.views).read("instances", instances)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::structs::tests::same_layout;
+    use crate::vulkan::shaders;
+
+    #[test]
+    fn structs_have_the_layout_of_the_shaders() {
+        same_layout!(
+            shaders::INDIRECT_REPROJECTION_COMP,
+            SetPush,
+            size,
+            set_step,
+            instance_count,
+            set_count,
+            shown_set,
+            scale_missing,
+            total_flux,
+            view,
+            unfiltered
+        );
+    }
+}

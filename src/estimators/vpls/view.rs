@@ -1,0 +1,158 @@
+//! Ways to look into the method: its images, single VPLs, paths.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::set_buffers::{SetBuffers, SetPush};
+use super::vpl_buffer::UploadedSet;
+use crate::estimators::ViewInputs;
+use crate::passes::buffer_view::View;
+use crate::settings::MissingSets;
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders};
+
+/// The set buffer of the frame.
+const FILTERED: &str = "filtered";
+/// Needs a single VPL.
+pub const VPL_VISIBILITY: &str = "vpl-visibility";
+
+/// The views of the method. A view's place in the list is its number in shaders/estimators/vpls/vpl_view.comp.
+pub const VIEWS: &[View] = &[
+    View {
+        name: "unfiltered",
+        label: "This set, before the filter",
+        about: "What this frame gathered before the filter: each pixel has the VPLs of its own class only",
+    },
+    View {
+        name: FILTERED,
+        label: "This set, after the filter",
+        about: "The set buffer of this frame: what it gathered, after the filter",
+    },
+    View {
+        name: "set-buffer",
+        label: "Set buffer as drawn",
+        about: "The buffer of a set as it was drawn, by the camera of that time",
+    },
+    View {
+        name: "set-reprojected",
+        label: "Set buffer reprojected",
+        about: "The buffer of a set brought into the current view; magenta where it has not seen the surface",
+    },
+    View {
+        name: "set-count",
+        label: "Valid sets per pixel",
+        about: "How many of the sets have seen each pixel's surface: from black (none) over blue and green to yellow (all)",
+    },
+    View {
+        name: VPL_VISIBILITY,
+        label: "Visibility of a VPL",
+        about: "Which pixels the single VPL sees: white",
+    },
+];
+
+/// What the colours of light paths mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum PathStyle {
+    /// The VPL's bounce.
+    #[default]
+    Bounce,
+    /// Its flux.
+    Flux,
+    /// How many frames ago it was shot.
+    Age,
+    /// Its temporal set.
+    Set,
+}
+
+impl PathStyle {
+    /// All styles, in the order in which they are offered.
+    pub const ALL: [Self; 4] = [Self::Bounce, Self::Flux, Self::Age, Self::Set];
+
+    /// A short name for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Bounce => "Bounce",
+            Self::Flux => "Flux",
+            Self::Age => "Age",
+            Self::Set => "Temporal set",
+        }
+    }
+}
+
+/// What to look at of the method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct VplLook {
+    /// Which temporal set the views `set-buffer` and `set-reprojected` show.
+    pub set: u32,
+    /// Draw VPLs as points and their paths as lines.
+    pub vpl_paths: Option<PathStyle>,
+    /// Show the light and the path of the VPL in this slot alone, as bright as if all VPLs were like it.
+    pub single_vpl: Option<u32>,
+}
+
+/// Whether a view shows one of the sets.
+pub fn shows_a_set(view: &str) -> bool {
+    view == "set-buffer" || view == "set-reprojected"
+}
+
+/// Draws [`VIEWS`].
+pub struct VplViewPass {
+    pipeline: ComputePipeline,
+}
+
+/// What the pass reads besides [`ViewInputs`].
+pub struct VplViewSources<'a> {
+    /// The VPLs of the frame's set.
+    pub vpls: &'a UploadedSet,
+    /// Irradiance before the filter.
+    pub class_irradiance: &'a Image,
+    /// Irradiance, or that of a single VPL.
+    pub irradiance: &'a Image,
+    /// The sets that this frame adds to, and the one that it drew.
+    pub drawn: (&'a SetBuffers, u32),
+    /// The sets that the picture is made of, and the one to show.
+    pub shown: (&'a SetBuffers, u32),
+    /// Classes.
+    pub classes: u32,
+}
+
+impl VplViewPass {
+    /// Makes the pipeline.
+    pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: ComputePipeline::new(device, "vpl_view", shaders::VPL_VIEW_COMP)? })
+    }
+
+    /// Writes one of [`VIEWS`] over the picture.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &ViewInputs<'_>,
+        sources: &VplViewSources<'_>,
+        view: &str,
+    ) -> Result<(), VulkanError> {
+        let (sets, set) = if view == FILTERED { sources.drawn } else { sources.shown };
+        let Some(view) = VIEWS.iter().position(|known| known.name == view) else { return Ok(()) };
+        let push = SetPush {
+            shown_set: set.min(sets.count() - 1),
+            view: view as u32,
+            unfiltered: (sets.count() * sources.classes) as f32,
+            ..sets.push(MissingSets::Dark, &[])
+        };
+        let gbuffer = inputs.estimator.gbuffer;
+        let pass = frame
+            .pass("vpl_view", &self.pipeline)
+            .read("frame_uniforms", inputs.estimator.frame)
+            .read("gbuffer_depth", &gbuffer.depth)
+            .read("gbuffer_normal", &gbuffer.normal)
+            .read("gbuffer_instance", &gbuffer.instance)
+            .read("class_irradiance", sources.class_irradiance)
+            .read("irradiance", sources.irradiance)
+            .read("exposure", inputs.exposure)
+            .write("display", inputs.display)
+            .push(&push);
+        let pass = sets.bind(sources.vpls.bind(pass), &inputs.estimator.instances.data);
+        pass.dispatch_over(inputs.display.extent())
+    }
+}

@@ -1,0 +1,59 @@
+//! `vpl_light`: what one VPL alone sends to every pixel, for looking at VPLs one by one.
+
+use std::sync::Arc;
+
+use super::manager::GpuVpl;
+use super::vpl_buffer::UploadedSet;
+use crate::estimators::EstimatorInputs;
+use crate::passes::storage_image;
+use crate::passes::tracer::RayTracer;
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
+
+/// The pass.
+pub struct VplLightPass {
+    pipeline: Arc<ComputePipeline>,
+    light: Image,
+}
+
+impl VplLightPass {
+    /// Makes the pipeline and its image, of `extent` texels.
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = ComputePipeline::new(device, "vpl_light", tracer.of(shaders::VPL_LIGHT_COMP))?;
+        Ok(Self { pipeline: Arc::new(pipeline), light: light(device, extent)? })
+    }
+
+    /// The same pass for pictures of `extent` texels.
+    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: Arc::clone(&self.pipeline), light: light(device, extent)? })
+    }
+
+    /// Irradiance, weighted; a: 1 where the VPL sees the pixel.
+    pub fn output(&self) -> &Image {
+        &self.light
+    }
+
+    /// Casts a ray a pixel to a VPL whose irradiance is multiplied by `weight`; none: there is no light.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+        set: &UploadedSet,
+        (vpl, weight): (Option<GpuVpl>, f32),
+    ) -> Result<(), VulkanError> {
+        let vpls = frame.upload(&[vpl.unwrap_or_default()])?;
+        let pass = frame
+            .pass("vpl_light", &self.pipeline)
+            .read("frame_uniforms", inputs.frame)
+            .read("gbuffer_depth", &inputs.gbuffer.depth)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("vpl_uniforms", &set.uniforms)
+            .read("vpls", &vpls)
+            .write("vpl_light", &self.light)
+            .push(&if vpl.is_some() { weight } else { 0.0 });
+        inputs.tracer.bind(pass).dispatch_over(self.light.extent())
+    }
+}
+
+fn light(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
+    storage_image(device, "vpl_light", vk::Format::R32G32B32A32_SFLOAT, extent)
+}

@@ -1,0 +1,117 @@
+//! The settings of virtual point lights: `[settings.vpls]`.
+
+use serde::Serialize;
+
+use super::{Range, SettingsError, text};
+
+/// Source of the light paths' random numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sequence {
+    /// An Owen-scrambled Sobol sequence: stratified.
+    #[default]
+    Sobol,
+    /// Independent random numbers, for comparison.
+    Random,
+}
+
+/// How a pixel treats set buffers in which its surface is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum MissingSets {
+    /// Scale the present sets by total flux over present flux: noisier, never darker.
+    #[default]
+    Scale,
+    /// Leave their light out until they are rendered again, as in Tonna 2019, figures 18 and 27.
+    Dark,
+}
+
+/// Settings of `--indirect vpls`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, clap::Args)]
+#[command(next_help_heading = "Virtual point lights (--indirect vpls)")]
+#[group(id = "settings.vpls")]
+pub struct VplSettings {
+    /// VPL slots, 1 to 65,536. More: smoother indirect light; shadow rays grow in proportion.
+    #[arg(id = "vpls", long = "vpls", value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "512")]
+    #[serde(rename = "vpls")]
+    pub slots: u32,
+    /// Interleave n, 1 to 8: each pixel gathers 1/n^2 of the VPLs. More: n^2 fewer rays, softer contact shadows.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "4")]
+    pub interleave: u32,
+    /// Temporal sets T, 1 to 64 and at most the VPLs. More: T times fewer rays a frame, but T frames
+    /// until a change is fully visible.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "16")]
+    pub temporal_sets: u32,
+    /// Most VPLs shot in one frame, at least 1. More: light follows changes faster, at more CPU time.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "64")]
+    pub budget: u32,
+    /// Upper bound of the geometry term 1/d^2, in units of one over the squared median distance from a VPL
+    /// to its parent, so that it suits a scene of any size; 0 switches it off. Lower: fewer
+    /// bright spots in corners, but more energy lost there.
+    #[arg(long, value_name = "BOUND", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "400")]
+    pub clamp: f32,
+    /// Most distance between two positions that reprojection takes for one surface, as a fraction of view depth.
+    /// Lower: holes and aliasing in motion; higher: ghosting.
+    #[arg(long, value_name = "FRACTION", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "0.02")]
+    pub position_cutoff: f32,
+    /// Random numbers of the light paths. Sobol: stratified; random: independent, far noisier, for comparison.
+    /// Either costs the same.
+    #[arg(long, value_enum, default_value = "sobol")]
+    pub sequence: Sequence,
+    /// Treatment of missing set buffers. Scale: noisier for T frames, never darker; dark: less noise,
+    /// but too dark for T frames.
+    #[arg(long, value_enum, default_value = "scale")]
+    pub missing_sets: MissingSets,
+}
+
+impl Default for VplSettings {
+    fn default() -> Self {
+        Self {
+            slots: 512,
+            interleave: 4,
+            temporal_sets: 16,
+            budget: 64,
+            clamp: 400.0,
+            position_cutoff: 0.02,
+            sequence: Sequence::Sobol,
+            missing_sets: MissingSets::Scale,
+        }
+    }
+}
+
+impl VplSettings {
+    /// Checks combinations of settings.
+    pub(super) fn check(&self) -> Result<(), SettingsError> {
+        if self.temporal_sets <= self.slots {
+            return Ok(());
+        }
+        Err(SettingsError::MoreSetsThanVpls {
+            temporal_sets: self.temporal_sets,
+            vpls: self.slots,
+            from_command_line: false,
+        })
+    }
+
+    /// The ranges of the settings.
+    pub(super) fn ranges(&self) -> [Range; 6] {
+        let at_least_0 = |value: f32| value.is_finite() && value >= 0.0;
+        [
+            Range::new("vpls", self.slots, (1..=65_536).contains(&self.slots), "1 to 65536"),
+            Range::new("interleave", self.interleave, (1..=8).contains(&self.interleave), "1 to 8"),
+            Range::new(
+                "temporal_sets",
+                self.temporal_sets,
+                (1..=64).contains(&self.temporal_sets),
+                "1 to 64, and at most --vpls",
+            ),
+            Range::new("budget", self.budget, self.budget >= 1, "at least 1"),
+            Range::new("clamp", self.clamp, at_least_0(self.clamp), "a finite number of at least 0"),
+            Range::new(
+                "position_cutoff",
+                self.position_cutoff,
+                at_least_0(self.position_cutoff) && self.position_cutoff > 0.0,
+                "a finite number above 0",
+            ),
+        ]
+    }
+}

@@ -1,0 +1,52 @@
+//! Screenshots of the window.
+
+use std::path::PathBuf;
+
+/// Width of the panel, points; pixels here.
+pub const PANEL: u32 = 250;
+
+/// A picture of the window: width, height, RGB.
+#[derive(Clone, PartialEq)]
+pub struct Screen {
+    pub width: u32,
+    pub height: u32,
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Screen {
+    /// Left of the panel.
+    pub fn picture(&self) -> Screen {
+        let width = self.width - PANEL;
+        let rows = self.pixels.chunks_exact(self.width as usize);
+        let pixels = rows.flat_map(|row| row[..width as usize].iter().copied()).collect();
+        Screen { width, height: self.height, pixels }
+    }
+
+    /// Mean absolute difference of channels, 0 to 255.
+    pub fn difference(&self, other: &Screen) -> f64 {
+        assert_eq!((self.width, self.height), (other.width, other.height));
+        let channels = |screen: &Screen| screen.pixels.iter().flatten().copied().collect::<Vec<u8>>();
+        let (a, b) = (channels(self), channels(other));
+        a.iter().zip(&b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64
+    }
+
+    /// Mean of each channel, 0 to 255.
+    pub fn mean(&self) -> [f64; 3] {
+        let count = self.pixels.len() as f64;
+        [0, 1, 2]
+            .map(|channel| self.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
+    }
+
+    /// Number of distinct colours.
+    pub fn colours(&self) -> usize {
+        self.pixels.iter().collect::<std::collections::HashSet<_>>().len()
+    }
+
+    /// Saves the picture for inspection in the folder `GLOWWORM_PICTURES`, if set.
+    pub fn keep(&self, name: &str) {
+        let Some(folder) = std::env::var_os("GLOWWORM_PICTURES") else { return };
+        let bytes: Vec<u8> = self.pixels.iter().flatten().copied().collect();
+        let path = PathBuf::from(folder).join(format!("{name}.png"));
+        image::save_buffer(path, &bytes, self.width, self.height, image::ColorType::Rgb8).unwrap();
+    }
+}

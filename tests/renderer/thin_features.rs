@@ -1,0 +1,44 @@
+//! Features as thin as pixels get their share of the indirect light.
+
+use glowworm::settings::{Settings, VplSettings};
+
+use super::rooms::thin_features;
+use super::support::{Lab, indirect, luminance};
+
+const SIZE: [u32; 2] = [320, 180];
+
+/// The share of pixels that have less than a quarter of their light at the default settings. What their light is, every pixel
+/// gathers from all VPLs of `truth`.
+fn dark_share(truth: Settings) -> Option<f32> {
+    let lab = Lab::open()?;
+    let scene = thin_features();
+    let settings = Settings { size: SIZE, ..Settings::default() };
+    let ours = indirect(&lab.rendered(&scene, &settings, settings.vpl.temporal_sets));
+    let truth = Settings { size: SIZE, vpl: VplSettings { interleave: 1, ..truth.vpl }, ..truth };
+    let truth = indirect(&lab.rendered(&scene, &truth, truth.vpl.temporal_sets));
+    let pairs: Vec<(f32, f32)> =
+        ours.iter().zip(&truth).map(|(ours, truth)| (luminance(ours), luminance(truth))).collect();
+    let lit = pairs.iter().filter(|(_, truth)| *truth > 0.0).count();
+    assert!(lit > 50_000, "only {lit} pixels are lit");
+    let dark = pairs.iter().filter(|(ours, truth)| *ours < 0.25 * truth).count();
+    let share = dark as f32 / lit as f32;
+    eprintln!("{share:.5} of the pixels have less than a quarter of their light");
+    Some(share)
+}
+
+#[test]
+fn thin_features_do_not_go_black() {
+    let vpl = VplSettings { slots: 2048, temporal_sets: 2, ..VplSettings::default() };
+    let many = Settings { seed: 77, vpl, ..Settings::default() };
+    let Some(share) = dark_share(many) else { return };
+    assert!(share < 0.003, "{share} of the pixels have less than a quarter of their light");
+}
+
+#[test]
+fn interleaving_leaves_no_pixel_in_the_dark() {
+    // The same VPLs, so that all differences are interleaving's.
+    let vpl = VplSettings { temporal_sets: 1, ..VplSettings::default() };
+    let same = Settings { vpl, ..Settings::default() };
+    let Some(share) = dark_share(same) else { return };
+    assert!(share < 0.0005, "{share} of the pixels have less than a quarter of what their VPLs send");
+}

@@ -1,0 +1,40 @@
+//! Rooms in which a few VPLs are far brighter than all others: what the many dim ones bring must not be lost.
+
+use std::sync::Arc;
+
+use glowworm::scene::Scene;
+use glowworm::settings::{Settings, VplSettings};
+
+use super::reference::reference;
+use super::rooms::{niche, uplighter};
+use super::support::{Lab, indirect, layer, luminance, mean};
+
+const SIZE: [u32; 2] = [80, 60];
+/// Seeds over which pictures are averaged.
+const SEEDS: u32 = 8;
+
+/// The mean over all pixels and seeds is that of the path tracer.
+fn check(scene: &Arc<Scene>) {
+    let Some(lab) = Lab::open() else { return };
+    let mut drawn = vec![0.0; (SIZE[0] * SIZE[1]) as usize];
+    for seed in 0..SEEDS {
+        let vpl = VplSettings { slots: 2048, clamp: 0.0, ..VplSettings::default() };
+        let settings = Settings { size: SIZE, seed, vpl, ..Settings::default() };
+        let picture = indirect(&lab.rendered(scene, &settings, vpl.temporal_sets));
+        drawn.iter_mut().zip(&picture).for_each(|(sum, pixel)| *sum += luminance(pixel) / SEEDS as f32);
+    }
+    let truth = layer(&reference(scene, SIZE, 2, 256), "indirect");
+    let truth: Vec<f32> = truth.iter().map(luminance).collect();
+    let ratio = mean(drawn) / mean(truth);
+    assert!((ratio - 1.0).abs() <= 0.03, "the mean is {ratio} of the reference's");
+}
+
+#[test]
+fn a_room_with_an_uplighter() {
+    check(&uplighter());
+}
+
+#[test]
+fn a_room_with_a_bright_niche() {
+    check(&niche());
+}
