@@ -97,7 +97,11 @@ fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
         assert_fails(&run.render("cornell-box", &["--out", out]), code, &[says]);
     }
     fs::create_dir(run.path("folder.png")).unwrap();
-    assert_fails(&run.render("cornell-box", &["--out", "folder.png"]), 1, &["folder.png: exists and is not a regular file"]);
+    assert_fails(
+        &run.render("cornell-box", &["--out", "folder.png"]),
+        1,
+        &["folder.png: exists and is not a regular file"],
+    );
     assert_fails(&run.render("cornell-box", &["--layers"]), 2, &["a.png: --layers needs an .exr"]);
     assert_fails(&run.render("cornell-box", &["--json", "missing/a.json"]), 1, &["missing/a.json"]);
     assert_eq!(run.files(), ["file", "folder.png"]);

@@ -248,9 +248,17 @@ fn outputs_are_found_writable_first_and_never_lie_over_inputs() {
         (&["a.png", "b.png", "--json", "b.png"], 2, "--json b.png: would overwrite a file of REFERENCE"),
         (&["f{frame}.png", "b.png", "--heatmap", "f{frame:01}.png"], 2, "--heatmap f0.png: would overwrite"),
         (&["f{frame}.png", "b.png", "--plot", "f0.png"], 2, "would overwrite a file of IMAGE"),
-        (&["a.png", "b.png", "--json", "h.png", "--heatmap", "h.png"], 2, "would overwrite a file of --heatmap"),
+        (
+            &["a.png", "b.png", "--json", "h.png", "--heatmap", "h.png"],
+            2,
+            "would overwrite a file of --heatmap",
+        ),
         (&["f{frame}.png", "b.png", "--json", "./x.svg", "--plot", "x.svg"], 2, "--plot and --json"),
-        (&["f{frame}.png", "b.png", "--frames", "0-0", "--json", "f1.png"], 2, "would overwrite a file of IMAGE"),
+        (
+            &["f{frame}.png", "b.png", "--frames", "0-0", "--json", "f1.png"],
+            2,
+            "would overwrite a file of IMAGE",
+        ),
     ] {
         assert_fails(&run.glowworm(&[&["compare"], arguments].concat()), code, &[says]);
     }
