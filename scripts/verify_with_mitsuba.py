@@ -214,4 +214,5 @@ def main():
     sys.exit(1 if any(r["passed"] is False for r in rows) else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()

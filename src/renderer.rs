@@ -251,7 +251,15 @@ impl Renderer {
         )?;
 
         // Estimate their indirect light, and join both.
-        let inputs = EstimatorInputs { frame: frame_uniforms, gbuffer, instances, tracer, pose };
+        let inputs = EstimatorInputs {
+            frame: frame_uniforms,
+            gbuffer,
+            instances,
+            lights: uploaded_lights,
+            materials: &buffers.materials,
+            tracer,
+            pose,
+        };
         self.estimator.record(&mut frame, &inputs)?;
         let irradiance = self.estimator.irradiance();
         let display = self.passes.combine.record(

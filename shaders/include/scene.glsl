@@ -15,6 +15,7 @@ struct MaterialData {
     vec4 albedo;   // rgb: Kd
     vec4 specular; // rgb: Ks; w: Ns
     vec4 emission; // rgb: Ke, front side
+    vec4 mean_albedo; // rgb: Kd times the mean of its texture
     uint mask;     // index of the alpha mask plus one, 0: none
     uint pad0;
     uint pad1;

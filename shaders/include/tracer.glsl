@@ -36,6 +36,8 @@ struct TracerHit {
     // Index into the mesh's triangles.
     uint triangle;
     uint material;
+    // Index into bvh_triangles.
+    uint place;
     // Weights of the triangle's second and third corner.
     vec2 barycentrics;
 };

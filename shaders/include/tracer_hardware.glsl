@@ -16,7 +16,7 @@ uint tracer_triangle(int mesh, int run, int primitive) {
 }
 
 bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
-    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
+    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, 0u, vec2(0.0));
     uint flags = any_hit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT;
     rayQueryEXT query;
     rayQueryInitializeEXT(query, bvh_top_level, flags, 0xffu, origin, t_min, direction, t_max);
@@ -42,6 +42,7 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
     hit.instance = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, true));
     hit.triangle = texelFetch(bvh_triangles, int(triangle * 3u)).w;
     hit.material = texelFetch(bvh_triangles, int(triangle * 3u + 2u)).w;
+    hit.place = triangle;
     hit.barycentrics = rayQueryGetIntersectionBarycentricsEXT(query, true);
     return true;
 }

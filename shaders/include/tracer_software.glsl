@@ -137,7 +137,7 @@ bool tracer_test_triangle(
     bool lower = hit.instance != TRACER_NONE
         && (instance < hit.instance || (instance == hit.instance && word_a.w < hit.triangle));
     bool nearer = t < hit.t || (t == hit.t && lower);
-    met = TracerHit(t, instance, word_a.w, word_c.w, barycentrics);
+    met = TracerHit(t, instance, word_a.w, word_c.w, triangle, barycentrics);
     masked = word_b.w;
     return inside && t > t_min && nearer;
 }
@@ -163,7 +163,7 @@ TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 enter
 // loops ask at their end whether to go on: drivers for CPUs spend time on both sides of every branch, and on the whole of a
 // turn in which every thread leaves the loop at its beginning.
 bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
-    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, vec2(0.0));
+    hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, 0u, vec2(0.0));
     uvec2 stack[TRACER_STACK_SIZE];
     int height = 0;
     // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children),

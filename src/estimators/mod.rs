@@ -57,6 +57,10 @@ pub struct EstimatorInputs<'a> {
     pub gbuffer: &'a GBuffer,
     /// Instances of this frame.
     pub instances: &'a Instances,
+    /// Point, spot and directional lights: `LightData` in src/passes/structs.rs.
+    pub lights: &'a Upload,
+    /// `MaterialData` of all materials.
+    pub materials: &'a Buffer,
     /// What casts rays.
     pub tracer: &'a Tracer,
     /// Where everything stands.

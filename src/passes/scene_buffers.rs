@@ -65,7 +65,8 @@ impl SceneBuffers {
         let masks: Vec<u32> = scene.materials.iter().map(mask_plus_one).collect();
         let mut draws = geometry.draws(scene);
         draws.sort_by_key(|draw| (draw.material, draw.instance));
-        let materials: Vec<MaterialData> = scene.materials.iter().map(material_data).collect();
+        let materials: Vec<MaterialData> =
+            scene.materials.iter().map(|material| material_data(scene, material)).collect();
         let mut textures = scene
             .textures
             .iter()
@@ -174,8 +175,10 @@ impl Geometry {
     }
 }
 
-fn material_data(material: &Material) -> MaterialData {
+fn material_data(scene: &Scene, material: &Material) -> MaterialData {
+    let texture = material.albedo_texture.map(|texture| scene.textures[texture].mean());
     MaterialData {
+        mean_albedo: (material.albedo * texture.unwrap_or(Vec3::ONE)).extend(0.0),
         albedo: material.albedo.extend(0.0),
         specular: material.specular.extend(material.shininess),
         emission: material.emission.extend(0.0),

@@ -62,6 +62,8 @@ pub struct MaterialData {
     pub specular: Vec4,
     /// rgb: Ke of the front side, W/m^2/sr.
     pub emission: Vec4,
+    /// rgb: Kd times the mean of its texture.
+    pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
     /// Unused.
@@ -166,7 +168,18 @@ pub(crate) mod tests {
             pad1,
             pad2
         );
-        same_layout!(shaders::GBUFFER_FRAG, MaterialData, albedo, specular, emission, mask, pad0, pad1, pad2);
+        same_layout!(
+            shaders::GBUFFER_FRAG,
+            MaterialData,
+            albedo,
+            specular,
+            emission,
+            mean_albedo,
+            mask,
+            pad0,
+            pad1,
+            pad2
+        );
         same_layout!(
             shaders::DIRECT_SHADING_COMP,
             LightData,

@@ -61,6 +61,12 @@ impl Texture {
         Self::from_rgba8(name, 8, 8, texels.collect())
     }
 
+    /// Mean linear colour.
+    pub fn mean(&self) -> Vec3 {
+        let texel = self.levels.last().map_or(&[][..], |(_, _, texels)| texels);
+        Vec3::from_array(std::array::from_fn(|c| texel.get(c).map_or(0.0, |&value| srgb_to_linear(value))))
+    }
+
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         self.filter(self.footprint(uv))

@@ -203,7 +203,7 @@ fn settings_round_trip_through_json() {
 }
 
 /// A non-default value of each option, in the syntax of the command line.
-const NON_DEFAULTS: [(&str, &str); 15] = [
+const NON_DEFAULTS: [(&str, &str); 17] = [
     ("indirect", "none"),
     ("bounces", "3"),
     ("size", "256x144"),
@@ -212,9 +212,11 @@ const NON_DEFAULTS: [(&str, &str); 15] = [
     ("tracer", "software"),
     ("exposure", "-1.5"),
     ("vpls", "64"),
+    ("pool", "600"),
     ("interleave", "2"),
     ("temporal_sets", "8"),
     ("budget", "5"),
+    ("refresh", "3"),
     ("clamp", "12.5"),
     ("position_cutoff", "0.3"),
     ("sequence", "random"),

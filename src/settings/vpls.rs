@@ -31,10 +31,15 @@ pub enum MissingSets {
 #[command(next_help_heading = "Virtual point lights (--indirect vpls)")]
 #[group(id = "settings.vpls")]
 pub struct VplSettings {
-    /// VPL slots, 1 to 65,536. More: smoother indirect light; shadow rays grow in proportion.
+    /// VPLs whose shadows are traced, 1 to 65,536: n x n pixels of all temporal sets share so many occlusion rays.
+    /// More: smoother indirect light; shadow rays grow in proportion.
     #[arg(id = "vpls", long = "vpls", value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "512")]
     #[serde(rename = "vpls")]
     pub slots: u32,
+    /// VPLs to draw these from, up to 65,536; at least --vpls, of which it is rounded up to a multiple. More: light that is
+    /// nearer to the truth, at no more rays, but more CPU time where a light or an object moves.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "16384")]
+    pub pool: u32,
     /// Interleave n, 1 to 8: each pixel gathers 1/n^2 of the VPLs. More: n^2 fewer rays, softer contact shadows.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "4")]
     pub interleave: u32,
@@ -42,12 +47,16 @@ pub struct VplSettings {
     /// until a change is fully visible.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "16")]
     pub temporal_sets: u32,
-    /// Most VPLs shot in one frame, at least 1. More: light follows changes faster, at more CPU time.
+    /// Most slots shot in one frame, at least 1, each with its share of the pool. More: light follows changes faster, at more CPU time.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "64")]
     pub budget: u32,
+    /// Temporal sets redrawn in a frame beyond the one whose turn it is, while much of the light has changed since they were
+    /// drawn, 0 to 63. More: less noise after a change, at as many times more rays.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "1")]
+    pub refresh: u32,
     /// Upper bound of the geometry term 1/d^2, in units of one over the squared median distance from a VPL
-    /// to its parent, so that it suits a scene of any size; 0 switches it off. Lower: fewer
-    /// bright spots in corners, but more energy lost there.
+    /// to its parent, so that it suits a scene of any size; 0 switches it off. Short rays
+    /// bring back what it takes away. Lower: fewer bright spots in corners, but more noise of these rays.
     #[arg(long, value_name = "BOUND", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "400")]
     pub clamp: f32,
     /// Most distance between two positions that reprojection takes for one surface, as a fraction of view depth.
@@ -68,9 +77,11 @@ impl Default for VplSettings {
     fn default() -> Self {
         Self {
             slots: 512,
+            pool: 16_384,
             interleave: 4,
             temporal_sets: 16,
             budget: 64,
+            refresh: 1,
             clamp: 400.0,
             position_cutoff: 0.02,
             sequence: Sequence::Sobol,
@@ -80,6 +91,16 @@ impl Default for VplSettings {
 }
 
 impl VplSettings {
+    /// VPLs of the pool in each of the slots.
+    pub fn vpls_per_slot(&self) -> u32 {
+        self.pool.div_ceil(self.slots).max(1)
+    }
+
+    /// VPLs of the pool in all slots.
+    pub fn pool_size(&self) -> u32 {
+        self.slots * self.vpls_per_slot()
+    }
+
     /// Checks combinations of settings.
     pub(super) fn check(&self) -> Result<(), SettingsError> {
         if self.temporal_sets <= self.slots {
@@ -93,10 +114,11 @@ impl VplSettings {
     }
 
     /// The ranges of the settings.
-    pub(super) fn ranges(&self) -> [Range; 6] {
+    pub(super) fn ranges(&self) -> [Range; 8] {
         let at_least_0 = |value: f32| value.is_finite() && value >= 0.0;
         [
             Range::new("vpls", self.slots, (1..=65_536).contains(&self.slots), "1 to 65536"),
+            Range::new("pool", self.pool, (1..=65_536).contains(&self.pool), "1 to 65536"),
             Range::new("interleave", self.interleave, (1..=8).contains(&self.interleave), "1 to 8"),
             Range::new(
                 "temporal_sets",
@@ -105,6 +127,7 @@ impl VplSettings {
                 "1 to 64, and at most --vpls",
             ),
             Range::new("budget", self.budget, self.budget >= 1, "at least 1"),
+            Range::new("refresh", self.refresh, self.refresh <= 63, "0 to 63"),
             Range::new("clamp", self.clamp, at_least_0(self.clamp), "a finite number of at least 0"),
             Range::new(
                 "position_cutoff",

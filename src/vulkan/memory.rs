@@ -325,7 +325,10 @@ fn check_limits(
 fn texel_size(format: vk::Format) -> u64 {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => 16,
-        vk::Format::R16G16B16A16_SFLOAT | vk::Format::R32G32_UINT | vk::Format::R32G32_SFLOAT => 8,
+        vk::Format::R16G16B16A16_SFLOAT
+        | vk::Format::R16G16B16A16_UINT
+        | vk::Format::R32G32_UINT
+        | vk::Format::R32G32_SFLOAT => 8,
         _ => 4,
     }
 }

@@ -9,12 +9,13 @@ fn computed(settings: &Settings) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
     let of_step =
         |step: u32| settings.size.iter().map(|side| u64::from(side.div_ceil(step))).product::<u64>();
-    let VplSettings { slots, interleave, temporal_sets, .. } = settings.vpl;
+    let VplSettings { interleave, temporal_sets, .. } = settings.vpl;
     let set_step = if temporal_sets > 1 && interleave > 1 { 2 } else { 1 };
     let sets = u64::from(temporal_sets);
-    let classes = u64::from(interleave * interleave);
-    let vpls = u64::from(slots.div_ceil(temporal_sets));
-    pixels * 88 + of_step(2) * 16 + of_step(set_step) * 8 * sets + sets * (16 * classes + 48 * vpls)
+    let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
+    // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
+    let tiles = of_step(16 * set_step) * 256 * 5;
+    pixels * 72 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
 }
 
 #[test]

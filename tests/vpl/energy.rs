@@ -36,28 +36,19 @@ fn sets_add_up_to_the_total() {
     let settings = settings(333, 3);
     let manager = VplManager::new(stage.world(), &settings);
     let sets = all_sets(&manager, &stage, &settings);
-    let cells = manager.flux_by_cell();
-    let sum: f32 = cells.sets.iter().sum();
+    let flux = manager.set_flux();
+    let sum: f32 = flux.iter().sum();
     let total = manager.total_flux(stage.world());
     assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
-    assert!((cells.classes.iter().sum::<f32>() / total - 1.0).abs() < 1e-5);
-    // Sets and classes hold the flux that they report.
-    let mut classes = [0.0; 4];
+    // Sets hold the flux that they report.
     let mut seen = vec![false; 333];
-    for (index, set) in sets.iter().enumerate() {
-        assert_eq!(set.class_starts.len(), 5);
-        assert_eq!(*set.class_starts.last().unwrap() as usize, set.vpls.len());
-        for (class, sum) in classes.iter_mut().enumerate() {
-            let range = set.class_starts[class] as usize..set.class_starts[class + 1] as usize;
-            *sum += set.vpls[range.clone()].iter().map(|vpl| luminance(vpl.flux)).sum::<f32>();
-            for vpl in &set.vpls[range] {
-                assert_eq!(vpl.slot % 4, index as u32, "slot s is in set s mod T");
-                assert!(!std::mem::replace(&mut seen[vpl.slot as usize], true));
-            }
+    for (index, (set, said)) in sets.iter().zip(&flux).enumerate() {
+        let held: f32 = set.iter().map(|vpl| luminance(vpl.flux)).sum();
+        assert!((held - said).abs() < 1e-4 * total);
+        for vpl in set {
+            assert_eq!(vpl.slot % 4, index as u32, "slot s is in set s mod T");
+            assert!(!std::mem::replace(&mut seen[vpl.slot as usize], true));
         }
-    }
-    for (found, said) in classes.iter().zip(&cells.classes) {
-        assert!((found - said).abs() < 1e-4 * total);
     }
     assert!(seen.iter().all(|seen| *seen));
 }
@@ -82,7 +73,7 @@ fn integrating_sphere_is_evenly_lit() {
             .map(|_| {
                 let normal = -random.direction();
                 let x = center - normal * radius;
-                let vpls = sets.iter().flat_map(|set| &set.vpls);
+                let vpls = sets.iter().flatten();
                 vpls.map(|vpl| {
                     let d = vpl.position - x;
                     let w = d.normalize();

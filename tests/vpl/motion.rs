@@ -91,8 +91,8 @@ fn vpls_ride_on_their_object() {
     stage.move_instance(floor, Vec3::new(0.0, 0.25, 0.0));
     let after = all_sets(&manager, &stage, &settings);
     for (old, new) in before.iter().zip(&after) {
-        assert_eq!(old.vpls.len(), new.vpls.len());
-        for (old, new) in old.vpls.iter().zip(&new.vpls) {
+        assert_eq!(old.len(), new.len());
+        for (old, new) in old.iter().zip(new.iter()) {
             assert!(new.position.distance(old.position + Vec3::Y * 0.25) < 1e-5);
         }
     }

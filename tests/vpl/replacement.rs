@@ -140,7 +140,7 @@ fn plate_slides_out_from_under_its_vpls() {
         stage.move_instance(plate, Vec3::new(slid, 0.0, 0.0));
         stage.frame(&mut manager);
         for set in all_sets(&manager, &stage, &settings) {
-            for vpl in &set.vpls {
+            for vpl in set {
                 let p = vpl.position;
                 let on_floor = p.y.abs() < 1e-5;
                 let on_plate = (p.y - 0.5).abs() < 1e-5 && (p.x - slid).abs() < 1.0 + 1e-5;

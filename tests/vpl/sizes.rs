@@ -56,7 +56,7 @@ fn every_small_number_of_slots() {
                 assert!(all_used(&manager), "{mix} {vpls} {bounces}");
                 assert_eq!(stage.frame(&mut manager).shot, 0);
                 let sets = all_sets(&manager, &stage, &settings);
-                let valid: usize = sets.iter().map(|set| set.vpls.len()).sum();
+                let valid: usize = sets.iter().map(Vec::len).sum();
                 assert!(valid as u32 <= manager.counters().valid);
             }
         }
@@ -108,7 +108,7 @@ fn without_light_there_is_nothing() {
             assert_eq!((counters.valid, counters.escaped, counters.shot), (0, 0, 0));
             assert_eq!(manager.total_flux(stage.world()), 0.0);
             let sets = all_sets(&manager, &stage, &settings);
-            assert!(sets.iter().all(|set| set.vpls.is_empty() && set.class_starts == [0; 5]));
+            assert!(sets.iter().all(Vec::is_empty));
         }
         // The lights are switched on again.
         stage.pose.lights = vec![point(1.0, Vec3::ZERO)];

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use glowworm::bvh::TwoLevelBvh;
 use glowworm::estimators::World;
-use glowworm::estimators::vpls::{SetVpls, SlotState, SlotView, VplCounters, VplManager};
+use glowworm::estimators::vpls::{GpuVpl, SlotState, SlotView, VplCounters, VplManager};
 use glowworm::scene::{AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
@@ -58,7 +58,13 @@ impl Stage {
 pub fn settings(vpls: u32, bounces: u32) -> Settings {
     Settings {
         bounces,
-        vpl: VplSettings { slots: vpls, temporal_sets: 4.min(vpls), interleave: 2, ..VplSettings::default() },
+        vpl: VplSettings {
+            slots: vpls,
+            pool: vpls,
+            temporal_sets: 4.min(vpls),
+            interleave: 2,
+            ..VplSettings::default()
+        },
         ..Settings::default()
     }
 }
@@ -128,7 +134,7 @@ pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
 }
 
 /// The VPLs of all sets.
-pub fn all_sets(manager: &VplManager, stage: &Stage, settings: &Settings) -> Vec<SetVpls> {
+pub fn all_sets(manager: &VplManager, stage: &Stage, settings: &Settings) -> Vec<Vec<GpuVpl>> {
     (0..settings.vpl.temporal_sets).map(|set| manager.set_vpls(stage.world(), set)).collect()
 }
 

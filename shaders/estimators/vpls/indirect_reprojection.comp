@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
-// coarse_reprojection.comp; where that has no pixel on the surface, or they have the full one, from the set buffers themselves.
+// coarse_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves.
 // Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -10,6 +10,7 @@
 #define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
+#include "same_surface.glsl"
 #define SET_BUFFERS_BINDING 6
 #include "set_buffers.glsl"
 
@@ -21,19 +22,18 @@ layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 9, rgba32f) uniform readonly image2D coarse_irradiance;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D irradiance;
 #include "surface.glsl"
-
-const float MIN_NORMAL_COSINE = 0.9;
+#include "slope.glsl"
 
 // Adds what the coarse texel knows of the pixel's surface, if it lies there too.
 void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     texel = clamp(texel, ivec2(0), last);
     float depth = imageLoad(gbuffer_depth, 2 * texel).r;
-    vec3 shading = octahedral_decode(imageLoad(gbuffer_normal, 2 * texel).xy);
+    vec4 normals = imageLoad(gbuffer_normal, 2 * texel);
     vec4 coarse = imageLoad(coarse_irradiance, texel);
-    float from_plane = abs(dot(surface.geometric, position_at(2 * texel, depth) - surface.position));
-    bool same = depth > 0.0 && from_plane <= 0.25 * vpl.position_cutoff * surface.depth
-        && dot(shading, surface.shading) >= MIN_NORMAL_COSINE;
+    vec3 d = position_at(2 * texel, depth) - surface.position;
+    bool same = depth > 0.0 && dot(octahedral_decode(normals.xy), surface.shading) >= MIN_NORMAL_COSINE
+        && same_surface(d, surface.geometric, octahedral_decode(normals.zw), surface.depth);
     // What no set has seen has no irradiance yet.
     weight = same && coarse.a > 0.0 ? weight : 0.0;
     sum += weight * coarse;
@@ -66,7 +66,8 @@ void main() {
     vec4 sum = vec4(0.0);
     if (surface.depth > 0.0 && (sets.set_step == 1u || !upsampled(pixel, surface, sum))) {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
-        sum = sum_of_sets(instance, surface.position, surface.geometric);
+        float variance;
+        sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
     imageStore(irradiance, pixel, sum);
 }

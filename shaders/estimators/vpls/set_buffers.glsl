@@ -1,8 +1,9 @@
-// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene.glsl, vpls.glsl and representative.glsl.
+// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene.glsl, vpls.glsl, same_surface.glsl
+// and representative.glsl.
 // Define SET_BUFFERS_BINDING before including: it and the next two are taken. Twins: SetParameters, SetPush in
 // src/estimators/vpls/set_buffers.rs.
 
-layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16f) uniform readonly image2DArray set_buffers;
+layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16ui) uniform readonly uimage2DArray set_buffers;
 // For each set its SetParameters, then three rows for each instance: from object space to the space of the set's camera.
 layout(set = 0, binding = SET_BUFFERS_BINDING + 1) uniform utextureBuffer set_views;
 layout(set = 0, binding = SET_BUFFERS_BINDING + 2, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
@@ -16,7 +17,7 @@ struct SetPush {
     uint scale_missing; // 1: sets that saw the surface make up for those that did not
     float total_flux;   // luminous, of all sets
     uint view;          // of vpl_view.comp
-    float unfiltered;   // of vpl_view.comp
+    uint drawn_step;    // of vpl_view.comp: pixels from one texel of the set that this frame draws to the next
 };
 layout(push_constant) uniform Push { SetPush data; } push;
 SetPush sets = push.data;
@@ -67,8 +68,9 @@ ViewPoint to_view(uint set, ObjectPoint point) {
     return view;
 }
 
-// Irradiance of a set where its camera saw the point, bilinear among the texels on its surface; false where it did not.
-bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
+// Irradiance of a set where its camera saw the point, bilinear among the texels on its surface, which leaves its plane by at
+// most `slope`, see slope.glsl; false where it did not.
+bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
     SetParameters drawn = set_at(set);
     ViewPoint point = to_view(set, surface);
     vec3 p = point.position;
@@ -83,8 +85,7 @@ bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
     // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
     float cosine = abs(dot(point.normal, p)) * inversesqrt(dot(p, p));
     float footprint = p.z * 2.0 / size.y * drawn.tan_y * float(sets.set_step) / max(cosine, 0.05);
-    float near = 0.25 * vpl.position_cutoff * p.z;
-    float cutoff = max(4.0 * near, 1.5 * footprint);
+    float cutoff = max(vpl.position_cutoff * p.z, 1.5 * footprint);
 
     // Read the four texels around, all at once: left and right above, left and right below.
     ivec2 last = ivec2(set_extent(sets.size, sets.set_step)) - 1;
@@ -96,11 +97,13 @@ bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
         * vec4(low_weight.yy, high_weight.yy);
     int layer = int(set);
     vec4 stored[4] = vec4[](
-        imageLoad(set_buffers, ivec3(low, layer)), imageLoad(set_buffers, ivec3(high.x, low.y, layer)),
-        imageLoad(set_buffers, ivec3(low.x, high.y, layer)), imageLoad(set_buffers, ivec3(high, layer)));
+        unpack_texel(imageLoad(set_buffers, ivec3(low, layer))),
+        unpack_texel(imageLoad(set_buffers, ivec3(high.x, low.y, layer))),
+        unpack_texel(imageLoad(set_buffers, ivec3(low.x, high.y, layer))),
+        unpack_texel(imageLoad(set_buffers, ivec3(high, layer))));
 
     // Keep those whose surfaces, from their depths, are the point's.
-    vec4 depths = abs(vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a)) / vpl.depth_scale;
+    vec4 depths = vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a);
     vec2 low_pixel = vec2(representative(low, sets.set_step, drawn.offset, sets.size));
     vec2 high_pixel = vec2(representative(high, sets.set_step, drawn.offset, sets.size));
     vec2 low_ray = ((low_pixel + 0.5) / size * 2.0 - 1.0) * tangents;
@@ -109,8 +112,10 @@ bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
     vec4 y = depths * vec4(low_ray.yy, high_ray.yy) - p.y;
     vec4 z = depths - p.z;
     vec4 from_plane = abs(x * point.normal.x + y * point.normal.y + z * point.normal.z);
-    bvec4 same = bvec4(uvec4(lessThanEqual(from_plane, vec4(near))) & uvec4(greaterThan(depths, vec4(0.0)))
-        & uvec4(lessThanEqual(x * x + y * y + z * z, vec4(cutoff * cutoff))));
+    vec4 distances = sqrt(x * x + y * y + z * z);
+    vec4 near = ROUNDING * p.z + slope * distances * distances;
+    bvec4 same = bvec4(uvec4(lessThanEqual(from_plane, near)) & uvec4(greaterThan(depths, vec4(0.0)))
+        & uvec4(lessThanEqual(distances, vec4(cutoff))));
     weight = mix(vec4(0.0), weight, same);
     float weights = weight.x + weight.y + weight.z + weight.w;
     irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
@@ -118,19 +123,37 @@ bool look_up(uint set, ObjectPoint surface, out vec3 irradiance) {
     return drawn.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 
-// The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it are made up for
-// by the others, in proportion to flux. a: how many sets saw it.
-vec4 sum_of_sets(uint instance, vec3 position, vec3 normal) {
+// The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it, or that were drawn
+// before much has changed, are made up for by the others, in proportion to flux. a: how many sets saw it. Out: the variance of the
+// sum's luminance, as the sets differ.
+vec4 sum_of_sets(uint instance, vec3 position, vec3 normal, float slope, out float variance) {
     ObjectPoint point = to_object(instance, position, normal);
+    bool scaled = sets.scale_missing == 1u;
     vec4 sum = vec4(0.0);
     float flux = 0.0;
+    float weights = 0.0;
+    vec3 moments = vec3(0.0); // of the weights, the luminance, its square
     for (uint set = 0u; set < sets.set_count; set++) {
         vec3 irradiance;
-        bool seen = look_up(set, point, irradiance);
-        sum += seen ? vec4(irradiance, 1.0) : vec4(0.0);
-        flux += seen ? set_at(set).flux : 0.0;
+        if (!look_up(set, point, slope, irradiance)) continue;
+        float weight = scaled ? set_weight(set) : 1.0;
+        float light = luminance(irradiance);
+        sum += vec4(weight * irradiance, 1.0);
+        flux += weight * set_at(set).flux;
+        weights += weight;
+        moments += weight * vec3(weight, light, light * light);
     }
-    bool missing = sum.a < float(sets.set_count);
-    if (missing && sets.scale_missing == 1u && flux > 0.0) sum.rgb *= sets.total_flux / flux;
+    if (weights <= 0.0) {
+        variance = 0.0;
+        return sum;
+    }
+    // As many sets of one weight would be as uncertain. A single one does not tell how uncertain it is.
+    float effective = weights * weights / moments.x;
+    float mean = moments.y / weights;
+    float spread = max(moments.z / weights - mean * mean, 0.0) / max(effective - 1.0, 1e-3);
+    float count = float(sets.set_count);
+    variance = count * count * (effective > 1.5 ? spread : mean * mean);
+    bool missing = sum.a < count || weights < sum.a;
+    if (missing && scaled && flux > 0.0) sum.rgb *= sets.total_flux / flux;
     return sum;
 }

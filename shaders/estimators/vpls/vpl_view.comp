@@ -10,6 +10,7 @@
 #define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
+#include "same_surface.glsl"
 #define SET_BUFFERS_BINDING 6
 #include "set_buffers.glsl"
 
@@ -18,11 +19,12 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 9, rgba32f) uniform readonly image2D class_irradiance;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D drawn_irradiance;
 layout(set = 0, binding = 10, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 11, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 12, rgba8) uniform writeonly image2D display;
 #include "surface.glsl"
+#include "slope.glsl"
 
 // Twin: VIEWS in src/estimators/vpls/view.rs.
 const uint UNFILTERED = 0u;
@@ -48,21 +50,28 @@ vec3 share_colour(float share) {
 vec3 set_buffer(ivec2 pixel) {
     SetParameters drawn = set_at(sets.shown_set);
     ivec2 texel = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(set_extent(sets.size, sets.set_step)));
-    vec4 stored = imageLoad(set_buffers, ivec3(texel, sets.shown_set));
+    vec4 stored = unpack_texel(imageLoad(set_buffers, ivec3(texel, sets.shown_set)));
     return drawn.scale > 0.0 ? lit(stored.rgb * drawn.scale * float(sets.set_count)) : MISSING;
 }
 
+// What the set's texel has drawn, before the filter.
+vec3 unfiltered(ivec2 pixel) {
+    vec3 drawn = imageLoad(drawn_irradiance, pixel / int(sets.drawn_step)).rgb;
+    return lit(drawn / vpl.irradiance_scale * float(sets.set_count));
+}
+
 // What the set knows of the surface of this pixel; what it does not know is marked.
-vec3 set_reprojected(Surface surface, uint instance) {
+vec3 set_reprojected(ivec2 pixel, uint instance) {
+    Surface surface = surface_at(pixel);
     ObjectPoint point = to_object(instance, surface.position, surface.geometric);
     vec3 found;
-    return look_up(sets.shown_set, point, found) ? lit(found * float(sets.set_count)) : MISSING;
+    return look_up(sets.shown_set, point, slope_at(pixel, surface), found) ? lit(found * float(sets.set_count)) : MISSING;
 }
 
 vec3 surface_view(ivec2 pixel, uint instance) {
     switch (sets.view) {
-        case UNFILTERED: return lit(imageLoad(class_irradiance, pixel).rgb / vpl.irradiance_scale * sets.unfiltered);
-        case SET_REPROJECTED: return set_reprojected(surface_at(pixel), instance);
+        case UNFILTERED: return unfiltered(pixel);
+        case SET_REPROJECTED: return set_reprojected(pixel, instance);
         case SET_COUNT: return share_colour(imageLoad(irradiance, pixel).a / float(sets.set_count));
         default: return vec3(imageLoad(irradiance, pixel).a);
     }

@@ -4,15 +4,16 @@
 struct VplUniforms {
     float geometry_bound;   // c, 1/m^2; 0: none
     float irradiance_scale; // images hold irradiance times this
-    float depth_scale;      // set buffers hold view depths times this
     float position_cutoff;  // fraction of view depth
-    float total_flux;       // luminous, of all classes over all sets
-    uint first_class;       // of the set, in `vpl_classes`
     uint first_vpl;         // of the set, in `vpls`
     uint vpl_count;         // of the set
     uint layer;             // of the set buffers, for the set
+    uvec2 representative;   // see representative.glsl
+    uint bounces;           // of a path, at most
     uint pad0;
-    uvec2 representative;   // see set_buffers.glsl
+    uint pad1;
+    uint pad2;
+    vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was drawn
 };
 
 struct GpuVpl {
@@ -28,6 +29,12 @@ layout(set = 0, binding = VPLS_BINDING, std140) uniform VplUniformBlock { VplUni
 layout(set = 0, binding = VPLS_BINDING + 1, std430) readonly buffer VplBlock { GpuVpl data[]; } vpls;
 VplUniforms vpl = vpl_uniforms.data;
 
+float set_weight(uint set) { return vpl_uniforms.data.set_weights[set / 4u][set % 4u]; }
+
+// Bound c of the geometry term of a VPL, 1/m^2; 0: none. That of a light's own VPLs is looser, as what it takes away may be lost:
+// short rays do not see the portal of a window.
+float bound_of(GpuVpl light) { return light.bounce == 0u ? 16.0 * vpl.geometry_bound : vpl.geometry_bound; }
+
 // Irradiance at p with normal n, were nothing between.
 vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     vec3 d = light.position - p;
@@ -35,7 +42,7 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     if (squared <= 0.0) return vec3(0.0);
     float inverse = 1.0 / squared;
     float cosines = max(dot(n, d), 0.0) * max(-dot(light.normal, d), 0.0) * inverse;
-    float bound = vpl.geometry_bound;
+    float bound = bound_of(light);
     return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
 }
 

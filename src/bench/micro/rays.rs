@@ -11,11 +11,11 @@ use crate::bvh::Ray;
 use crate::estimators::World;
 use crate::estimators::vpls::inspect::geometry_bound_of;
 use crate::estimators::vpls::manager::contribution;
-use crate::estimators::vpls::{GpuVpl, SetVpls, VplManager};
+use crate::estimators::vpls::{GpuVpl, VplManager, draws, set_step};
 use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
 use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};
-use crate::settings::Settings;
+use crate::settings::{Settings, VplSettings};
 
 /// Side of a workgroup's block of pixels.
 const GROUP: u32 = 8;
@@ -26,7 +26,7 @@ const GROUP: u32 = 8;
 pub enum RayKind {
     /// From the camera through pixels.
     Primary,
-    /// From pixels to the VPLs of their class.
+    /// From pixels to VPLs.
     Shadow,
     /// From visible surfaces, cosine-distributed.
     Incoherent,
@@ -148,24 +148,22 @@ impl<'a> Pixels<'a> {
         let mut rays = Vec::new();
         for set in 0..settings.vpl.temporal_sets {
             if rays.len() < enough {
-                self.to_set(&manager.set_vpls(world, set), settings.vpl.interleave, bound, &mut rays);
+                self.to_set(&manager.set_vpls(world, set), &settings.vpl, bound, &mut rays);
             }
         }
         rays
     }
 
-    /// Twin of shaders/estimators/vpls/indirect_shadows.comp: a workgroup is 8x8 pixels of one class.
-    fn to_set(&self, set: &SetVpls, interleave: u32, bound: f32, rays: &mut Vec<Ray>) {
-        let classes: Vec<Vec<Vec<[u32; 2]>>> = (0..interleave * interleave)
-            .map(|class| self.blocks(interleave, [class % interleave, class / interleave]).collect())
-            .collect();
-        for block in 0..classes[0].len() {
-            for (class, blocks) in classes.iter().enumerate() {
-                let vpls = &set.vpls[set.class_starts[class] as usize..set.class_starts[class + 1] as usize];
-                for vpl in vpls {
-                    rays.extend(blocks[block].iter().filter_map(|&pixel| self.to_vpl(pixel, vpl, bound)));
-                }
-            }
+    /// As shaders/estimators/vpls/indirect_shadows.comp draws them, but that all VPLs are alike: a workgroup is 8x8 texels, each
+    /// of which draws a few VPLs.
+    fn to_set(&self, vpls: &[GpuVpl], settings: &VplSettings, bound: f32, rays: &mut Vec<Ray>) {
+        let step = set_step(settings);
+        for (index, pixel) in self.blocks(step, [0, 0]).flatten().enumerate() {
+            let draw = |draw| {
+                let vpl = (random_point(index as u32, draw, 0).x * vpls.len() as f32) as usize;
+                self.to_vpl(pixel, vpls.get(vpl)?, bound)
+            };
+            rays.extend((0..draws(settings)).filter_map(draw));
         }
     }
 

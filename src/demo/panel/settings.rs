@@ -146,7 +146,9 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             choice(ui, name, &mut settings.indirect, &[(Indirect::Vpls, "vpls"), (Indirect::None, "none")])
         }
         "bounces" => whole(ui, &mut settings.bounces, 16),
+        "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
         "budget" => whole(ui, &mut settings.vpl.budget, 65_536),
+        "refresh" => ui.add(DragValue::new(&mut settings.vpl.refresh).range(0..=63)),
         "clamp" => ui.add(DragValue::new(&mut settings.vpl.clamp).range(0.0..=1e9).speed(5.0)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
         "sequence" => choice(
@@ -225,7 +227,9 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
         "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
         "indirect" => to.indirect = from.indirect,
         "bounces" => to.bounces = from.bounces,
+        "pool" => to.vpl.pool = from.vpl.pool,
         "budget" => to.vpl.budget = from.vpl.budget,
+        "refresh" => to.vpl.refresh = from.vpl.refresh,
         "clamp" => to.vpl.clamp = from.vpl.clamp,
         "seed" => to.seed = from.seed,
         "sequence" => to.vpl.sequence = from.vpl.sequence,
@@ -263,6 +267,8 @@ mod tests {
             exposure: Some(1.0),
             vpl: VplSettings {
                 slots: 77,
+                pool: 99,
+                refresh: 3,
                 interleave: 2,
                 temporal_sets: 3,
                 budget: 5,

@@ -4,8 +4,9 @@
 //! picture, reprojected like any others, until every new set has been drawn.
 
 use super::indirect_shading::IndirectShadingPass;
-use super::indirect_shadows::IndirectShadowsPass;
+use super::indirect_shadows::{IndirectShadowsPass, draws};
 use super::set_buffers::{SetBuffers, set_step};
+use super::staleness::Staleness;
 use super::vpl_buffer::VplBuffer;
 use super::vpl_light::VplLightPass;
 use super::{Passes, VplManager, Vpls};
@@ -27,18 +28,16 @@ impl Vpls {
         let passes = &self.passes;
 
         // Make what is to be another one; what fails leaves everything as it was.
-        let shadows = if interleaved || retraced {
-            Some(IndirectShadowsPass::new(device, tracer, new.size, new.vpl.interleave)?)
-        } else if resized {
-            Some(passes.indirect_shadows.resized(device, new.size)?)
+        let shadows = if retraced {
+            Some(IndirectShadowsPass::new(device, tracer, new)?)
         } else {
-            None
+            made_if(
+                resized || draws(&new.vpl) != draws(&old.vpl) || set_step(&new.vpl) != set_step(&old.vpl),
+                || passes.indirect_shadows.changed(device, new),
+            )?
         };
-        let refiltered = interleaved
-            || retraced
-            || set_step(&new.vpl) != set_step(&old.vpl)
-            || new.vpl.slots != old.vpl.slots;
-        let shading = made_if(refiltered, || IndirectShadingPass::new(device, tracer, &new.vpl))?;
+        let refiltered = interleaved || set_step(&new.vpl) != set_step(&old.vpl);
+        let shading = made_if(refiltered, || IndirectShadingPass::new(device, &new.vpl))?;
         let reprojection = made_if(resized, || passes.indirect_reprojection.resized(device, new.size))?;
         let sets = made_if(other_sets, || SetBuffers::new(device, new.size, &new.vpl, self.instances))?;
         let vpls = made_if(dealt(new) != dealt(old), || VplBuffer::new(device, &new.vpl))?;
@@ -61,6 +60,9 @@ impl Vpls {
         if vpl_light.is_some() {
             self.views.vpl_light = vpl_light;
         }
+        if new.vpl.temporal_sets != old.vpl.temporal_sets || shot(new) != shot(old) {
+            self.staleness = Staleness::new(new.vpl.temporal_sets);
+        }
         if shot(new) == shot(old) {
             self.manager.set_budget(new.vpl.budget);
         } else {
@@ -82,16 +84,15 @@ impl Passes {
 }
 
 /// The settings that decide how much room VPLs need on the device.
-fn dealt(settings: &Settings) -> [u32; 3] {
-    let VplSettings { slots, temporal_sets, interleave, .. } = settings.vpl;
-    [slots, temporal_sets, interleave]
+fn dealt(settings: &Settings) -> [u32; 2] {
+    [settings.vpl.pool_size(), settings.vpl.temporal_sets]
 }
 
 /// The settings that decide which VPLs there are and how they are dealt, all others at their defaults.
 fn shot(settings: &Settings) -> Settings {
     let Settings { bounces, seed, vpl, .. } = *settings;
-    let VplSettings { slots, temporal_sets, interleave, sequence, .. } = vpl;
-    let vpl = VplSettings { slots, temporal_sets, interleave, sequence, ..VplSettings::default() };
+    let VplSettings { slots, pool, temporal_sets, sequence, .. } = vpl;
+    let vpl = VplSettings { slots, pool, temporal_sets, sequence, ..VplSettings::default() };
     Settings { bounces, seed, vpl, ..Settings::default() }
 }
 

@@ -12,11 +12,16 @@ use crate::estimators::EstimatorInputs;
 use crate::passes::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
+/// Texels between the taps of the filter, step by step.
+const FILTER_STEPS: [i32; 3] = [1, 2, 4];
+
 /// The pass.
 pub struct IndirectReprojectionPass {
-    coarse: Arc<ComputePipeline>,
+    sum: Arc<ComputePipeline>,
+    filter: Arc<ComputePipeline>,
     full: Arc<ComputePipeline>,
-    coarse_irradiance: Image,
+    /// Irradiance and its variance, at half the resolution: before and after a step of the filter, in turns.
+    coarse: [(Image, Image); 2],
     irradiance: Image,
 }
 
@@ -24,28 +29,34 @@ impl IndirectReprojectionPass {
     /// Makes the pipelines, and the images for pictures of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
-        let coarse = pipeline("coarse_reprojection", shaders::COARSE_REPROJECTION_COMP)?;
+        let sum = pipeline("coarse_reprojection", shaders::COARSE_REPROJECTION_COMP)?;
+        let filter = pipeline("variance_filter", shaders::VARIANCE_FILTER_COMP)?;
         let full = pipeline("indirect_reprojection", shaders::INDIRECT_REPROJECTION_COMP)?;
-        Self::of(device, coarse, full, extent)
+        Self::of(device, [sum, filter, full], extent)
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(device, Arc::clone(&self.coarse), Arc::clone(&self.full), extent)
+        Self::of(device, [&self.sum, &self.filter, &self.full].map(Arc::clone), extent)
     }
 
     fn of(
         device: &Arc<Device>,
-        coarse: Arc<ComputePipeline>,
-        full: Arc<ComputePipeline>,
+        [sum, filter, full]: [Arc<ComputePipeline>; 3],
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
-        let image = |name, extent| storage_image(device, name, vk::Format::R32G32B32A32_SFLOAT, extent);
+        let half = extent.map(|side| side.div_ceil(2));
+        let irradiance = |name, extent| storage_image(device, name, vk::Format::R32G32B32A32_SFLOAT, extent);
+        let coarse = || -> Result<_, VulkanError> {
+            let variance = storage_image(device, "coarse_variance", vk::Format::R32_SFLOAT, half)?;
+            Ok((irradiance("coarse_irradiance", half)?, variance))
+        };
         Ok(Self {
-            coarse,
+            sum,
+            filter,
             full,
-            coarse_irradiance: image("coarse_irradiance", extent.map(|side| side.div_ceil(2)))?,
-            irradiance: image("irradiance", extent)?,
+            coarse: [coarse()?, coarse()?],
+            irradiance: irradiance("irradiance", extent)?,
         })
     }
 
@@ -62,15 +73,33 @@ impl IndirectReprojectionPass {
         set: &UploadedSet,
         (sets, push): (&SetBuffers, &SetPush),
     ) -> Result<(), VulkanError> {
+        let [from, to] = &self.coarse;
+        let (mut noisy, mut filtered) = (from, to);
         if sets.step() == 2 {
-            let pass = frame.pass("indirect_reprojection", &self.coarse).push(push);
+            let extent = noisy.0.extent();
+            let pass = frame.pass("indirect_reprojection", &self.sum).push(push);
             bind(pass, inputs, set, sets)
-                .write("coarse_irradiance", &self.coarse_irradiance)
-                .dispatch_over(self.coarse_irradiance.extent())?;
+                .write("coarse_irradiance", &noisy.0)
+                .write("coarse_variance", &noisy.1)
+                .dispatch_over(extent)?;
+            for step in FILTER_STEPS {
+                let pass = frame
+                    .pass("indirect_reprojection", &self.filter)
+                    .read("frame_uniforms", inputs.frame)
+                    .read("gbuffer_depth", &inputs.gbuffer.depth)
+                    .read("gbuffer_normal", &inputs.gbuffer.normal)
+                    .read("noisy_irradiance", &noisy.0)
+                    .read("noisy_variance", &noisy.1)
+                    .write("coarse_irradiance", &filtered.0)
+                    .write("coarse_variance", &filtered.1)
+                    .push(&step);
+                set.bind(pass).dispatch_over(extent)?;
+                std::mem::swap(&mut noisy, &mut filtered);
+            }
         }
         let pass = frame.pass("indirect_reprojection", &self.full).push(push);
         bind(pass, inputs, set, sets)
-            .read("coarse_irradiance", &self.coarse_irradiance)
+            .read("coarse_irradiance", &noisy.0)
             .write("irradiance", &self.irradiance)
             .dispatch_over(self.irradiance.extent())
     }

@@ -1,86 +1,228 @@
-//! `indirect_shadows`: one occlusion ray for each pixel and VPL of its class (interleaved sampling), and the irradiance
-//! from those VPLs that it sees.
+//! `indirect_shadows`: each texel of the set buffers draws a few VPLs of the set, by what they would bring, and casts an
+//! occlusion ray to each.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::clusters::CLUSTERS;
+use super::set_buffers::set_step;
 use super::vpl_buffer::UploadedSet;
 use crate::estimators::EstimatorInputs;
 use crate::passes::storage_image;
 use crate::passes::tracer::RayTracer;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
+use crate::settings::{Settings, VplSettings};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
-/// VPLs of each class that one dispatch does at most: watchdogs of GPUs end long ones.
-const MOST_VPLS: u32 = 32;
-/// Threads of a workgroup, in each direction.
-const GROUP: u32 = 8;
+/// Rays of a texel in one dispatch, at most: watchdogs of GPUs end long ones.
+const MOST_RAYS: u32 = 32;
+/// Texels of a tile in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
+const TILE: u32 = 16;
+/// Texels of a block in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
+const BLOCK: u32 = 8;
 
+/// What a dispatch draws; `DrawPush` in shaders/estimators/vpls/clusters.glsl.
 #[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Push {
-    first: u32,
-    count: u32,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct DrawPush {
+    tiles: [u32; 2],
+    /// Pixels from one texel of the set buffers to the next.
+    set_step: u32,
+    first_draw: u32,
+    end_draw: u32,
+    /// Over all dispatches; 0: every VPL is gathered.
+    draws: u32,
+    /// Of the light, that a set holds.
+    set_share: f32,
+    /// Of so many by so many texels one brings back what the bound takes away.
+    spread: u32,
 }
 
 /// The pass.
 pub struct IndirectShadowsPass {
-    pipeline: Arc<ComputePipeline>,
-    interleave: u32,
-    /// Scaled irradiance of each pixel from the VPLs of its class.
+    visibility: Arc<ComputePipeline>,
+    weigh: Arc<ComputePipeline>,
+    draw: Arc<ComputePipeline>,
+    compensate: Arc<ComputePipeline>,
+    set_share: f32,
+    bounded: bool,
+    step: u32,
+    draws: u32,
+    /// For each tile, how likely it sees each cluster.
+    cluster_visibility: Buffer,
+    /// For each block, how much it is to draw each cluster.
+    cluster_weights: Buffer,
+    /// rgb: scaled irradiance of each texel, before the filter; a: view depth.
     irradiance: Image,
 }
 
 impl IndirectShadowsPass {
-    /// Makes the pipeline for a tracer, and the image of `extent` texels.
-    pub fn new(
+    /// Makes the pipeline for a tracer, and the image.
+    pub fn new(device: &Arc<Device>, tracer: RayTracer, settings: &Settings) -> Result<Self, VulkanError> {
+        let draw = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
+        let draw = Arc::new(ComputePipeline::new(device, "indirect_shadows", draw)?);
+        let visibility = tracer.of(shaders::CLUSTER_VISIBILITY_COMP);
+        let visibility = Arc::new(ComputePipeline::new(device, "cluster_visibility", visibility)?);
+        let compensate = tracer.of(shaders::BIAS_COMPENSATION_COMP);
+        let compensate = Arc::new(ComputePipeline::new(device, "bias_compensation", compensate)?);
+        let weigh = shaders::CLUSTER_WEIGHTS_COMP;
+        let weigh = Arc::new(ComputePipeline::new(device, "cluster_weights", weigh)?);
+        Self::of(device, [visibility, weigh, draw, compensate], settings)
+    }
+
+    /// The same pass with other settings.
+    pub fn changed(&self, device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
+        Self::of(
+            device,
+            [&self.visibility, &self.weigh, &self.draw, &self.compensate].map(Arc::clone),
+            settings,
+        )
+    }
+
+    fn of(
         device: &Arc<Device>,
-        tracer: RayTracer,
-        extent: [u32; 2],
-        interleave: u32,
+        [visibility, weigh, draw, compensate]: [Arc<ComputePipeline>; 4],
+        settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let spirv = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
-        let pipeline = ComputePipeline::specialised(device, "indirect_shadows", spirv, &[interleave])?;
-        Ok(Self { pipeline: Arc::new(pipeline), interleave, irradiance: irradiance(device, extent)? })
+        let step = set_step(&settings.vpl);
+        let extent = settings.size.map(|side| side.div_ceil(step));
+        let tiles: u64 = extent.map(|side| u64::from(side.div_ceil(TILE))).iter().product();
+        Ok(Self {
+            visibility,
+            weigh,
+            draw,
+            compensate,
+            set_share: 1.0 / settings.vpl.temporal_sets as f32,
+            bounded: settings.vpl.clamp > 0.0,
+            step,
+            draws: draws(&settings.vpl),
+            cluster_weights: Buffer::new(
+                device,
+                "cluster_weights",
+                tiles * u64::from(TILE / BLOCK).pow(2) * CLUSTERS as u64 * 4,
+            )?,
+            cluster_visibility: Buffer::new(device, "cluster_visibility", tiles * CLUSTERS as u64 * 4)?,
+            // 32 bits: many dispatches may add to it.
+            irradiance: storage_image(device, "drawn_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
+        })
     }
 
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Arc::clone(&self.pipeline), irradiance: irradiance(device, extent)?, ..*self })
-    }
-
-    /// What the last frame wrote.
+    /// rgb: scaled irradiance of each texel, before the filter; a: view depth.
     pub fn output(&self) -> &Image {
         &self.irradiance
     }
 
-    /// Casts the rays of the set, and counts them.
+    /// Draws the set.
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
         inputs: &EstimatorInputs<'_>,
         set: &UploadedSet,
     ) -> Result<&Image, VulkanError> {
-        let n = self.interleave;
-        let [columns, rows] = self.irradiance.extent().map(|side| side.div_ceil(GROUP * n));
-        // At least one dispatch, so that an empty set gives black.
-        for first in (0..set.largest_class.max(1)).step_by(MOST_VPLS as usize) {
-            let pass = frame
-                .pass("indirect_shadows", &self.pipeline)
-                .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_depth", &inputs.gbuffer.depth)
-                .read("gbuffer_normal", &inputs.gbuffer.normal)
-                .write("class_irradiance", &self.irradiance)
+        let extent = self.irradiance.extent();
+        let tiles = extent.map(|side| side.div_ceil(TILE));
+        let all = DrawPush {
+            tiles,
+            set_step: self.step,
+            set_share: self.set_share,
+            spread: if self.set_share <= 0.25 { 2 } else { 1 },
+            ..DrawPush::default()
+        };
+
+        // See which clusters the tiles see.
+        let pass = surfaces(frame.pass("indirect_shadows", &self.visibility), inputs)
+            .read("vpl_clusters", &*set.clusters)
+            .write("cluster_visibility", &self.cluster_visibility)
+            .write("ray_counters", &*set.ray_counters)
+            .push(&all);
+        set.bind(inputs.tracer.bind(pass)).dispatch_threads([tiles[0] * CLUSTERS as u32, tiles[1], 1])?;
+
+        let pass = surfaces(frame.pass("indirect_shadows", &self.weigh), inputs)
+            .read("vpl_clusters", &*set.clusters)
+            .read("cluster_visibility", &self.cluster_visibility)
+            .write("cluster_weights", &self.cluster_weights)
+            .push(&all);
+        let blocks = tiles.map(|side| side * (TILE / BLOCK));
+        set.bind(pass).dispatch_threads([blocks[0] * CLUSTERS as u32, blocks[1], 1])?;
+
+        // Draw VPLs.
+        for push in dispatches(all, set.count, self.draws) {
+            let pass = surfaces(frame.pass("indirect_shadows", &self.draw), inputs)
+                .read("vpl_clusters", &*set.clusters)
+                .read("cluster_weights", &self.cluster_weights)
+                .write("drawn_irradiance", &self.irradiance)
                 .write("ray_counters", &*set.ray_counters)
-                .push(&Push { first, count: MOST_VPLS });
-            let pass = set.bind_classes(inputs.tracer.bind(pass));
-            pass.dispatch_threads([columns * n * n * GROUP, rows * GROUP, 1])?;
+                .push(&push);
+            set.bind(inputs.tracer.bind(pass)).dispatch_over(extent)?;
+        }
+
+        // Bring back what the bound has taken away.
+        if self.bounded {
+            let pass = surfaces(frame.pass("indirect_shadows", &self.compensate), inputs)
+                .read("vpl_clusters", &*set.clusters)
+                .read("cluster_weights", &self.cluster_weights)
+                .read("lights", inputs.lights)
+                .read("instances", &*inputs.instances.data)
+                .read("materials", inputs.materials)
+                .write("drawn_irradiance", &self.irradiance)
+                .write("ray_counters", &*set.ray_counters)
+                .push(&all);
+            let blocks = extent.map(|side| side.div_ceil(all.spread));
+            set.bind(inputs.tracer.bind(pass)).dispatch_over(blocks)?;
         }
         Ok(&self.irradiance)
     }
 }
 
-fn irradiance(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    // 32 bits: many dispatches may add to it.
-    storage_image(device, "class_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)
+/// Binds the visible surfaces.
+fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
+    pass.read("frame_uniforms", inputs.frame)
+        .read("gbuffer_depth", &inputs.gbuffer.depth)
+        .read("gbuffer_normal", &inputs.gbuffer.normal)
+}
+
+/// VPLs that a texel draws in each frame.
+pub(crate) fn draws(settings: &VplSettings) -> u32 {
+    settings.slots.div_ceil(settings.temporal_sets * settings.interleave.pow(2))
+}
+
+/// The dispatches that draw so many of a set's VPLs: at least one, so that an empty set gives black.
+fn dispatches(all: DrawPush, vpls: u32, draws: u32) -> Vec<DrawPush> {
+    let (draws, count) = if vpls <= draws { (0, vpls) } else { (draws, draws) };
+    let from =
+        |first_draw| DrawPush { draws, first_draw, end_draw: (first_draw + MOST_RAYS).min(count), ..all };
+    (0..count.max(1)).step_by(MOST_RAYS as usize).map(from).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::structs::tests::same_layout;
+
+    #[test]
+    fn structs_have_the_layout_of_the_shaders() {
+        same_layout!(
+            shaders::INDIRECT_SHADOWS_COMP.software,
+            DrawPush,
+            tiles,
+            set_step,
+            first_draw,
+            end_draw,
+            draws,
+            set_share,
+            spread
+        );
+    }
+
+    #[test]
+    fn dispatches_make_all_draws_once() {
+        for (vpls, draws) in [(0, 2), (1, 2), (512, 512), (700, 512), (1024, 2), (5000, 3), (65_536, 40)] {
+            let all = dispatches(DrawPush::default(), vpls, draws);
+            assert!(!all.is_empty());
+            let ends = all.iter().map(|push| push.end_draw);
+            assert!(all.iter().map(|push| push.first_draw).skip(1).eq(ends.take(all.len() - 1)));
+            assert_eq!(all.last().unwrap().end_draw, draws.min(vpls), "{vpls} VPLs, {draws} draws");
+            assert!(all.iter().all(|push| push.draws == if vpls <= draws { 0 } else { draws }));
+        }
+    }
 }

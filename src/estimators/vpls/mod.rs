@@ -3,9 +3,11 @@
 //! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
 //! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has drawn.
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
+//! - `clusters`: VPLs by neighbourhood, which texels draw from; `staleness`: what has changed since each set was drawn.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
 mod change;
+mod clusters;
 mod indirect_reprojection;
 mod indirect_shading;
 mod indirect_shadows;
@@ -13,6 +15,7 @@ pub(crate) mod inspect;
 pub mod manager;
 mod path_lines;
 mod set_buffers;
+mod staleness;
 mod view;
 mod vpl_buffer;
 mod vpl_light;
@@ -20,9 +23,11 @@ mod vpl_light;
 use std::sync::Arc;
 use std::time::Instant;
 
+use bytemuck::Zeroable;
+
 pub use manager::{
-    CellFlux, Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SetVpls, SlotHistory,
-    SlotState, SlotView, VplContribution, VplCounters, VplManager,
+    Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
+    VplContribution, VplCounters, VplManager,
 };
 pub use path_lines::reason_colour;
 pub use view::{PathStyle, VIEWS, VPL_VISIBILITY, VplLook, shows_a_set};
@@ -39,8 +44,11 @@ use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 use indirect_reprojection::IndirectReprojectionPass;
 use indirect_shading::IndirectShadingPass;
 use indirect_shadows::IndirectShadowsPass;
+pub(crate) use indirect_shadows::draws;
 use path_lines::PathView;
+pub(crate) use set_buffers::set_step;
 use set_buffers::{DrawnSet, SetBuffers};
+use staleness::Staleness;
 use view::{VplViewPass, VplViewSources};
 use vpl_buffer::{UploadedSet, VplBuffer, VplUniforms, rays_of};
 use vpl_light::VplLightPass;
@@ -88,6 +96,8 @@ pub struct Vpls {
     instances: usize,
     /// Frames so far.
     frame_count: u64,
+    /// What has changed since each set was drawn.
+    staleness: Staleness,
     /// What the frame is to draw.
     turn: Turn,
     passes: Passes,
@@ -115,8 +125,10 @@ struct Passes {
 #[derive(Default)]
 struct Turn {
     set: u32,
-    vpls: SetVpls,
-    flux: CellFlux,
+    /// The VPLs of that set, and of those to redraw before their turn.
+    drawn: Vec<(u32, Vec<GpuVpl>)>,
+    /// Luminous flux of each set.
+    flux: Vec<f32>,
     /// The VPL to look at, and what its light is multiplied by.
     single: (Option<GpuVpl>, f32),
 }
@@ -142,6 +154,7 @@ impl Vpls {
             scene_radius: context.scene_radius,
             instances,
             frame_count: 0,
+            staleness: Staleness::new(context.settings.vpl.temporal_sets),
             turn: Turn::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
@@ -165,7 +178,7 @@ impl Vpls {
     /// The irradiance of all VPLs, spread over surfaces a typical distance apart. Scaled by the power of two that brings it
     /// near 1, half floats neither overflow nor lose digits, whatever the scene's units.
     fn irradiance_scale(&self) -> f32 {
-        let flux: f32 = self.turn.flux.sets.iter().sum();
+        let flux: f32 = self.turn.flux.iter().sum();
         power_of_two_near(flux / (6.0 * self.transport * self.transport)).recip()
     }
 }
@@ -180,8 +193,8 @@ impl Passes {
         let Settings { size, ref vpl, .. } = *settings;
         Ok(Self {
             vpls: VplBuffer::new(device, vpl)?,
-            indirect_shadows: IndirectShadowsPass::new(device, tracer, size, vpl.interleave)?,
-            indirect_shading: IndirectShadingPass::new(device, tracer, vpl)?,
+            indirect_shadows: IndirectShadowsPass::new(device, tracer, settings)?,
+            indirect_shading: IndirectShadingPass::new(device, vpl)?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             sets: SetBuffers::new(device, size, vpl, instances)?,
             settled: None,
@@ -200,10 +213,17 @@ impl Estimator for Vpls {
         let invalidated = Instant::now();
         self.manager.replace(world);
         let set = (self.frame_count % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        self.staleness.advance(&self.manager, self.transport);
+        let redrawn = self.staleness.stalest(set, self.settings.vpl.refresh);
+        let drawn: Vec<_> =
+            redrawn.into_iter().chain([set]).map(|set| (set, self.manager.set_vpls(world, set))).collect();
+        for (set, _) in &drawn {
+            self.staleness.draw(*set);
+        }
         self.turn = Turn {
             set,
-            vpls: self.manager.set_vpls(world, set),
-            flux: self.manager.flux_by_cell(),
+            drawn,
+            flux: self.manager.set_flux(),
             single: (
                 self.look.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
                 self.manager.counters().valid as f32,
@@ -220,30 +240,37 @@ impl Estimator for Vpls {
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
         let irradiance_scale = self.irradiance_scale();
-        let Turn { set, vpls, flux, .. } = &self.turn;
-        let sets = &self.passes.sets;
-        let uniforms = VplUniforms {
+        let all = VplUniforms {
             geometry_bound: self.geometry_bound(),
+            bounces: self.settings.bounces,
             irradiance_scale,
-            depth_scale: power_of_two_near(self.scene_radius).recip(),
             position_cutoff: self.settings.vpl.position_cutoff,
-            layer: *set,
-            representative: sets.representative(*set),
-            ..VplUniforms::default()
+            set_weights: self.staleness.weights(),
+            ..VplUniforms::zeroed()
         };
-        let uploaded = self.passes.vpls.upload(frame, *set, vpls, &flux.classes, &uniforms)?;
-        let class_irradiance = self.passes.indirect_shadows.record(frame, inputs, &uploaded)?;
-        self.passes.indirect_shading.record(frame, inputs, &uploaded, class_irradiance, sets)?;
-
-        let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux.sets[*set as usize] };
-        self.passes.sets.note(frame, inputs.pose, &drawn)?;
+        let Turn { drawn, flux, .. } = &self.turn;
+        let passes = &mut self.passes;
+        passes.vpls.begin_counting(frame);
+        let mut last = None;
+        for (set, vpls) in drawn {
+            let representative = passes.sets.representative(*set);
+            let uniforms = VplUniforms { layer: *set, representative, ..all };
+            let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
+            let drawn_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded)?;
+            passes.indirect_shading.record(frame, inputs, &uploaded, drawn_irradiance, &passes.sets)?;
+            let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
+            passes.sets.note(frame, inputs.pose, &drawn)?;
+            last = Some(uploaded);
+        }
+        // There is always the set whose turn it is.
+        let Some(uploaded) = last else { return Ok(()) };
         if self.passes.sets.is_complete() && self.passes.settled.is_some() {
             // Frames on their way still read the old ones.
             self.device.wait_idle()?;
             self.passes.settled = None;
         }
         let shown = self.passes.settled.as_ref().unwrap_or(&self.passes.sets);
-        let push = shown.push(self.settings.vpl.missing_sets, &flux.sets);
+        let push = shown.push(self.settings.vpl.missing_sets, flux);
         self.passes.indirect_reprojection.record(frame, inputs, &uploaded, (shown, &push))?;
         self.uploaded = Some(uploaded);
         Ok(())
@@ -301,11 +328,10 @@ impl Estimator for Vpls {
         let single = self.shown_irradiance(frame, inputs.estimator)?;
         let sources = VplViewSources {
             vpls,
-            class_irradiance: self.passes.indirect_shadows.output(),
+            drawn_irradiance: self.passes.indirect_shadows.output(),
             irradiance: single.unwrap_or(self.irradiance()),
             drawn: (&self.passes.sets, self.turn.set),
             shown: (self.passes.settled.as_ref().unwrap_or(&self.passes.sets), self.look.set),
-            classes: self.settings.vpl.interleave.pow(2),
         };
         pass.record(frame, inputs, &sources, view)
     }
@@ -334,7 +360,7 @@ fn transport_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
     let mut bvh = world.bvh.clone();
     bvh.update(&pose.instances);
-    let vpl = VplSettings { slots: 1024, temporal_sets: 1, ..VplSettings::default() };
+    let vpl = VplSettings { slots: 1024, pool: 1024, temporal_sets: 1, ..VplSettings::default() };
     let settings = Settings { bounces: 2, vpl, ..Settings::default() };
     let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
     let slots: Vec<SlotView> = manager.slots().collect();

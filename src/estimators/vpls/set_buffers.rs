@@ -74,8 +74,8 @@ pub struct SetPush {
     pub total_flux: f32,
     /// Number of the view.
     pub view: u32,
-    /// For a view: what the irradiance of one class and set stands for.
-    pub unfiltered: f32,
+    /// For a view: pixels from one texel of the set that this frame draws to the next.
+    pub drawn_step: u32,
 }
 
 /// The set that a frame draws.
@@ -120,7 +120,7 @@ impl SetBuffers {
         instances: usize,
     ) -> Result<Self, VulkanError> {
         let (sets, step) = (settings.temporal_sets, set_step(settings));
-        let format = vk::Format::R16G16B16A16_SFLOAT;
+        let format = vk::Format::R16G16B16A16_UINT;
         let texels = sets as usize * (1 + 3 * instances);
         Ok(Self {
             buffers: storage_image_array(
@@ -223,7 +223,7 @@ mod tests {
             scale_missing,
             total_flux,
             view,
-            unfiltered
+            drawn_step
         );
     }
 }

@@ -21,7 +21,7 @@ pub const VIEWS: &[View] = &[
     View {
         name: "unfiltered",
         label: "This set, before the filter",
-        about: "What this frame gathered before the filter: each pixel has the VPLs of its own class only",
+        about: "What this frame has drawn before the filter: each texel has a few VPLs of its own",
     },
     View {
         name: FILTERED,
@@ -107,15 +107,13 @@ pub struct VplViewSources<'a> {
     /// The VPLs of the frame's set.
     pub vpls: &'a UploadedSet,
     /// Irradiance before the filter.
-    pub class_irradiance: &'a Image,
+    pub drawn_irradiance: &'a Image,
     /// Irradiance, or that of a single VPL.
     pub irradiance: &'a Image,
     /// The sets that this frame adds to, and the one that it drew.
     pub drawn: (&'a SetBuffers, u32),
     /// The sets that the picture is made of, and the one to show.
     pub shown: (&'a SetBuffers, u32),
-    /// Classes.
-    pub classes: u32,
 }
 
 impl VplViewPass {
@@ -137,7 +135,7 @@ impl VplViewPass {
         let push = SetPush {
             shown_set: set.min(sets.count() - 1),
             view: view as u32,
-            unfiltered: (sets.count() * sources.classes) as f32,
+            drawn_step: sources.drawn.0.step(),
             ..sets.push(MissingSets::Dark, &[])
         };
         let gbuffer = inputs.estimator.gbuffer;
@@ -147,7 +145,7 @@ impl VplViewPass {
             .read("gbuffer_depth", &gbuffer.depth)
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_instance", &gbuffer.instance)
-            .read("class_irradiance", sources.class_irradiance)
+            .read("drawn_irradiance", sources.drawn_irradiance)
             .read("irradiance", sources.irradiance)
             .read("exposure", inputs.exposure)
             .write("display", inputs.display)

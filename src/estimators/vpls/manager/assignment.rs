@@ -1,9 +1,8 @@
-//! Assigns slots to lights, paths and bounces, and to temporal sets and pixel classes.
+//! Assigns slots to lights, paths and bounces, and to temporal sets.
 //!
 //! In: a [`Quota`]. Out: an [`Address`] for each slot. Slots are ordered by bounce, then light, then path.
 //! Slot s is in temporal set s mod T. Each bounce of each light is a contiguous range of slots, so the sets
-//! receive equal counts of it to within one. If T n^2 divides the slot count, pixel classes (see
-//! [`Layout::cell`]) do not depend on T: each pixel gathers the same VPLs for every T.
+//! receive equal counts of it to within one.
 
 use glam::Vec2;
 
@@ -14,7 +13,7 @@ use crate::settings::Sequence;
 /// Sentinel: no light or no parent slot.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Slot counts, and the mapping from slots to temporal sets and pixel classes.
+/// Slot counts, and the mapping from slots to temporal sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Number of slots.
@@ -23,8 +22,6 @@ pub(super) struct Layout {
     pub(super) bounces: u32,
     /// Temporal sets T.
     pub(super) sets: u32,
-    /// Pixel classes n^2.
-    pub(super) classes: u32,
     /// Seed of the sample sequences.
     pub(super) seed: u32,
     /// Sample sequence.
@@ -32,19 +29,20 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Number of rows; slot s is in row s mod rows. Each row belongs to one temporal set and, given enough
-    /// slots, holds every pixel class once.
+    /// Number of rows; slot s is in row s mod rows. Each row belongs to one temporal set.
     fn rows(&self) -> u32 {
-        self.sets * (self.slots / (self.sets * self.classes)).max(1)
+        self.sets * (self.slots / self.sets).max(1)
     }
 
-    /// Temporal set and pixel class of a slot. The class increases by one along a row. Rows start at
-    /// different classes, both adjacent rows and the rows of one set.
-    pub(super) fn cell(&self, slot: u32) -> (u32, u32) {
-        let (rows, classes) = (u64::from(self.rows()), u64::from(self.classes));
-        let (row, column) = (u64::from(slot) % rows, u64::from(slot) / rows);
-        let class = (column + row + row * classes / rows) % classes;
-        (slot % self.sets, class as u32)
+    /// Temporal set of a slot.
+    pub(super) fn set(&self, slot: u32) -> u32 {
+        slot % self.sets
+    }
+
+    /// The slots of a temporal set, in order.
+    pub(super) fn set_slots(&self, set: u32) -> impl Iterator<Item = u32> + use<> {
+        let slots = if set < self.sets { set..self.slots } else { 0..0 };
+        slots.step_by(self.sets as usize)
     }
 
     /// The slots that the quota distributes among the lights.
@@ -92,10 +90,6 @@ pub(super) struct Assignment {
     path_starts: Vec<u32>,
     /// Index of each light's first path.
     light_starts: Vec<u32>,
-    /// All slots, sorted by temporal set, then pixel class.
-    cell_slots: Vec<u32>,
-    /// Cell c, class k of set t for c = t n^2 + k, is `cell_slots[cell_starts[c]..cell_starts[c + 1]]`.
-    cell_starts: Vec<u32>,
 }
 
 impl Assignment {
@@ -105,14 +99,7 @@ impl Assignment {
         assignment.index_paths(layout.bounces);
         assignment.assign_slots(layout.bounces);
         assignment.assign_sequence_points(layout);
-        assignment.sort_into_cells(layout);
         assignment
-    }
-
-    /// The slots of one temporal set and pixel class.
-    pub(super) fn cell(&self, layout: &Layout, set: u32, class: u32) -> &[u32] {
-        let cell = (set * layout.classes + class) as usize;
-        &self.cell_slots[self.cell_starts[cell] as usize..self.cell_starts[cell + 1] as usize]
     }
 
     /// Number of paths.
@@ -208,16 +195,6 @@ impl Assignment {
         }
     }
 
-    fn sort_into_cells(&mut self, layout: &Layout) {
-        self.cell_slots = (0..layout.slots).collect();
-        self.cell_slots.sort_by_key(|&slot| layout.cell(slot));
-        let cells = (0..layout.sets).flat_map(|set| (0..=layout.classes).map(move |class| (set, class)));
-        self.cell_starts = cells
-            .filter(|&(set, class)| class < layout.classes || set + 1 == layout.sets)
-            .map(|cell| self.cell_slots.partition_point(|&slot| layout.cell(slot) < cell) as u32)
-            .collect();
-    }
-
     fn light_paths(&self, light: u32) -> std::ops::Range<usize> {
         let range = &self.light_starts[light as usize..light as usize + 2];
         range[0] as usize..range[1] as usize
@@ -244,13 +221,12 @@ mod tests {
 
     fn layouts() -> impl Iterator<Item = Layout> {
         let sizes = [(512, 2), (513, 3), (100, 16), (37, 1), (1000, 5), (4096, 16)];
-        let splits = [(1, 1), (2, 1), (3, 4), (16, 16), (7, 9), (32, 64), (64, 25)];
+        let sets = [1, 2, 3, 7, 16, 32, 64];
         sizes.into_iter().flat_map(move |(slots, bounces)| {
-            splits.into_iter().map(move |(sets, classes)| Layout {
+            sets.into_iter().map(move |sets| Layout {
                 slots,
                 bounces,
                 sets,
-                classes,
                 seed: 3,
                 sequence: Sequence::Sobol,
             })
@@ -290,34 +266,30 @@ mod tests {
     }
 
     #[test]
-    fn sets_and_classes_hold_the_same_mix() {
+    fn sets_hold_the_same_mix() {
         for_all_assignments(|assignment, layout| {
-            // Count slots per set and class, by bounce and by (bounce, light).
+            // Count slots per set, by bounce and by (bounce, light).
             let mut counts: HashMap<(u32, Option<u32>), Vec<u32>> = HashMap::new();
-            let cells = (layout.sets * layout.classes) as usize;
-            for (slot, address) in assignment.addresses.iter().enumerate() {
-                let (set, class) = layout.cell(slot as u32);
-                for light in [None, Some(address.light)] {
-                    let count = counts.entry((address.bounce, light));
-                    let count = count.or_insert_with(|| vec![0; cells]);
-                    count[(set * layout.classes + class) as usize] += 1;
+            for set in 0..layout.sets {
+                for slot in layout.set_slots(set) {
+                    assert_eq!(layout.set(slot), set);
+                    let address = &assignment.addresses[slot as usize];
+                    for light in [None, Some(address.light)] {
+                        let count = counts.entry((address.bounce, light));
+                        count.or_insert_with(|| vec![0; layout.sets as usize])[set as usize] += 1;
+                    }
                 }
             }
-            let spread =
-                |counts: &[u32]| counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0);
-            for (what, cells) in counts {
-                let sets = cells.chunks(layout.classes as usize);
-                let sets: Vec<u32> = sets.map(|set| set.iter().sum()).collect();
-                assert!(spread(&sets) <= 1, "{what:?} {layout:?} {sets:?}");
-                assert!(spread(&cells) <= 4, "{what:?} {layout:?} {cells:?}");
+            for (what, sets) in counts {
+                let spread = sets.iter().max().unwrap() - sets.iter().min().unwrap();
+                assert!(spread <= 1, "{what:?} {layout:?} {sets:?}");
             }
         });
     }
 
     #[test]
     fn a_sets_bounces_come_from_different_lights() {
-        let layout =
-            Layout { slots: 64, bounces: 4, sets: 16, classes: 1, seed: 0, sequence: Sequence::Sobol };
+        let layout = Layout { slots: 64, bounces: 4, sets: 16, seed: 0, sequence: Sequence::Sobol };
         let (quota, _) = allocate_paths(&claims(4), layout.slot_budget());
         let assignment = Assignment::new(quota, &layout);
         for set in 0..16 {
@@ -337,14 +309,14 @@ mod tests {
             }
             for light in 0..assignment.quota.full.len() as u32 {
                 let longest = assignment.light_paths(light).map(|path| assignment.path(path).len()).max();
-                // A truncated path has the last point, whatever its cell.
+                // A truncated path has the last point, whatever its set.
                 let mut sequences: Vec<(u32, u32)> = assignment
                     .light_paths(light)
                     .filter(|&path| Some(assignment.path(path).len()) == longest)
                     .map(|path| {
                         let slot = assignment.path(path)[0];
                         let address = &assignment.addresses[slot as usize];
-                        (address.sequence, layout.cell(slot).0)
+                        (address.sequence, layout.set(slot))
                     })
                     .collect();
                 sequences.sort_unstable();

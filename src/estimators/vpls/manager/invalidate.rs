@@ -19,6 +19,11 @@ use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::scene::{Side, WorldSurface};
+use glam::Vec3;
+
+/// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
+/// would be too many or too few until they are shot again.
+const MOST_CHANGE: f32 = 2.0;
 
 /// Minimum number of tests per task.
 const TESTS_PER_TASK: usize = 64;
@@ -218,7 +223,7 @@ impl VplManager {
                 self.sample_ray(index as u32).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
             }
             _ if address.bounce == 0 => self.test_primary(slot, address),
-            _ => self.test_segment(&self.surfaces[index], address),
+            _ => self.test_segment(&self.surfaces[index], address, slot.unoccluded),
         }
     }
 
@@ -233,7 +238,7 @@ impl VplManager {
 
     /// Test of the segment from the slot's parent to its surface: the two sides must face each other, the light
     /// must emit in that direction, and the segment must be unoccluded.
-    fn test_segment(&self, surface: &WorldSurface, address: &Address) -> Test {
+    fn test_segment(&self, surface: &WorldSurface, address: &Address, last: Option<Ray>) -> Test {
         let radius = self.changes.bounds.radius;
         let end = surface.offset_position(radius);
         let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
@@ -255,6 +260,15 @@ impl VplManager {
             }
             Source::Area(_) => return Test::Fail(InvalidationReason::LightChanged),
         };
+        let jumped = match (source, last) {
+            (Source::Point { position } | Source::Spot { position, .. }, Some(last)) => {
+                !(1.0 / MOST_CHANGE..=MOST_CHANGE).contains(&density_change(surface, last.origin, *position))
+            }
+            _ => false,
+        };
+        if jumped {
+            return Test::Fail(InvalidationReason::LightChanged);
+        }
         let arrives = match source {
             Source::Directional { frame, .. } => surface.geometric_normal.dot(frame.normal) < 0.0,
             _ => surface.geometric_normal.dot(surface.position - ray.origin) < 0.0,
@@ -265,6 +279,15 @@ impl VplManager {
             (true, false) => Test::Fail(InvalidationReason::LightTurnedAway),
         }
     }
+}
+
+/// How much more densely a point light at `to` shoots at a surface than one at `from`.
+fn density_change(surface: &WorldSurface, from: Vec3, to: Vec3) -> f32 {
+    let density = |light: Vec3| {
+        let d = light - surface.position;
+        surface.geometric_normal.dot(d).max(0.0) / d.length().powi(3)
+    };
+    density(to) / density(from)
 }
 
 /// Current surface of a valid slot's VPL, world space.

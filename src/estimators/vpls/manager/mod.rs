@@ -1,7 +1,6 @@
 //! Virtual point lights: slots and paths, shooting, invalidation, replacement, temporal sets.
 //!
-//! In: a scene, its pose and its two-level BVH. Out: for each temporal set the VPLs that light it,
-//! sorted by pixel class. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
+//! In: a scene, its pose and its two-level BVH. Out: for each temporal set the VPLs that light it. Algorithms 2 and 3 of Tonna 2019; Laine et al. 2007; Keller 1997.
 //!
 //! - `quota`, `assignment`: paths per light; slots per path and bounce.
 //! - `emitter`, `focus`: emission sampling.
@@ -59,25 +58,7 @@ pub struct GpuVpl {
     pub _pad: u32,
 }
 
-/// The VPLs of one temporal set, valid ones only, sorted by pixel class.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SetVpls {
-    /// The VPLs, class by class.
-    pub vpls: Vec<GpuVpl>,
-    /// Class k's VPLs are `vpls[class_starts[k]..class_starts[k + 1]]`; n^2 + 1 entries.
-    pub class_starts: Vec<u32>,
-}
-
-/// Luminous flux of the valid VPLs, by temporal set and by pixel class.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CellFlux {
-    /// Of each temporal set, over its classes.
-    pub sets: Vec<f32>,
-    /// Of each pixel class, over all sets.
-    pub classes: Vec<f32>,
-}
-
-/// Slot counters of one frame.
+/// Counters of one frame, in slots of [`crate::settings::VplSettings::vpls_per_slot`] VPLs each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct VplCounters {
     /// Number of slots.
@@ -97,6 +78,30 @@ pub struct VplCounters {
 }
 
 impl VplCounters {
+    /// Whether no slot was shot or invalidated in the frame.
+    pub fn is_quiet(&self) -> bool {
+        self.invalidated == 0 && self.shot == 0
+    }
+
+    /// Counts of VPLs as counts of slots that hold so many each. What is not zero stays so, but for escaped ones, so that those
+    /// and the valid ones together are never more than all slots.
+    fn in_slots_of(self, vpls: u32) -> Self {
+        let mut invalidated_by = self.invalidated_by;
+        for reason in InvalidationReason::ALL {
+            let count = invalidated_by.count_mut(reason);
+            *count = count.div_ceil(vpls);
+        }
+        Self {
+            slots: self.slots / vpls,
+            valid: self.valid.div_ceil(vpls),
+            escaped: self.escaped / vpls,
+            stale: self.stale.div_ceil(vpls),
+            invalidated: self.invalidated.div_ceil(vpls),
+            invalidated_by,
+            shot: self.shot.div_ceil(vpls),
+        }
+    }
+
     /// The counters by their key in reports.
     pub fn named(&self) -> Counters {
         let mut named = Counters::default();
@@ -125,6 +130,8 @@ const MAX_BOUNCES: usize = 16;
 #[derive(Clone, Debug)]
 pub struct VplManager {
     layout: Layout,
+    vpls_per_slot: u32,
+    /// In slots.
     budget: u32,
     changes: SceneChanges,
     assignment: Assignment,
@@ -148,10 +155,9 @@ impl VplManager {
     /// Assigns the slots to the lights and shoots them all (the first fill, outside any frame's budget).
     pub fn new(world: World<'_>, settings: &Settings) -> Self {
         let layout = Layout {
-            slots: settings.vpl.slots,
+            slots: settings.vpl.pool_size(),
             bounces: settings.bounces.clamp(1, MAX_BOUNCES as u32),
             sets: settings.vpl.temporal_sets.max(1),
-            classes: settings.vpl.interleave.max(1).pow(2),
             seed: settings.seed,
             sequence: settings.vpl.sequence,
         };
@@ -167,6 +173,7 @@ impl VplManager {
             counters: VplCounters::default(),
             frame: 0,
             invalidations: vec![None; layout.slots as usize],
+            vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
             layout,
             changes,
@@ -190,18 +197,23 @@ impl VplManager {
         self.counters.shot = 0;
         self.counters.invalidated_by = InvalidatedBy::default();
         self.counters.invalidated = self.invalidate_slots(world);
-        self.counters.invalidated
+        self.counters().invalidated
     }
 
     /// Algorithm 3: shoots up to the budget, invalid slots first, then stale ones; returns how many.
     pub fn replace(&mut self, world: World<'_>) -> u32 {
         self.counters.shot = self.replace_slots(world);
-        self.counters.shot
+        self.counters().shot
     }
 
     /// Counters of the frame so far.
     pub fn counters(&self) -> VplCounters {
-        self.counters
+        self.counters.in_slots_of(self.vpls_per_slot)
+    }
+
+    /// Whether the power of a light has changed in this frame.
+    pub fn flux_changed(&self) -> bool {
+        self.changes.flux_changed
     }
 
     /// Frames so far: 1 in the first one, 0 before it.

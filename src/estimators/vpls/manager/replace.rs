@@ -47,7 +47,7 @@ impl VplManager {
 
     fn select_ranges(&mut self) -> Vec<PathRange> {
         let mut ranges = Vec::new();
-        let mut left = self.budget as usize;
+        let mut left = self.budget.saturating_mul(self.vpls_per_slot) as usize;
         let mut planned = vec![false; self.assignment.paths()];
         for (turn, criterion) in [Criterion::Invalid, Criterion::Stale].into_iter().enumerate() {
             let mut cursor = self.cursors[turn];

@@ -1,4 +1,4 @@
-//! The VPLs of one temporal set as the shaders read them, class by class.
+//! The VPLs of one temporal set as the shaders read them.
 //!
 //! In: the slots and the current pose. Out: positions, normals and flux of the valid ones. The flux of a
 //! VPL is that of its light, over the number of slots of its light and bounce that are not invalid, times its
@@ -10,46 +10,25 @@ use super::assignment::NONE;
 use super::emitter::Source;
 use super::invalidate::locate;
 use super::slots::{SlotHistory, SlotState, SlotView};
-use super::{CellFlux, GpuVpl, SetVpls, VplManager, World};
-use crate::scene::luminance;
+use super::{GpuVpl, VplManager, World};
+use crate::scene::{BoundingSphere, luminance};
 
 impl VplManager {
-    /// The valid VPLs with non-zero flux of temporal set `set`, at their current positions.
-    pub fn set_vpls(&self, world: World<'_>, set: u32) -> SetVpls {
-        let layout = &self.layout;
-        let classes = layout.classes as usize;
-        let mut result = SetVpls {
-            vpls: Vec::with_capacity((layout.slots / layout.sets + 1) as usize),
-            class_starts: Vec::with_capacity(classes + 1),
-        };
-        for class in 0..layout.classes {
-            result.class_starts.push(result.vpls.len() as u32);
-            let slots: &[u32] =
-                if set < layout.sets { self.assignment.cell(layout, set, class) } else { &[] };
-            result.vpls.extend(slots.iter().filter_map(|&slot| self.gpu_vpl(world, slot)));
-        }
-        result.class_starts.push(result.vpls.len() as u32);
-        result
+    /// The valid VPLs with non-zero flux of temporal set `set`, at their current positions, sorted along a curve through space:
+    /// neighbours in the list are neighbours in the scene.
+    pub fn set_vpls(&self, world: World<'_>, set: u32) -> Vec<GpuVpl> {
+        let mut vpls: Vec<GpuVpl> =
+            self.layout.set_slots(set).filter_map(|slot| self.gpu_vpl(world, slot)).collect();
+        let BoundingSphere { center, radius } = self.changes.bounds;
+        let place = |vpl: &GpuVpl| (vpl.position - center) / (2.0 * radius) + 0.5;
+        vpls.sort_by_cached_key(|vpl| (morton_code(place(vpl)), vpl.slot));
+        vpls
     }
 
-    /// Luminous flux of the valid VPLs of each temporal set, and of each pixel class over all sets.
-    pub fn flux_by_cell(&self) -> CellFlux {
-        let layout = &self.layout;
-        let mut flux =
-            CellFlux { sets: vec![0.0; layout.sets as usize], classes: vec![0.0; layout.classes as usize] };
-        for set in 0..layout.sets {
-            for class in 0..layout.classes {
-                let cell: f32 = self
-                    .assignment
-                    .cell(layout, set, class)
-                    .iter()
-                    .map(|&slot| luminance(self.flux(slot as usize)))
-                    .sum();
-                flux.sets[set as usize] += cell;
-                flux.classes[class as usize] += cell;
-            }
-        }
-        flux
+    /// Luminous flux of the valid VPLs of each temporal set.
+    pub fn set_flux(&self) -> Vec<f32> {
+        let of_set = |set| self.layout.set_slots(set).map(|slot| luminance(self.flux(slot as usize))).sum();
+        (0..self.layout.sets).map(of_set).collect()
     }
 
     /// Luminous flux of all valid VPLs, the sum over all temporal sets.
@@ -73,7 +52,7 @@ impl VplManager {
                 normal: surface.normal,
                 flux: self.flux(index),
                 stale: address.light != NONE && !slot.fresh,
-                set: self.layout.cell(index as u32).0,
+                set: self.layout.set(index as u32),
                 origin: self.origin(index),
             }
         })
@@ -132,4 +111,13 @@ impl VplManager {
         let share = self.flux_corrections[light][bounce] / self.live[light][bounce] as f32;
         self.changes.emitters[light].flux * share * slot.throughput
     }
+}
+
+/// The Z-order curve (Morton 1966): of a point of the unit cube, 10 bits of each coordinate, interleaved.
+fn morton_code(p: Vec3) -> u32 {
+    let spread = |coordinate: f32| {
+        let bits = (coordinate * 1024.0).clamp(0.0, 1023.0) as u32;
+        (0..10).fold(0, |code, bit| code | (bits >> bit & 1) << (3 * bit))
+    };
+    spread(p.x) | spread(p.y) << 1 | spread(p.z) << 2
 }

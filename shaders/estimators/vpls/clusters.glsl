@@ -1,0 +1,88 @@
+// The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
+// Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
+// DrawPush, TILE in src/estimators/vpls/indirect_shadows.rs.
+
+struct VplCluster {
+    vec3 position;  // mean by flux
+    float radius;   // root mean square of the distance from there, by flux
+    vec3 normal;    // mean by flux: the shorter, the more the normals differ
+    float flux;     // luminous
+    uint first;     // VPL, counted from the set's first
+    uint count;
+    uint pad0;
+    uint pad1;
+};
+
+const uint CLUSTERS = 64u;
+const uint TILE = 16u; // texels in each direction that share what they see
+const uint BLOCK = 8u; // and that share the weights of the clusters
+
+layout(set = 0, binding = CLUSTERS_BINDING, std430) readonly buffer ClusterBlock { VplCluster data[]; } vpl_clusters;
+// What a dispatch draws.
+struct DrawPush {
+    uvec2 tiles;
+    uint set_step;   // pixels from one texel of the set buffers to the next
+    uint first_draw; // of this dispatch
+    uint end_draw;
+    uint draws;      // over all dispatches; 0: gather every VPL from first_draw to end_draw
+    float set_share; // of the light, that a set holds
+    uint spread;     // of bias_compensation.comp
+};
+layout(push_constant) uniform Push { DrawPush data; } push_constants;
+DrawPush push = push_constants.data;
+
+uint weight_index(uvec2 block, uint cluster) {
+    uint columns = push.tiles.x * (TILE / BLOCK);
+    return (block.y * columns + block.x) * CLUSTERS + cluster;
+}
+
+// A number in [0, 1) for each texel, well spread among neighbours (the R2 sequence of Roberts 2018), over sets, and over uses.
+float shift_of(uvec2 texel, uint use) {
+    return fract(dot(vec2(texel), vec2(0.7548776662, 0.5698402910)) + 0.6180339887 * float(vpl.layer) + 0.41421356 * float(use));
+}
+
+// The tile that tells a texel what it sees: its own or one beside it, the nearer the more often, so that no edges are seen.
+uvec2 tile_of(uvec2 texel) {
+    vec2 jitter = vec2(shift_of(texel, 11u), shift_of(texel.yx + 5u, 13u)) - 0.5;
+    vec2 tile = floor((vec2(texel) + 0.5) / float(TILE) + jitter);
+    return uvec2(clamp(tile, vec2(0.0), vec2(push.tiles) - 1.0));
+}
+
+// Keeps one of many by weight (Chao 1982). The number that decides is used again: what is left of it is uniform.
+struct Choice {
+    uint kept;
+    float weight; // of the kept one
+    float sum;    // of all weights
+    float random;
+};
+
+void offer(inout Choice choice, uint offered, float weight) {
+    choice.sum += weight;
+    float share = weight > 0.0 ? weight / choice.sum : 0.0;
+    bool take = choice.random < share;
+    if (take) choice.kept = offered;
+    if (take) choice.weight = weight;
+    choice.random = take ? choice.random / share : (choice.random - share) / max(1.0 - share, 1e-6);
+    choice.random = clamp(choice.random, 0.0, 0.9999999);
+}
+
+// VPLs of a cluster among which one is chosen; of larger clusters every so many.
+const uint MOST_CHOICES = 8u;
+
+// A VPL, counted from the set's first, and one over its probability; 0: it brings nothing.
+struct Draw {
+    uint index;
+    float inverse_probability;
+};
+
+// Of a cluster one VPL, by what it brings to the surface, were nothing between.
+Draw choose_vpl(VplCluster cluster, Surface surface, float random) {
+    uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
+    float at = random * float(stride);
+    Choice choice = Choice(0u, 0.0, 0.0, fract(at));
+    for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
+        GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
+        offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
+    }
+    return Draw(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
+}

@@ -1,0 +1,63 @@
+// Drawing a VPL for a texel: first a cluster, by the weights of the texel's block, then a VPL of the cluster. Needs clusters.glsl.
+// Define CLUSTER_WEIGHTS_BINDING before including.
+
+// Of each block, how much it is to draw each cluster.
+layout(set = 0, binding = CLUSTER_WEIGHTS_BINDING, std430) readonly buffer WeightBlock { float data[]; } cluster_weights;
+
+
+// Clusters are drawn in two steps, by runs.
+const uint RUN = 8u;
+const uint RUNS = CLUSTERS / RUN;
+
+// Weights of the clusters of a block, run by run.
+struct BlockWeights {
+    uint first;
+    float cumulative[RUNS];
+};
+
+BlockWeights weights_of(uvec2 block) {
+    BlockWeights weights;
+    weights.first = weight_index(block, 0u);
+    float sum = 0.0;
+    for (uint run = 0u; run < RUNS; run++) {
+        for (uint i = 0u; i < RUN; i++) sum += cluster_weights.data[weights.first + run * RUN + i];
+        weights.cumulative[run] = sum;
+    }
+    return weights;
+}
+
+// Of all VPLs one: first the cluster, then the VPL.
+Draw draw_vpl(BlockWeights weights, Surface surface, float random) {
+    float total = weights.cumulative[RUNS - 1u];
+    float at = random * total;
+    uint run = 0u;
+    float below = 0.0;
+    for (uint i = 0u; i < RUNS - 1u; i++) {
+        bool after = weights.cumulative[i] <= at;
+        run += after ? 1u : 0u;
+        below = after ? weights.cumulative[i] : below;
+    }
+    uint chosen = run * RUN;
+    float weight = 0.0;
+    for (uint i = 0u; i < RUN; i++) {
+        float next = cluster_weights.data[weights.first + run * RUN + i];
+        bool here = weight <= 0.0 || below + weight <= at;
+        below += here ? weight : 0.0;
+        chosen = here ? run * RUN + i : chosen;
+        weight = here ? next : weight;
+    }
+    VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + chosen];
+    if (weight <= 0.0 || cluster.count == 0u) return Draw(0u, 0.0);
+    Draw drawn = choose_vpl(cluster, surface, clamp((at - below) / weight, 0.0, 0.9999999));
+    drawn.inverse_probability *= total / weight;
+    return drawn;
+}
+
+// How often what was expected, were nothing between, one draw may bring.
+const float MOST_BROUGHT = 64.0;
+
+// No more than that: an outlier would stay in a history.
+vec3 bounded(vec3 brought, BlockWeights weights) {
+    float most = MOST_BROUGHT * weights.cumulative[RUNS - 1u];
+    return brought * min(1.0, most / max(luminance(brought), 1e-30));
+}

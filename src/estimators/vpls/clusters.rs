@@ -1,0 +1,109 @@
+//! Clusters of VPLs, which texels draw from.
+//!
+//! In: the VPLs of a set, sorted so that neighbours in the list are neighbours in space. Out: [`CLUSTERS`] runs of the list, with
+//! what tells about how much each brings to a point.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use super::manager::GpuVpl;
+use crate::passes::to_u32;
+use crate::scene::luminance;
+
+/// Clusters of a set. Twin: shaders/estimators/vpls/clusters.glsl.
+pub const CLUSTERS: usize = 64;
+
+/// Neighbouring VPLs of a set; `VplCluster` in shaders/estimators/vpls/clusters.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct VplCluster {
+    /// World position, the mean by flux.
+    pub position: Vec3,
+    /// Root mean square of the distance from there, by flux.
+    pub radius: f32,
+    /// Mean normal, by flux: the shorter, the more the normals differ.
+    pub normal: Vec3,
+    /// Luminous flux.
+    pub flux: f32,
+    /// VPL, counted from the set's first.
+    pub first: u32,
+    /// VPLs.
+    pub count: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+}
+
+/// Deals a sorted list out to clusters of as equal sizes as may be.
+pub fn clusters_of(vpls: &[GpuVpl]) -> Vec<VplCluster> {
+    let bounds = |index: usize| index * vpls.len() / CLUSTERS;
+    (0..CLUSTERS).map(|index| cluster(vpls, bounds(index)..bounds(index + 1))).collect()
+}
+
+fn cluster(vpls: &[GpuVpl], range: std::ops::Range<usize>) -> VplCluster {
+    let members = &vpls[range.clone()];
+    let flux: f32 = members.iter().map(|vpl| luminance(vpl.flux)).sum();
+    let mean = |value: &dyn Fn(&GpuVpl) -> Vec3| -> Vec3 {
+        members.iter().map(|vpl| value(vpl) * (luminance(vpl.flux) / flux)).sum()
+    };
+    let position = mean(&|vpl| vpl.position);
+    VplCluster {
+        position,
+        radius: mean(&|vpl| Vec3::splat(vpl.position.distance_squared(position))).x.sqrt(),
+        normal: mean(&|vpl| vpl.normal),
+        flux,
+        first: to_u32(range.start),
+        count: to_u32(members.len()),
+        ..VplCluster::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::structs::tests::same_layout;
+    use crate::vulkan::shaders;
+
+    #[test]
+    fn structs_have_the_layout_of_the_shaders() {
+        same_layout!(
+            shaders::INDIRECT_SHADOWS_COMP.software,
+            VplCluster,
+            position,
+            radius,
+            normal,
+            flux,
+            first,
+            count,
+            pad0,
+            pad1
+        );
+    }
+
+    #[test]
+    fn clusters_hold_every_vpl_once_and_all_flux() {
+        for count in [0, 1, 63, 64, 65, 1000] {
+            let vpl = |i: u32| GpuVpl {
+                position: Vec3::new(i as f32, 1.0, 0.0),
+                normal: Vec3::Y,
+                flux: Vec3::splat(1.0 + (i % 3) as f32),
+                ..GpuVpl::default()
+            };
+            let vpls: Vec<GpuVpl> = (0..count).map(vpl).collect();
+            let clusters = clusters_of(&vpls);
+            assert_eq!(clusters.len(), CLUSTERS);
+            let mut next = 0;
+            for cluster in &clusters {
+                assert_eq!(cluster.first, next);
+                next += cluster.count;
+                assert!(cluster.count == 0 || (cluster.normal - Vec3::Y).length() < 1e-5);
+                assert!(cluster.count != 1 || cluster.radius == 0.0);
+            }
+            assert_eq!(next, count);
+            let all: f32 = vpls.iter().map(|vpl| luminance(vpl.flux)).sum();
+            let held: f32 = clusters.iter().map(|cluster| cluster.flux).sum();
+            assert!((all - held).abs() <= 1e-4 * all);
+        }
+    }
+}
