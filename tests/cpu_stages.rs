@@ -17,15 +17,16 @@ const FRAMES: usize = 100;
 
 #[test]
 fn stages_are_short() {
-    vpls_follow_a_turning_torus();
+    vpls_follow_a_turning_torus(512, Duration::from_millis(1));
+    vpls_follow_a_turning_torus(16_384, Duration::from_millis(8));
     a_hundred_of_a_thousand_instances_move();
 }
 
 /// The conference room whose torus turns under the spot light: nearly every frame loses VPLs.
-fn vpls_follow_a_turning_torus() {
+fn vpls_follow_a_turning_torus(pool: u32, most: Duration) {
     let scene = glowworm::scene::load_scene("meeting-room", None).unwrap();
     let settings = Settings {
-        vpl: VplSettings { slots: 512, budget: 64, ..VplSettings::default() },
+        vpl: VplSettings { slots: 512, pool, budget: 64, ..VplSettings::default() },
         ..Settings::default()
     };
     let mut bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
@@ -44,9 +45,11 @@ fn vpls_follow_a_turning_torus() {
         let _ = manager.set_vpls(world, frame % settings.vpl.temporal_sets);
         start.elapsed()
     });
-    println!("meeting-room, 512 VPLs, budget 64: all CPU stages p95 {p95:?}, {lost} VPLs lost, {shot} shot");
+    println!(
+        "meeting-room, 512 VPLs of {pool}, budget 64: all CPU stages p95 {p95:?}, {lost} VPLs lost, {shot} shot"
+    );
     assert!(lost > 0 && shot > 0, "the torus changes nothing");
-    assert!(p95 <= Duration::from_millis(1), "the CPU's stages take {p95:?}");
+    assert!(p95 <= most, "the CPU's stages take {p95:?}");
 }
 
 /// A million triangles in a thousand instances.

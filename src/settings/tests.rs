@@ -178,7 +178,7 @@ fn errors_of_a_scene_file_are_not_wrong_usage() {
         ("size = [1, 2, 3]", "[settings] size = [1, 2, 3]: must be a width and a height"),
         ("size = \"9\"", "[settings] size = 9: must be a width and a height"),
         ("[vpls]\nvpls = 0", "[settings] vpls = 0: must be 1 to 65536"),
-        ("[vpls]\nvlps = 9", "[settings.vpls] vlps: unknown setting; known are vpls, interleave"),
+        ("[vpls]\nvlps = 9", "[settings.vpls] vlps: unknown setting; known are vpls, pool, interleave"),
         ("[vpls]\nseed = 9", "[settings.vpls] seed: belongs in [settings]"),
         ("[vpls]\nvpls = { vpls = 9 }", "[settings.vpls] vpls: must be a value, not a table"),
         ("[lamps]\nvpls = 9", "[settings.lamps]: unknown table; known are [settings], [settings.vpls]"),

@@ -36,9 +36,9 @@ fn thin_features_do_not_go_black() {
 
 #[test]
 fn interleaving_leaves_no_pixel_in_the_dark() {
-    // The same VPLs, so that all differences are interleaving's.
+    // The same VPLs, so that all differences are those of drawing a few.
     let vpl = VplSettings { temporal_sets: 1, ..VplSettings::default() };
     let same = Settings { vpl, ..Settings::default() };
     let Some(share) = dark_share(same) else { return };
-    assert!(share < 0.0005, "{share} of the pixels have less than a quarter of what their VPLs send");
+    assert!(share < 0.003, "{share} of the pixels have less than a quarter of what their VPLs send");
 }

@@ -11,14 +11,14 @@ use super::support::{Lab, indirect, layer, luminance, mean};
 
 const SIZE: [u32; 2] = [80, 60];
 /// Seeds over which pictures are averaged.
-const SEEDS: u32 = 8;
+const SEEDS: u32 = 16;
 
 /// The mean over all pixels and seeds is that of the path tracer.
 fn check(scene: &Arc<Scene>) {
     let Some(lab) = Lab::open() else { return };
     let mut drawn = vec![0.0; (SIZE[0] * SIZE[1]) as usize];
     for seed in 0..SEEDS {
-        let vpl = VplSettings { slots: 2048, clamp: 0.0, ..VplSettings::default() };
+        let vpl = VplSettings { slots: 4096, clamp: 0.0, ..VplSettings::default() };
         let settings = Settings { size: SIZE, seed, vpl, ..Settings::default() };
         let picture = indirect(&lab.rendered(scene, &settings, vpl.temporal_sets));
         drawn.iter_mut().zip(&picture).for_each(|(sum, pixel)| *sum += luminance(pixel) / SEEDS as f32);

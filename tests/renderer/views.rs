@@ -51,7 +51,7 @@ pub fn settings(temporal_sets: u32, interleave: u32) -> Settings {
     Settings {
         size,
         exposure: Some(0.0),
-        vpl: VplSettings { temporal_sets, interleave, slots: 128, ..VplSettings::default() },
+        vpl: VplSettings { temporal_sets, interleave, slots: 128, pool: 128, ..VplSettings::default() },
         ..Settings::default()
     }
 }

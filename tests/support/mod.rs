@@ -106,6 +106,8 @@ pub fn exact(size: [u32; 2]) -> Settings {
             interleave: 1,
             temporal_sets: 1,
             slots: 256,
+            // Every VPL is gathered.
+            pool: 256,
             ..VplSettings::default()
         },
         ..Settings::default()

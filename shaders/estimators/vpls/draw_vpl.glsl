@@ -54,10 +54,11 @@ Draw draw_vpl(BlockWeights weights, Surface surface, float random) {
 }
 
 // How often what was expected, were nothing between, one draw may bring.
-const float MOST_BROUGHT = 64.0;
+const float MOST_BROUGHT = 256.0;
 
-// No more than that: an outlier would stay in a history.
+// No more than that, where there is a bound at all: an outlier would stay in a history.
 vec3 bounded(vec3 brought, BlockWeights weights) {
+    if (vpl.geometry_bound == 0.0) return brought;
     float most = MOST_BROUGHT * weights.cumulative[RUNS - 1u];
     return brought * min(1.0, most / max(luminance(brought), 1e-30));
 }

@@ -163,7 +163,7 @@ impl<'a> Pixels<'a> {
                 let vpl = (random_point(index as u32, draw, 0).x * vpls.len() as f32) as usize;
                 self.to_vpl(pixel, vpls.get(vpl)?, bound)
             };
-            rays.extend((0..draws(settings)).filter_map(draw));
+            rays.extend((0..draws(settings, vpls.len() as u32)).filter_map(draw));
         }
     }
 

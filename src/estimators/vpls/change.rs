@@ -4,7 +4,7 @@
 //! picture, reprojected like any others, until every new set has been drawn.
 
 use super::indirect_shading::IndirectShadingPass;
-use super::indirect_shadows::{IndirectShadowsPass, draws};
+use super::indirect_shadows::IndirectShadowsPass;
 use super::set_buffers::{SetBuffers, set_step};
 use super::staleness::Staleness;
 use super::vpl_buffer::VplBuffer;
@@ -31,10 +31,7 @@ impl Vpls {
         let shadows = if retraced {
             Some(IndirectShadowsPass::new(device, tracer, new)?)
         } else {
-            made_if(
-                resized || draws(&new.vpl) != draws(&old.vpl) || set_step(&new.vpl) != set_step(&old.vpl),
-                || passes.indirect_shadows.changed(device, new),
-            )?
+            made_if(resized || new.vpl != old.vpl, || passes.indirect_shadows.changed(device, new))?
         };
         let refiltered = interleaved || set_step(&new.vpl) != set_step(&old.vpl);
         let shading = made_if(refiltered, || IndirectShadingPass::new(device, &new.vpl))?;

@@ -44,10 +44,12 @@ pub struct IndirectShadowsPass {
     weigh: Arc<ComputePipeline>,
     draw: Arc<ComputePipeline>,
     compensate: Arc<ComputePipeline>,
+    /// Of the light, that a set holds.
     set_share: f32,
+    /// Whether there is a bound of the geometry term.
     bounded: bool,
     step: u32,
-    draws: u32,
+    settings: VplSettings,
     /// For each tile, how likely it sees each cluster.
     cluster_visibility: Buffer,
     /// For each block, how much it is to draw each cluster.
@@ -95,7 +97,7 @@ impl IndirectShadowsPass {
             set_share: 1.0 / settings.vpl.temporal_sets as f32,
             bounded: settings.vpl.clamp > 0.0,
             step,
-            draws: draws(&settings.vpl),
+            settings: settings.vpl,
             cluster_weights: Buffer::new(
                 device,
                 "cluster_weights",
@@ -129,24 +131,11 @@ impl IndirectShadowsPass {
             ..DrawPush::default()
         };
 
-        // See which clusters the tiles see.
-        let pass = surfaces(frame.pass("indirect_shadows", &self.visibility), inputs)
-            .read("vpl_clusters", &*set.clusters)
-            .write("cluster_visibility", &self.cluster_visibility)
-            .write("ray_counters", &*set.ray_counters)
-            .push(&all);
-        set.bind(inputs.tracer.bind(pass)).dispatch_threads([tiles[0] * CLUSTERS as u32, tiles[1], 1])?;
-
-        let pass = surfaces(frame.pass("indirect_shadows", &self.weigh), inputs)
-            .read("vpl_clusters", &*set.clusters)
-            .read("cluster_visibility", &self.cluster_visibility)
-            .write("cluster_weights", &self.cluster_weights)
-            .push(&all);
-        let blocks = tiles.map(|side| side * (TILE / BLOCK));
-        set.bind(pass).dispatch_threads([blocks[0] * CLUSTERS as u32, blocks[1], 1])?;
-
-        // Draw VPLs.
-        for push in dispatches(all, set.count, self.draws) {
+        let dispatches = dispatches(all, set.count, draws(&self.settings, set.count));
+        if self.bounded || dispatches.iter().any(|push| push.draws > 0) {
+            self.weigh_clusters(frame, inputs, set, all)?;
+        }
+        for push in dispatches {
             let pass = surfaces(frame.pass("indirect_shadows", &self.draw), inputs)
                 .read("vpl_clusters", &*set.clusters)
                 .read("cluster_weights", &self.cluster_weights)
@@ -156,21 +145,55 @@ impl IndirectShadowsPass {
             set.bind(inputs.tracer.bind(pass)).dispatch_over(extent)?;
         }
 
-        // Bring back what the bound has taken away.
         if self.bounded {
-            let pass = surfaces(frame.pass("indirect_shadows", &self.compensate), inputs)
-                .read("vpl_clusters", &*set.clusters)
-                .read("cluster_weights", &self.cluster_weights)
-                .read("lights", inputs.lights)
-                .read("instances", &*inputs.instances.data)
-                .read("materials", inputs.materials)
-                .write("drawn_irradiance", &self.irradiance)
-                .write("ray_counters", &*set.ray_counters)
-                .push(&all);
-            let blocks = extent.map(|side| side.div_ceil(all.spread));
-            set.bind(inputs.tracer.bind(pass)).dispatch_over(blocks)?;
+            self.bring_back(frame, inputs, set, all)?;
         }
         Ok(&self.irradiance)
+    }
+
+    /// Finds out how much each block is to draw each cluster.
+    fn weigh_clusters(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+        set: &UploadedSet,
+        all: DrawPush,
+    ) -> Result<(), VulkanError> {
+        let threads = CLUSTERS as u32;
+        let pass = surfaces(frame.pass("indirect_shadows", &self.visibility), inputs)
+            .read("vpl_clusters", &*set.clusters)
+            .write("cluster_visibility", &self.cluster_visibility)
+            .write("ray_counters", &*set.ray_counters)
+            .push(&all);
+        set.bind(inputs.tracer.bind(pass)).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])?;
+        let pass = surfaces(frame.pass("indirect_shadows", &self.weigh), inputs)
+            .read("vpl_clusters", &*set.clusters)
+            .read("cluster_visibility", &self.cluster_visibility)
+            .write("cluster_weights", &self.cluster_weights)
+            .push(&all);
+        let blocks = all.tiles.map(|side| side * (TILE / BLOCK));
+        set.bind(pass).dispatch_threads([blocks[0] * threads, blocks[1], 1])
+    }
+
+    /// Adds what the bound has taken away.
+    fn bring_back(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+        set: &UploadedSet,
+        all: DrawPush,
+    ) -> Result<(), VulkanError> {
+        let pass = surfaces(frame.pass("indirect_shadows", &self.compensate), inputs)
+            .read("vpl_clusters", &*set.clusters)
+            .read("cluster_weights", &self.cluster_weights)
+            .read("lights", inputs.lights)
+            .read("instances", &*inputs.instances.data)
+            .read("materials", inputs.materials)
+            .write("drawn_irradiance", &self.irradiance)
+            .write("ray_counters", &*set.ray_counters)
+            .push(&all);
+        let blocks = self.irradiance.extent().map(|side| side.div_ceil(all.spread));
+        set.bind(inputs.tracer.bind(pass)).dispatch_over(blocks)
     }
 }
 
@@ -181,9 +204,13 @@ fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
         .read("gbuffer_normal", &inputs.gbuffer.normal)
 }
 
-/// VPLs that a texel draws in each frame.
-pub(crate) fn draws(settings: &VplSettings) -> u32 {
-    settings.slots.div_ceil(settings.temporal_sets * settings.interleave.pow(2))
+/// VPLs that a texel draws in each frame from a set that holds so many: its share of `--vpls`, as far as the pool is filled, so that
+/// light that leaves the scene takes no rays. A texel that stands for several pixels draws half as many more.
+pub(crate) fn draws(settings: &VplSettings, vpls: u32) -> u32 {
+    let room = settings.pool_size().div_ceil(settings.temporal_sets);
+    let each = settings.slots as f32 / (settings.temporal_sets * settings.interleave.pow(2)) as f32;
+    let more = if set_step(settings) > 1 { 1.5 } else { 1.0 };
+    (each * more * (vpls as f32 / room as f32)).round().max(1.0) as u32
 }
 
 /// The dispatches that draw so many of a set's VPLs: at least one, so that an empty set gives black.

@@ -4,13 +4,14 @@
 
 use glam::Vec3;
 
-use super::VplManager;
+use super::{VplCounters, VplManager};
 
 impl VplManager {
     /// A warning if over half of all slots have no flux, with what to do about it. None in scenes without lights.
     pub fn wasted_slots_warning(&self) -> Option<String> {
-        let (slots, escaped) = (self.counters.slots, self.counters.escaped);
+        let VplCounters { slots, escaped, .. } = self.counters();
         let dark = self.slots().filter(|slot| slot.light.is_some() && slot.flux == Vec3::ZERO).count();
+        let dark = dark / self.vpls_per_slot as usize;
         let no_lights = self.changes.emitters.is_empty();
         if no_lights || 2 * dark <= slots as usize {
             return None;

@@ -1,0 +1,89 @@
+"""Pictures as arrays for the studies: layers of an EXR in, figures and display values out.
+
+Luminance is that of Rec. 709. A block counts if the reference's mean in it is above 2 % of that of its whole picture: in
+darker ones ratios say nothing.
+"""
+
+import numpy as np
+import OpenEXR
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+DARK = 0.02
+
+
+def layer(picture, name):
+    """A layer as height x width x 3."""
+    for part in OpenEXR.File(str(picture)).parts:
+        if part.name() == name:
+            return part.channels["RGB"].pixels[..., :3].astype(np.float64)
+    raise ValueError(f"{picture} has no layer {name}")
+
+
+def exposure(picture):
+    """Stops that bring 95 % of a picture's luminances below 0.8."""
+    return float(np.log2(0.8 / np.percentile(picture @ LUMINANCE, 95)))
+
+
+def display(picture, stops):
+    """sRGB, 8 bits, of linear values."""
+    linear = np.clip(picture * 2.0 ** stops, 0, 1)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+    return (255 * encoded + 0.5).astype(np.uint8)
+
+
+def block_means(picture, side):
+    """Mean luminances of whole blocks; what is left at the right and lower edge is not in them."""
+    luminances = picture @ LUMINANCE
+    height, width = (extent // side * side for extent in luminances.shape)
+    return luminances[:height, :width].reshape(height // side, side, width // side, side).mean((1, 3))
+
+
+def brightest_block(drawn, reference, side=8):
+    """The greatest ratio of the means of a block: bright spots and leaks."""
+    ours, theirs = block_means(drawn, side), block_means(reference, side)
+    counted = theirs > DARK * theirs.mean()
+    return float((ours[counted] / theirs[counted]).max())
+
+
+def trimmed_relmse(drawn, reference):
+    """The relMSE of `glowworm compare` over all pixels but the worst 0.1 %: one pixel may outweigh all others."""
+    errors = ((drawn - reference) ** 2 / (reference ** 2 + 0.01)).mean(2).ravel()
+    return float(np.sort(errors)[:int(0.999 * errors.size)].mean())
+
+
+def pattern(drawn, reference, period=4):
+    """How much a pattern of this period in pixels, as interleaving may leave it, stands out from the error around it.
+
+    The power spectrum of the luminance of the error (after a Hann window, so that edges of the picture do not leak) is
+    taken at the frequencies (f, 0), (0, f), (f, f) and (f, -f) with f = 1/period: the mean over 3 x 3 bins there. Each is
+    divided by the mean of its neighbourhood, the bins within 10 % of f, without those 3 x 3. On an axis, where horizontal and
+    vertical edges are, the neighbourhood is the strip of 3 bins along it. The result is the mean of the four: about 1 where
+    there is no pattern (0.5 to 1.5: few bins tell).
+    """
+    error = (drawn - reference) @ LUMINANCE
+    height, width = (extent // period * period for extent in error.shape)
+    window = np.outer(np.hanning(height + 1)[:-1], np.hanning(width + 1)[:-1])
+    error = error[:height, :width]
+    power = np.abs(np.fft.fft2(window * (error - (window * error).sum() / window.sum()))) ** 2
+    ratios = []
+    for down, right in [(0, 1), (1, 0), (1, 1), (-1, 1)]:
+        # Bins from the frequency in question.
+        rows = [offset for offset in range(-height, height) if abs(offset) <= (0.1 * height / period if down else 1)]
+        columns = [offset for offset in range(-width, width) if abs(offset) <= (0.1 * width / period if right else 1)]
+        around = power[np.ix_([(down * height // period + offset) % height for offset in rows],
+                              [(right * width // period + offset) % width for offset in columns])]
+        centre = np.outer(np.abs(rows) <= 1, np.abs(columns) <= 1)
+        ratios.append(around[centre].mean() / around[~centre].mean())
+    return float(np.mean(ratios))
+
+
+def steadiness(pictures, side=32):
+    """Over pictures of several seeds, the worst block's spread (largest less smallest mean) and standard deviation, both
+    over its mean, and the root mean square over the blocks of the latter."""
+    means = np.stack([block_means(picture, side) for picture in pictures])
+    mean = means.mean(0)
+    counted = mean > DARK * mean.mean()
+    spread = (means.max(0) - means.min(0))[counted] / mean[counted]
+    deviation = means.std(0, ddof=1)[counted] / mean[counted]
+    typical = np.sqrt((deviation ** 2).mean())
+    return {"spread": float(spread.max()), "deviation": float(deviation.max()), "typical_deviation": float(typical)}
