@@ -26,11 +26,11 @@ use std::time::Instant;
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::combine::CombineInputs;
-use crate::passes::direct_shading::DirectShadingInputs;
-use crate::passes::direct_shadows::{DirectShadowsInputs, lights_of};
+use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
+use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass, lights_of};
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
-use crate::passes::structs::FrameUniforms;
+use crate::passes::structs::{FrameUniforms, LightData};
 use crate::passes::to_u32;
 use crate::passes::tracer::Tracer;
 use crate::report::{
@@ -39,9 +39,43 @@ use crate::report::{
 };
 use crate::scene::{Camera, Pose, Scene};
 use crate::settings::Settings;
-use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+use crate::vulkan::{Device, Frame, FrameTimes, Frames, Image, VulkanError};
 use shared::SharedPasses;
 use view::{ViewFrame, ViewPasses};
+
+/// What point, spot and directional lights send straight to the visible surfaces.
+fn light_directly<'p>(
+    (shadows, shading): (&mut DirectShadowsPass, &'p mut DirectShadingPass),
+    frame: &mut Frame<'_>,
+    inputs: &EstimatorInputs<'_>,
+    lights: &[LightData],
+    scene: &SceneBuffers,
+) -> Result<&'p Image, VulkanError> {
+    let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
+    shadows.record(
+        frame,
+        &DirectShadowsInputs {
+            frame: uniforms,
+            gbuffer,
+            tracer,
+            instances: instances.version,
+            lights,
+            uploaded_lights: inputs.lights,
+        },
+    )?;
+    shading.record(
+        frame,
+        &DirectShadingInputs {
+            frame: uniforms,
+            gbuffer,
+            lights: inputs.lights,
+            visibility: shadows.output(),
+            visibility_version: shadows.version(),
+            scene,
+            instances,
+        },
+    )
+}
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -225,32 +259,6 @@ impl Renderer {
                 view_projection: uniforms.view_projection,
             },
         )?;
-        self.passes.direct_shadows.record(
-            &mut frame,
-            &DirectShadowsInputs {
-                frame: frame_uniforms,
-                gbuffer,
-                tracer,
-                instances: instances.version,
-                lights: &lights,
-                uploaded_lights,
-            },
-        )?;
-        let direct_shadows = &self.passes.direct_shadows;
-        let direct = self.passes.direct_shading.record(
-            &mut frame,
-            &DirectShadingInputs {
-                frame: frame_uniforms,
-                gbuffer,
-                lights: uploaded_lights,
-                visibility: direct_shadows.output(),
-                visibility_version: direct_shadows.version(),
-                scene: buffers,
-                instances,
-            },
-        )?;
-
-        // Estimate their indirect light, and join both.
         let inputs = EstimatorInputs {
             frame: frame_uniforms,
             gbuffer,
@@ -260,6 +268,11 @@ impl Renderer {
             tracer,
             pose,
         };
+        let direct_passes = (&mut self.passes.direct_shadows, &mut self.passes.direct_shading);
+        let direct = light_directly(direct_passes, &mut frame, &inputs, &lights, buffers)?;
+        let direct_shadows = &self.passes.direct_shadows;
+
+        // Estimate their indirect light, and join both.
         self.estimator.record(&mut frame, &inputs)?;
         let irradiance = self.estimator.irradiance();
         let display = self.passes.combine.record(
