@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec3};
 use glowworm::scene::{Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, indirect, relative_differences, scene};
+use super::support::{Lab, indirect, luminance, mean, relative_differences, scene};
 
 const ROOM: &str = r#"
 [[models]]
@@ -152,4 +152,54 @@ fn a_static_object_moved_by_hand_is_forgotten() {
     check(|pose, time| {
         pose.instances[0] = Affine3A::from_translation(Vec3::new(0.1, 0.0, 0.0) * time) * pose.instances[0];
     });
+}
+
+/// A light that jumps drags no tail of 16 frames: default settings, over 8 x 8 blocks against a fresh start.
+#[test]
+fn a_light_that_jumps_is_shown_at_once() {
+    let Some(lab) = Lab::open() else { return };
+    let scene: Arc<Scene> = scene(ROOM);
+    let settings = Settings { size: [96, 72], ..Settings::default() };
+    let rest = scene.pose(0.0);
+    let mut after = rest.clone();
+    after.lights[0].position = Vec3::new(1.2, -0.6, -1.2);
+    after.lights[1].direction = Vec3::new(-1.0, -0.2, -0.6).normalize();
+    let fresh = {
+        let mut renderer = lab.renderer(&scene, &settings, &after);
+        for _ in 0..settings.vpl.temporal_sets {
+            renderer.render(&after).unwrap();
+        }
+        blocks(&indirect(&renderer))
+    };
+    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    for _ in 0..settings.vpl.temporal_sets {
+        renderer.render(&rest).unwrap();
+    }
+    let stale = difference(&blocks(&indirect(&renderer)), &fresh);
+    let mut after_frames = Vec::new();
+    for _ in 0..settings.vpl.temporal_sets {
+        renderer.render(&after).unwrap();
+        after_frames.push(difference(&blocks(&indirect(&renderer)), &fresh));
+    }
+    eprintln!("{stale} before, then {after_frames:?}");
+    assert!(stale > 0.2, "{stale}");
+    // Without weights, three quarters of what is stale would be left after 4 frames, half after 8. What is left is noise: half of
+    // the slots are not yet shot after 4.
+    assert!(after_frames[3] <= 0.4 * stale, "{after_frames:?}");
+    assert!(after_frames[7] <= 0.15 * stale, "{after_frames:?}");
+    assert!(after_frames[15] <= 0.025, "{after_frames:?}");
+}
+
+/// Mean luminance of blocks of 8 x 8 pixels of a picture 96 pixels wide.
+fn blocks(picture: &[[f32; 3]]) -> Vec<f32> {
+    let mut sums = vec![0.0; picture.len() / 64];
+    for (index, pixel) in picture.iter().enumerate() {
+        sums[index / 96 / 8 * 12 + index % 96 / 8] += luminance(pixel) / 64.0;
+    }
+    sums
+}
+
+/// Mean relative difference.
+fn difference(ours: &[f32], expected: &[f32]) -> f32 {
+    mean(ours.iter().zip(expected).map(|(ours, expected)| (ours / expected - 1.0).abs()))
 }
