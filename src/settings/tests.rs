@@ -178,7 +178,10 @@ fn errors_of_a_scene_file_are_not_wrong_usage() {
         ("size = [1, 2, 3]", "[settings] size = [1, 2, 3]: must be a width and a height"),
         ("size = \"9\"", "[settings] size = 9: must be a width and a height"),
         ("[vpls]\nvpls = 0", "[settings] vpls = 0: must be 1 to 65536"),
-        ("[vpls]\nvlps = 9", "[settings.vpls] vlps: unknown setting; known are vpls, pool, interleave"),
+        (
+            "[vpls]\nvlps = 9",
+            "[settings.vpls] vlps: unknown setting; known are vpls, pool, candidates, interleave",
+        ),
         ("[vpls]\nseed = 9", "[settings.vpls] seed: belongs in [settings]"),
         ("[vpls]\nvpls = { vpls = 9 }", "[settings.vpls] vpls: must be a value, not a table"),
         ("[lamps]\nvpls = 9", "[settings.lamps]: unknown table; known are [settings], [settings.vpls]"),
@@ -203,7 +206,7 @@ fn settings_round_trip_through_json() {
 }
 
 /// A non-default value of each option, in the syntax of the command line.
-const NON_DEFAULTS: [(&str, &str); 17] = [
+const NON_DEFAULTS: [(&str, &str); 18] = [
     ("indirect", "none"),
     ("bounces", "3"),
     ("size", "256x144"),
@@ -213,6 +216,7 @@ const NON_DEFAULTS: [(&str, &str); 17] = [
     ("exposure", "-1.5"),
     ("vpls", "64"),
     ("pool", "600"),
+    ("candidates", "3"),
     ("interleave", "2"),
     ("temporal_sets", "8"),
     ("budget", "5"),

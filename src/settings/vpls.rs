@@ -40,6 +40,10 @@ pub struct VplSettings {
     /// nearer to the truth, at no more rays, but more CPU time where a light or an object moves.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "16384")]
     pub pool: u32,
+    /// Most light paths tried for a VPL, of which one is taken, mostly one that lights what the camera sees, 1 to 64. More: less light
+    /// that nobody sees where a light reaches it through small openings, at more CPU rays; 1: VPLs lie as the lights throw them.
+    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "32")]
+    pub candidates: u32,
     /// Interleave n, 1 to 8: each pixel gathers 1/n^2 of the VPLs. More: n^2 fewer rays, softer contact shadows.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "4")]
     pub interleave: u32,
@@ -78,6 +82,7 @@ impl Default for VplSettings {
         Self {
             slots: 512,
             pool: 16_384,
+            candidates: 32,
             interleave: 4,
             temporal_sets: 16,
             budget: 64,
@@ -114,11 +119,12 @@ impl VplSettings {
     }
 
     /// The ranges of the settings.
-    pub(super) fn ranges(&self) -> [Range; 8] {
+    pub(super) fn ranges(&self) -> [Range; 9] {
         let at_least_0 = |value: f32| value.is_finite() && value >= 0.0;
         [
             Range::new("vpls", self.slots, (1..=65_536).contains(&self.slots), "1 to 65536"),
             Range::new("pool", self.pool, (1..=65_536).contains(&self.pool), "1 to 65536"),
+            Range::new("candidates", self.candidates, (1..=64).contains(&self.candidates), "1 to 64"),
             Range::new("interleave", self.interleave, (1..=8).contains(&self.interleave), "1 to 8"),
             Range::new(
                 "temporal_sets",

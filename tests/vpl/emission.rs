@@ -108,7 +108,7 @@ fn sun_finds_a_house_on_a_wide_plain() {
     place(&mut scene, dome, Vec3::new(30.0, 0.0, 20.0), false);
     scene.lights.push(directional(3.0, Vec3::NEG_Y));
     let stage = Stage::new(scene);
-    let manager = VplManager::new(stage.world(), &settings(4096, 1));
+    let manager = VplManager::new(stage.world(), &without_choice(settings(4096, 1)));
     let is_on_dome = |slot: &glowworm::estimators::vpls::SlotView| {
         slot.state == SlotState::Valid && slot.position.y > 1e-4
     };
@@ -158,7 +158,7 @@ fn area_light_weighs_its_triangles() {
     triangles[1].radiance = Vec3::new(0.0, 0.0, 1.0);
     scene.lights.push(lamp);
     let stage = Stage::new(scene);
-    let manager = VplManager::new(stage.world(), &settings(4000, 1));
+    let manager = VplManager::new(stage.world(), &without_choice(settings(4000, 1)));
     let flux: Vec3 = manager.slots().filter(|slot| slot.bounce == 0).map(|slot| slot.flux).sum();
     let expected = Vec3::new(3.0, 0.0, 1.0) * PI * 0.5;
     assert!(flux.distance(expected) < 0.01 * expected.length(), "{flux} {expected}");
@@ -178,7 +178,7 @@ fn holes_in_an_area_light_emit_nothing() {
     let light = area(&scene, lamp, 1.0);
     scene.lights.push(light);
     let stage = Stage::new(scene);
-    let manager = VplManager::new(stage.world(), &settings(4096, 1));
+    let manager = VplManager::new(stage.world(), &without_choice(settings(4096, 1)));
     let primaries: Vec<_> = manager.slots().filter(|slot| slot.bounce == 0).collect();
     let valid: Vec<_> = primaries.iter().filter(|slot| slot.state == SlotState::Valid).collect();
     assert!(valid.iter().all(|slot| slot.position.x < 0.01));

@@ -161,7 +161,7 @@ fn escapes_are_true_zeros_and_invalid_slots_are_made_up_for() {
     scene.lights.push(point(1.0, Vec3::Y));
     let mut stage = Stage::new(scene);
     let settings = glowworm::settings::Settings {
-        vpl: glowworm::settings::VplSettings { budget: 1, ..settings(4096, 1).vpl },
+        vpl: glowworm::settings::VplSettings { budget: 1, candidates: 1, ..settings(4096, 1).vpl },
         ..settings(4096, 1)
     };
     let mut manager = VplManager::new(stage.world(), &settings);

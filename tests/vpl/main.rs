@@ -5,6 +5,7 @@ mod energy;
 mod history;
 mod inspection;
 mod motion;
+mod placement;
 mod replacement;
 mod sizes;
 mod support;

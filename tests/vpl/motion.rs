@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
-use glowworm::scene::{Light, LightKind, Mesh};
+use glowworm::scene::{Camera, Light, LightKind, Mesh};
 use glowworm::settings::{Settings, VplSettings};
 
 use crate::support::*;
@@ -111,11 +111,12 @@ fn scaled(scale: f32) -> Stage {
     scene.lights.push(spot(30.0 * power, at(2.0, 3.0, 1.0), Vec3::new(-0.5, -1.0, -0.3)));
     scene.lights.push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
     scene.lights.push(area(&scene, lamp, 4.0));
+    scene.camera = Camera::looking(at(2.5, 2.0, 4.0), at(0.0, 0.5, 0.0));
     Stage::new(scene)
 }
 
-fn play(mut stage: Stage, scale: f32) -> Vec<SlotView> {
-    let mut manager = VplManager::new(stage.world(), &settings(512, 3));
+fn play(mut stage: Stage, scale: f32, settings: &Settings) -> Vec<SlotView> {
+    let mut manager = VplManager::new(stage.world(), settings);
     for frame in 1..=10 {
         stage.move_instance(2, Vec3::new(-0.1, 0.02, 0.05) * frame as f32 * scale);
         stage.pose.lights[0].position.z += 0.03 * scale;
@@ -126,9 +127,17 @@ fn play(mut stage: Stage, scale: f32) -> Vec<SlotView> {
 
 #[test]
 fn scale_changes_nothing() {
-    let reference = play(scaled(1.0), 1.0);
-    for scale in [1.0 / 128.0, 0.01, 0.3, 100.0, 128.0] {
-        let slots = play(scaled(scale), scale);
+    let [chosen, thrown] = [settings(512, 3), without_choice(settings(512, 3))];
+    for (scale, settings) in [
+        (1.0 / 128.0, &chosen),
+        (128.0, &chosen),
+        (1.0 / 128.0, &thrown),
+        (0.01, &thrown),
+        (0.3, &thrown),
+        (100.0, &thrown),
+    ] {
+        let reference = play(scaled(1.0), 1.0, settings);
+        let slots = play(scaled(scale), scale, settings);
         let mut differ = 0;
         for (slot, expected) in slots.iter().zip(&reference) {
             assert_eq!(slot.light, expected.light);

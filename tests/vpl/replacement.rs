@@ -89,7 +89,7 @@ fn invalid_slots_come_first() {
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.99, 0.0), true);
     scene.lights.push(point(1.0, Vec3::new(0.0, 0.5, 0.0)));
     let mut stage = Stage::new(scene);
-    let settings = Settings { vpl: VplSettings { budget: 16, ..settings(256, 2).vpl }, ..settings(256, 2) };
+    let settings = Settings { vpl: VplSettings { budget: 16, ..settings(512, 2).vpl }, ..settings(512, 2) };
     let mut manager = VplManager::new(stage.world(), &settings);
     stage.pose.lights[0].position.x = 0.01;
     stage.move_instance(plate, Vec3::new(0.0, 1.5, 0.0));

@@ -136,7 +136,7 @@ fn empty_scene_lets_everything_escape() {
     scene.lights.push(point(1.0, Vec3::ZERO));
     scene.lights.push(directional(1.0, Vec3::NEG_Y));
     let mut stage = Stage::new(scene);
-    let mut manager = VplManager::new(stage.world(), &settings(64, 2));
+    let mut manager = VplManager::new(stage.world(), &without_choice(settings(64, 2)));
     stage.pose.lights[0].position.x = 1.0;
     let counters = stage.frame(&mut manager);
     assert_eq!((counters.escaped, counters.valid, counters.shot), (64, 0, 0));

@@ -69,6 +69,11 @@ pub fn settings(vpls: u32, bounces: u32) -> Settings {
     }
 }
 
+/// The same settings, but VPLs lie as the lights throw them.
+pub fn without_choice(settings: Settings) -> Settings {
+    Settings { vpl: VplSettings { candidates: 1, ..settings.vpl }, ..settings }
+}
+
 /// A scene with material 0 of grey `albedo`.
 pub fn grey_scene(albedo: f32) -> Scene {
     let mut scene = Scene::new("test");

@@ -33,6 +33,7 @@ const uint SET_BUFFER = 2u;
 const uint SET_REPROJECTED = 3u;
 const uint SET_COUNT = 4u;
 const uint VPL_VISIBILITY = 5u;
+const uint VPL_USEFULNESS = 6u;
 
 const vec3 MISSING = vec3(1.0, 0.0, 1.0);
 
@@ -73,6 +74,7 @@ vec3 surface_view(ivec2 pixel, uint instance) {
         case UNFILTERED: return unfiltered(pixel);
         case SET_REPROJECTED: return set_reprojected(pixel, instance);
         case SET_COUNT: return share_colour(imageLoad(irradiance, pixel).a / float(sets.set_count));
+        case VPL_USEFULNESS: return 0.3 * lit(imageLoad(irradiance, pixel).rgb);
         default: return vec3(imageLoad(irradiance, pixel).a);
     }
 }

@@ -15,7 +15,7 @@ use crate::estimators::vpls::{GpuVpl, VplManager, draws, set_step};
 use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
 use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};
-use crate::settings::{Settings, VplSettings};
+use crate::settings::Settings;
 
 /// Side of a workgroup's block of pixels.
 const GROUP: u32 = 8;
@@ -148,7 +148,9 @@ impl<'a> Pixels<'a> {
         let mut rays = Vec::new();
         for set in 0..settings.vpl.temporal_sets {
             if rays.len() < enough {
-                self.to_set(&manager.set_vpls(world, set), &settings.vpl, bound, &mut rays);
+                let draws = draws(&settings.vpl, manager.hit_share());
+                let vpls = manager.set_vpls(world, set);
+                self.to_set(&vpls, (set_step(&settings.vpl), draws), bound, &mut rays);
             }
         }
         rays
@@ -156,14 +158,13 @@ impl<'a> Pixels<'a> {
 
     /// As shaders/estimators/vpls/indirect_shadows.comp draws them, but that all VPLs are alike: a workgroup is 8x8 texels, each
     /// of which draws a few VPLs.
-    fn to_set(&self, vpls: &[GpuVpl], settings: &VplSettings, bound: f32, rays: &mut Vec<Ray>) {
-        let step = set_step(settings);
+    fn to_set(&self, vpls: &[GpuVpl], (step, draws): (u32, u32), bound: f32, rays: &mut Vec<Ray>) {
         for (index, pixel) in self.blocks(step, [0, 0]).flatten().enumerate() {
             let draw = |draw| {
                 let vpl = (random_point(index as u32, draw, 0).x * vpls.len() as f32) as usize;
                 self.to_vpl(pixel, vpls.get(vpl)?, bound)
             };
-            rays.extend((0..draws(settings, vpls.len() as u32)).filter_map(draw));
+            rays.extend((0..draws).filter_map(draw));
         }
     }
 

@@ -146,6 +146,7 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             choice(ui, name, &mut settings.indirect, &[(Indirect::Vpls, "vpls"), (Indirect::None, "none")])
         }
         "bounces" => whole(ui, &mut settings.bounces, 16),
+        "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
         "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
         "budget" => whole(ui, &mut settings.vpl.budget, 65_536),
         "refresh" => ui.add(DragValue::new(&mut settings.vpl.refresh).range(0..=63)),
@@ -227,6 +228,7 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
         "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
         "indirect" => to.indirect = from.indirect,
         "bounces" => to.bounces = from.bounces,
+        "candidates" => to.vpl.candidates = from.vpl.candidates,
         "pool" => to.vpl.pool = from.vpl.pool,
         "budget" => to.vpl.budget = from.vpl.budget,
         "refresh" => to.vpl.refresh = from.vpl.refresh,
@@ -268,6 +270,7 @@ mod tests {
             vpl: VplSettings {
                 slots: 77,
                 pool: 99,
+                candidates: 3,
                 refresh: 3,
                 interleave: 2,
                 temporal_sets: 3,

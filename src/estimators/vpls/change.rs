@@ -62,6 +62,7 @@ impl Vpls {
         }
         if shot(new) == shot(old) {
             self.manager.set_budget(new.vpl.budget);
+            self.manager.set_size(new.size);
         } else {
             self.manager = VplManager::new(context.world, new);
         }
@@ -88,8 +89,8 @@ fn dealt(settings: &Settings) -> [u32; 2] {
 /// The settings that decide which VPLs there are and how they are dealt, all others at their defaults.
 fn shot(settings: &Settings) -> Settings {
     let Settings { bounces, seed, vpl, .. } = *settings;
-    let VplSettings { slots, pool, temporal_sets, sequence, .. } = vpl;
-    let vpl = VplSettings { slots, pool, temporal_sets, sequence, ..VplSettings::default() };
+    let VplSettings { slots, pool, candidates, temporal_sets, sequence, .. } = vpl;
+    let vpl = VplSettings { slots, pool, candidates, temporal_sets, sequence, ..VplSettings::default() };
     Settings { bounces, seed, vpl, ..Settings::default() }
 }
 

@@ -49,7 +49,6 @@ pub struct IndirectShadowsPass {
     /// Whether there is a bound of the geometry term.
     bounded: bool,
     step: u32,
-    settings: VplSettings,
     /// For each tile, how likely it sees each cluster.
     cluster_visibility: Buffer,
     /// For each block, how much it is to draw each cluster.
@@ -97,7 +96,6 @@ impl IndirectShadowsPass {
             set_share: 1.0 / settings.vpl.temporal_sets as f32,
             bounded: settings.vpl.clamp > 0.0,
             step,
-            settings: settings.vpl,
             cluster_weights: Buffer::new(
                 device,
                 "cluster_weights",
@@ -120,6 +118,7 @@ impl IndirectShadowsPass {
         frame: &mut Frame<'_>,
         inputs: &EstimatorInputs<'_>,
         set: &UploadedSet,
+        draws: u32,
     ) -> Result<&Image, VulkanError> {
         let extent = self.irradiance.extent();
         let tiles = extent.map(|side| side.div_ceil(TILE));
@@ -131,7 +130,7 @@ impl IndirectShadowsPass {
             ..DrawPush::default()
         };
 
-        let dispatches = dispatches(all, set.count, draws(&self.settings, set.count));
+        let dispatches = dispatches(all, set.count, draws);
         if self.bounded || dispatches.iter().any(|push| push.draws > 0) {
             self.weigh_clusters(frame, inputs, set, all)?;
         }
@@ -204,13 +203,12 @@ fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
         .read("gbuffer_normal", &inputs.gbuffer.normal)
 }
 
-/// VPLs that a texel draws in each frame from a set that holds so many: its share of `--vpls`, as far as the pool is filled, so that
+/// VPLs that a texel draws in each frame: its share of `--vpls`, times the share of the light paths' rays that hit something, so that
 /// light that leaves the scene takes no rays. A texel that stands for several pixels draws half as many more.
-pub(crate) fn draws(settings: &VplSettings, vpls: u32) -> u32 {
-    let room = settings.pool_size().div_ceil(settings.temporal_sets);
+pub(crate) fn draws(settings: &VplSettings, hit_share: f32) -> u32 {
     let each = settings.slots as f32 / (settings.temporal_sets * settings.interleave.pow(2)) as f32;
     let more = if set_step(settings) > 1 { 1.5 } else { 1.0 };
-    (each * more * (vpls as f32 / room as f32)).round().max(1.0) as u32
+    (each * more * hit_share).round().max(1.0) as u32
 }
 
 /// The dispatches that draw so many of a set's VPLs: at least one, so that an empty set gives black.

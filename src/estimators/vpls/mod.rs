@@ -30,7 +30,7 @@ pub use manager::{
     VplContribution, VplCounters, VplManager,
 };
 pub use path_lines::reason_colour;
-pub use view::{PathStyle, VIEWS, VPL_VISIBILITY, VplLook, shows_a_set};
+pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
 
 use super::{
     DebugView, Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses, ViewInputs, World,
@@ -68,9 +68,10 @@ const PASSES: MethodPasses = MethodPasses {
     ],
 };
 
-const COUNTERS: [&str; 13] = [
+const COUNTERS: [&str; 14] = [
     "vpls.slots",
     "vpls.valid",
+    "vpls.useful",
     "vpls.escaped",
     "vpls.stale",
     "vpls.invalidated",
@@ -226,7 +227,7 @@ impl Estimator for Vpls {
             flux: self.manager.set_flux(),
             single: (
                 self.look.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
-                self.manager.counters().valid as f32,
+                self.manager.usable_vpls() as f32,
             ),
         };
         self.frame_count += 1;
@@ -251,12 +252,13 @@ impl Estimator for Vpls {
         let Turn { drawn, flux, .. } = &self.turn;
         let passes = &mut self.passes;
         passes.vpls.begin_counting(frame);
+        let draws = draws(&self.settings.vpl, self.manager.hit_share());
         let mut last = None;
         for (set, vpls) in drawn {
             let representative = passes.sets.representative(*set);
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
-            let drawn_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded)?;
+            let drawn_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, draws)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, drawn_irradiance, &passes.sets)?;
             let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
             passes.sets.note(frame, inputs.pose, &drawn)?;
@@ -302,6 +304,9 @@ impl Estimator for Vpls {
             self.views.vpl_light = Some(VplLightPass::new(&self.device, self.tracer, size)?);
         }
         self.look = view.vpl;
+        if view.buffer == VPL_USEFULNESS {
+            self.look.vpl_paths = Some(PathStyle::Usefulness);
+        }
         Ok(())
     }
 
@@ -360,7 +365,8 @@ fn transport_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
     let mut bvh = world.bvh.clone();
     bvh.update(&pose.instances);
-    let vpl = VplSettings { slots: 1024, pool: 1024, temporal_sets: 1, ..VplSettings::default() };
+    let vpl =
+        VplSettings { slots: 1024, pool: 1024, candidates: 1, temporal_sets: 1, ..VplSettings::default() };
     let settings = Settings { bounces: 2, vpl, ..Settings::default() };
     let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
     let slots: Vec<SlotView> = manager.slots().collect();

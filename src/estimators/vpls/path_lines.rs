@@ -42,7 +42,7 @@ impl PathView {
         let brightest = vpls.slots().map(|slot| luminance(slot.flux)).fold(f32::MIN_POSITIVE, f32::max);
         let scale = (self.height as f32 / USUAL_HEIGHT).max(1.0);
         let mut lines: Vec<Line> = valid()
-            .filter(|slot| slot.origin != slot.position)
+            .filter(|slot| slot.origin != slot.position && self.style != PathStyle::Usefulness)
             .map(|slot| {
                 let colour = self.colour(vpls, slot, brightest).extend(self.line_opacity());
                 line(slot.origin, slot.position, colour.to_array(), 1.5 * scale)
@@ -75,6 +75,8 @@ impl PathView {
                 let age = vpls.history(slot.slot).map_or(0, |history| history.age);
                 heat(1.0 - (age as f32 + 1.0).log2() / 10.0)
             }
+            PathStyle::Usefulness if slot.useful => Vec3::new(0.25, 0.65, 1.0),
+            PathStyle::Usefulness => Vec3::new(1.0, 0.55, 0.1),
             PathStyle::Set => hue(slot.set as f32 * GOLDEN),
         }
     }

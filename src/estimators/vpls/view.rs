@@ -16,6 +16,9 @@ const FILTERED: &str = "filtered";
 /// Needs a single VPL.
 pub const VPL_VISIBILITY: &str = "vpl-visibility";
 
+/// Shows all VPLs as points.
+pub const VPL_USEFULNESS: &str = "vpl-usefulness";
+
 /// The views of the method. A view's place in the list is its number in shaders/estimators/vpls/vpl_view.comp.
 pub const VIEWS: &[View] = &[
     View {
@@ -48,6 +51,11 @@ pub const VIEWS: &[View] = &[
         label: "Visibility of a VPL",
         about: "Which pixels the single VPL sees: white",
     },
+    View {
+        name: VPL_USEFULNESS,
+        label: "Usefulness of VPLs",
+        about: "All VPLs over the dimmed indirect light: blue where they light something that the camera sees, orange where not",
+    },
 ];
 
 /// What the colours of light paths mean.
@@ -63,11 +71,13 @@ pub enum PathStyle {
     Age,
     /// Its temporal set.
     Set,
+    /// Whether it lights something that the camera sees.
+    Usefulness,
 }
 
 impl PathStyle {
     /// All styles, in the order in which they are offered.
-    pub const ALL: [Self; 4] = [Self::Bounce, Self::Flux, Self::Age, Self::Set];
+    pub const ALL: [Self; 5] = [Self::Bounce, Self::Flux, Self::Age, Self::Set, Self::Usefulness];
 
     /// A short name for people.
     pub fn label(self) -> &'static str {
@@ -76,6 +86,7 @@ impl PathStyle {
             Self::Flux => "Flux",
             Self::Age => "Age",
             Self::Set => "Temporal set",
+            Self::Usefulness => "Usefulness",
         }
     }
 }

@@ -50,13 +50,21 @@ impl Layout {
         SlotBudget { slots: self.slots, bounces: self.bounces, seed: self.seed }
     }
 
-    /// Sample in [0, 1)^2 for the `step`-th ray, or point on a light, of a slot's path.
-    pub(super) fn point(&self, address: &Address, step: u32) -> Vec2 {
+    /// Sample in [0, 1)^2 for the `step`-th ray, or point on a light, of a slot's path: that of one of its candidates. Each
+    /// candidate has a sequence of its own.
+    pub(super) fn point(&self, address: &Address, step: u32, candidate: u32) -> Vec2 {
         let seed = hash(self.seed, address.light);
+        let seed = if candidate == 0 { seed } else { hash(seed, candidate) };
         match self.sequence {
             Sequence::Sobol => sampling::sequence_point(address.sequence, step, seed),
             Sequence::Random => sampling::random_point(address.sequence, step, seed),
         }
+    }
+
+    /// Random number in [0, 1) that chooses among the candidates of a slot.
+    pub(super) fn choice(&self, address: &Address) -> f32 {
+        let path = hash(hash(self.seed, address.light), address.sequence);
+        (hash(path, !address.bounce) >> 8) as f32 / (1u32 << 24) as f32
     }
 }
 

@@ -11,7 +11,7 @@ use super::World;
 use super::focus::FocusedDisc;
 use crate::bvh::Ray;
 use crate::sampling::{self, Frame, SpotCone};
-use crate::scene::{AreaTriangle, Light, LightKind, SurfacePoint, luminance};
+use crate::scene::{AreaTriangle, Light, LightKind, Side, SurfacePoint, WorldSurface, luminance};
 
 /// A light ready to shoot paths.
 #[derive(Clone, Debug)]
@@ -87,6 +87,13 @@ impl Emitter {
         };
         let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         Some((ray, weight))
+    }
+
+    /// The surface of a path's primary VPL on an area light; that of the world's origin for others.
+    pub(super) fn primary(&self, world: World<'_>, u: Vec2) -> WorldSurface {
+        let Source::Area(table) = &self.source else { return WorldSurface::default() };
+        let point = table.sample(u).0;
+        world.scene.surface_at(world.pose, table.instance, point, Side::Front(true)).surface
     }
 }
 

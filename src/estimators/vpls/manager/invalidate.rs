@@ -50,6 +50,12 @@ impl VplManager {
     /// Updates all slots for the current world; returns how many became invalid.
     pub(super) fn invalidate_slots(&mut self, world: World<'_>) -> u32 {
         self.changes.update(world);
+        let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
+        if renewed {
+            self.slots.iter_mut().for_each(|slot| slot.fresh = false);
+        }
+        let light_changed = |light: usize| renewed || self.changes.light_changed[light];
+        self.placement.try_lights(world, &self.changes, light_changed);
         let mut invalidated = 0;
         if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
             invalidated += self.reassign_slots();
@@ -174,8 +180,8 @@ impl VplManager {
         };
         match failure {
             Some(reason) => self.invalidate_slot(index, reason),
-            // The tested ray is the one that a new shot would trace, and it escapes.
-            None if before == SlotState::Escaped => slot.fresh = parent_fresh,
+            // The tested ray is all that a new shot would trace, and it escapes.
+            None if before == SlotState::Escaped && !self.placement.has_choice() => slot.fresh = parent_fresh,
             None => {}
         }
         failure.is_some()
@@ -220,7 +226,7 @@ impl VplManager {
         match slot.state {
             _ if slot.fresh => slot.unoccluded.map_or(Test::Keep, Test::Trace),
             SlotState::Escaped => {
-                self.sample_ray(index as u32).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
+                self.sample_ray(index as u32, 0).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
             }
             _ if address.bounce == 0 => self.test_primary(slot, address),
             _ => self.test_segment(&self.surfaces[index], address, slot.unoccluded),

@@ -4,6 +4,7 @@
 //!
 //! - `quota`, `assignment`: paths per light; slots per path and bounce.
 //! - `emitter`, `focus`: emission sampling.
+//! - `placement`, `importance`: of several candidates for a slot, which one; what a VPL brings to the picture.
 //! - `changes`: what changed in the world; `invalidate`: algorithm 2; `replace`, `shoot`: algorithm 3.
 //! - `upload`: the VPLs of a set for the shaders.
 //! - `invalidation`, `inspect`: for debug views; `warning`: when most slots carry no light.
@@ -12,9 +13,11 @@ mod assignment;
 mod changes;
 mod emitter;
 mod focus;
+mod importance;
 mod inspect;
 mod invalidate;
 mod invalidation;
+mod placement;
 mod quota;
 mod replace;
 mod shoot;
@@ -35,6 +38,7 @@ use assignment::{Assignment, Layout, NONE};
 use bytemuck::{Pod, Zeroable};
 use changes::SceneChanges;
 use glam::Vec3;
+use placement::Placement;
 use quota::{FluxCorrections, allocate_paths};
 use replace::Cursor;
 use shoot::PathRange;
@@ -65,6 +69,8 @@ pub struct VplCounters {
     pub slots: u32,
     /// Slots that hold a usable VPL.
     pub valid: u32,
+    /// Those of them whose VPL lights something that the camera sees.
+    pub useful: u32,
     /// Slots whose ray left the scene: true samples of zero light.
     pub escaped: u32,
     /// Usable slots that would hold something else if they were shot again.
@@ -94,6 +100,7 @@ impl VplCounters {
         Self {
             slots: self.slots / vpls,
             valid: self.valid.div_ceil(vpls),
+            useful: self.useful.div_ceil(vpls),
             escaped: self.escaped / vpls,
             stale: self.stale.div_ceil(vpls),
             invalidated: self.invalidated.div_ceil(vpls),
@@ -108,6 +115,7 @@ impl VplCounters {
         for (name, count) in [
             ("vpls.slots", self.slots),
             ("vpls.valid", self.valid),
+            ("vpls.useful", self.useful),
             ("vpls.escaped", self.escaped),
             ("vpls.stale", self.stale),
             ("vpls.invalidated", self.invalidated),
@@ -134,6 +142,7 @@ pub struct VplManager {
     /// In slots.
     budget: u32,
     changes: SceneChanges,
+    placement: Placement,
     assignment: Assignment,
     flux_corrections: FluxCorrections,
     slots: Vec<Slot>,
@@ -163,6 +172,9 @@ impl VplManager {
         };
         let changes = SceneChanges::new(world);
         let (quota, flux_corrections) = allocate_paths(&changes.claims(), layout.slot_budget());
+        let mut placement =
+            Placement::new(world, settings.vpl.candidates, aspect(settings.size), &changes.bounds);
+        placement.try_lights(world, &changes, |_| true);
         let mut manager = Self {
             assignment: Assignment::new(quota, &layout),
             slots: vec![Slot::INVALID; layout.slots as usize],
@@ -177,6 +189,7 @@ impl VplManager {
             budget: settings.vpl.budget.max(1),
             layout,
             changes,
+            placement,
             flux_corrections,
         };
         let full = |path| PathRange { path, start: 0, end: manager.assignment.path(path).len() };
@@ -189,6 +202,11 @@ impl VplManager {
     /// Sets the most slots to shoot in one frame.
     pub fn set_budget(&mut self, budget: u32) {
         self.budget = budget.max(1);
+    }
+
+    /// Sets the size of the picture, pixels.
+    pub fn set_size(&mut self, size: [u32; 2]) {
+        self.placement.set_aspect(aspect(size));
     }
 
     /// Algorithm 2: invalidates slots that no longer match the scene; returns how many.
@@ -211,6 +229,17 @@ impl VplManager {
         self.counters.in_slots_of(self.vpls_per_slot)
     }
 
+    /// Of all rays that were shot for the VPLs there are, the share that hit something.
+    pub fn hit_share(&self) -> f32 {
+        let shares: f32 = self.slots.iter().map(|slot| slot.hit_share).sum();
+        shares / self.slots.len() as f32
+    }
+
+    /// Number of VPLs of the pool that are usable.
+    pub fn usable_vpls(&self) -> u32 {
+        self.counters.valid
+    }
+
     /// Whether the power of a light has changed in this frame.
     pub fn flux_changed(&self) -> bool {
         self.changes.flux_changed
@@ -226,7 +255,7 @@ impl VplManager {
         self.live.clear();
         self.live.resize(self.changes.emitters.len(), [0; MAX_BOUNCES + 1]);
         self.pending = 0;
-        let (mut valid, mut escaped, mut stale) = (0, 0, 0);
+        let (mut valid, mut useful, mut escaped, mut stale) = (0, 0, 0, 0);
         for (slot, address) in self.slots.iter().zip(&self.assignment.addresses) {
             if address.light == NONE {
                 continue;
@@ -235,12 +264,19 @@ impl VplManager {
             let live = slot.state != SlotState::Invalid;
             self.live[address.light as usize][address.bounce as usize] += u32::from(live);
             valid += u32::from(slot.state == SlotState::Valid);
+            useful += u32::from(slot.useful);
             escaped += u32::from(slot.state == SlotState::Escaped);
             stale += u32::from(live && !slot.fresh);
         }
         self.counters.slots = self.layout.slots;
         self.counters.valid = valid;
+        self.counters.useful = useful;
         self.counters.escaped = escaped;
         self.counters.stale = stale;
     }
+}
+
+/// Width over height.
+fn aspect([width, height]: [u32; 2]) -> f32 {
+    width as f32 / height as f32
 }

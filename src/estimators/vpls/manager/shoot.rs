@@ -2,7 +2,9 @@
 //!
 //! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; ARCHITECTURE.md, "Paths").
 
-use glam::Vec3;
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::assignment::NONE;
@@ -51,10 +53,25 @@ impl VplManager {
 
     /// Shoots slots none of which is the parent of another.
     fn shoot_batch(&mut self, world: World<'_>, slots: &[u32]) {
-        // Sample the rays.
+        // Sample the rays of all candidates.
         let this = &*self;
-        let starts: Vec<Start> =
-            slots.par_iter().with_min_len(SLOTS_PER_TASK).map(|&slot| this.start(slot)).collect();
+        let mut ends = 0;
+        let ranges: Vec<Range<usize>> = slots
+            .iter()
+            .map(|&slot| {
+                let first = ends;
+                ends += this.candidates(slot) as usize;
+                first..ends
+            })
+            .collect();
+        let of_slots =
+            slots.iter().flat_map(|&slot| (0..this.candidates(slot)).map(move |index| (slot, index)));
+        let candidates: Vec<(u32, u32)> = of_slots.collect();
+        let starts: Vec<Start> = candidates
+            .par_iter()
+            .with_min_len(SLOTS_PER_TASK)
+            .map(|&(slot, index)| this.start(slot, index))
+            .collect();
         // Trace them.
         let rays: Vec<Ray> = starts
             .iter()
@@ -68,11 +85,16 @@ impl VplManager {
                 _ => None,
             })
             .collect();
-        // Store the hits.
-        let filled: Vec<(Slot, WorldSurface)> = (slots, &starts, &traced)
+        // Choose one candidate for each slot.
+        let filled: Vec<(Slot, WorldSurface)> = (slots, ranges)
             .into_par_iter()
             .with_min_len(SLOTS_PER_TASK)
-            .map(|(&slot, start, hit)| this.store_hit(world, slot, start, *hit))
+            .map(|(&slot, range)| {
+                let shots = starts[range.clone()].iter().zip(&traced[range]);
+                let shots = shots.map(|(start, hit)| this.store_hit(world, slot, start, *hit));
+                let choice = this.layout.choice(&this.assignment.addresses[slot as usize]);
+                this.placement.choose(&shots.collect::<Vec<_>>(), choice)
+            })
             .collect();
         for (&slot, (filled, surface)) in slots.iter().zip(filled) {
             self.slots[slot as usize] = filled;
@@ -80,25 +102,30 @@ impl VplManager {
         }
     }
 
-    fn start(&self, slot: u32) -> Start {
+    fn candidates(&self, slot: u32) -> u32 {
+        let address = &self.assignment.addresses[slot as usize];
+        self.placement.candidates(address.light, address.parent == NONE)
+    }
+
+    fn start(&self, slot: u32, candidate: u32) -> Start {
         let address = &self.assignment.addresses[slot as usize];
         let emitter = &self.changes.emitters[address.light as usize];
         if let (NONE, Source::Area(table)) = (address.parent, &emitter.source) {
-            let (point, weight) = table.sample(self.layout.point(address, 0));
+            let (point, weight) = table.sample(self.layout.point(address, 0, candidate));
             return Start::OnLight(table.instance, point, weight);
         }
-        match self.sample_ray(slot) {
+        match self.sample_ray(slot, candidate) {
             Some((ray, weight)) => Start::Trace(ray, weight),
             None => Start::Escape,
         }
     }
 
-    /// The ray that a shot of `slot` would trace now, with its weight; none if the parent is not valid, or if the
+    /// The ray that a shot of `slot` would trace now for a candidate, with its weight; none if the parent is not valid, or if the
     /// ray would enter its parent's surface. Not for primary VPLs.
-    pub(super) fn sample_ray(&self, slot: u32) -> Option<(Ray, f32)> {
+    pub(super) fn sample_ray(&self, slot: u32, candidate: u32) -> Option<(Ray, f32)> {
         let address = &self.assignment.addresses[slot as usize];
         let emitter = &self.changes.emitters[address.light as usize];
-        let u = self.layout.point(address, address.bounce - emitter.first_bounce());
+        let u = self.layout.point(address, address.bounce - emitter.first_bounce(), candidate);
         if address.parent == NONE {
             return emitter.first_ray(u);
         }
@@ -106,15 +133,9 @@ impl VplManager {
             return None;
         }
         let parent = &self.surfaces[address.parent as usize];
-        let direction = Frame::around(parent.normal).to_world(sampling::cosine_hemisphere(u));
+        let ray = diffuse_ray(parent, u, self.changes.bounds.radius);
         // A direction above the shading hemisphere but below the geometric surface carries no light.
-        let ray = Ray {
-            origin: parent.offset_position(self.changes.bounds.radius),
-            direction,
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        };
-        (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
+        (ray.direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
     }
 
     fn store_hit(
@@ -164,6 +185,8 @@ impl VplManager {
             state: SlotState::Valid,
             fresh,
             front: found.front,
+            useful: false,
+            hit_share: 1.0,
             instance,
             point,
             throughput,
@@ -185,4 +208,10 @@ impl VplManager {
             }
         }
     }
+}
+
+/// A ray from a surface, cosine-distributed about its shading normal. It may point below the triangle, where no light goes.
+pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2, scene_radius: f32) -> Ray {
+    let direction = Frame::around(surface.normal).to_world(sampling::cosine_hemisphere(u));
+    Ray { origin: surface.offset_position(scene_radius), direction, t_min: 0.0, t_max: f32::INFINITY }
 }

@@ -27,6 +27,10 @@ pub(super) struct Slot {
     pub(super) fresh: bool,
     /// Whether it emits on the side with counter-clockwise winding.
     pub(super) front: bool,
+    /// Whether it lights something that the camera saw when it was shot.
+    pub(super) useful: bool,
+    /// Which share of its candidates hit something.
+    pub(super) hit_share: f32,
     /// Index into `Scene::instances`.
     pub(super) instance: u32,
     /// Point on the instance's mesh.
@@ -45,6 +49,8 @@ impl Slot {
         state: SlotState::Invalid,
         fresh: false,
         front: true,
+        useful: false,
+        hit_share: 0.0,
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
@@ -79,6 +85,8 @@ pub struct SlotView {
     pub normal: Vec3,
     /// Flux, W; zero unless valid.
     pub flux: Vec3,
+    /// Whether it lights something that the camera sees.
+    pub useful: bool,
     /// Whether it awaits replacement.
     pub stale: bool,
     /// Its temporal set.

@@ -51,6 +51,7 @@ impl VplManager {
                 position: surface.position,
                 normal: surface.normal,
                 flux: self.flux(index),
+                useful: slot.useful,
                 stale: address.light != NONE && !slot.fresh,
                 set: self.layout.set(index as u32),
                 origin: self.origin(index),

@@ -1,0 +1,228 @@
+//! Puts VPLs where they matter to the picture.
+//!
+//! In: several candidates for each slot, as the light shoots them, and the camera. Out: one of them, drawn in proportion to its flux
+//! times its importance, with its flux over the probability: resampled importance sampling (Talbot et al. 2005; for VPLs Segovia et
+//! al. 2006, Georgiev and Slusallek 2010), so that the mean is that of all light paths. What leaves the scene is seldom drawn.
+//!
+//! Candidates and the random number of the draw belong to the slot, so most slots keep their VPL where the camera turns a little.
+
+use super::World;
+use super::changes::SceneChanges;
+use super::importance::{Importance, surfaces_hit};
+use super::shoot::diffuse_ray;
+use super::slots::{Slot, SlotState};
+use crate::bvh::Ray;
+use crate::sampling;
+use crate::scene::{BoundingSphere, Camera, WorldSurface, luminance};
+
+/// Frames after which the importance follows a camera that keeps moving; things that move change little of it.
+const RENEWED_EVERY: u32 = 32;
+/// Rays that try a light, and of all lights together, where there are many.
+const TRIALS: u32 = 256;
+const ALL_TRIALS: u32 = 16_384;
+/// Of a slot's candidates, so many are expected to be useful.
+const USEFUL: f32 = 2.0;
+/// Where this share of a light's rays is useful there is no choice: the light's own sequence is the better stratified.
+const GOOD: f32 = 0.75;
+/// Most candidates of a slot whose parent is a VPL: most of its rays stay near.
+const MOST_LATER: u32 = 4;
+
+/// The choice among candidates.
+#[derive(Clone, Debug)]
+pub(super) struct Placement {
+    /// Most candidates of a slot; with 1 there is no choice.
+    most: u32,
+    /// Candidates of each light's slots: the first of a path, later ones.
+    of_lights: Vec<[u32; 2]>,
+    /// Width over height of the picture.
+    aspect: f32,
+    importance: Importance,
+    /// The camera of the last frame.
+    camera: Camera,
+    /// Whether the importance is of an earlier world.
+    outdated: bool,
+    /// Whether something moved in the last frame.
+    moving: bool,
+    /// Frames since the importance was renewed.
+    age: u32,
+}
+
+impl Placement {
+    pub(super) fn new(world: World<'_>, most: u32, aspect: f32, bounds: &BoundingSphere) -> Self {
+        Self {
+            most,
+            of_lights: Vec::new(),
+            aspect,
+            importance: Importance::new(world, aspect, bounds),
+            camera: world.pose.camera,
+            outdated: false,
+            moving: false,
+            age: 0,
+        }
+    }
+
+    /// Changes the width over height of the picture.
+    pub(super) fn set_aspect(&mut self, aspect: f32) {
+        self.outdated |= aspect != self.aspect;
+        self.aspect = aspect;
+    }
+
+    /// Follows the world: at once where a motion begins or has ended, now and then while the camera's lasts. Returns whether other candidates
+    /// may now be chosen.
+    pub(super) fn follow(&mut self, world: World<'_>, geometry_moved: bool, bounds: &BoundingSphere) -> bool {
+        let turned = world.pose.camera != self.camera;
+        let moving = geometry_moved || turned;
+        self.camera = world.pose.camera;
+        self.outdated |= moving;
+        self.age += 1;
+        let due = !moving || !self.moving || (turned && self.age >= RENEWED_EVERY);
+        self.moving = moving;
+        if !self.outdated || !due {
+            return false;
+        }
+        self.importance = Importance::new(world, self.aspect, bounds);
+        self.outdated = false;
+        self.age = 0;
+        self.has_choice()
+    }
+
+    /// Whether any slot has more than one candidate.
+    pub(super) fn has_choice(&self) -> bool {
+        self.most > 1
+    }
+
+    /// Tries the lights for which `changed` says so: the fewer of its rays are useful, the more candidates it needs.
+    pub(super) fn try_lights(
+        &mut self,
+        world: World<'_>,
+        changes: &SceneChanges,
+        changed: impl Fn(usize) -> bool,
+    ) {
+        let emitters = &changes.emitters;
+        let others = self.of_lights.len() != emitters.len();
+        self.of_lights.resize(emitters.len(), [1; 2]);
+        let trials = (ALL_TRIALS / emitters.len().max(1) as u32).clamp(1, TRIALS);
+        for light in (0..emitters.len()).filter(|&light| others || changed(light)) {
+            let point = |index, step| sampling::sequence_point(index, step, light as u32);
+            let first: Vec<WorldSurface> = match emitters[light].first_bounce() {
+                0 => (0..trials).map(|index| emitters[light].primary(world, point(index, 0))).collect(),
+                _ => {
+                    let ray = |index| Some(emitters[light].first_ray(point(index, 0))?.0);
+                    surfaces_hit(world, &(0..trials).filter_map(ray).collect::<Vec<_>>())
+                }
+            };
+            let rays: Vec<Ray> = first
+                .iter()
+                .zip(0..)
+                .map(|(surface, index)| diffuse_ray(surface, point(index, 1), changes.bounds.radius))
+                .collect();
+            let later = surfaces_hit(world, &rays);
+            self.of_lights[light] =
+                [(first, trials, self.most), (later, rays.len() as u32, self.most.min(MOST_LATER))].map(
+                    |(hit, rays, most)| {
+                        let useful = hit.iter().filter(|surface| self.importance.is_useful(surface)).count();
+                        candidates_for(useful as f32 / rays.max(1) as f32).min(most)
+                    },
+                );
+        }
+    }
+
+    /// Candidates of a slot of a light; `is_first`: it has no parent.
+    pub(super) fn candidates(&self, light: u32, is_first: bool) -> u32 {
+        self.of_lights[light as usize][usize::from(!is_first)]
+    }
+
+    /// Draws one of a slot's candidates by `u` in [0, 1).
+    pub(super) fn choose(&self, candidates: &[(Slot, WorldSurface)], u: f32) -> (Slot, WorldSurface) {
+        let worth = |(slot, surface): &(Slot, WorldSurface)| match slot.state {
+            SlotState::Valid => luminance(slot.throughput) * self.importance.at(surface),
+            _ => 0.0,
+        };
+        let worths: Vec<f32> = candidates.iter().map(worth).collect();
+        let count = worths.len();
+        let total: f32 = worths.iter().sum();
+        let mut left = u * total;
+        let mut chosen = None;
+        for (index, worth) in worths.iter().enumerate().filter(|(_, worth)| **worth > 0.0) {
+            chosen = Some(index);
+            left -= worth;
+            if left < 0.0 {
+                break;
+            }
+        }
+        let (mut slot, surface) = candidates[chosen.unwrap_or(0)];
+        if let (Some(chosen), true) = (chosen, count > 1) {
+            slot.throughput *= total / (count as f32 * worths[chosen]);
+        }
+        let hits = candidates.iter().filter(|(slot, _)| slot.state == SlotState::Valid).count();
+        slot.hit_share = hits as f32 / count as f32;
+        slot.useful = slot.state == SlotState::Valid && self.importance.is_useful(&surface);
+        (slot, surface)
+    }
+}
+
+/// Candidates where this share of the rays is useful; powers of two, so that it seldom changes.
+fn candidates_for(useful: f32) -> u32 {
+    if useful >= GOOD { 1 } else { (USEFUL / useful.max(1e-3)).ceil() as u32 }.next_power_of_two()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::bvh::TwoLevelBvh;
+    use crate::scene::load_scene;
+
+    #[test]
+    fn the_mean_of_what_is_chosen_is_that_of_the_candidates() {
+        let scene = load_scene("cornell-box", None).unwrap();
+        let pose = scene.pose(0.0);
+        let bvh = TwoLevelBvh::build(&scene, &pose.instances);
+        let world = World { scene: &scene, pose: &pose, bvh: &bvh };
+        let bounds = BoundingSphere::around(bvh.bounds());
+        let placement = Placement::new(world, 8, 1.0, &bounds);
+        // On the floor, outside under the floor, escaped.
+        let at = |height: f32, up: f32| WorldSurface {
+            position: Vec3::new(bounds.center.x, height, bounds.center.z),
+            geometric_normal: Vec3::Y * up,
+            normal: Vec3::Y * up,
+        };
+        let valid =
+            |flux: f32| Slot { state: SlotState::Valid, throughput: Vec3::splat(flux), ..Slot::INVALID };
+        let floor = bvh.bounds().0.y;
+        let candidates = [
+            (valid(1.0), at(floor, 1.0)),
+            (valid(2.0), at(floor, -1.0)),
+            (Slot::escaped(true, 0), WorldSurface::default()),
+            (valid(0.0), at(floor, 1.0)),
+        ];
+        const DRAWS: u32 = 10_000;
+        let mut sums = [0.0; 2];
+        let mut draws = [0; 2];
+        for draw in 0..DRAWS {
+            let (slot, surface) = placement.choose(&candidates, (draw as f32 + 0.5) / DRAWS as f32);
+            assert_eq!(slot.state, SlotState::Valid);
+            assert_eq!(slot.hit_share, 0.75);
+            let below = usize::from(surface.normal.y < 0.0);
+            assert_eq!(slot.useful, below == 0);
+            sums[below] += slot.throughput.x / DRAWS as f32;
+            draws[below] += 1;
+        }
+        assert!((sums[0] - 1.0 / 4.0).abs() < 1e-3 && (sums[1] - 2.0 / 4.0).abs() < 1e-3, "{sums:?}");
+        assert!(draws[0] > 5 * draws[1], "{draws:?} times on the floor and below");
+    }
+
+    #[test]
+    fn no_choice_changes_nothing() {
+        let scene = load_scene("cornell-box", None).unwrap();
+        let pose = scene.pose(0.0);
+        let bvh = TwoLevelBvh::build(&scene, &pose.instances);
+        let world = World { scene: &scene, pose: &pose, bvh: &bvh };
+        let placement = Placement::new(world, 1, 1.0, &BoundingSphere::around(bvh.bounds()));
+        let slot = Slot { state: SlotState::Valid, throughput: Vec3::new(0.1, 0.7, 0.3), ..Slot::INVALID };
+        let (chosen, _) = placement.choose(&[(slot, WorldSurface::default())], 0.3);
+        assert_eq!(chosen.throughput, slot.throughput);
+    }
+}
