@@ -27,7 +27,7 @@ fn sphere_scene(light: impl Fn(&mut Scene) -> Light) -> Stage {
 }
 
 fn positions(stage: &Stage, vpls: u32, bounces: u32, bounce: u32) -> Vec<Vec3> {
-    let manager = VplManager::new(stage.world(), &settings(vpls, bounces));
+    let manager = VplManager::new(stage.world(), &without_choice(settings(vpls, bounces)));
     let slots = manager.slots();
     slots
         .filter(|slot| slot.bounce == bounce && slot.state == SlotState::Valid)

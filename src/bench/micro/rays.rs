@@ -148,8 +148,8 @@ impl<'a> Pixels<'a> {
         let mut rays = Vec::new();
         for set in 0..settings.vpl.temporal_sets {
             if rays.len() < enough {
-                let draws = draws(&settings.vpl, manager.hit_share());
                 let vpls = manager.set_vpls(world, set);
+                let draws = draws(&settings.vpl, vpls.len() as u32, manager.hit_share());
                 self.to_set(&vpls, (set_step(&settings.vpl), draws), bound, &mut rays);
             }
         }

@@ -203,10 +203,14 @@ fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
         .read("gbuffer_normal", &inputs.gbuffer.normal)
 }
 
-/// VPLs that a texel draws in each frame: its share of `--vpls`, times the share of the light paths' rays that hit something, so that
-/// light that leaves the scene takes no rays. A texel that stands for several pixels draws half as many more.
-pub(crate) fn draws(settings: &VplSettings, hit_share: f32) -> u32 {
+/// VPLs that a texel draws in each frame from a set that holds so many: all, if its share of `--vpls` is no less, else that share times
+/// the share of the light paths' rays that hit something, so that light that leaves the scene takes no rays. A texel that stands for
+/// several pixels draws half as many more.
+pub(crate) fn draws(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 {
     let each = settings.slots as f32 / (settings.temporal_sets * settings.interleave.pow(2)) as f32;
+    if vpls as f32 <= each {
+        return vpls;
+    }
     let more = if set_step(settings) > 1 { 1.5 } else { 1.0 };
     (each * more * hit_share).round().max(1.0) as u32
 }

@@ -252,12 +252,13 @@ impl Estimator for Vpls {
         let Turn { drawn, flux, .. } = &self.turn;
         let passes = &mut self.passes;
         passes.vpls.begin_counting(frame);
-        let draws = draws(&self.settings.vpl, self.manager.hit_share());
+        let hit_share = self.manager.hit_share();
         let mut last = None;
         for (set, vpls) in drawn {
             let representative = passes.sets.representative(*set);
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
+            let draws = draws(&self.settings.vpl, uploaded.count, hit_share);
             let drawn_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, draws)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, drawn_irradiance, &passes.sets)?;
             let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
