@@ -149,6 +149,20 @@ impl Bsdf {
         COSINES.iter().map(|&(cosine, weight)| self.albedo(cosine) * weight).sum()
     }
 
+    /// The part of [`Self::mean_albedo`] that the GGX lobe reflects.
+    pub fn mean_reflected_albedo(&self) -> Vec3 {
+        COSINES.iter().map(|&(cosine, weight)| self.shares(cosine).reflected * weight).sum()
+    }
+
+    /// What the Lambertian lobe reflects over the base colour, averaged likewise.
+    pub fn mean_diffuse_share(&self) -> f32 {
+        let white = Self { base: Vec3::ONE, ..*self };
+        match self.reflects() {
+            true => COSINES.iter().map(|&(cosine, weight)| white.shares(cosine).diffuse.x * weight).sum(),
+            false => 1.0,
+        }
+    }
+
     /// Directional albedo for the cosine between normal and eye: the share of uniform light that it sends there.
     pub fn albedo(&self, cosine: f32) -> Vec3 {
         let shares = self.shares(cosine);

@@ -71,6 +71,11 @@ pub(crate) fn triangle(u: Vec2) -> Vec2 {
     }
 }
 
+/// `count` points well spread over a triangle, as barycentric weights.
+pub(crate) fn triangle_points(count: u32) -> impl Iterator<Item = Vec2> {
+    (0..count).map(|index| triangle(sequence_point(index, 0, 0)))
+}
+
 /// Samples a bin of the discrete distribution with this `cdf` (ending in 1) by inversion, and remaps `u` within
 /// the bin to [0, 1) for reuse.
 pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {

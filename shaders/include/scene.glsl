@@ -12,10 +12,11 @@ struct InstanceData {
 };
 
 struct MaterialData {
-    vec4 albedo;   // rgb: Kd
-    vec4 specular; // rgb: Ks; w: Ns
-    vec4 emission; // rgb: Ke, front side
-    vec4 mean_albedo; // rgb: Kd times the mean of its texture
+    vec4 base;        // rgb: base colour, to be multiplied with its texture; w: metallic
+    vec4 reflectance; // rgb: F0 of a dielectric; w: F90
+    vec4 emission;    // rgb: radiance of the front side; w: roughness
+    vec4 mean_base;   // rgb: base colour, mean over its texture
+    vec4 mean_albedo; // rgb: share of the light that it reflects, mean over textures and directions
     uint mask;     // index of the alpha mask plus one, 0: none
     uint pad0;
     uint pad1;

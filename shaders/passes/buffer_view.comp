@@ -45,8 +45,8 @@ const uint DEPTH = 6u;
 const uint NORMAL = 7u;
 const uint GEOMETRIC_NORMAL = 8u;
 const uint ALBEDO = 9u;
-const uint SPECULAR = 10u;
-const uint SHININESS = 11u;
+const uint REFLECTANCE = 10u;
+const uint ROUGHNESS = 11u;
 const uint INSTANCE = 12u;
 const uint MATERIAL_ID = 13u;
 const uint MOTION = 14u;
@@ -79,7 +79,7 @@ vec2 motion(ivec2 pixel, vec3 p, uint instance) {
 
 vec3 surface_view(ivec2 pixel, uvec2 id) {
     Surface surface = surface_at(pixel);
-    vec4 specular = materials.data[id.y & MATERIAL].specular;
+    MaterialData material = materials.data[id.y & MATERIAL];
     vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
     vec3 e = imageLoad(irradiance, pixel).rgb;
     switch (push.view) {
@@ -90,8 +90,8 @@ vec3 surface_view(ivec2 pixel, uvec2 id) {
         case NORMAL: return surface.shading * 0.5 + 0.5;
         case GEOMETRIC_NORMAL: return surface.geometric * 0.5 + 0.5;
         case ALBEDO: return srgb(albedo);
-        case SPECULAR: return srgb(specular.rgb);
-        case SHININESS: return vec3(log2(specular.a + 1.0) / 10.0);
+        case REFLECTANCE: return srgb(mix(material.reflectance.rgb, material.mean_base.rgb, material.base.w));
+        case ROUGHNESS: return vec3(material.emission.w);
         case INSTANCE: return number_colour(id.x - 1u);
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:

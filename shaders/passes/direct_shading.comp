@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Direct light of point, spot and directional lights: diffuse and normalised Blinn-Phong specular
-// reflection; what surfaces emit; the background. Out: radiance; a: 1 where a surface is.
+// Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the background. Out: radiance; a: 1 where a surface is.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
+#include "bsdf.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -21,16 +21,20 @@ layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialDat
 layout(set = 0, binding = 8, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
 
-// Diffuse and normalised Blinn-Phong; specular: rgb: Ks; w: Ns.
-vec3 reflectance(vec3 albedo, vec4 specular, float half_cosine) {
-    return albedo / PI + specular.rgb * (specular.w + 8.0) / (8.0 * PI) * pow(half_cosine, specular.w);
+Bsdf bsdf_of(MaterialData material) {
+    return Bsdf(material.mean_base.rgb, material.base.w, material.reflectance.rgb, material.reflectance.w,
+        material.emission.w);
 }
 
 vec3 radiance_of(uvec2 id, ivec2 pixel) {
     Surface surface = surface_at(pixel);
     MaterialData material = materials.data[id.y & MATERIAL];
     vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
-    vec3 to_eye = normalize(frame.eye.xyz - surface.position);
+    bool reflects = material.base.w > 0.0 || material.reflectance != vec4(0.0);
+    Reflection reflection;
+    if (reflects) {
+        reflection = seen(bsdf_of(material), surface.shading, normalize(frame.eye.xyz - surface.position));
+    }
 
     vec3 radiance = vec3(0.0);
     if ((id.y & FRONT_FACING) != 0u) radiance = material.emission.rgb * instances.data[id.x - 1u].emission.rgb;
@@ -39,8 +43,8 @@ vec3 radiance_of(uvec2 id, ivec2 pixel) {
         if ((visible >> (i % LIGHTS_PER_LAYER) & 1u) == 0u) continue;
         vec3 to_light;
         vec3 irradiance = unshadowed_irradiance(lights.data[i], surface, to_light);
-        float half_cosine = max(dot(surface.shading, normalize(to_light + to_eye)), 0.0);
-        radiance += reflectance(albedo, material.specular, half_cosine) * irradiance;
+        radiance += albedo / PI * irradiance;
+        if (reflects) radiance += reflected_towards_eye(reflection, to_light) * irradiance;
     }
     return radiance;
 }

@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// G-buffer, texels: view depth, normals, albedo and instance of the nearest surface; all else follows from these.
+// G-buffer, texels: view depth, normals, diffuse albedo towards the eye and instance of the nearest surface; all else follows from these.
 #include "frame.glsl"
 #include "scene.glsl"
 #include "gbuffer.glsl"
 #define MASK_BINDING 3
 #include "mask.glsl"
+#include "bsdf.glsl"
 
 layout(location = 0) in vec3 position_ws;
 layout(location = 1) in vec3 normal_ws;
@@ -25,6 +26,13 @@ layout(location = 1) out vec4 out_normal;
 layout(location = 2) out vec4 out_albedo;
 layout(location = 3) out uvec2 out_instance;
 
+// What irradiance becomes: a surface that reflects nothing else is spared the rest.
+vec3 diffuse_albedo(MaterialData material, vec3 base, vec3 normal, vec3 to_eye) {
+    if (material.base.w == 0.0 && material.reflectance == vec4(0.0)) return base;
+    return seen(Bsdf(base, material.base.w, material.reflectance.rgb, material.reflectance.w, material.emission.w),
+        normal, to_eye).diffuse;
+}
+
 void main() {
     // Taken before any discard: derivatives and mip level need the whole quad.
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
@@ -43,6 +51,6 @@ void main() {
     bool front = gl_FrontFacing != (instances.data[push.instance].mirrored == 1u);
     out_depth = 1.0 / gl_FragCoord.w;
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
-    out_albedo = vec4(material.albedo.rgb * texel, 1.0);
+    out_albedo = vec4(diffuse_albedo(material, material.base.rgb * texel, shading, normalize(to_eye)), 1.0);
     out_instance = uvec2(push.instance + 1u, push.material | (front ? FRONT_FACING : 0u));
 }

@@ -59,9 +59,13 @@ pub const VIEWS: [View; 15] = [
         label: "Geometric normal",
         about: "Normals of the flat triangles, likewise",
     },
-    View { name: "albedo", label: "Albedo", about: "Diffuse reflectance Kd" },
-    View { name: "specular", label: "Specular", about: "Specular reflectance Ks" },
-    View { name: "shininess", label: "Shininess", about: "Exponent Ns of the highlight: log2(Ns + 1) / 10" },
+    View { name: "albedo", label: "Albedo", about: "Diffuse reflectance towards the eye" },
+    View {
+        name: "reflectance",
+        label: "Reflectance",
+        about: "What the smooth or rough coat reflects at normal incidence, F0",
+    },
+    View { name: "roughness", label: "Roughness", about: "Perceptual roughness: black is a mirror" },
     View { name: "instance", label: "Instance", about: "A colour for each instance" },
     View { name: "material", label: "Material", about: "A colour for each material" },
     View {

@@ -70,7 +70,11 @@ impl SceneBuffers {
         let mut textures = scene
             .textures
             .iter()
-            .map(|texture| Image::texture(device, &texture.name, &texture.levels))
+            .map(|texture| match texture.linear {
+                // Of the linear ones only the means are used.
+                true => Image::texture(device, &texture.name, &[(1, 1, vec![255; 4])]),
+                false => Image::texture(device, &texture.name, &texture.levels),
+            })
             .collect::<Result<Vec<_>, _>>()?;
         textures.push(Image::texture(device, "white", &[(1, 1, vec![255; 4])])?);
         let white = textures.len() - 1;
@@ -81,7 +85,7 @@ impl SceneBuffers {
             material_textures: scene
                 .materials
                 .iter()
-                .map(|material| material.albedo_texture.unwrap_or(white))
+                .map(|material| material.base_colour_texture.unwrap_or(white))
                 .collect(),
             textures,
             sampler: Sampler::for_textures(device)?,
@@ -176,12 +180,16 @@ impl Geometry {
 }
 
 fn material_data(scene: &Scene, material: &Material) -> MaterialData {
-    let texture = material.albedo_texture.map(|texture| scene.textures[texture].mean());
+    // Textures of metallic, roughness and emission count by their means.
+    let mean = material.mean_bsdf(scene);
+    let kept =
+        if material.transmission > 0.0 { 1.0 - material.transmission * (1.0 - mean.metallic) } else { 1.0 };
     MaterialData {
-        mean_albedo: (material.albedo * texture.unwrap_or(Vec3::ONE)).extend(0.0),
-        albedo: material.albedo.extend(0.0),
-        specular: material.specular.extend(material.shininess),
-        emission: material.emission.extend(0.0),
+        base: (material.base_colour * kept).extend(mean.metallic),
+        reflectance: mean.f0.extend(mean.f90),
+        emission: material.mean_emission(scene).extend(mean.roughness),
+        mean_base: mean.base.extend(0.0),
+        mean_albedo: mean.mean_albedo().extend(0.0),
         mask: mask_plus_one(material),
         ..MaterialData::default()
     }

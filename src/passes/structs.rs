@@ -56,13 +56,15 @@ pub struct InstanceData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MaterialData {
-    /// rgb: Kd.
-    pub albedo: Vec4,
-    /// rgb: Ks; w: Ns.
-    pub specular: Vec4,
-    /// rgb: Ke of the front side, W/m^2/sr.
+    /// rgb: base colour, to be multiplied with its texture; w: metallic.
+    pub base: Vec4,
+    /// rgb: F0 of a dielectric; w: F90.
+    pub reflectance: Vec4,
+    /// rgb: radiance of the front side, W/m^2/sr; w: roughness.
     pub emission: Vec4,
-    /// rgb: Kd times the mean of its texture.
+    /// rgb: base colour, mean over its texture.
+    pub mean_base: Vec4,
+    /// rgb: share of the light that it reflects, mean over textures and directions.
     pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
@@ -171,9 +173,10 @@ pub(crate) mod tests {
         same_layout!(
             shaders::GBUFFER_FRAG,
             MaterialData,
-            albedo,
-            specular,
+            base,
+            reflectance,
             emission,
+            mean_base,
             mean_albedo,
             mask,
             pad0,

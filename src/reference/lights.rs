@@ -44,6 +44,13 @@ pub(super) struct LightSample {
     pub(super) pdf: Option<f32>,
 }
 
+impl LightSample {
+    /// Its weight beside scattered rays that have this density in its direction: 1 if none can hit the light.
+    pub(super) fn share(&self, density: f32) -> f32 {
+        self.pdf.map_or(1.0, |pdf| power_heuristic(pdf, density))
+    }
+}
+
 /// The lights with non-zero emission.
 #[derive(Clone, Debug)]
 pub(super) struct Lights {

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{RenderError, Renderer};
+use crate::bsdf::Bsdf;
 use crate::output::{Layer, Picture};
 use crate::vulkan::Image;
 
@@ -75,7 +76,9 @@ impl Renderer {
                 n.extend(0.0).to_array()
             })
             .collect();
-        let specular: Vec<[f32; 4]> = ids.iter().map(|id| self.specular(*id)).collect();
+        let means: Vec<Bsdf> =
+            self.scene.materials.iter().map(|material| material.mean_bsdf(&self.scene)).collect();
+        let reflectance: Vec<[f32; 4]> = ids.iter().map(|id| reflectance(*id, &means)).collect();
         let pixels = || (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
         let position: Vec<[f32; 4]> =
             pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
@@ -92,17 +95,10 @@ impl Renderer {
             Layer::of_channels("normal", &["X", "Y", "Z"], &normals),
             Layer::of_channels("position", &["X", "Y", "Z"], &position),
             Layer::single("depth", "Z", depth),
-            Layer::of_channels("specular", &["R", "G", "B", "shininess"], &specular),
+            Layer::of_channels("reflectance", &["R", "G", "B", "roughness"], &reflectance),
             Layer::single("instance", "id", instances),
             Layer::of_channels("motion", &["X", "Y"], &motion),
         ])
-    }
-
-    /// Ks and Ns of what a pixel of the G-buffer's instance channel names.
-    fn specular(&self, [instance, material]: [u32; 2]) -> [f32; 4] {
-        let material = self.scene.materials.get((material & MATERIAL) as usize);
-        let material = material.filter(|_| instance > 0);
-        material.map_or([0.0; 4], |material| material.specular.extend(material.shininess).to_array())
     }
 
     /// Where a pixel sees a surface at a view depth, in the world; 0 where it sees none. Twin: `position_at` in
@@ -152,4 +148,11 @@ fn octahedral_decode(x: f32, y: f32) -> glam::Vec3 {
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
     let (x, y) = if z < 0.0 { ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)) } else { (x, y) };
     glam::Vec3::new(x, y, z).normalize()
+}
+
+/// Reflectance at normal incidence and roughness of what a pixel of the G-buffer's instance channel names, averaged over
+/// its textures.
+fn reflectance([instance, material]: [u32; 2], means: &[Bsdf]) -> [f32; 4] {
+    let bsdf = means.get((material & MATERIAL) as usize).filter(|_| instance > 0);
+    bsdf.map_or([0.0; 4], |bsdf| bsdf.f0.lerp(bsdf.base, bsdf.metallic).extend(bsdf.roughness).to_array())
 }

@@ -21,6 +21,7 @@ pub(super) struct SceneFile {
     pub name: Option<String>,
     /// Radiance of camera rays that miss, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
+    pub environment: Option<Spanned<EnvironmentEntry>>,
     pub camera: Option<Spanned<CameraEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<Spanned<ModelEntry>>,
@@ -34,6 +35,16 @@ pub(super) struct SceneFile {
     /// Deserialised only to check keys and types.
     #[serde(skip_serializing)]
     pub settings: Option<Settings>,
+}
+
+/// Light from everywhere around the scene; it is seen, too.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentEntry {
+    /// Radiance, W/m^2/sr.
+    pub colour: [f32; 3],
+    /// Factor of the colour; 1 if missing.
+    pub strength: Option<f32>,
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.
@@ -86,9 +97,12 @@ pub(super) enum Primitive {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialEntry {
+    /// Base colour, linear.
     pub albedo: Option<[f32; 3]>,
-    pub specular: Option<[f32; 3]>,
-    pub shininess: Option<f32>,
+    /// Share of metal.
+    pub metallic: Option<f32>,
+    /// Given: it reflects as glTF's materials do. Missing: a Lambertian surface.
+    pub roughness: Option<f32>,
     /// Radiance, W/m^2/sr.
     pub emission: Option<[f32; 3]>,
 }

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::clip::clip_to_box;
 use super::error::SceneError;
-use super::material::Material;
+use super::material::{GLTF_F0, Material};
 use super::mesh::Mesh;
 use super::scene_build::{Builder, Entry};
 use super::scene_file::{MaterialEntry, ModelEntry, Primitive};
@@ -149,16 +149,21 @@ fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> R
         }
     };
     let emission = entry.power("material.emission", material.emission.unwrap_or_default())?;
-    let shininess = entry.number("material.shininess", material.shininess.unwrap_or(1.0))?;
-    if shininess < 0.0 {
-        return Err(entry.error(format!("material.shininess must not be negative, is {shininess}")));
+    let share = |key: &str, value: f32| {
+        let share = entry.number(key, value)?;
+        let fits = (0.0..=1.0).contains(&share);
+        if fits { Ok(share) } else { Err(entry.error(format!("{key} must be from 0 to 1, is {share}"))) }
+    };
+    let metallic = share("material.metallic", material.metallic.unwrap_or(0.0))?;
+    let roughness = share("material.roughness", material.roughness.unwrap_or(1.0))?;
+    if metallic > 0.0 && material.roughness.is_none() {
+        return Err(entry.error("material.metallic needs material.roughness"));
     }
-    Ok(Material {
-        albedo: reflectance("material.albedo", material.albedo, grey.albedo)?,
-        specular: reflectance("material.specular", material.specular, Vec3::ZERO)?,
-        shininess,
-        emission,
-        ..grey
+    let base_colour = reflectance("material.albedo", material.albedo, grey.base_colour)?;
+    let plain = Material { base_colour, emission, ..grey };
+    Ok(match material.roughness {
+        None => plain,
+        Some(_) => Material { metallic, roughness, f0: GLTF_F0, f90: 1.0, ..plain },
     })
 }
 

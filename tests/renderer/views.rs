@@ -22,7 +22,7 @@ material = { albedo = [0.7, 0.6, 0.5] }
 name = "block"
 primitive = "box"
 size = [0.8, 0.8, 0.8]
-material = { albedo = [0.2, 0.4, 0.8], specular = [0.3, 0.2, 0.1], shininess = 40 }
+material = { albedo = [0.2, 0.4, 0.8], roughness = 0.35 }
 [[instances]]
 model = "room"
 [[instances]]
@@ -148,11 +148,8 @@ fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
         "position" => map("position", &|p| (p + Vec3::new(2.0, 1.5, 2.0)) / Vec3::new(4.0, 3.0, 4.0)),
         "normal" => map("normal", &|n| n * 0.5 + 0.5),
         "albedo" => map("albedo", &encode),
-        "specular" => map("specular", &encode),
-        "shininess" => of_layer("specular", 3)
-            .into_iter()
-            .map(|exponent| Vec3::splat((exponent + 1.0).log2() / 10.0))
-            .collect(),
+        "reflectance" => map("reflectance", &encode),
+        "roughness" => of_layer("reflectance", 3).into_iter().map(Vec3::splat).collect(),
         "instance" => channel(picture, "instance").into_iter().map(number_colour).collect(),
         "motion" => of_layer("motion", 0)
             .into_iter()
