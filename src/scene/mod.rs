@@ -10,6 +10,7 @@ mod camera;
 mod clip;
 mod document;
 mod error;
+mod gltf;
 mod light;
 mod load;
 mod material;

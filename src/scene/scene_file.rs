@@ -52,9 +52,9 @@ pub(super) struct EnvironmentEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelEntry {
     pub name: String,
-    /// An `.obj`, relative to the scene file.
+    /// An `.obj`, `.gltf` or `.glb`, relative to the scene file.
     pub path: Option<PathBuf>,
-    /// An `.obj`, relative to the assets folder.
+    /// The same, relative to the assets folder.
     pub asset: Option<PathBuf>,
     /// Download address of the asset.
     pub download: Option<String>,
@@ -68,7 +68,7 @@ pub(super) struct ModelEntry {
     pub subdivisions: Option<u32>,
     /// Of a primitive; grey 0.5 if missing.
     pub material: Option<MaterialEntry>,
-    /// Materials of an `.obj` whose triangles are left out.
+    /// Materials of a file whose triangles are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_materials: Vec<String>,
     /// The model is clipped to this box, in object space.

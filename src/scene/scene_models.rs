@@ -13,7 +13,7 @@ use super::material::{GLTF_F0, Material};
 use super::mesh::Mesh;
 use super::scene_build::{Builder, Entry};
 use super::scene_file::{MaterialEntry, ModelEntry, Primitive};
-use super::{Scene, builtin, obj};
+use super::{Scene, builtin, gltf, obj};
 
 /// Download hint for an asset without a `download` key.
 const DOWNLOAD: &str = "see the credits in the scene file";
@@ -35,10 +35,10 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
                 file.display()
             )));
         }
-        obj::add_obj(&file, &mut builder.scene)?
+        add_file(&file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
         let file = find_asset(builder, model, asset)?;
-        obj::add_obj(&file, &mut builder.scene)?
+        add_file(&file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
         let made = builtin::model(name).ok_or_else(|| {
             let known = builtin::MODELS.join(", ");
@@ -54,6 +54,11 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
     builder.scene.meshes[mesh].name.clone_from(&model.name);
     builder.models.insert(model.name.clone(), mesh);
     Ok(())
+}
+
+/// Adds the mesh of a model's file, by its ending; returns its index.
+fn add_file(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    if gltf::is_gltf(file) { gltf::add_model(file, scene) } else { obj::add_obj(file, scene) }
 }
 
 fn push(scene: &mut Scene, mesh: Mesh) -> usize {

@@ -172,14 +172,20 @@ fn neighbours(next: u32, size: u32) -> [u32; 2] {
 pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
-    let mut reader = image::ImageReader::new(Cursor::new(&bytes));
     // TGA has no signature, so fall back to the extension.
-    if let Ok(format) = ImageFormat::from_path(path) {
+    decode_image(&bytes, ImageFormat::from_path(path).ok())
+}
+
+/// Decodes an image, of `format` if it has no signature; the error completes a sentence.
+pub(super) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
+    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
+    let mut reader = image::ImageReader::new(Cursor::new(bytes));
+    if let Some(format) = format {
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(unreadable)?;
     // The decoder silently fills the missing part of a truncated JPEG with grey.
-    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(&bytes) {
+    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(bytes) {
         return Err("is truncated".into());
     }
     let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
