@@ -57,9 +57,9 @@ fn questions(count: usize) -> Vec<Question> {
         let normal = numbers.direction();
         let upper = |v: Vec3| if v.dot(normal) < 0.0 { -v } else { v };
         // Every eighth is a perfect mirror, every third a pure dielectric or metal, every fifth Lambertian.
-        let roughness = if index % 8 == 0 { 0.0 } else { 0.03 + 0.97 * numbers.next() };
-        let metallic = if index % 3 == 0 { numbers.next().round() } else { numbers.next() };
-        let strength = if index % 5 == 0 { 0.0 } else { numbers.next() };
+        let roughness = if index.is_multiple_of(8) { 0.0 } else { 0.03 + 0.97 * numbers.next() };
+        let metallic = if index.is_multiple_of(3) { numbers.next().round() } else { numbers.next() };
+        let strength = if index.is_multiple_of(5) { 0.0 } else { numbers.next() };
         Question {
             base_metallic: numbers.colour().extend(if strength == 0.0 { 0.0 } else { metallic }),
             f0_f90: (numbers.colour() * 0.5 * strength).extend(strength),

@@ -30,6 +30,9 @@ struct Reflection {
 // A direction that light comes from; density: 1/sr, 0 where nothing is reflected, -1 for a perfect mirror's.
 struct Sampled { vec3 direction; float density; };
 
+// Whether it has a GGX lobe.
+bool reflects(Bsdf bsdf) { return bsdf.metallic > 0.0 || bsdf.f90 > 0.0 || bsdf.f0 != vec3(0.0); }
+
 float schlick(float cosine) {
     float c = clamp(1.0 - cosine, 0.0, 1.0);
     return c * c * c * c * c;

@@ -60,16 +60,16 @@ pub struct MaterialData {
     pub base: Vec4,
     /// rgb: F0 of a dielectric; w: F90.
     pub reflectance: Vec4,
-    /// rgb: radiance of the front side, W/m^2/sr; w: roughness.
+    /// rgb: radiance of the front side, W/m^2/sr, to be multiplied with its texture; w: roughness.
     pub emission: Vec4,
-    /// rgb: base colour, mean over its texture.
-    pub mean_base: Vec4,
+    /// rgb: the same, mean over its texture.
+    pub mean_emission: Vec4,
     /// rgb: share of the light that it reflects, mean over textures and directions.
     pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// Which textures it has besides that of the base colour, a bit each.
+    pub maps: u32,
     /// Unused.
     pub pad1: u32,
     /// Unused.
@@ -176,10 +176,10 @@ pub(crate) mod tests {
             base,
             reflectance,
             emission,
-            mean_base,
+            mean_emission,
             mean_albedo,
             mask,
-            pad0,
+            maps,
             pad1,
             pad2
         );

@@ -137,16 +137,18 @@ impl Material {
     }
 
     fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
-        let metallic = self.metallic * data.z;
-        // What passes is not reflected. Metals let nothing pass.
-        let kept = 1.0 - self.transmission * (1.0 - metallic);
         Bsdf {
-            base: self.base_colour * texel * kept,
-            metallic,
+            base: self.reflected_base() * texel,
+            metallic: self.metallic * data.z,
             roughness: self.roughness * data.y,
             f0: self.f0,
             f90: self.f90,
         }
+    }
+
+    /// Base colour without what passes, to be multiplied with its texture. Metals let nothing pass.
+    pub(crate) fn reflected_base(&self) -> Vec3 {
+        self.base_colour * (1.0 - self.transmission * (1.0 - self.metallic))
     }
 
     /// Share of the light that it reflects at `uv`, averaged over all directions by the cosine: what a light path keeps.

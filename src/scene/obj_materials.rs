@@ -66,6 +66,9 @@ impl<'a> Maps<'a> {
     }
 }
 
+/// Inputs of a mask: colour map, opacity map, bits of the opacity.
+type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
+
 /// What a texture is made of.
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum Source<'a> {
@@ -79,7 +82,7 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
     let images = Images::read(file, materials);
     warn_of_missing(file, materials, &images, scene);
     let textures = add_textures(materials, &images, scene);
-    let mut masks: HashMap<(Option<&str>, Option<&str>, u32), Option<usize>> = HashMap::new();
+    let mut masks: HashMap<MaskKey<'_>, Option<usize>> = HashMap::new();
     for material in materials {
         let maps = Maps::of(material);
         let surface = surface(material);
