@@ -56,7 +56,9 @@ impl Export<'_> {
         let mut inexact: Vec<String> = self.remarks.iter().map(|remark| remark.text().to_owned()).collect();
         inexact.extend(self.remark_highlights());
         let background = self.scene.background;
-        if background != Vec3::ZERO {
+        if self.scene.environment.is_some() {
+            inexact.push("The environment is left out.".to_owned());
+        } else if background != Vec3::ZERO {
             inexact.push(format!(
                 "The background ({} {} {}) lights nothing in glowworm, so it is not an emitter here: add it, \
                  times 1 - alpha, to the picture.",

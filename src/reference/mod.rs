@@ -106,7 +106,7 @@ impl<'a> Reference<'a> {
             bvh,
             bvh_ms,
             surfaces: Surfaces::new(scene, pose),
-            any_light_hittable: lights.any_hittable() || scene.environment != Vec3::ZERO,
+            any_light_hittable: lights.any_hittable() || scene.environment.is_some(),
             has_sheets: scene.materials.iter().any(Material::is_sheet),
             lights,
             radius,

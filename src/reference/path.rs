@@ -134,9 +134,13 @@ impl Reference<'_> {
         let hits = self.intersect(&rays, |ray| camera_samples[ray].1.next().x);
         let mut visible = Vec::with_capacity(rays.len());
         for (pixel, ((_, sampler), (hit, weight))) in camera_samples.into_iter().zip(hits).enumerate() {
-            samples[pixel] = PixelSample { direct: self.scene.background * weight, ..Default::default() };
-            let Some(hit) = hit else { continue };
             let direction = rays[pixel].direction;
+            let behind = match &self.scene.environment {
+                Some(environment) => environment.radiance(direction.normalize()),
+                None => self.scene.background,
+            };
+            samples[pixel] = PixelSample { direct: behind * weight, ..Default::default() };
+            let Some(hit) = hit else { continue };
             let vertex = self.interaction(&hit, direction);
             visible.push((pixel, sampler, vertex, direction, weight, hit.t));
         }
@@ -253,7 +257,7 @@ impl Reference<'_> {
                 path.throughput *= *weight;
                 match hit {
                     Some(hit) => self.advance(path, hit, subset),
-                    None => path.gathered += path.throughput * self.scene.environment,
+                    None => self.leave(path, subset),
                 }
             }
             if !scatters {
@@ -311,7 +315,7 @@ impl Reference<'_> {
     }
 
     fn may_meet_light(&self, ray: &Ray) -> bool {
-        self.scene.environment != Vec3::ZERO || self.lights.may_hit(ray)
+        self.scene.environment.is_some() || self.lights.may_hit(ray)
     }
 
     /// Moves a path to the surface that its ray hit and adds its emission, weighted by MIS against light sampling
@@ -326,6 +330,15 @@ impl Reference<'_> {
             let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
             path.gathered += path.throughput * radiance * share;
         }
+    }
+
+    /// Adds the environment's light to a path whose ray left the scene, weighted by MIS likewise.
+    fn leave(&self, path: &mut Path<'_>, subset: LightSubset) {
+        let Some(environment) = &self.scene.environment else { return };
+        let from = path.vertex.surface;
+        let pdf = self.lights.environment_pdf(from.position, from.normal, path.direction, subset);
+        let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
+        path.gathered += path.throughput * environment.radiance(path.direction) * share;
     }
 
     /// Russian roulette for paths without a limit. A path without throughput always ends.

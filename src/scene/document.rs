@@ -234,6 +234,10 @@ impl SceneDocument {
                 *path = std::fs::canonicalize(&joined).unwrap_or(joined);
             }
         }
+        if let Some(path) = self.file.environment.as_mut().and_then(|entry| entry.get_mut().map.as_mut()) {
+            let joined = folder.join(&*path);
+            *path = std::fs::canonicalize(&joined).unwrap_or(joined);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod builtin;
 mod camera;
 mod clip;
 mod document;
+mod environment;
 mod error;
 mod gltf;
 mod light;
@@ -25,6 +26,7 @@ mod polygon;
 mod primitives;
 mod recording;
 mod scene_build;
+mod scene_environment;
 mod scene_file;
 mod scene_lights;
 mod scene_models;
@@ -36,6 +38,7 @@ pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
 pub use camera::{Camera, CameraOverride};
 pub use document::{Placement, SceneDocument};
+pub use environment::{Environment, EnvironmentMap};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use load::{load_scene, scene_of_text};
@@ -110,8 +113,9 @@ pub struct Scene {
     pub camera_animation: Option<Animation>,
     /// Radiance of camera rays that miss, W/m^2/sr; it does not light the scene.
     pub background: Vec3,
-    /// Radiance of the environment, the same from all directions, W/m^2/sr. It lights surfaces, so far in `reference` alone.
-    pub environment: Vec3,
+    /// Light from everywhere around the scene, if there is any. It lights surfaces in `reference` alone; then `background`
+    /// is its mean.
+    pub environment: Option<Environment>,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
     /// Recorded edits, by frame; if not empty, they replace the animation.
@@ -162,7 +166,7 @@ impl Scene {
             camera: Camera::looking(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO),
             camera_animation: None,
             background: Vec3::ZERO,
-            environment: Vec3::ZERO,
+            environment: None,
             settings: toml::Table::new(),
             recording: Arc::default(),
             warnings: Vec::new(),
@@ -178,7 +182,7 @@ impl Scene {
             camera: self.camera,
             camera_animation: self.camera_animation.clone(),
             background: self.background,
-            environment: self.environment,
+            environment: self.environment.clone(),
             settings: self.settings.clone(),
             warnings: self.warnings.clone(),
             ..Self::new("")

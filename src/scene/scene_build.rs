@@ -11,12 +11,11 @@ use glam::{Affine3A, BVec3, EulerRot, Quat, Vec3};
 
 use super::error::SceneError;
 use super::scene_file::{
-    AnimationEntry, CameraEntry, EnvironmentEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile,
-    line_of,
+    AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
 };
 use super::{
-    Animation, Camera, Instance, Keyframe, MAX_COORDINATE, Rotation, Scene, bare_obj, obj, scene_lights,
-    scene_models,
+    Animation, Camera, Instance, Keyframe, MAX_COORDINATE, Rotation, Scene, bare_obj, obj, scene_environment,
+    scene_lights, scene_models,
 };
 
 /// Largest magnitude of a keyframe's time, seconds: about 30 years.
@@ -135,12 +134,11 @@ impl<'a> Builder<'a> {
         if let Some(environment) = &file.environment {
             let entry = self.entry(&environment.span(), "environment");
             if file.background.is_some() {
-                return Err(
-                    entry.error("the environment is seen, so the key background is not allowed; remove it")
-                );
+                return Err(entry.error("is seen, so the key background is not allowed; remove it"));
             }
-            self.scene.environment = radiance_of(&entry, *environment.as_ref())?;
-            self.scene.background = self.scene.environment;
+            let environment = scene_environment::environment_of(self, &entry, environment.as_ref())?;
+            self.scene.background = environment.mean();
+            self.scene.environment = Some(environment);
         }
         for model in &file.models {
             scene_models::add_model(self, model)?;
@@ -185,7 +183,7 @@ impl<'a> Builder<'a> {
     }
 
     fn warn_of_darkness(&mut self) {
-        if self.scene.lights.is_empty() && self.scene.environment == Vec3::ZERO {
+        if self.scene.lights.is_empty() && self.scene.environment.is_none() {
             let warning = format!(
                 "{}: the scene has no light (no [[lights]], no emissive material), so only the background is not black",
                 self.path.display()
@@ -282,16 +280,6 @@ pub(super) fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Af
         return Err(entry.error(format!("scale must not be zero in any axis, is {scale}")));
     }
     Ok(transform)
-}
-
-/// Radiance of an environment.
-fn radiance_of(entry: &Entry, environment: EnvironmentEntry) -> Result<Vec3, SceneError> {
-    let strength = entry.number("strength", environment.strength.unwrap_or(1.0))?;
-    if strength < 0.0 {
-        return Err(entry.error(format!("strength must not be negative, is {strength}")));
-    }
-    let radiance = entry.power("colour", environment.colour)? * strength;
-    if radiance.is_finite() { Ok(radiance) } else { Err(entry.error("colour times strength is too large")) }
 }
 
 /// Fails if a mesh with these bounds has coordinates beyond [`MAX_COORDINATE`] under `transform`.

@@ -38,13 +38,19 @@ pub(super) struct SceneFile {
 }
 
 /// Light from everywhere around the scene; it is seen, too.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EnvironmentEntry {
-    /// Radiance, W/m^2/sr.
-    pub colour: [f32; 3],
+    /// Radiance, W/m^2/sr; with a map its factor, 1 if missing.
+    pub colour: Option<[f32; 3]>,
     /// Factor of the colour; 1 if missing.
     pub strength: Option<f32>,
+    /// An equirectangular `.hdr` or `.exr`, relative to the scene file.
+    pub map: Option<PathBuf>,
+    /// The same, relative to the assets folder.
+    pub asset: Option<PathBuf>,
+    /// Degrees by which the map is turned about +y.
+    pub rotation_deg: Option<f32>,
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.

@@ -1,7 +1,9 @@
 //! What surfaces reflect and let pass: white furnaces, mirrors, thin sheets.
 
 use glam::{Affine3A, Vec3};
-use glowworm::scene::{Alpha, Camera, Instance, Light, LightKind, Material, Mesh, Scene};
+use glowworm::scene::{
+    Alpha, Camera, Environment, EnvironmentMap, Instance, Light, LightKind, Material, Mesh, Scene,
+};
 
 use super::support::{assert_near, colour, layer, mean, picture, settings};
 
@@ -27,7 +29,7 @@ fn a_white_sphere_in_a_white_environment_cannot_be_seen() {
                 ..Material::lambertian("white", Vec3::ONE)
             };
             let mut scene = sphere(white);
-            (scene.environment, scene.background) = (Vec3::ONE, Vec3::ONE);
+            scene.environment = Some(Environment::constant(Vec3::ONE));
             let rendered = picture(&scene, &settings(8, Some(1)), 8192);
             for (pixel, found) in colour(&rendered).into_iter().enumerate() {
                 assert!(
@@ -157,10 +159,60 @@ fn a_pane_of_glass_reflects_what_it_does_not_let_pass() {
     };
     let mut scene = Scene::new("pane");
     add_sheet(&mut scene, clear, 0.0);
-    (scene.environment, scene.background) = (Vec3::ONE, Vec3::ONE);
+    scene.environment = Some(Environment::constant(Vec3::ONE));
     scene.camera = Camera { vertical_fov: 0.5, ..Camera::looking(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO) };
     let rendered = picture(&scene, &settings(8, Some(1)), 4096);
     assert_near(mean(&colour(&rendered)).x, 1.0, 0.01);
     let reflected = mean(&layer(&rendered, "reflected")).x;
     assert!((0.1..0.3).contains(&reflected), "{reflected}");
+}
+
+/// A sky of a constant radiance in a map with a sun of 2 x 2 texels.
+fn sky(sun: f32) -> Environment {
+    let texel = |i: usize| if [20, 21].contains(&(i % 64)) && [8, 9].contains(&(i / 64)) { sun } else { 0.5 };
+    let texels = (0..2048).map(|i| Vec3::splat(texel(i))).collect();
+    Environment {
+        radiance: Vec3::ONE,
+        map: Some(std::sync::Arc::new(EnvironmentMap::new(64, 32, texels))),
+        rotation: 0.3,
+    }
+}
+
+#[test]
+fn a_floor_under_a_sky_has_its_irradiance() {
+    for sun in [0.5, 3000.0] {
+        let mut scene = lit_floor(Material::lambertian("floor", Vec3::splat(0.5)));
+        scene.lights.clear();
+        let sky = sky(sun);
+        // The integral over the upper hemisphere, on a fine grid.
+        let (mut expected, steps) = (0.0f64, 2000);
+        for i in 0..steps {
+            let cosine = (i as f32 + 0.5) / steps as f32;
+            let radius = (1.0 - cosine * cosine).sqrt();
+            for j in 0..steps {
+                let (sin, cos) = (std::f32::consts::TAU * (j as f32 + 0.5) / steps as f32).sin_cos();
+                expected += f64::from(sky.radiance(Vec3::new(radius * sin, cosine, radius * cos)).x * cosine);
+            }
+        }
+        expected *= std::f64::consts::TAU / f64::from(steps) / f64::from(steps);
+        scene.environment = Some(sky);
+        let rendered = picture(&scene, &settings(8, Some(0)), 4096);
+        let found: Vec<f32> = layer(&rendered, "indirect").iter().map(|e| e.x).collect();
+        let total: f32 = found.iter().sum::<f32>() / found.len() as f32;
+        assert_near(total, expected as f32, 0.005);
+        // No pixel is far off: the sun is found by sampling the map.
+        assert!(found.iter().all(|e| (e / expected as f32 - 1.0).abs() < 0.1), "{found:?} {expected}");
+    }
+}
+
+#[test]
+fn a_white_sphere_under_an_uneven_sky_loses_no_light() {
+    // Both strategies, weighted: a rough white metal sphere sends back all that arrives.
+    for roughness in [0.2, 0.6] {
+        let white = Material { metallic: 1.0, roughness, ..Material::lambertian("white", Vec3::ONE) };
+        let mut scene = sphere(white);
+        scene.environment = Some(sky(0.5));
+        let rendered = picture(&scene, &settings(8, Some(0)), 4096);
+        assert_near(mean(&colour(&rendered)).x, 0.5, 0.01);
+    }
 }

@@ -7,6 +7,7 @@ mod bare_models;
 mod broken_models;
 mod broken_scene_files;
 mod documents;
+mod environments;
 mod gltf;
 mod made;
 mod models;
