@@ -16,6 +16,7 @@
 //! lobe leaves (albedo scaling), so a surface of base colour 1 reflects all light, at every roughness and angle.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 
@@ -27,13 +28,43 @@ pub const MIRROR_ROUGHNESS: f32 = 0.03;
 /// Least cosine between shading normal and eye; normals that face away are seen at a grazing angle.
 const GRAZING: f32 = 1e-4;
 
-/// Points and weights that average an albedo over the hemisphere: Gauss-Legendre in the squared cosine.
-const COSINES: [(f32, f32); 4] = [
-    (0.263_496_3, 0.173_927_42),
-    (0.574_464_2, 0.326_072_58),
-    (0.818_529_5, 0.326_072_58),
-    (0.964_659_6, 0.173_927_42),
-];
+/// Roughnesses of the table of [`means_of`], less one.
+const STEPS: usize = 64;
+
+/// Points over the cosine's square that an entry of it is averaged over.
+const POINTS: usize = 64;
+
+/// What [`means_of`] interpolates, by roughness from [`MIRROR_ROUGHNESS`] to 1.
+static MEANS: LazyLock<[[f32; 4]; STEPS + 1]> = LazyLock::new(|| {
+    std::array::from_fn(|step| {
+        let roughness = MIRROR_ROUGHNESS + (1.0 - MIRROR_ROUGHNESS) * step as f32 / STEPS as f32;
+        let mut means = [0.0; 4];
+        for point in 0..POINTS {
+            let cosine = ((point as f32 + 0.5) / POINTS as f32).sqrt();
+            let (white, grazing) = single_scattering(cosine, roughness);
+            let again = 1.0 / white - 1.0;
+            let normal = white - grazing;
+            for (mean, value) in means.iter_mut().zip([normal, grazing, again * normal, again * grazing]) {
+                *mean += value / POINTS as f32;
+            }
+        }
+        means
+    })
+});
+
+/// Averages over the hemisphere by the cosine: what GGX microfacets reflect at the first try at normal and at grazing
+/// incidence, and both times what multiple scattering adds where F0 is 1.
+fn means_of(roughness: f32) -> [f32; 4] {
+    if roughness < MIRROR_ROUGHNESS {
+        // Schlick's fifth power is 1/21 on average.
+        return [20.0 / 21.0, 1.0 / 21.0, 0.0, 0.0];
+    }
+    let at = (roughness - MIRROR_ROUGHNESS) / (1.0 - MIRROR_ROUGHNESS) * STEPS as f32;
+    let step = (at as usize).min(STEPS - 1);
+    let part = at - step as f32;
+    let table = &*MEANS;
+    std::array::from_fn(|i| table[step][i] + (table[step + 1][i] - table[step][i]) * part)
+}
 
 /// The reflective properties of a point on a surface: a mixture of a dielectric and a metal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,21 +177,19 @@ impl Bsdf {
         if !self.reflects() {
             return self.base;
         }
-        COSINES.iter().map(|&(cosine, weight)| self.albedo(cosine) * weight).sum()
+        self.base * self.mean_diffuse_share() + self.mean_reflected_albedo()
     }
 
     /// The part of [`Self::mean_albedo`] that the GGX lobe reflects.
     pub fn mean_reflected_albedo(&self) -> Vec3 {
-        COSINES.iter().map(|&(cosine, weight)| self.shares(cosine).reflected * weight).sum()
+        let metal = mean_reflected(self.base, 1.0, self.roughness);
+        mean_reflected(self.f0, self.f90, self.roughness).lerp(metal, self.metallic)
     }
 
     /// What the Lambertian lobe reflects over the base colour, averaged likewise.
     pub fn mean_diffuse_share(&self) -> f32 {
-        let white = Self { base: Vec3::ONE, ..*self };
-        match self.reflects() {
-            true => COSINES.iter().map(|&(cosine, weight)| white.shares(cosine).diffuse.x * weight).sum(),
-            false => 1.0,
-        }
+        let over = mean_reflected(self.f0, self.f90, self.roughness).max_element();
+        (1.0 - self.metallic) * (1.0 - over)
     }
 
     /// Directional albedo for the cosine between normal and eye: the share of uniform light that it sends there.
@@ -323,6 +352,13 @@ impl Reflection {
             [self.shares.reflected, self.shares.diffuse].map(|albedo| albedo.max_element());
         if reflected > 0.0 { reflected / (reflected + diffuse) } else { 0.0 }
     }
+}
+
+/// Mean albedo of a GGX lobe with these reflectances at normal and grazing incidence.
+fn mean_reflected(f0: Vec3, f90: f32, roughness: f32) -> Vec3 {
+    let [normal, grazing, normal_again, grazing_again] = means_of(roughness);
+    let once = f0 * normal + Vec3::splat(f90 * grazing);
+    (once + f0 * (f0 * normal_again + Vec3::splat(f90 * grazing_again))).min(Vec3::ONE)
 }
 
 /// Schlick's weight of the reflectance at grazing incidence.
