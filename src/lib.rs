@@ -4,6 +4,7 @@
 //!
 //! - [`settings`]: every knob, one struct.
 //! - [`scene`]: meshes, materials, lights, camera, animation; loading, built-in scenes.
+//! - [`bsdf`]: how surfaces reflect light.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only code that the compiler cannot check.
 //! - [`statistics`]: percentiles, spread and confidence of measurements.
@@ -22,6 +23,7 @@
 //! - [`cli`]: the command line.
 
 pub mod bench;
+pub mod bsdf;
 pub mod bvh;
 pub mod cli;
 pub mod dataset;

@@ -72,7 +72,6 @@ fn light_directly<'p>(
             visibility: shadows.output(),
             visibility_version: shadows.version(),
             scene,
-            instances,
         },
     )
 }

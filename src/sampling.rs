@@ -71,6 +71,11 @@ pub(crate) fn triangle(u: Vec2) -> Vec2 {
     }
 }
 
+/// `count` points well spread over a triangle, as barycentric weights.
+pub(crate) fn triangle_points(count: u32) -> impl Iterator<Item = Vec2> {
+    (0..count).map(|index| triangle(sequence_point(index, 0, 0)))
+}
+
 /// Samples a bin of the discrete distribution with this `cdf` (ending in 1) by inversion, and remaps `u` within
 /// the bin to [0, 1) for reuse.
 pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
@@ -165,6 +170,11 @@ impl Frame {
         Self { tangent, bitangent: normal.cross(tangent), normal }
     }
 
+    /// From the world to this frame.
+    pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
+        Vec3::new(self.tangent.dot(v), self.bitangent.dot(v), self.normal.dot(v))
+    }
+
     /// From this frame to the world.
     pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
@@ -172,7 +182,7 @@ impl Frame {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     const POINTS: u32 = 65_536;
@@ -183,7 +193,7 @@ mod tests {
 
     /// Pearson's chi-square of counts against expected shares, divided by the degrees of freedom: about 1 for
     /// independent samples, less for stratified ones.
-    fn chi_square(counts: &[u32], shares: &[f64]) -> f64 {
+    pub(crate) fn chi_square(counts: &[u32], shares: &[f64]) -> f64 {
         let total: u32 = counts.iter().sum();
         let terms = counts.iter().zip(shares).map(|(&count, share)| {
             let expected = f64::from(total) * share;

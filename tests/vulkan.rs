@@ -146,7 +146,7 @@ fn images_change_between_storage_and_texture() {
     let extent = [37, 19];
     let add = ComputePipeline::new(&lab.device, "add_image", shaders::ADD_IMAGE_COMP).unwrap();
     let images = ["even", "odd"].map(|name| image(&lab, name, extent, None).unwrap());
-    let zeros = Image::texture(&lab.device, "zeros", &[(37, 19, vec![0; 37 * 19 * 4])]).unwrap();
+    let zeros = Image::texture(&lab.device, "zeros", false, &[(37, 19, vec![0; 37 * 19 * 4])]).unwrap();
     let mut frames = Frames::new(&lab.device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let pass = frame.pass("add_image", &add).read("source", &zeros).write("target", &images[0]);

@@ -19,6 +19,6 @@ HitSurface surface_of(TracerHit hit, vec3 origin, vec3 direction) {
     vec3 normal = normalize(transform_normal(instance.world_to_object, cross(b - a, c - a)));
     bool front = dot(normal, direction) < 0.0;
     MaterialData material = materials.data[hit.material];
-    vec3 emission = front ? material.emission.rgb * instance.emission.rgb : vec3(0.0);
+    vec3 emission = front ? material.mean_emission.rgb * instance.emission.rgb : vec3(0.0);
     return HitSurface(origin + hit.t * direction, front ? normal : -normal, material.mean_albedo.rgb, emission);
 }

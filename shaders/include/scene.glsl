@@ -12,15 +12,20 @@ struct InstanceData {
 };
 
 struct MaterialData {
-    vec4 albedo;   // rgb: Kd
-    vec4 specular; // rgb: Ks; w: Ns
-    vec4 emission; // rgb: Ke, front side
-    vec4 mean_albedo; // rgb: Kd times the mean of its texture
-    uint mask;     // index of the alpha mask plus one, 0: none
-    uint pad0;
+    vec4 base;        // rgb: base colour, to be multiplied with its texture; w: metallic
+    vec4 reflectance; // rgb: F0 of a dielectric; w: F90
+    vec4 emission;    // rgb: radiance of the front side, to be multiplied with its texture; w: roughness
+    vec4 mean_emission; // rgb: the same, mean over its texture
+    vec4 mean_albedo; // rgb: share of the light that it reflects, mean over textures and directions
+    uint mask;        // index of the alpha mask plus one, 0: none
+    uint maps;        // which textures it has: see MAP_...
     uint pad1;
     uint pad2;
 };
+
+// Bits of `maps`, besides the texture of the base colour. Twin: the constants in src/passes/scene_buffers.rs.
+const uint MAP_METALLIC_ROUGHNESS = 1u; // green: roughness, blue: metallic
+const uint MAP_EMISSION = 2u;
 
 vec3 transform_point(vec4 rows[3], vec3 p) {
     vec4 h = vec4(p, 1.0);

@@ -22,6 +22,7 @@ layout(set = 0, binding = 7, r32ui) uniform readonly uimage2DArray direct_shadow
 layout(set = 0, binding = 8, rgba32f) uniform readonly image2D direct;
 layout(set = 0, binding = 9, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 10, std430) readonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 12) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 11, rgba8) uniform writeonly image2D display;
 
 // Twin: Push in src/passes/buffer_view.rs.
@@ -45,11 +46,14 @@ const uint DEPTH = 6u;
 const uint NORMAL = 7u;
 const uint GEOMETRIC_NORMAL = 8u;
 const uint ALBEDO = 9u;
-const uint SPECULAR = 10u;
-const uint SHININESS = 11u;
-const uint INSTANCE = 12u;
-const uint MATERIAL_ID = 13u;
-const uint MOTION = 14u;
+const uint REFLECTANCE = 10u;
+const uint ROUGHNESS = 11u;
+const uint BASE_COLOUR = 12u;
+const uint METALLIC = 13u;
+const uint EMISSION = 14u;
+const uint INSTANCE = 15u;
+const uint MATERIAL_ID = 16u;
+const uint MOTION = 17u;
 
 // Movement in pixels that is shown at full strength.
 const float FULL_MOTION = 16.0;
@@ -79,8 +83,11 @@ vec2 motion(ivec2 pixel, vec3 p, uint instance) {
 
 vec3 surface_view(ivec2 pixel, uvec2 id) {
     Surface surface = surface_at(pixel);
-    vec4 specular = materials.data[id.y & MATERIAL].specular;
-    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb;
+    MaterialData material = materials.data[id.y & MATERIAL];
+    vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
+    vec3 albedo = albedo_roughness.rgb;
+    uvec2 packed = texelFetch(gbuffer_surface, pixel, 0).xy;
+    vec4 base = unpack_base(packed.x);
     vec3 e = imageLoad(irradiance, pixel).rgb;
     switch (push.view) {
         case IRRADIANCE: return shown(e / PI * exposure.factor);
@@ -90,8 +97,11 @@ vec3 surface_view(ivec2 pixel, uvec2 id) {
         case NORMAL: return surface.shading * 0.5 + 0.5;
         case GEOMETRIC_NORMAL: return surface.geometric * 0.5 + 0.5;
         case ALBEDO: return srgb(albedo);
-        case SPECULAR: return srgb(specular.rgb);
-        case SHININESS: return vec3(log2(specular.a + 1.0) / 10.0);
+        case REFLECTANCE: return srgb(mix(material.reflectance.rgb, base.rgb, base.a));
+        case ROUGHNESS: return vec3(albedo_roughness.a);
+        case BASE_COLOUR: return srgb(base.rgb);
+        case METALLIC: return vec3(base.a);
+        case EMISSION: return shown(unpack_emission(packed.y) * exposure.factor);
         case INSTANCE: return number_colour(id.x - 1u);
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:

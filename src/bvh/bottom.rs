@@ -60,10 +60,10 @@ pub(super) struct BottomLevels {
 }
 
 impl BottomLevels {
-    /// Builds the BVHs of all meshes, in parallel.
-    pub(super) fn build(scene: &Scene) -> Self {
+    /// Builds the BVHs of all meshes, in parallel. With `sheets`, rays hit thin sheets wherever these are.
+    pub(super) fn build(scene: &Scene, sheets: bool) -> Self {
         let built: Vec<_> =
-            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
+            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials, sheets)).collect();
         let mut levels = Self::default();
         let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
         for mesh in built {
@@ -120,7 +120,7 @@ struct MeshBvh {
 
 impl MeshBvh {
     /// None if all triangles are degenerate.
-    fn build(mesh: &Mesh, materials: &[Material]) -> Option<Self> {
+    fn build(mesh: &Mesh, materials: &[Material], sheets: bool) -> Option<Self> {
         // Drop degenerate triangles, which can never be hit.
         let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
@@ -141,6 +141,7 @@ impl MeshBvh {
                 let material = mesh.triangle_materials.get(id as usize).copied();
                 let mask = material
                     .and_then(|material| materials.get(material as usize))
+                    .filter(|material| !(sheets && material.is_sheet()))
                     .and_then(|material| material.alpha_mask);
                 if let Some(mask) = mask {
                     masked.push(masked_triangle(mesh, id, mask));

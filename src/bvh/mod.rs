@@ -87,6 +87,19 @@ impl TwoLevelBvh {
     /// # Panics
     /// If `transforms` has not one element per instance.
     pub fn build(scene: &Scene, transforms: &[Affine3A]) -> Self {
+        Self::new(scene, transforms, false)
+    }
+
+    /// The same for rays that hit thin sheets (`Material::is_sheet`) wherever these are; otherwise they pass those that let
+    /// most light through.
+    ///
+    /// # Panics
+    /// As above.
+    pub fn build_with_sheets(scene: &Scene, transforms: &[Affine3A]) -> Self {
+        Self::new(scene, transforms, true)
+    }
+
+    fn new(scene: &Scene, transforms: &[Affine3A], sheets: bool) -> Self {
         assert_eq!(transforms.len(), scene.instances.len());
         let instances = scene
             .instances
@@ -102,7 +115,7 @@ impl TwoLevelBvh {
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
             avx2: simd::Avx2::try_new(),
-            bottom: BottomLevels::build(scene),
+            bottom: BottomLevels::build(scene, sheets),
             alpha_masks: scene.alpha_masks.clone(),
             instances,
             static_level: TopLevel::build(std::iter::empty()),

@@ -42,7 +42,7 @@ name its folder with --out and add --resume.";
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true, after_help = HELP)]
 pub(super) struct BenchOptions {
-    /// Scenes to measure: built-in ones, scene files (.toml) or models (.obj). Otherwise those of --against, or the
+    /// Scenes to measure: built-in ones, scene files (.toml) or models (.obj, .gltf, .glb). Otherwise those of --against, or the
     /// built-in set-ups of the dissertation.
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,

@@ -13,7 +13,7 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
 pub(super) struct DemoOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    /// A built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     #[arg(default_value = "playroom")]
     pub scene: String,
     #[command(flatten)]

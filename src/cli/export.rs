@@ -32,9 +32,7 @@ pub(super) struct ExportOptions {
     /// Samples per pixel, overridden by `mitsuba -D spp=N`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u32,
-    /// Highlights (Ks, Ns). Here they reflect point, spot and directional lights on visible surfaces only, unlike any
-    /// material of Mitsuba: omit drops them, so that all else agrees; convert makes rough conductors, which reflect
-    /// all light.
+    /// What materials reflect by their GGX lobes: omit drops it; convert makes rough conductors beside the diffuse part.
     #[arg(long, value_enum, default_value = "omit")]
     pub specular: Specular,
     #[command(flatten)]

@@ -20,7 +20,7 @@ use crate::settings::Settings;
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
 pub(super) struct RenderOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    /// A built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     pub scene: String,
     /// Frames to render. Otherwise those of the recording, or one per temporal set, which completes a stationary
     /// picture.

@@ -10,7 +10,7 @@ use crate::settings::{Settings, text};
 /// Scene and common settings of the commands that path trace or export.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct SceneOptions {
-    /// A built-in scene, a scene file (.toml) or a model (.obj).
+    /// A built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     #[arg(value_name = "SCENE")]
     pub name: String,
     /// Bounces of light before the visible surface, 0 to 1,000, or inf. Otherwise the scene's, or 2.

@@ -2,10 +2,10 @@
 //!
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
-//! A surface is `twosided` `diffuse`, within a `mask` if it has an alpha mask. Kd is multiplied into the texels,
-//! at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A highlight is a `roughconductor`
-//! of the same width, blended with the diffuse part so that both keep their reflectance, as far as energy
-//! conservation permits.
+//! A surface is `twosided` `diffuse`, within a `mask` if it has an alpha mask. The base colour is multiplied into the
+//! texels, at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A GGX lobe is a
+//! `roughconductor` of the same roughness, blended with the diffuse part so that both keep their mean reflectance.
+//! Roughness and metallic are those of the mean of their textures.
 
 use std::io::{self, Write};
 
@@ -15,26 +15,26 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::xml::Element;
 use super::{Content, Export, Specular, named};
+use crate::bsdf::Bsdf;
 use crate::scene::{AlphaMask, Material, Texture, srgb_to_linear};
 
-/// A Blinn-Phong highlight as a rough conductor.
+/// A GGX lobe as a rough conductor.
 struct Highlight {
-    /// Reflectance: Ks over its largest channel.
+    /// Reflectance: its mean albedo over that's largest channel.
     colour: Vec3,
-    /// Blend weight: the largest channel of Ks, limited so that the sum with the diffuse part is at most 1.
+    /// Blend weight: the largest channel of its mean albedo.
     weight: f32,
-    /// Beckmann roughness.
-    roughness: f32,
+    /// GGX's alpha.
+    alpha: f32,
 }
 
 impl Highlight {
-    /// The highlight of a material whose diffuse part reflects at most `diffuse`; none without Ks.
-    fn of(material: &Material, diffuse: f32) -> Option<Self> {
-        let strength = material.specular.max_element();
-        let weight = strength.min(1.0 - diffuse);
-        // Beckmann's distribution with this roughness is as wide as (n h)^Ns (Walter et al. 2007).
-        let roughness = (2.0 / (material.shininess + 2.0)).sqrt();
-        (weight > 0.0).then(|| Self { colour: material.specular / strength, weight, roughness })
+    /// The lobe of a surface, if it has one.
+    fn of(bsdf: &Bsdf) -> Option<Self> {
+        let albedo = bsdf.mean_reflected_albedo();
+        let weight = albedo.max_element();
+        let alpha = bsdf.roughness * bsdf.roughness;
+        (weight > 0.0).then(|| Self { colour: albedo / weight, weight, alpha })
     }
 }
 
@@ -57,50 +57,33 @@ impl Export<'_> {
     }
 
     fn reflection(&mut self, material: &Material) -> Element {
-        if material.specular == Vec3::ZERO || self.settings.specular == Specular::Omit {
-            return self.diffuse(material, 1.0);
-        }
-        let brightest = self.brightest(material);
-        let highlight = Highlight::of(material, brightest);
-        if highlight.as_ref().is_none_or(|highlight| highlight.weight < material.specular.max_element()) {
-            self.dimmed_highlights += 1;
-        }
-        let Some(Highlight { colour, weight, roughness }) = highlight else {
-            return self.diffuse(material, 1.0);
+        let bsdf = material.mean_bsdf(self.scene);
+        let highlight = Highlight::of(&bsdf).filter(|_| self.settings.specular == Specular::Convert);
+        let share = bsdf.mean_diffuse_share();
+        let Some(Highlight { colour, weight, alpha }) = highlight else {
+            return self.diffuse(material, share);
         };
         let conductor = |reflectance| {
             Element::plugin("bsdf", "roughconductor")
                 .string("material", "none")
-                .string("distribution", "beckmann")
-                .float("alpha", roughness)
+                .string("distribution", "ggx")
+                .float("alpha", alpha.max(1e-3))
                 .rgb("specular_reflectance", reflectance)
         };
-        if brightest == 0.0 {
+        if share == 0.0 || bsdf.base == Vec3::ZERO {
             return conductor(colour * weight);
         }
         Element::plugin("bsdf", "blendbsdf")
             .float("weight", weight)
-            .child(self.diffuse(material, 1.0 - weight))
+            .child(self.diffuse(material, share / (1.0 - weight)))
             .child(conductor(colour))
     }
 
-    /// The largest channel of a material's albedo over its texture.
-    fn brightest(&self, material: &Material) -> f32 {
-        let texel = material.albedo_texture.map_or(Vec3::ONE, |texture| {
-            let (_, _, texels) = &self.scene.textures[texture].levels[0];
-            let greatest = texels
-                .chunks_exact(4)
-                .fold([0; 3], |most, texel| std::array::from_fn(|channel| texel[channel].max(most[channel])));
-            Vec3::from_array(greatest.map(srgb_to_linear))
-        });
-        (material.albedo * texel).max_element()
-    }
-
-    /// Lambertian reflection with a material's albedo over `weight`, for blending with that weight.
-    fn diffuse(&mut self, material: &Material, weight: f32) -> Element {
+    /// Lambertian reflection of a material's base colour times `share`.
+    fn diffuse(&mut self, material: &Material, share: f32) -> Element {
         let surface = Element::plugin("bsdf", "diffuse");
-        let tint = material.albedo / weight;
-        let Some(texture) = material.albedo_texture else {
+        let tint = material.base_colour * share;
+        let Some(texture) = material.base_colour_texture else {
             return surface.rgb("reflectance", tint.min(Vec3::ONE));
         };
         // Materials may share an image with different tints.

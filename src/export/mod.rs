@@ -30,14 +30,14 @@ use remarks::{Remark, SMALL_RADIUS};
 use shapes::Part;
 use xml::Element;
 
-/// Conversion of the highlights of materials (Ks, Ns).
+/// Conversion of what materials reflect by their GGX lobes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Specular {
-    /// Omitted; the diffuse part is exact.
+    /// Omitted.
     #[default]
     Omit,
-    /// Rough conductors of the same width, which reflect all light, not only that of delta lights.
+    /// Rough conductors beside the diffuse part.
     Convert,
 }
 
@@ -54,7 +54,7 @@ pub struct ExportSettings {
     pub bounces: Option<u32>,
     /// Default samples a pixel.
     pub spp: u32,
-    /// Conversion of highlights.
+    /// Conversion of GGX lobes.
     pub specular: Specular,
 }
 
@@ -99,9 +99,9 @@ pub struct ExportReport {
     pub integrator: &'static str,
     /// Its `max_depth`; -1: no limit.
     pub max_depth: i64,
-    /// Conversion of highlights.
+    /// Conversion of GGX lobes.
     pub specular: Specular,
-    /// Number of materials with highlights in glowworm.
+    /// Number of materials with a GGX lobe.
     pub highlights: usize,
     /// Background radiance, to be added times 1 - alpha.
     pub background: [f32; 3],
@@ -147,11 +147,10 @@ struct Export<'a> {
     used_materials: BTreeSet<u32>,
     /// Meshes exported as shape groups.
     groups: BTreeSet<usize>,
-    remarks: BTreeSet<Remark>,
-    dimmed_highlights: usize,
     shapes: usize,
     triangles: usize,
     lights: LightCounts,
+    remarks: BTreeSet<Remark>,
 }
 
 /// Exports `scene` at the time of `settings` to `folder`.
@@ -195,7 +194,6 @@ impl<'a> Export<'a> {
             used_materials: BTreeSet::new(),
             groups: BTreeSet::new(),
             remarks: BTreeSet::new(),
-            dimmed_highlights: 0,
             shapes: 0,
             triangles: 0,
             lights: LightCounts::default(),

@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::{Export, Specular};
-use crate::scene::{Light, LightKind};
 
 /// In scenes of a smaller radius Mitsuba's ray offsets lose shadows.
 pub(super) const SMALL_RADIUS: f32 = 0.1;
@@ -57,7 +56,9 @@ impl Export<'_> {
         let mut inexact: Vec<String> = self.remarks.iter().map(|remark| remark.text().to_owned()).collect();
         inexact.extend(self.remark_highlights());
         let background = self.scene.background;
-        if background != Vec3::ZERO {
+        if self.scene.environment.is_some() {
+            inexact.push("The environment is left out.".to_owned());
+        } else if background != Vec3::ZERO {
             inexact.push(format!(
                 "The background ({} {} {}) lights nothing in glowworm, so it is not an emitter here: add it, \
                  times 1 - alpha, to the picture.",
@@ -67,42 +68,23 @@ impl Export<'_> {
         inexact
     }
 
-    /// Number of used materials with highlights (Ks, Ns) in glowworm, which needs delta lights.
+    /// Number of used materials with a GGX lobe.
     pub(super) fn highlights(&self) -> usize {
-        let has_no_area = |light: &Light| !matches!(light.kind, LightKind::Area { .. });
-        if self.scene.lights.iter().any(has_no_area) { self.shiny_materials() } else { 0 }
+        let reflects =
+            |&&material: &&u32| self.scene.materials[material as usize].mean_bsdf(self.scene).reflects();
+        self.used_materials.iter().filter(reflects).count()
     }
 
-    fn shiny_materials(&self) -> usize {
-        let specular = |&&material: &&u32| self.scene.materials[material as usize].specular;
-        self.used_materials.iter().filter(|material| specular(material) != Vec3::ZERO).count()
-    }
-
-    /// The remark on highlights, if their conversion has an effect.
+    /// The remark on GGX lobes, if there are any.
     fn remark_highlights(&self) -> Option<String> {
-        let only = "glowworm's reflect only direct light of point, spot and directional lights, on the visible \
-                    surface";
+        let of = materials(self.highlights());
         match self.settings.specular {
-            Specular::Omit if self.highlights() > 0 => {
-                let of = materials(self.highlights());
-                Some(format!("The highlights of {of} are omitted: {only}, which no BSDF can express."))
-            }
-            Specular::Convert if self.shiny_materials() > 0 => {
-                let of = materials(self.shiny_materials());
-                let dimmed = match self.dimmed_highlights {
-                    0 => String::new(),
-                    dimmed => format!(
-                        " Those of {} are weaker, since with the diffuse part they would reflect more light \
-                         than arrives.",
-                        materials(dimmed)
-                    ),
-                };
-                Some(format!(
-                    "The highlights of {of} are rough conductors (Beckmann, alpha^2 = 2 / (Ns + 2)), which \
-                     reflect all light; {only}.{dimmed}"
-                ))
-            }
-            _ => None,
+            _ if self.highlights() == 0 => None,
+            Specular::Omit => Some(format!("What the GGX lobes of {of} reflect is omitted.")),
+            Specular::Convert => Some(format!(
+                "The GGX lobes of {of} are rough conductors beside a diffuse part: the mean reflectance is the same, but \
+                 not that at each angle."
+            )),
         }
     }
 

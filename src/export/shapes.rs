@@ -19,7 +19,7 @@ use glam::{Affine3A, Vec3};
 use super::ply::PlyMesh;
 use super::xml::Element;
 use super::{Content, Export, Remark, named};
-use crate::scene::{Material, Mesh};
+use crate::scene::{Mesh, Scene};
 
 /// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
@@ -47,7 +47,7 @@ impl Part {
     pub(super) fn mesh(&self, export: &Export<'_>) -> PlyMesh {
         let scene = export.scene;
         let material = &scene.materials[self.material as usize];
-        let textured = material.albedo_texture.is_some() || material.alpha_mask.is_some();
+        let textured = material.base_colour_texture.is_some() || material.alpha_mask.is_some();
         let mut part = match self.owner {
             Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material),
             Owner::Instance { index, steps } => {
@@ -130,14 +130,16 @@ impl Export<'_> {
 
     /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
     fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
-        let glow = &self.scene.materials[material as usize];
         let shape = self.flat_shape(index, material, 0);
-        let mut shapes = vec![self.with_bsdf(shape, material).child(emitter(glow))];
+        let mut shapes = vec![self.with_bsdf(shape, material).child(emitter(self.scene, material))];
         if self.has_portals {
             let pane = Element::plugin("bsdf", "dielectric").float("int_ior", 1.0).float("ext_ior", 1.0);
             shapes.push(self.flat_shape(index, material, 1).child(pane));
             let copy = self.flat_shape(index, material, 2);
-            shapes.push(self.with_bsdf(copy, material).child(emitter(glow).float("sampling_weight", 0.0)));
+            shapes.push(
+                self.with_bsdf(copy, material)
+                    .child(emitter(self.scene, material).float("sampling_weight", 0.0)),
+            );
         }
         self.remark_lamp(index, material);
         shapes
@@ -145,8 +147,9 @@ impl Export<'_> {
 
     /// An emissive shape that rays pass through.
     fn portal(&mut self, index: usize, material: u32) -> Element {
-        let glow = &self.scene.materials[material as usize];
-        self.flat_shape(index, material, 0).child(Element::plugin("bsdf", "null")).child(emitter(glow))
+        self.flat_shape(index, material, 0)
+            .child(Element::plugin("bsdf", "null"))
+            .child(emitter(self.scene, material))
     }
 
     fn with_bsdf(&mut self, shape: Element, material: u32) -> Element {
@@ -180,7 +183,7 @@ impl Export<'_> {
         let scene = self.scene;
         let glow = &scene.materials[material as usize];
         let mesh = &scene.meshes[scene.instances[index].mesh];
-        let reflects = glow.albedo != Vec3::ZERO;
+        let reflects = glow.base_colour != Vec3::ZERO;
         if reflects && self.has_portals {
             self.remarks.insert(Remark::EmittersWithoutReflection);
         } else if reflects && has_smooth(mesh, material) {
@@ -192,8 +195,9 @@ impl Export<'_> {
     }
 }
 
-fn emitter(material: &Material) -> Element {
-    Element::plugin("emitter", "area").rgb("radiance", material.emission)
+fn emitter(scene: &Scene, material: u32) -> Element {
+    let radiance = scene.materials[material as usize].mean_emission(scene);
+    Element::plugin("emitter", "area").rgb("radiance", radiance)
 }
 
 /// Triangle count by material of a mesh.

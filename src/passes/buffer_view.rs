@@ -25,7 +25,7 @@ pub struct View {
 pub const COMBINED: &str = "combined";
 
 /// The views of what all methods share. A view's place in the list is its number in shaders/passes/buffer_view.comp.
-pub const VIEWS: [View; 15] = [
+pub const VIEWS: [View; 18] = [
     View { name: COMBINED, label: "Combined", about: "The picture: direct and indirect light" },
     View {
         name: "direct",
@@ -59,9 +59,16 @@ pub const VIEWS: [View; 15] = [
         label: "Geometric normal",
         about: "Normals of the flat triangles, likewise",
     },
-    View { name: "albedo", label: "Albedo", about: "Diffuse reflectance Kd" },
-    View { name: "specular", label: "Specular", about: "Specular reflectance Ks" },
-    View { name: "shininess", label: "Shininess", about: "Exponent Ns of the highlight: log2(Ns + 1) / 10" },
+    View { name: "albedo", label: "Albedo", about: "Diffuse reflectance towards the eye" },
+    View {
+        name: "reflectance",
+        label: "Reflectance",
+        about: "What the smooth or rough coat reflects at normal incidence, F0",
+    },
+    View { name: "roughness", label: "Roughness", about: "Perceptual roughness: black is a mirror" },
+    View { name: "base-colour", label: "Base colour", about: "Base colour of the material" },
+    View { name: "metallic", label: "Metallic", about: "Share of metal: white is all" },
+    View { name: "emission", label: "Emission", about: "Light that surfaces emit towards the eye" },
     View { name: "instance", label: "Instance", about: "A colour for each instance" },
     View { name: "material", label: "Material", about: "A colour for each material" },
     View {
@@ -144,6 +151,7 @@ impl BufferViewPass {
             .read("gbuffer_normal", &gbuffer.normal)
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("gbuffer_instance", &gbuffer.instance)
+            .read("gbuffer_surface", &gbuffer.surface)
             .read("materials", inputs.materials)
             .read("instances", inputs.instances)
             .read("direct_shadows", inputs.direct_shadows)

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::gbuffer::GBuffer;
-use super::scene_buffers::{Instances, SceneBuffers};
+use super::scene_buffers::SceneBuffers;
 use super::skip::{LastInputs, Version};
 use super::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
@@ -21,17 +21,15 @@ pub struct DirectShadingInputs<'a> {
     pub visibility: &'a Image,
     /// Of that, and so of the lights.
     pub visibility_version: Version,
-    /// For what materials emit.
+    /// For what materials reflect.
     pub scene: &'a SceneBuffers,
-    /// For the same.
-    pub instances: &'a Instances,
 }
 
 /// The pass.
 pub struct DirectShadingPass {
     pipeline: Arc<ComputePipeline>,
     direct: Image,
-    last: LastInputs<[Version; 3]>,
+    last: LastInputs<[Version; 2]>,
 }
 
 impl DirectShadingPass {
@@ -67,7 +65,7 @@ impl DirectShadingPass {
         inputs: &DirectShadingInputs<'_>,
     ) -> Result<&Image, VulkanError> {
         let gbuffer = inputs.gbuffer;
-        if self.last.differ([gbuffer.version(), inputs.visibility_version, inputs.instances.version]) {
+        if self.last.differ([gbuffer.version(), inputs.visibility_version]) {
             frame
                 .pass("direct_shading", &self.pipeline)
                 .read("frame_uniforms", inputs.frame)
@@ -78,7 +76,7 @@ impl DirectShadingPass {
                 .read("lights", inputs.lights)
                 .read("direct_shadows", inputs.visibility)
                 .read("materials", &inputs.scene.materials)
-                .read("instances", &*inputs.instances.data)
+                .read("gbuffer_surface", &gbuffer.surface)
                 .write("direct", &self.direct)
                 .dispatch_over(self.direct.extent())?;
         }

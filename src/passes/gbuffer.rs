@@ -1,4 +1,4 @@
-//! `gbuffer`: view depth, normal, albedo and instance of the nearest surface, by raster.
+//! `gbuffer`: view depth, normal, material and instance of the nearest surface, by raster.
 
 use std::mem::offset_of;
 use std::sync::Arc;
@@ -17,10 +17,11 @@ use crate::vulkan::{
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
-const FORMATS: [vk::Format; 4] = [
+const FORMATS: [vk::Format; 5] = [
     vk::Format::R32_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
+    vk::Format::R32G32_UINT,
     vk::Format::R32G32_UINT,
 ];
 
@@ -30,10 +31,12 @@ pub struct GBuffer {
     pub depth: Image,
     /// xy: shading normal; zw: geometric normal; octahedral, both on the side that is seen.
     pub normal: Image,
-    /// rgb: diffuse albedo, linear.
+    /// rgb: diffuse albedo towards the eye, linear; a: roughness.
     pub albedo: Image,
     /// x: instance + 1, 0 where no surface is; y: material, bit 31 set on front sides.
     pub instance: Image,
+    /// x: base colour and metallic; y: emission; packed as in shaders/include/gbuffer.glsl.
+    pub surface: Image,
     /// What raster compares by.
     nearest: Image,
     /// View and instances that the images show.
@@ -52,6 +55,7 @@ impl GBuffer {
             normal: target("gbuffer_normal", FORMATS[1], stored)?,
             albedo: target("gbuffer_albedo", FORMATS[2], stored)?,
             instance: target("gbuffer_instance", FORMATS[3], color)?,
+            surface: target("gbuffer_surface", FORMATS[4], color)?,
             nearest: target(
                 "gbuffer_nearest",
                 vk::Format::D32_SFLOAT,
@@ -119,8 +123,11 @@ impl GBufferPass {
                 variants: &[0, 1],
             },
         )?;
-        let images: Vec<&Image> =
-            scene.material_textures.iter().map(|&texture| &scene.textures[texture]).collect();
+        let images: Vec<[&Image; 3]> = scene
+            .material_textures
+            .iter()
+            .map(|textures| textures.map(|texture| &scene.textures[texture]))
+            .collect();
         let materials = MaterialSets::new(device, &pipeline, &images, &scene.sampler)?;
         Ok(Self {
             pipeline: Arc::new(pipeline),
@@ -157,7 +164,7 @@ impl GBufferPass {
     }
 
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
-        let GBuffer { depth, normal, albedo, instance, nearest, .. } = &self.targets;
+        let GBuffer { depth, normal, albedo, instance, surface, nearest, .. } = &self.targets;
         let scene = inputs.scene;
         let draws = visible(&scene.draws, inputs.pose, &inputs.view_projection);
         let pass = frame
@@ -165,7 +172,8 @@ impl GBufferPass {
             .read("frame_uniforms", inputs.frame)
             .read("instances", &*inputs.instances.data)
             .read("materials", &scene.materials);
-        let targets = Targets::Cleared { colors: &[depth, normal, albedo, instance], depth: nearest };
+        let targets =
+            Targets::Cleared { colors: &[depth, normal, albedo, instance, surface], depth: nearest };
         inputs.tracer.bind_masks(pass).draw(&targets, |list| {
             list.geometry(&scene.vertices, &scene.indices);
             let mut bound = None;

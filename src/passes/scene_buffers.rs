@@ -34,8 +34,8 @@ pub struct SceneBuffers {
     pub materials: Buffer,
     /// One texture for each of the scene's, and a white one at the end.
     pub textures: Vec<Image>,
-    /// The texture of each material, an index into `textures`.
-    pub material_textures: Vec<usize>,
+    /// The textures of each material, indices into `textures`: base colour, metallic and roughness, emission.
+    pub material_textures: Vec<[usize; 3]>,
     /// The sampler of the textures.
     pub sampler: Sampler,
     /// All clusters of all visible instances, by material: what the G-buffer may draw.
@@ -70,9 +70,9 @@ impl SceneBuffers {
         let mut textures = scene
             .textures
             .iter()
-            .map(|texture| Image::texture(device, &texture.name, &texture.levels))
+            .map(|texture| Image::texture(device, &texture.name, texture.linear, &texture.levels))
             .collect::<Result<Vec<_>, _>>()?;
-        textures.push(Image::texture(device, "white", &[(1, 1, vec![255; 4])])?);
+        textures.push(Image::texture(device, "white", false, &[(1, 1, vec![255; 4])])?);
         let white = textures.len() - 1;
         Ok(Self {
             vertices: Buffer::with_data(device, "vertices", &geometry.vertices)?,
@@ -81,7 +81,13 @@ impl SceneBuffers {
             material_textures: scene
                 .materials
                 .iter()
-                .map(|material| material.albedo_texture.unwrap_or(white))
+                .map(|material| {
+                    let Material {
+                        base_colour_texture, metallic_roughness_texture, emission_texture, ..
+                    } = material;
+                    [base_colour_texture, metallic_roughness_texture, emission_texture]
+                        .map(|texture| texture.unwrap_or(white))
+                })
                 .collect(),
             textures,
             sampler: Sampler::for_textures(device)?,
@@ -175,14 +181,21 @@ impl Geometry {
     }
 }
 
+/// Bits of [`MaterialData::maps`]. Twin: the constants in shaders/include/scene.glsl.
+const MAP_METALLIC_ROUGHNESS: u32 = 1;
+const MAP_EMISSION: u32 = 2;
+
 fn material_data(scene: &Scene, material: &Material) -> MaterialData {
-    let texture = material.albedo_texture.map(|texture| scene.textures[texture].mean());
+    let bit = |texture: Option<usize>, bit: u32| if texture.is_some() { bit } else { 0 };
     MaterialData {
-        mean_albedo: (material.albedo * texture.unwrap_or(Vec3::ONE)).extend(0.0),
-        albedo: material.albedo.extend(0.0),
-        specular: material.specular.extend(material.shininess),
-        emission: material.emission.extend(0.0),
+        base: material.reflected_base().extend(material.metallic),
+        reflectance: material.f0.extend(material.f90),
+        emission: material.emission.extend(material.roughness),
+        mean_emission: material.mean_emission(scene).extend(0.0),
+        mean_albedo: material.mean_bsdf(scene).mean_albedo().extend(0.0),
         mask: mask_plus_one(material),
+        maps: bit(material.metallic_roughness_texture, MAP_METALLIC_ROUGHNESS)
+            | bit(material.emission_texture, MAP_EMISSION),
         ..MaterialData::default()
     }
 }

@@ -56,18 +56,20 @@ pub struct InstanceData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MaterialData {
-    /// rgb: Kd.
-    pub albedo: Vec4,
-    /// rgb: Ks; w: Ns.
-    pub specular: Vec4,
-    /// rgb: Ke of the front side, W/m^2/sr.
+    /// rgb: base colour, to be multiplied with its texture; w: metallic.
+    pub base: Vec4,
+    /// rgb: F0 of a dielectric; w: F90.
+    pub reflectance: Vec4,
+    /// rgb: radiance of the front side, W/m^2/sr, to be multiplied with its texture; w: roughness.
     pub emission: Vec4,
-    /// rgb: Kd times the mean of its texture.
+    /// rgb: the same, mean over its texture.
+    pub mean_emission: Vec4,
+    /// rgb: share of the light that it reflects, mean over textures and directions.
     pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// Which textures it has besides that of the base colour, a bit each.
+    pub maps: u32,
     /// Unused.
     pub pad1: u32,
     /// Unused.
@@ -171,12 +173,13 @@ pub(crate) mod tests {
         same_layout!(
             shaders::GBUFFER_FRAG,
             MaterialData,
-            albedo,
-            specular,
+            base,
+            reflectance,
             emission,
+            mean_emission,
             mean_albedo,
             mask,
-            pad0,
+            maps,
             pad1,
             pad2
         );

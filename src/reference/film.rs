@@ -39,6 +39,7 @@ struct RadianceSums {
 struct LayerSums {
     direct: DVec3,
     irradiance: DVec3,
+    reflected: DVec3,
     /// The following over the samples that hit a surface.
     albedo: DVec3,
     normal: DVec3,
@@ -101,6 +102,7 @@ impl Film {
             if sample.radiance().is_finite() {
                 sums.direct += sample.direct.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();
+                sums.reflected += sample.reflected.as_dvec3();
             }
             if let Some(visible) = &sample.visible {
                 sums.add(visible);
@@ -152,6 +154,7 @@ impl Film {
             picture.layers = vec![
                 Layer::colour("direct", &of(&|sums| mean(sums.direct))),
                 Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
+                Layer::colour("reflected", &of(&|sums| mean(sums.reflected))),
                 Layer::colour("albedo", &of(&|sums| over_hits(sums, sums.albedo))),
                 Layer::vector("normal", &of(&|sums| unit(sums.normal))),
                 Layer::vector("position", &of(&|sums| over_hits(sums, sums.position))),
@@ -212,6 +215,7 @@ impl Film {
             *sums = LayerSums {
                 direct: vector("direct", index, RGB)? * total,
                 irradiance: vector("indirect", index, RGB)? * total,
+                reflected: vector("reflected", index, RGB)? * total,
                 albedo: vector("albedo", index, RGB)? * hits,
                 normal: vector("normal", index, XYZ)? * hits,
                 position: vector("position", index, XYZ)? * hits,

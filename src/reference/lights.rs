@@ -12,8 +12,8 @@ use glam::{Affine3A, Vec2, Vec3};
 use crate::bvh::Ray;
 use crate::sampling;
 use crate::scene::{
-    AlphaMask, AreaTriangle, BoundingSphere, Light, LightKind, Mesh, Pose, Scene, luminance, ray_offset,
-    spot_falloff,
+    AlphaMask, AreaTriangle, BoundingSphere, Environment, Light, LightKind, Mesh, Pose, Scene, luminance,
+    ray_offset, spot_falloff,
 };
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
@@ -24,7 +24,7 @@ const MAX_BOUNDS: usize = 16;
 pub(super) enum LightSubset {
     /// Point, spot and directional lights: the renderer shades them in `direct_shading`.
     ShadowMapped,
-    /// Area lights: the renderer approximates them by primary VPLs.
+    /// Area lights, which the renderer approximates by primary VPLs, and the environment.
     Area,
     /// All lights.
     All,
@@ -44,6 +44,13 @@ pub(super) struct LightSample {
     pub(super) pdf: Option<f32>,
 }
 
+impl LightSample {
+    /// Its weight beside scattered rays that have this density in its direction: 1 if none can hit the light.
+    pub(super) fn share(&self, density: f32) -> f32 {
+        self.pdf.map_or(1.0, |pdf| power_heuristic(pdf, density))
+    }
+}
+
 /// The lights with non-zero emission.
 #[derive(Clone, Debug)]
 pub(super) struct Lights {
@@ -60,10 +67,27 @@ pub(super) struct Lights {
 
 #[derive(Clone, Debug)]
 enum PosedLight {
-    Point { position: Vec3, intensity: Vec3 },
-    Spot { position: Vec3, axis: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32 },
-    Directional { to_light: Vec3, irradiance: Vec3 },
+    Point {
+        position: Vec3,
+        intensity: Vec3,
+    },
+    Spot {
+        position: Vec3,
+        axis: Vec3,
+        intensity: Vec3,
+        inner_angle: f32,
+        outer_angle: f32,
+    },
+    Directional {
+        to_light: Vec3,
+        irradiance: Vec3,
+    },
     Area(AreaLight),
+    /// One with a map; a constant one is left to scattered rays.
+    Environment {
+        environment: Environment,
+        weight: f32,
+    },
 }
 
 /// The emissive triangles of an instance, in world space.
@@ -113,7 +137,12 @@ impl Lights {
         }
         let count = shadow_mapped.len();
         let lights = shadow_mapped.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
-        let lights: Vec<PosedLight> = lights.collect();
+        let environment = scene.environment.iter().filter(|environment| environment.map.is_some());
+        let environment = environment.cloned().map(|environment| {
+            let weight = PI * luminance(environment.mean());
+            PosedLight::Environment { environment, weight }
+        });
+        let lights: Vec<PosedLight> = lights.chain(environment).collect();
         let hittable_bounds = lights.iter().filter_map(|light| match light {
             PosedLight::Area(area) if area.visible => Some(area.padded_bounds()),
             _ => None,
@@ -195,6 +224,16 @@ impl Lights {
         chosen.map(|(light, weight)| (light, weight / total))
     }
 
+    /// Pdf (1/sr) with which [`Self::sample`] would have chosen `direction` of the environment among `subset`; 0 without a
+    /// map.
+    pub(super) fn environment_pdf(&self, p: Vec3, n: Vec3, direction: Vec3, subset: LightSubset) -> f32 {
+        let Some(light @ PosedLight::Environment { environment, .. }) = self.lights.last() else {
+            return 0.0;
+        };
+        let total: f32 = self.lights[self.range(subset)].iter().map(|light| light.weight(p, n)).sum();
+        if total > 0.0 { light.weight(p, n) / total * environment.density(direction) } else { 0.0 }
+    }
+
     /// The emission of triangle `triangle` of `instance` along a scattered ray that hit it: its radiance, and the pdf
     /// (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if it emits nothing
     /// there.
@@ -266,6 +305,7 @@ impl PosedLight {
                 let squared = p.distance_squared(area.bounds.center);
                 area.power / squared.max(area.bounds.radius * area.bounds.radius)
             }
+            Self::Environment { weight, .. } => *weight,
             _ => self
                 .unshadowed(p)
                 .map_or(0.0, |(irradiance, direction)| luminance(irradiance) * n.dot(direction).max(0.0)),
@@ -280,7 +320,7 @@ impl PosedLight {
                 (*position, *intensity)
             }
             Self::Directional { to_light, irradiance } => return Some((*irradiance, *to_light)),
-            Self::Area(_) => return None,
+            Self::Area(_) | Self::Environment { .. } => return None,
         };
         let to_light = position - p;
         let squared = to_light.length_squared().max(1e-30);
@@ -297,6 +337,11 @@ impl PosedLight {
     fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
         let end = match self {
             Self::Area(area) => return area.sample(p, u, alpha_masks),
+            Self::Environment { environment, .. } => {
+                let (direction, pdf) = environment.sample(u)?;
+                let irradiance = environment.radiance(direction) / pdf;
+                return Some(LightSample { direction, end: None, irradiance, pdf: Some(pdf) });
+            }
             Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
             Self::Directional { .. } => None,
         };

@@ -1,14 +1,15 @@
 //! The ground truth: a path tracer on the CPU. It stays naive.
 //!
 //! In: a scene, its pose, a bounce limit. Out: the mean of any number of samples a pixel, as a whole and split into
-//! direct light (of point, spot and directional lights on the visible surface) and indirect light (everything else),
-//! with features of the visible surface.
+//! direct light (of point, spot and directional lights on the visible surface), indirect light that the visible surface
+//! scatters and indirect light that its GGX lobe reflects (everything else), with features of the visible surface.
 //!
 //! It has the scene, lights, materials and bounces of the renderer, but none of its methods: paths start at the
 //! camera, and nothing is cached.
 //!
 //! - `path`: path tracing with next-event estimation and multiple importance sampling.
 //! - `lights`: light sampling.
+//! - `sheets`: rays through thin sheets.
 //! - `sampler`: random numbers.
 //! - `surfaces`: surface data at a hit.
 //! - `film`: sums, means and errors.
@@ -19,6 +20,7 @@ mod lights;
 mod path;
 mod resume;
 mod sampler;
+mod sheets;
 mod surfaces;
 
 pub use film::Film;
@@ -31,7 +33,7 @@ use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::bvh::{Ray, TwoLevelBvh};
-use crate::scene::{Pose, Scene};
+use crate::scene::{Material, Pose, Scene};
 use lights::Lights;
 use sampler::Sampler;
 use surfaces::Surfaces;
@@ -51,7 +53,7 @@ pub struct ReferenceSettings {
     pub seed: u32,
     /// Distribution of camera rays within a pixel.
     pub filter: PixelFilter,
-    /// Whether to keep layers: direct and indirect light, and features of the visible surface.
+    /// Whether to keep layers: direct, indirect and reflected light, and features of the visible surface.
     pub layers: bool,
 }
 
@@ -75,7 +77,9 @@ pub struct Reference<'a> {
     bvh_ms: f64,
     surfaces: Surfaces,
     lights: Lights,
+    /// Whether rays can meet light: area lights, the environment.
     any_light_hittable: bool,
+    has_sheets: bool,
     /// The scene's bounding radius, for ray offsets.
     radius: f32,
     size: UVec2,
@@ -93,7 +97,7 @@ impl<'a> Reference<'a> {
         let lights = Lights::new(scene, pose, radius);
         let size = UVec2::from(settings.size);
         let begun = Instant::now();
-        let bvh = TwoLevelBvh::build(scene, &pose.instances);
+        let bvh = TwoLevelBvh::build_with_sheets(scene, &pose.instances);
         let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
         log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self {
@@ -102,7 +106,8 @@ impl<'a> Reference<'a> {
             bvh,
             bvh_ms,
             surfaces: Surfaces::new(scene, pose),
-            any_light_hittable: lights.any_hittable(),
+            any_light_hittable: lights.any_hittable() || scene.environment.is_some(),
+            has_sheets: scene.materials.iter().any(Material::is_sheet),
             lights,
             radius,
             size,

@@ -2,15 +2,18 @@
 //! rays are traced in batches; they are independent otherwise.
 //!
 //! In: points in raster space. Out, for each: direct light, as radiance; indirect light, as irradiance at the visible
-//! surface; and the features of that surface.
+//! surface and as the radiance that its GGX lobe makes of it; and the features of that surface.
 //!
-//! With rho the albedo, n the shading normal and x0 the visible surface, the path x0, x1, ... estimates
+//! With f the BSDF, g its GGX lobe, c the cosine to the shading normal and x0 the visible surface, two paths x0, x1, ...
+//! estimate
 //!
 //! ```text
-//! E(x0) = E_area(x0) + pi mean[ rho(x1)/pi E_all(x1) + rho(x1) rho(x2)/pi E_all(x2) + ... ]
+//! E(x0) = E_area(x0) + pi mean[ L(x1) ],         directions in proportion to c
+//! R(x0) = R_area(x0) + mean[ g c / p L(x1) ],    directions by the visible normals of g, density p
+//! L(x)  = Le(x) + sum over lights of f c E_light V + mean[ f c / p L(next) ]
 //! ```
 //!
-//! (Kajiya 1986), where one light sample and one scattered ray estimate each E, combined by the power heuristic.
+//! (Kajiya 1986), where one light sample and one scattered ray estimate each integral, combined by the power heuristic.
 
 use std::f32::consts::PI;
 
@@ -19,7 +22,8 @@ use glam::{Vec2, Vec3};
 use super::Reference;
 use super::lights::{LightSample, LightSubset, ScatteredHit, cosine_pdf, power_heuristic};
 use super::sampler::Sampler;
-use crate::bvh::{Hit, Ray, TwoLevelBvh};
+use crate::bsdf::{Reflection, Sampled};
+use crate::bvh::{Hit, Ray};
 use crate::sampling::{self, Frame};
 use crate::scene::{Footprint, Material, Side, Texture, WorldSurface, luminance};
 
@@ -34,8 +38,11 @@ const MAX_SURVIVAL: f32 = 0.95;
 pub(super) struct PixelSample {
     /// Direct radiance of point, spot and directional lights, with emission and background, W/m^2/sr.
     pub(super) direct: Vec3,
-    /// Irradiance at the visible surface by area lights and indirect light, W/m^2: the part that VPLs estimate.
+    /// Irradiance at the visible surface by area lights, the environment and indirect light, W/m^2: the part that VPLs
+    /// estimate.
     pub(super) irradiance: Vec3,
+    /// Radiance that the visible surface's GGX lobe makes of the same light, W/m^2/sr.
+    pub(super) reflected: Vec3,
     /// The visible surface; none if the camera ray missed.
     pub(super) visible: Option<VisibleSurface>,
 }
@@ -43,6 +50,7 @@ pub(super) struct PixelSample {
 /// Features of the visible surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VisibleSurface {
+    /// What it makes of irradiance, times pi, as far as sheets before it let that pass.
     pub(super) albedo: Vec3,
     /// Unit shading normal, world space.
     pub(super) normal: Vec3,
@@ -53,41 +61,61 @@ pub(super) struct VisibleSurface {
 }
 
 impl PixelSample {
-    /// Radiance of the pixel: direct + albedo/pi * irradiance.
+    /// Radiance of the pixel: direct + albedo/pi * irradiance + reflected.
     pub(super) fn radiance(&self) -> Vec3 {
         let albedo = self.visible.map_or(Vec3::ZERO, |visible| visible.albedo);
-        self.direct + albedo / PI * self.irradiance
+        self.direct + albedo / PI * self.irradiance + self.reflected
     }
+}
+
+/// The visible surface of a pixel.
+struct Seen<'a> {
+    pixel: usize,
+    sampler: Sampler,
+    vertex: Interaction<'a>,
+    reflection: Reflection,
+    /// What sheets before it leave of its light.
+    weight: Vec3,
 }
 
 /// A path in progress.
 struct Path<'a> {
     sampler: Sampler,
-    sample: PixelSample,
+    /// Its pixel.
+    pixel: usize,
+    /// What it estimates.
+    estimates: Estimates,
     /// Its latest vertex.
     vertex: Interaction<'a>,
-    /// Direction of its latest ray.
+    /// How that reflects light towards the vertex before.
+    reflection: Reflection,
+    /// Direction of its latest ray, and the density with which it was drawn; none for that of a mirror.
     direction: Vec3,
+    density: Option<f32>,
     /// Weight of the radiance along the next ray.
     throughput: Vec3,
-    /// Irradiance at the visible surface by scattered rays, W/m^2.
-    scattered: Vec3,
+    /// What it has gathered so far.
+    gathered: Vec3,
+}
+
+/// What a path estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Estimates {
+    /// Irradiance at the visible surface, W/m^2.
+    Irradiance,
+    /// Radiance that the GGX lobe of the visible surface reflects, W/m^2/sr.
+    Reflected,
 }
 
 /// The intersection of a ray with a surface.
 #[derive(Clone, Copy)]
-struct Interaction<'a> {
+pub(super) struct Interaction<'a> {
     surface: WorldSurface,
     front: bool,
-    material: &'a Material,
-    /// The texels of its albedo, if it is textured.
+    pub(super) uv: Vec2,
+    pub(super) material: &'a Material,
+    /// The texels of its base colour, if it is textured.
     texels: Option<(&'a Texture, Footprint)>,
-}
-
-impl Interaction<'_> {
-    fn albedo(&self) -> Vec3 {
-        self.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels)) * self.material.albedo
-    }
 }
 
 /// Shadow rays, and the contributions of those that are unoccluded.
@@ -101,64 +129,102 @@ struct ShadowRays {
 impl Reference<'_> {
     /// Traces one sample for each of `camera_samples` (a point in raster space and a sampler) into `samples`, of the
     /// same length.
-    pub(super) fn trace(&self, camera_samples: Vec<(Vec2, Sampler)>, samples: &mut [PixelSample]) {
+    pub(super) fn trace(&self, mut camera_samples: Vec<(Vec2, Sampler)>, samples: &mut [PixelSample]) {
         let rays: Vec<Ray> = camera_samples.iter().map(|&(point, _)| self.camera_ray(point)).collect();
-        let hits = self.bvh.intersect_all(&rays);
-        hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
-        samples.fill(PixelSample { direct: self.scene.background, ..Default::default() });
-        let (mut paths, mut pixels) = (Vec::with_capacity(rays.len()), Vec::with_capacity(rays.len()));
-        for (pixel, ((_, sampler), hit)) in camera_samples.into_iter().zip(&hits).enumerate() {
-            let Some(hit) = hit else { continue };
+        let hits = self.intersect(&rays, |ray| camera_samples[ray].1.next().x);
+        let mut visible = Vec::with_capacity(rays.len());
+        for (pixel, ((_, sampler), (hit, weight))) in camera_samples.into_iter().zip(hits).enumerate() {
             let direction = rays[pixel].direction;
-            let vertex = self.interaction(hit, direction);
-            let visible = VisibleSurface {
-                albedo: Vec3::ZERO,
-                normal: vertex.surface.normal,
-                position: vertex.surface.position,
-                depth: hit.t,
+            let behind = match &self.scene.environment {
+                Some(environment) => environment.radiance(direction.normalize()),
+                None => self.scene.background,
             };
-            let sample = PixelSample { visible: Some(visible), ..Default::default() };
-            let (throughput, scattered) = (Vec3::splat(PI), Vec3::ZERO);
-            paths.push(Path { sampler, sample, vertex, direction, throughput, scattered });
-            pixels.push(pixel);
+            samples[pixel] = PixelSample { direct: behind * weight, ..Default::default() };
+            let Some(hit) = hit else { continue };
+            let vertex = self.interaction(&hit, direction);
+            visible.push((pixel, sampler, vertex, direction, weight, hit.t));
         }
+        let visible: Vec<Seen<'_>> = visible
+            .into_iter()
+            .map(|(pixel, sampler, vertex, direction, weight, depth)| {
+                let reflection = self.seen(&vertex, direction);
+                let emitted = if vertex.front {
+                    vertex.material.emission_at(self.scene, vertex.uv)
+                } else {
+                    Vec3::ZERO
+                };
+                samples[pixel].direct = emitted * weight;
+                samples[pixel].visible = Some(VisibleSurface {
+                    albedo: reflection.diffuse_albedo() * weight,
+                    normal: vertex.surface.normal,
+                    position: vertex.surface.position,
+                    depth,
+                });
+                Seen { pixel, sampler, vertex, reflection, weight }
+            })
+            .collect();
 
-        self.shade_visible(&mut paths);
+        let mut paths = self.shade_visible(visible, samples);
         self.trace_scattered(&mut paths);
-        for (path, pixel) in paths.into_iter().zip(pixels) {
-            let irradiance = path.sample.irradiance + path.scattered;
-            samples[pixel] = PixelSample { irradiance, ..path.sample };
+        for path in paths {
+            let sample = &mut samples[path.pixel];
+            match path.estimates {
+                Estimates::Irradiance => sample.irradiance += path.gathered,
+                Estimates::Reflected => sample.reflected += path.gathered,
+            }
         }
     }
 
-    /// Adds the emission of the visible surfaces and one light sample each of shadow-mapped and area lights.
-    fn shade_visible(&self, paths: &mut [Path<'_>]) {
-        let (mut shadow_mapped, mut area) = (ShadowRays::default(), ShadowRays::default());
-        for (index, path) in paths.iter_mut().enumerate() {
-            let (picks, u_light) = (path.sampler.next(), path.sampler.next());
-            let vertex = &path.vertex;
-            let albedo = vertex.albedo();
-            path.sample.direct = if vertex.front { vertex.material.emission } else { Vec3::ZERO };
-            if let Some(visible) = &mut path.sample.visible {
-                visible.albedo = albedo;
+    /// Adds one light sample each of shadow-mapped and area lights to the visible surfaces; returns the paths that go on
+    /// from there.
+    fn shade_visible<'a>(&'a self, visible: Vec<Seen<'a>>, samples: &mut [PixelSample]) -> Vec<Path<'a>> {
+        let [mut shadow_mapped, mut area, mut reflected]: [ShadowRays; 3] =
+            std::array::from_fn(|_| ShadowRays::default());
+        let mut paths = Vec::with_capacity(visible.len());
+        for Seen { pixel, mut sampler, vertex, reflection, weight } in visible {
+            let (picks, u_light) = (sampler.next(), sampler.next());
+            let surface = &vertex.surface;
+            if let Some(light) = self.sample_light(surface, LightSubset::ShadowMapped, picks.x, u_light) {
+                let lobes = reflection.evaluate(light.direction);
+                let radiance = (lobes.diffuse + lobes.reflected) * weight * light.irradiance;
+                shadow_mapped.push(self.shadow_ray(surface, &light), pixel, radiance);
             }
-            let to_eye = -path.direction.normalize();
-            if let Some(light) =
-                self.sample_light(&vertex.surface, LightSubset::ShadowMapped, picks.x, u_light)
-            {
-                let radiance = reflected(&light, vertex, albedo, to_eye);
-                shadow_mapped.push(self.shadow_ray(&vertex.surface, &light), index, radiance);
+            if let Some(light) = self.sample_light(surface, LightSubset::Area, picks.y, u_light) {
+                let ray = self.shadow_ray(surface, &light);
+                let share = light.share(cosine_pdf(surface.normal.dot(light.direction)));
+                area.push(ray, pixel, light.irradiance * share);
+                if reflection.reflects() {
+                    let share = light.share(reflection.reflected_density(light.direction));
+                    let lobe = reflection.evaluate(light.direction).reflected;
+                    reflected.push(ray, pixel, lobe * weight * light.irradiance * share);
+                }
             }
-            if let Some(light) = self.sample_light(&vertex.surface, LightSubset::Area, picks.y, u_light) {
-                area.push(self.shadow_ray(&vertex.surface, &light), index, light.irradiance);
+            let path = Path {
+                sampler,
+                pixel,
+                estimates: Estimates::Irradiance,
+                vertex,
+                reflection,
+                direction: Vec3::ZERO,
+                density: None,
+                throughput: Vec3::splat(PI),
+                gathered: Vec3::ZERO,
+            };
+            if reflection.reflects() {
+                let sampler = path.sampler.fork();
+                let estimates = Estimates::Reflected;
+                paths.push(Path { sampler, estimates, throughput: weight, ..path });
             }
+            paths.push(path);
         }
-        shadow_mapped.trace(&self.bvh, |path, radiance| paths[path].sample.direct += radiance);
-        area.trace(&self.bvh, |path, irradiance| paths[path].sample.irradiance += irradiance);
+        shadow_mapped.trace(self, |pixel, radiance| samples[pixel].direct += radiance);
+        area.trace(self, |pixel, irradiance| samples[pixel].irradiance += irradiance);
+        reflected.trace(self, |pixel, radiance| samples[pixel].reflected += radiance);
+        paths
     }
 
-    /// Adds the irradiance at the visible surfaces by scattered rays: emission that they hit, and light scattered at
-    /// one to `bounces` surfaces.
+    /// Adds what scattered rays from the visible surfaces bring: emission that they hit, and light scattered at one to
+    /// `bounces` surfaces.
     fn trace_scattered<'a>(&'a self, paths: &mut [Path<'a>]) {
         let mut active: Vec<usize> = (0..paths.len()).collect();
         let mut subset = LightSubset::Area;
@@ -174,23 +240,24 @@ impl Reference<'_> {
             active.retain(|&index| {
                 let path = &mut paths[index];
                 let [u_direction, u_choice, u_light] = std::array::from_fn(|_| path.sampler.next());
+                let ray = self.scatter(path, bounce, u_direction);
                 // Beyond the bounce limit only emission counts.
-                let ray = self.scattered_ray(&path.vertex.surface, u_direction);
-                let ray = ray.filter(|ray| scatters || self.lights.may_hit(ray));
+                let ray = ray.filter(|ray| scatters || self.may_meet_light(ray));
                 if let Some(ray) = ray {
-                    path.direction = ray.direction;
                     numbers.push((u_choice, u_light));
                     rays.push(ray);
                 }
                 ray.is_some()
             });
-            let hits = self.bvh.intersect_all(&rays);
-            hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
+            let hits = self.intersect(&rays, |ray| paths[active[ray]].sampler.next().x);
 
             // Move the paths to the surfaces hit and add their emission.
-            for (&index, hit) in active.iter().zip(&hits) {
-                if let Some(hit) = hit {
-                    self.advance(&mut paths[index], hit, subset);
+            for (&index, (hit, weight)) in active.iter().zip(&hits) {
+                let path = &mut paths[index];
+                path.throughput *= *weight;
+                match hit {
+                    Some(hit) => self.advance(path, hit, subset),
+                    None => self.leave(path, subset),
                 }
             }
             if !scatters {
@@ -201,32 +268,54 @@ impl Reference<'_> {
             subset = LightSubset::All;
             let mut shadow_rays = ShadowRays::default();
             let mut surviving = Vec::with_capacity(active.len());
-            for ((index, hit), (u_choice, u_light)) in active.into_iter().zip(hits).zip(numbers) {
+            for ((index, (hit, _)), (u_choice, u_light)) in active.into_iter().zip(hits).zip(numbers) {
                 if hit.is_none() {
                     continue;
                 }
                 let path = &mut paths[index];
+                path.reflection = self.seen(&path.vertex, path.direction);
                 let surface = path.vertex.surface;
-                path.throughput *= path.vertex.albedo();
                 if let Some(light) = self.sample_light(&surface, subset, u_choice.x, u_light) {
-                    let contribution = path.throughput / PI * light.irradiance;
+                    let lobes = path.reflection.evaluate(light.direction);
+                    let share = light.share(path.reflection.density(light.direction));
+                    let contribution =
+                        path.throughput * (lobes.diffuse + lobes.reflected) * light.irradiance * share;
                     shadow_rays.push(self.shadow_ray(&surface, &light), index, contribution);
                 }
                 if self.survives(path, bounce, u_choice.y) {
                     surviving.push(index);
                 }
             }
-            shadow_rays.trace(&self.bvh, |path, irradiance| paths[path].scattered += irradiance);
+            shadow_rays.trace(self, |path, light| paths[path].gathered += light);
             active = surviving;
         }
     }
 
-    /// Samples a cosine-weighted ray about the shading normal; none if it points into the surface, which absorbs it.
-    fn scattered_ray(&self, from: &WorldSurface, u: Vec2) -> Option<Ray> {
-        let direction = Frame::around(from.normal).to_world(sampling::cosine_hemisphere(u));
-        let origin = from.offset_position(self.radius);
-        let above = direction.dot(from.geometric_normal) > 0.0;
-        above.then_some(Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY })
+    /// Samples the next ray of a path; none if it points into the surface, which absorbs it, or nothing is reflected.
+    fn scatter(&self, path: &mut Path<'_>, bounce: u32, u: Vec2) -> Option<Ray> {
+        let surface = &path.vertex.surface;
+        let sampled = match path.estimates {
+            // Irradiance does not depend on what the visible surface reflects.
+            Estimates::Irradiance if bounce == 1 => {
+                let direction = Frame::around(surface.normal).to_world(sampling::cosine_hemisphere(u));
+                let density = Some(cosine_pdf(surface.normal.dot(direction)));
+                Sampled { direction, weight: Vec3::ONE, density }
+            }
+            Estimates::Reflected if bounce == 1 => path.reflection.sample_reflected(u)?,
+            _ => {
+                let pick = if path.reflection.reflects() { path.sampler.next().x } else { 1.0 };
+                path.reflection.sample(pick, u)?
+            }
+        };
+        path.throughput *= sampled.weight;
+        (path.direction, path.density) = (sampled.direction, sampled.density);
+        let origin = surface.offset_position(self.radius);
+        let above = sampled.direction.dot(surface.geometric_normal) > 0.0;
+        above.then_some(Ray { origin, direction: sampled.direction, t_min: 0.0, t_max: f32::INFINITY })
+    }
+
+    fn may_meet_light(&self, ray: &Ray) -> bool {
+        self.scene.environment.is_some() || self.lights.may_hit(ray)
     }
 
     /// Moves a path to the surface that its ray hit and adds its emission, weighted by MIS against light sampling
@@ -238,25 +327,36 @@ impl Reference<'_> {
         let at = path.vertex.surface.position;
         let scattered = ScatteredHit { from: from.position, normal: from.normal, direction, at };
         if let Some((radiance, pdf)) = self.lights.emitted(hit.instance, hit.triangle, &scattered, subset) {
-            let cosine = from.normal.dot(direction);
-            path.scattered += path.throughput * radiance * power_heuristic(cosine_pdf(cosine), pdf);
+            let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
+            path.gathered += path.throughput * radiance * share;
         }
+    }
+
+    /// Adds the environment's light to a path whose ray left the scene, weighted by MIS likewise.
+    fn leave(&self, path: &mut Path<'_>, subset: LightSubset) {
+        let Some(environment) = &self.scene.environment else { return };
+        let from = path.vertex.surface;
+        let pdf = self.lights.environment_pdf(from.position, from.normal, path.direction, subset);
+        let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
+        path.gathered += path.throughput * environment.radiance(path.direction) * share;
     }
 
     /// Russian roulette for paths without a limit. A path without throughput always ends.
     fn survives(&self, path: &mut Path<'_>, bounce: u32, u: f32) -> bool {
+        let albedo = path.reflection.diffuse_albedo() + path.reflection.reflected_albedo();
+        let next = path.throughput * albedo;
         if self.bounces.is_none() && bounce >= MIN_BOUNCES {
-            let survival = (luminance(path.throughput) / PI).clamp(0.05, MAX_SURVIVAL);
+            let full = if path.estimates == Estimates::Irradiance { PI } else { 1.0 };
+            let survival = (luminance(next) / full).clamp(0.05, MAX_SURVIVAL);
             if u >= survival {
                 return false;
             }
             path.throughput /= survival;
         }
-        path.throughput != Vec3::ZERO
+        next != Vec3::ZERO
     }
 
-    /// Samples a light of `subset`, before the visibility test: its irradiance on the surface, weighted by MIS against
-    /// scattered rays.
+    /// Samples a light of `subset`, before the visibility test: its irradiance on the surface.
     fn sample_light(
         &self,
         surface: &WorldSurface,
@@ -269,8 +369,7 @@ impl Reference<'_> {
         if cosine <= 0.0 || surface.geometric_normal.dot(light.direction) <= 0.0 {
             return None;
         }
-        let weight = light.pdf.map_or(1.0, |pdf| power_heuristic(pdf, cosine_pdf(cosine)));
-        light.irradiance *= cosine * weight;
+        light.irradiance *= cosine;
         Some(light)
     }
 
@@ -284,16 +383,23 @@ impl Reference<'_> {
     }
 
     /// The surface that a ray of `direction` hit, on the side facing the ray.
-    fn interaction(&self, hit: &Hit, direction: Vec3) -> Interaction<'_> {
+    pub(super) fn interaction(&self, hit: &Hit, direction: Vec3) -> Interaction<'_> {
         let (triangle, placement) = self.surfaces.at(hit);
         let found = placement.place(&triangle.interpolate(hit.barycentrics), Side::Facing(direction));
         let material = &self.scene.materials[triangle.material as usize];
         // The texels are read only after all paths of the group advanced, so prefetch them.
-        let texels = material.albedo_texture.map(|texture| {
+        let texels = material.base_colour_texture.map(|texture| {
             let texture = &self.scene.textures[texture];
             (texture, texture.prefetch(found.uv))
         });
-        Interaction { surface: found.surface, front: found.front, material, texels }
+        Interaction { surface: found.surface, front: found.front, uv: found.uv, material, texels }
+    }
+
+    /// How a surface reflects light along a ray of `direction` backwards.
+    pub(super) fn seen(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
+        let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
+        let bsdf = vertex.material.bsdf(self.scene, texel, vertex.uv);
+        bsdf.seen(vertex.surface.normal, -direction.normalize())
     }
 }
 
@@ -303,22 +409,14 @@ impl ShadowRays {
         self.contributions.push((path, contribution));
     }
 
-    /// Calls `add` with path and contribution of each unoccluded ray.
-    fn trace(&self, bvh: &TwoLevelBvh, mut add: impl FnMut(usize, Vec3)) {
-        for (occluded, &(path, contribution)) in
-            bvh.occluded_all(&self.rays).into_iter().zip(&self.contributions)
+    /// Calls `add` with path and contribution of each ray on which light arrives.
+    fn trace(&self, reference: &Reference<'_>, mut add: impl FnMut(usize, Vec3)) {
+        for (share, &(path, contribution)) in
+            reference.unoccluded(&self.rays).into_iter().zip(&self.contributions)
         {
-            if !occluded {
-                add(path, contribution);
+            if share != Vec3::ZERO {
+                add(path, contribution * share);
             }
         }
     }
-}
-
-/// Reflected radiance towards the eye: Lambert and normalised Blinn-Phong.
-fn reflected(light: &LightSample, vertex: &Interaction<'_>, albedo: Vec3, to_eye: Vec3) -> Vec3 {
-    let (specular, shininess) = (vertex.material.specular, vertex.material.shininess);
-    let half = (light.direction + to_eye).normalize_or(vertex.surface.normal);
-    let lobe = vertex.surface.normal.dot(half).max(0.0).powf(shininess);
-    light.irradiance * (albedo / PI + specular * ((shininess + 8.0) / (8.0 * PI) * lobe))
 }

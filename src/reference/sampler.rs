@@ -50,6 +50,14 @@ impl Sampler {
         Self { index_rev, seed, next_set: 0, spare: None }
     }
 
+    /// A sampler of points that are independent of this one's: other scramblings alone would leave the same strata
+    /// together, so the order of the samples changes, too.
+    pub(super) fn fork(&self) -> Self {
+        let seed = hash(self.seed, u32::MAX);
+        let index_rev = parts::owen_scramble_rev(self.index_rev, hash(seed, 0));
+        Self { index_rev, seed, next_set: 0, spare: None }
+    }
+
     /// The next point.
     #[inline]
     pub(super) fn next(&mut self) -> Vec2 {
@@ -78,6 +86,19 @@ impl Sampler {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn forks_are_independent() {
+        // Two numbers, one of each, fill a grid evenly, though not as evenly as points of one sequence.
+        let mut counts = [0u32; 64];
+        for sample in 0..4096 {
+            let mut sampler = Sampler::new(3, 77, sample);
+            let mut fork = sampler.fork();
+            let cell = (sampler.next().x * 8.0) as usize * 8 + (fork.next().x * 8.0) as usize;
+            counts[cell] += 1;
+        }
+        assert!(counts.iter().all(|count| (30..100).contains(count)), "{counts:?}");
+    }
 
     #[test]
     fn points_are_uniform_in_every_dimension_and_halves_differ() {

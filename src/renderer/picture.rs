@@ -75,7 +75,13 @@ impl Renderer {
                 n.extend(0.0).to_array()
             })
             .collect();
-        let specular: Vec<[f32; 4]> = ids.iter().map(|id| self.specular(*id)).collect();
+        let packed = gbuffer.surface.read_layer(&self.device, 0, 8)?;
+        let packed: Vec<[u32; 2]> = bytemuck::cast_slice(&packed).to_vec();
+        let base: Vec<[f32; 4]> = packed.iter().map(|&[base, _]| unpack_base(base).to_array()).collect();
+        let emission: Vec<[f32; 4]> = packed.iter().map(|&[_, emission]| unpack_emission(emission)).collect();
+        let reflectance: Vec<[f32; 4]> = (0..ids.len())
+            .map(|index| self.reflectance(ids[index], base[index], light.albedo[index][3]))
+            .collect();
         let pixels = || (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
         let position: Vec<[f32; 4]> =
             pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
@@ -92,17 +98,22 @@ impl Renderer {
             Layer::of_channels("normal", &["X", "Y", "Z"], &normals),
             Layer::of_channels("position", &["X", "Y", "Z"], &position),
             Layer::single("depth", "Z", depth),
-            Layer::of_channels("specular", &["R", "G", "B", "shininess"], &specular),
+            Layer::of_channels("base_colour", &["R", "G", "B", "metallic"], &base),
+            Layer::of_channels("emission", &["R", "G", "B"], &emission),
+            Layer::of_channels("reflectance", &["R", "G", "B", "roughness"], &reflectance),
             Layer::single("instance", "id", instances),
             Layer::of_channels("motion", &["X", "Y"], &motion),
         ])
     }
 
-    /// Ks and Ns of what a pixel of the G-buffer's instance channel names.
-    fn specular(&self, [instance, material]: [u32; 2]) -> [f32; 4] {
-        let material = self.scene.materials.get((material & MATERIAL) as usize);
-        let material = material.filter(|_| instance > 0);
-        material.map_or([0.0; 4], |material| material.specular.extend(material.shininess).to_array())
+    /// Reflectance at normal incidence and roughness of a pixel, from the G-buffer's instance channel, its base colour with
+    /// metallic, and its roughness.
+    fn reflectance(&self, [instance, material]: [u32; 2], base: [f32; 4], roughness: f32) -> [f32; 4] {
+        let material = self.scene.materials.get((material & MATERIAL) as usize).filter(|_| instance > 0);
+        let [r, g, b, metallic] = base;
+        material.map_or([0.0; 4], |material| {
+            material.f0.lerp(Vec3::new(r, g, b), metallic).extend(roughness).to_array()
+        })
     }
 
     /// Where a pixel sees a surface at a view depth, in the world; 0 where it sees none. Twin: `position_at` in
@@ -152,4 +163,17 @@ fn octahedral_decode(x: f32, y: f32) -> glam::Vec3 {
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
     let (x, y) = if z < 0.0 { ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y)) } else { (x, y) };
     glam::Vec3::new(x, y, z).normalize()
+}
+
+/// Twin of `unpack_base` in shaders/include/gbuffer.glsl.
+fn unpack_base(packed: u32) -> Vec4 {
+    let [r, g, b, metallic] = packed.to_le_bytes().map(|byte| f32::from(byte) / 255.0);
+    Vec4::new(r * r, g * g, b * b, metallic)
+}
+
+/// Twin of `unpack_emission` in shaders/include/gbuffer.glsl.
+fn unpack_emission(packed: u32) -> [f32; 4] {
+    let scale = ((packed >> 27) as f32 - 24.0).exp2();
+    let [r, g, b] = [0, 9, 18].map(|shift| (packed >> shift & 511) as f32 * scale);
+    [r, g, b, 0.0]
 }

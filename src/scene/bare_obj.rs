@@ -1,7 +1,8 @@
-//! A default camera and light for a bare `.obj`.
+//! A default camera and light for a bare model.
 //!
-//! In: a scene with the model. Out: the scene with a camera, in front of the model or, if that shows more of its
-//! surface, inside, and a point light unless emissive materials light the view. A warning reports each.
+//! In: a scene with the model, and what the file has of a camera and lights. Out: the scene with a camera, in front of the
+//! model or, if that shows more of its surface, inside, and a point light unless emissive materials light the view. A
+//! warning reports each that was made up.
 
 use glam::Vec3;
 
@@ -25,15 +26,30 @@ const INSIDE_PREFERENCE: f32 = 0.8;
 /// Fraction of the visible surface that emissive materials must light, so that no light is added.
 const MIN_LIT_FRACTION: f32 = 0.5;
 
-/// Places a camera and, if needed, a light for the only model of `scene`, which has the identity transform.
-pub(super) fn stage(scene: &mut Scene) {
+/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) and, if needed, a light,
+/// unless the file has lights that are not surfaces (`has_lights`).
+pub(super) fn stage(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
+    if let Some(mut camera) = given {
+        if camera.far <= camera.near {
+            fit_depths(&mut camera, &bounds_of(scene), 0.0);
+        }
+        scene.camera = camera;
+        let survey = ModelSurvey::new(scene);
+        let is_lit =
+            has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+        let lamp = if is_lit { None } else { survey.best_light(&camera) };
+        if let Some(place) = lamp {
+            add_lamp(scene, place.position, place.intensity);
+        }
+        return;
+    }
     frame(scene);
     let survey = ModelSurvey::new(scene);
     let outside = scene.camera;
     let outside_shows = survey.shown_by(&outside);
     let inside = survey.best_view().filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
     let camera = inside.map_or(outside, |(camera, _)| camera);
-    let lit = !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
     let nearest = survey.nearest_in(&camera);
     let lamp = match inside {
         Some(_) => survey.best_light(&camera).map(|place| (place.position, place.intensity)),

@@ -13,7 +13,7 @@ use super::load::{self, Source};
 use super::scene_build::{Builder, animation_of, transform_of};
 use super::scene_file::{CameraEntry, InstanceEntry, LightEntry, LightType, SceneFile};
 use super::scene_lights::single_light;
-use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene};
+use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene, gltf};
 
 /// The Cornell box as a scene file.
 const CORNELL_BOX: &str = "name = \"cornell-box\"
@@ -49,10 +49,12 @@ impl SceneDocument {
     /// # Errors
     /// Those of [`super::load_scene`].
     pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene), SceneError> {
-        let scene = load::load_scene(name, assets)?;
+        let mut scene = load::load_scene(name, assets)?;
+        let mut is_gltf = false;
         let (path, text) = match load::find(name)? {
             Source::File(path, text) => (path, text),
             Source::Model(path) => {
+                is_gltf = gltf::is_gltf(&path);
                 let text = scene_file_of_model(&path, &scene.name);
                 (path.with_extension("toml"), text)
             }
@@ -64,6 +66,10 @@ impl SceneDocument {
         // The recording belongs to the unedited scene.
         document.file.recording.clear();
         document.complete(&scene);
+        if is_gltf {
+            // As a model of a scene file it is one mesh at rest.
+            scene = document.build(assets)?;
+        }
         Ok((document, scene))
     }
 
@@ -228,10 +234,14 @@ impl SceneDocument {
                 *path = std::fs::canonicalize(&joined).unwrap_or(joined);
             }
         }
+        if let Some(path) = self.file.environment.as_mut().and_then(|entry| entry.get_mut().map.as_mut()) {
+            let joined = folder.join(&*path);
+            *path = std::fs::canonicalize(&joined).unwrap_or(joined);
+        }
     }
 }
 
-/// A scene file for a bare `.obj`.
+/// A scene file for a bare model.
 fn scene_file_of_model(path: &Path, name: &str) -> String {
     let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = |text: &str| toml::Value::String(text.to_owned()).to_string();

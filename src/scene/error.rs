@@ -34,10 +34,10 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
-    #[error("no such scene: {}; give a .toml or .obj file, or a built-in scene: {}", .0.display(), builtin::NAMES.join(", "))]
+    #[error("no such scene: {}; give a .toml, .obj, .gltf or .glb file, or a built-in scene: {}", .0.display(), builtin::NAMES.join(", "))]
     NotFound(PathBuf),
     /// A file of an unsupported type.
-    #[error("{}: not a scene; give a .toml scene file, an .obj model or one of: {}", .0.display(), builtin::NAMES.join(", "))]
+    #[error("{}: not a scene; give a .toml scene file, an .obj, .gltf or .glb model or one of: {}", .0.display(), builtin::NAMES.join(", "))]
     UnknownKind(PathBuf),
     /// An existing file could not be read.
     #[error("cannot read {}: {reason}; check that the file exists and may be read", file.display())]

@@ -7,9 +7,9 @@ use glam::Affine3A;
 
 use super::error::SceneError;
 use super::scene_file::SceneFile;
-use super::{Instance, Scene, bare_obj, builtin, obj, scene_build};
+use super::{Instance, Scene, bare_obj, builtin, gltf, obj, scene_build};
 
-/// Loads a built-in scene by name, a scene file (`.toml`) or a bare `.obj`. `assets` is the
+/// Loads a built-in scene by name, a scene file (`.toml`) or a bare model (`.obj`, `.gltf`, `.glb`). `assets` is the
 /// folder of the downloadable models.
 ///
 /// # Errors
@@ -18,6 +18,7 @@ pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError
     let begun = Instant::now();
     let scene = match find(name)? {
         Source::File(path, text) => load_toml(&path, &text, assets)?,
+        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path)?,
         Source::Model(path) => load_bare_obj(&path)?,
         Source::CornellBox => builtin::cornell_box(),
     };
@@ -31,7 +32,7 @@ pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError
 pub(super) enum Source {
     /// A scene file, with its text.
     File(PathBuf, String),
-    /// A bare `.obj`.
+    /// A bare model.
     Model(PathBuf),
     /// The procedural Cornell box.
     CornellBox,
@@ -50,7 +51,7 @@ pub(super) fn find(name: &str) -> Result<Source, SceneError> {
             })?;
             Ok(Source::File(path.to_owned(), text))
         }
-        Some("obj") if path.is_file() => Ok(Source::Model(path.to_owned())),
+        Some("obj" | "gltf" | "glb") if path.is_file() => Ok(Source::Model(path.to_owned())),
         _ if name == "cornell-box" => Ok(Source::CornellBox),
         _ => match builtin::scene_file(name) {
             Some(text) => Ok(Source::File(format!("{name}.toml").into(), text.to_owned())),
@@ -79,6 +80,6 @@ fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    bare_obj::stage(&mut scene);
+    bare_obj::stage(&mut scene, None, false);
     Ok(scene)
 }

@@ -1,35 +1,69 @@
 //! Surface materials, their textures and alpha masks.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::Scene;
+use crate::bsdf::Bsdf;
 
-/// A material: Lambertian diffuse and normalised Blinn-Phong specular reflection, optionally emission.
+/// What dielectrics reflect at normal incidence in glTF.
+pub(super) const GLTF_F0: Vec3 = Vec3::splat(0.04);
+
+/// How the alpha of the base colour is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Alpha {
+    /// Not at all.
+    #[default]
+    Opaque,
+    /// The surface is there where alpha is at least this: see [`Material::alpha_mask`].
+    Mask(f32),
+    /// It is a thin sheet: alpha is the share of it that is there, and light passes the rest without refraction.
+    Blend,
+}
+
+/// A surface, as in glTF 2.0: metallic-roughness, see [`Bsdf`]. Textures repeat and share the mesh's coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Name in the MTL.
+    /// Name in the file.
     pub name: String,
-    /// Kd, linear, multiplied with the texture; each channel in [0, 1].
-    pub albedo: Vec3,
-    /// Ks, linear.
-    pub specular: Vec3,
-    /// Ns, the Blinn-Phong exponent.
-    pub shininess: f32,
-    /// Ke, radiance of the front side, W/m^2/sr.
+    /// Base colour, linear, multiplied with its texture; each channel in [0, 1].
+    pub base_colour: Vec3,
+    /// sRGB colour and alpha: index into `Scene::textures`.
+    pub base_colour_texture: Option<usize>,
+    /// Share of metal, 0 to 1, multiplied with the blue channel of its texture.
+    pub metallic: f32,
+    /// Perceptual roughness, 0 to 1, multiplied with the green channel of its texture. 0: a perfect mirror.
+    pub roughness: f32,
+    /// Linear, green and blue: index into `Scene::textures`.
+    pub metallic_roughness_texture: Option<usize>,
+    /// What its dielectric part reflects at normal incidence; 0.04 in glTF.
+    pub f0: Vec3,
+    /// The same at grazing incidence; 1 in glTF. 0, with an `f0` of 0: a Lambertian surface.
+    pub f90: f32,
+    /// Radiance of the front side, multiplied with its texture, W/m^2/sr.
     pub emission: Vec3,
-    /// map_Kd: index into `Scene::textures`.
-    pub albedo_texture: Option<usize>,
-    /// Index into `Scene::alpha_masks`; set if `map_d`, the alpha of `map_Kd` or, unless emissive, `d` masks parts of
-    /// the surface. Masked parts do not emit.
+    /// sRGB: index into `Scene::textures`.
+    pub emission_texture: Option<usize>,
+    /// How alpha is used.
+    pub alpha: Alpha,
+    /// Alpha, 0 to 1, multiplied with that of the base colour's texture.
+    pub opacity: f32,
+    /// Share of what the base colour reflects diffusely that it lets pass instead, tinted: a thin sheet without refraction.
+    pub transmission: f32,
+    /// Whether the file shows both sides. Surfaces always have two here.
+    pub double_sided: bool,
+    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out, and for a thin sheet that lets most
+    /// light pass, for raster and for rays that know no sheets. What is cut out does not emit.
     pub alpha_mask: Option<usize>,
 }
 
-/// An sRGB colour image with its mip chain.
+/// An image with its mip chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// File name for reports.
     pub name: String,
-    /// RGBA8, sRGB-encoded colour and linear alpha; level 0 first, each level half the one before
+    /// Whether its colour is linear; otherwise sRGB-encoded.
+    pub linear: bool,
+    /// RGBA8, alpha always linear; level 0 first, each level half the one before
     /// (rounded down, at least 1), filtered in linear light. (width, height, texels by rows from the top).
     pub levels: Vec<(u32, u32, Vec<u8>)>,
 }
@@ -55,11 +89,19 @@ impl Material {
     pub fn lambertian(name: &str, albedo: Vec3) -> Self {
         Self {
             name: name.to_owned(),
-            albedo,
-            specular: Vec3::ZERO,
-            shininess: 1.0,
+            base_colour: albedo,
+            base_colour_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            f0: Vec3::ZERO,
+            f90: 0.0,
             emission: Vec3::ZERO,
-            albedo_texture: None,
+            emission_texture: None,
+            alpha: Alpha::Opaque,
+            opacity: 1.0,
+            transmission: 0.0,
+            double_sided: true,
             alpha_mask: None,
         }
     }
@@ -69,18 +111,112 @@ impl Material {
         Self { emission: radiance, ..Self::lambertian(name, Vec3::ZERO) }
     }
 
-    /// Linear albedo at `uv`: Kd times the texture (bilinear, repeating, level 0).
-    pub fn albedo_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
-        match self.albedo_texture {
-            Some(texture) => self.albedo * scene.textures[texture].sample(uv),
-            None => self.albedo,
+    /// This surface under a coat that reflects `f0` at normal incidence, as smooth as a Phong highlight of the exponent
+    /// `shininess`: see [`roughness_of_exponent`].
+    pub fn coated(self, f0: Vec3, shininess: f32) -> Self {
+        let f90 = if f0 == Vec3::ZERO { 0.0 } else { 1.0 };
+        Self { f0, f90, roughness: roughness_of_exponent(shininess), ..self }
+    }
+
+    /// Its reflection at `uv` (textures bilinear, repeating, level 0).
+    pub fn bsdf_at(&self, scene: &Scene, uv: Vec2) -> Bsdf {
+        self.bsdf(scene, self.texel(scene, self.base_colour_texture, uv), uv)
+    }
+
+    /// The same, where the texture of the base colour has the colour `texel`.
+    pub(crate) fn bsdf(&self, scene: &Scene, texel: Vec3, uv: Vec2) -> Bsdf {
+        let data = self.texel(scene, self.metallic_roughness_texture, uv);
+        self.bsdf_of(texel, data)
+    }
+
+    /// Its reflection, averaged over its textures.
+    pub fn mean_bsdf(&self, scene: &Scene) -> Bsdf {
+        let mean =
+            |texture: Option<usize>| texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean());
+        self.bsdf_of(mean(self.base_colour_texture), mean(self.metallic_roughness_texture))
+    }
+
+    fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
+        Bsdf {
+            base: self.reflected_base() * texel,
+            metallic: self.metallic * data.z,
+            roughness: self.roughness * data.y,
+            f0: self.f0,
+            f90: self.f90,
         }
+    }
+
+    /// Base colour without what passes, to be multiplied with its texture. Metals let nothing pass.
+    pub(crate) fn reflected_base(&self) -> Vec3 {
+        self.base_colour * (1.0 - self.transmission * (1.0 - self.metallic))
+    }
+
+    /// Share of the light that it reflects at `uv`, averaged over all directions by the cosine: what a light path keeps.
+    pub fn albedo_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        self.bsdf_at(scene, uv).mean_albedo()
+    }
+
+    /// Radiance of the front side at `uv`, W/m^2/sr.
+    pub fn emission_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+        if self.is_emissive() {
+            self.emission * self.texel(scene, self.emission_texture, uv)
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// Radiance of the front side, averaged over its texture.
+    pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
+        self.emission * self.emission_texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean())
+    }
+
+    /// Whether light passes it in part.
+    pub fn is_sheet(&self) -> bool {
+        self.alpha == Alpha::Blend || self.transmission > 0.0
+    }
+
+    /// How much of a sheet is there at `uv`: its share of an opaque surface's reflection; and what that lets pass.
+    pub fn sheet_at(&self, scene: &Scene, uv: Vec2) -> Sheet {
+        let texel = |texture: usize| scene.textures[texture].sample_rgba(uv);
+        let texel = self.base_colour_texture.map_or(Vec4::ONE, texel);
+        let coverage = if self.alpha == Alpha::Blend { self.opacity * texel.w } else { 1.0 };
+        let passed = self.base_colour * texel.truncate() * (self.transmission * (1.0 - self.metallic));
+        Sheet { coverage, passed }
+    }
+
+    fn texel(&self, scene: &Scene, texture: Option<usize>, uv: Vec2) -> Vec3 {
+        texture.map_or(Vec3::ONE, |texture| scene.textures[texture].sample(uv))
     }
 
     /// Whether it emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission != Vec3::ZERO
     }
+}
+
+/// A point of a thin sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// The share of the surface that is there.
+    pub coverage: f32,
+    /// What that part lets pass of the light that its coat does not reflect.
+    pub passed: Vec3,
+}
+
+impl Sheet {
+    /// What the sheet lets pass where its coat reflects `reflected`.
+    pub fn transmittance(&self, reflected: f32) -> Vec3 {
+        Vec3::splat(1.0 - self.coverage) + self.passed * (self.coverage * (1.0 - reflected))
+    }
+}
+
+/// The exponent from which a highlight counts as that of a perfect mirror.
+const MIRROR_EXPONENT: f32 = 10_000.0;
+
+/// The roughness whose GGX lobe is as wide as a Phong highlight `(n h)^Ns`: alpha^2 = 2 / (Ns + 2) (Walter et al. 2007),
+/// and roughness^2 = alpha. Exponents of 10,000 and more are perfect mirrors, roughness 0.
+pub fn roughness_of_exponent(shininess: f32) -> f32 {
+    if shininess >= MIRROR_EXPONENT { 0.0 } else { (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25) }
 }
 
 impl AlphaMask {

@@ -121,6 +121,16 @@ impl Mesh {
         self.triangle_materials = order.iter().map(|&i| self.triangle_materials[i]).collect();
     }
 
+    /// Appends the triangles of `other`.
+    pub(super) fn append(&mut self, other: Self) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(other.positions);
+        self.normals.extend(other.normals);
+        self.uvs.extend(other.uvs);
+        self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| first + vertex)));
+        self.triangle_materials.extend(other.triangle_materials);
+    }
+
     /// Keeps the triangles for whose index `keep` is true.
     pub(super) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
         let kept: Vec<usize> = (0..self.triangles.len()).filter(|&i| keep(self, i)).collect();

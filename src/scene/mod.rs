@@ -9,12 +9,15 @@ mod builtin;
 mod camera;
 mod clip;
 mod document;
+mod environment;
 mod error;
+mod gltf;
 mod light;
 mod load;
 mod material;
 mod mesh;
 mod mtl;
+mod mtl_surface;
 mod normals;
 mod obj;
 mod obj_materials;
@@ -23,6 +26,7 @@ mod polygon;
 mod primitives;
 mod recording;
 mod scene_build;
+mod scene_environment;
 mod scene_file;
 mod scene_lights;
 mod scene_models;
@@ -34,10 +38,11 @@ pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
 pub use camera::{Camera, CameraOverride};
 pub use document::{Placement, SceneDocument};
+pub use environment::{Environment, EnvironmentMap};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use load::{load_scene, scene_of_text};
-pub use material::{AlphaMask, Material, Texture};
+pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use recording::{RecordedCamera, RecordedFrame, RecordedInstance, RecordedLight};
 pub use scene_file::{
@@ -53,8 +58,13 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use crate::sampling;
+
 /// Largest magnitude of a coordinate: products of larger ones could overflow.
 pub(crate) const MAX_COORDINATE: f32 = 1e9;
+
+/// Points of a triangle at which the texture of its emission is read.
+const EMISSION_POINTS: u32 = 16;
 
 /// An instance of a mesh.
 #[derive(Clone, Debug)]
@@ -89,7 +99,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Materials, indexed by [`Mesh::triangle_materials`].
     pub materials: Vec<Material>,
-    /// Colour textures, indexed by [`Material::albedo_texture`].
+    /// Textures, indexed by [`Material::base_colour_texture`] and its like.
     pub textures: Vec<Texture>,
     /// Alpha masks, indexed by [`Material::alpha_mask`].
     pub alpha_masks: Vec<AlphaMask>,
@@ -103,6 +113,9 @@ pub struct Scene {
     pub camera_animation: Option<Animation>,
     /// Radiance of camera rays that miss, W/m^2/sr; it does not light the scene.
     pub background: Vec3,
+    /// Light from everywhere around the scene, if there is any. It lights surfaces in `reference` alone; then `background`
+    /// is its mean.
+    pub environment: Option<Environment>,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
     /// Recorded edits, by frame; if not empty, they replace the animation.
@@ -153,6 +166,7 @@ impl Scene {
             camera: Camera::looking(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO),
             camera_animation: None,
             background: Vec3::ZERO,
+            environment: None,
             settings: toml::Table::new(),
             recording: Arc::default(),
             warnings: Vec::new(),
@@ -168,6 +182,7 @@ impl Scene {
             camera: self.camera,
             camera_animation: self.camera_animation.clone(),
             background: self.background,
+            environment: self.environment.clone(),
             settings: self.settings.clone(),
             warnings: self.warnings.clone(),
             ..Self::new("")
@@ -227,13 +242,24 @@ impl Scene {
         materials.iter().any(|&material| self.materials[material as usize].is_emissive())
     }
 
+    /// Radiance of a triangle, averaged over it, W/m^2/sr.
+    fn triangle_emission(&self, mesh: &Mesh, triangle: u32, material: &Material) -> Vec3 {
+        if material.emission_texture.is_none() {
+            return material.emission;
+        }
+        let surface = mesh.triangle_surface(triangle);
+        let points = sampling::triangle_points(EMISSION_POINTS);
+        let sum: Vec3 = points.map(|at| material.emission_at(self, surface.interpolate(at).uv)).sum();
+        sum / EMISSION_POINTS as f32
+    }
+
     /// Adds an area light for instance `instance`, with its name, if any of its triangles is emissive.
     pub fn add_area_light(&mut self, instance: usize) {
         let mesh = &self.meshes[self.instances[instance].mesh];
         let emission = |(triangle, &material): (usize, &u32)| {
             let material = &self.materials[material as usize];
-            let emitter = AreaTriangle { triangle: triangle as u32, radiance: material.emission };
-            material.is_emissive().then_some(emitter)
+            let radiance = self.triangle_emission(mesh, triangle as u32, material);
+            (radiance != Vec3::ZERO).then_some(AreaTriangle { triangle: triangle as u32, radiance })
         };
         let triangles: Vec<_> = mesh.triangle_materials.iter().enumerate().filter_map(emission).collect();
         if !triangles.is_empty() {

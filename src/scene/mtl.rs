@@ -3,6 +3,7 @@
 //! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, with finite values in range. Problems are warnings,
 //! never errors.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -77,9 +78,11 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
 fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Material> {
     let mut clean = String::new();
     let mut problems = Vec::new();
+    let mut not_shown = BTreeSet::new();
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        not_shown.extend(what_is_not_shown(keyword, rest));
         if let Err(problem) = rewrite(&mut clean, keyword, rest.trim()) {
             problems.push(format!("{}:{}: {problem}", path.display(), number + 1));
         }
@@ -89,6 +92,10 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
     if more > 0 {
         warnings.push(format!("{}: {more} more warnings", path.display()));
     }
+    if !not_shown.is_empty() {
+        let names = not_shown.into_iter().collect::<Vec<_>>().join(", ");
+        warnings.push(format!("{}: not shown: {names}", path.display()));
+    }
     match tobj::load_mtl_buf(&mut clean.as_bytes()) {
         Ok((materials, _)) => materials,
         Err(error) => {
@@ -96,6 +103,24 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
             Vec::new()
         }
     }
+}
+
+/// The statement of a keyword that has an effect which is not shown, if it does.
+fn what_is_not_shown(keyword: &str, rest: &str) -> Option<&'static str> {
+    let zero = || rest.split_whitespace().all(|word| word.parse() == Ok(0.0f32));
+    Some(match keyword.to_ascii_lowercase().as_str() {
+        "norm" | "map_kn" => "norm (normal map)",
+        "map_bump" | "bump" => "map_bump (bump map)",
+        "disp" => "disp (displacement)",
+        "refl" => "refl (reflection map)",
+        "decal" => "decal",
+        "map_ks" => "map_Ks (map of the reflectance)",
+        "map_ns" => "map_Ns (map of the highlight)",
+        "map_ps" | "ps" if !zero() => "Ps (sheen)",
+        "pc" if !zero() => "Pc (clear coat)",
+        "aniso" if !zero() => "aniso (anisotropy)",
+        _ => return None,
+    })
 }
 
 /// Appends one checked statement to `clean`; skips statements that [`tobj::Material`] ignores.
@@ -110,27 +135,46 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
             let _ = writeln!(clean, "K{} {} {} {}", &keyword[1..], colour.x, colour.y, colour.z);
             return problem.map_or(Ok(()), Err);
         }
-        "ke" => {
-            let (colour, problem) = colour(&keyword, rest, f32::MAX)?;
-            let _ = writeln!(clean, "Ke {} {} {}", colour.x, colour.y, colour.z);
+        "ke" | "tf" => {
+            let (name, most) = if keyword == "ke" { ("Ke", f32::MAX) } else { ("Tf", 1.0) };
+            // `Tf xyz` and `Tf spectral` are rare.
+            let (colour, problem) = colour(&keyword, rest, most)?;
+            let _ = writeln!(clean, "{name} {} {} {}", colour.x, colour.y, colour.z);
             return problem.map_or(Ok(()), Err);
         }
-        "ns" | "d" => {
+        "illum" => {
+            let model: u8 = rest.parse().map_err(|_| format!("illum {rest} is not a number; ignored"))?;
+            writeln!(clean, "illum {model}")
+        }
+        "ns" | "d" | "tr" | "ni" | "pr" | "pm" => {
             // `d -halo 0.5` varies with the view angle; use its minimum.
             let word = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
             let value: f32 = word.parse().map_err(|_| format!("{keyword} is not a number; ignored"))?;
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(format!("{keyword} {word} is negative or not finite; ignored"));
             }
-            let name = if keyword == "ns" { "Ns" } else { "d" };
+            let name = match keyword.as_str() {
+                "ns" => "Ns",
+                "tr" => "Tr",
+                "ni" => "Ni",
+                "pr" => "Pr",
+                "pm" => "Pm",
+                _ => "d",
+            };
             writeln!(clean, "{name} {value}")
         }
-        "map_kd" | "map_d" => {
+        "map_kd" | "map_d" | "map_ke" | "map_pr" | "map_pm" => {
             let file = without_options(rest);
             if file.is_empty() {
                 return Err(format!("{keyword} names no file; ignored"));
             }
-            let name = if keyword == "map_kd" { "map_Kd" } else { "map_d" };
+            let name = match keyword.as_str() {
+                "map_kd" => "map_Kd",
+                "map_ke" => "map_Ke",
+                "map_pr" => "map_Pr",
+                "map_pm" => "map_Pm",
+                _ => "map_d",
+            };
             writeln!(clean, "{name} {file}")
         }
         _ => Ok(()),
@@ -206,7 +250,8 @@ mod tests {
         assert_eq!(materials[0].specular, Some([0.5; 3]));
         assert_eq!(materials[0].emissive, Some([5.0, 0.0, 0.0]));
         assert_eq!((materials[0].shininess, materials[0].dissolve), (None, None));
-        assert_eq!(warnings.len(), 7, "{warnings:?}");
+        // The last is `illum x`: `Tf 1` is a grey.
+        assert_eq!(warnings.len(), 8, "{warnings:?}");
         assert!(warnings[0].starts_with("m.mtl:2: kd 2 -1 nan"), "{}", warnings[0]);
     }
 

@@ -1,17 +1,17 @@
 //! Converts tobj's materials and their images to the scene's.
 //!
-//! In: the materials of an OBJ. Out: a [`Material`] for each, with its texture and alpha mask in the scene; an
+//! In: the materials of an OBJ. Out: a [`Material`] for each, with its textures and alpha mask in the scene; an
 //! unreadable image is replaced by a fallback and named in a warning.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use glam::Vec3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
-use super::material::{AlphaMask, Material, Texture};
+use super::material::{Alpha, AlphaMask, Material, Texture};
 use super::mtl::find_file;
+use super::mtl_surface::surface;
 use super::{Scene, texture};
 
 /// The images of a model's materials, each read once.
@@ -20,11 +20,11 @@ struct Images(HashMap<String, Result<DynamicImage, String>>);
 impl Images {
     fn read(file: &Path, materials: &[tobj::Material]) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
-        let names = materials.iter().flat_map(|m| [&m.diffuse_texture, &m.dissolve_texture]).flatten();
-        let names: BTreeSet<&String> = names.collect();
-        let read = |name: &&String| {
+        let names: BTreeSet<&str> =
+            materials.iter().flat_map(|material| Maps::of(material).names()).collect();
+        let read = |name: &&str| {
             let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
-            ((*name).clone(), path.and_then(|path| texture::read_image(&path)))
+            ((*name).to_owned(), path.and_then(|path| texture::read_image(&path)))
         };
         Self(names.into_iter().collect::<Vec<_>>().par_iter().map(read).collect())
     }
@@ -38,51 +38,89 @@ impl Images {
     }
 }
 
-/// Inputs of a mask: colour map, opacity map, bits of `d`.
+/// The image files that a material names.
+#[derive(Clone, Copy)]
+struct Maps<'a> {
+    colour: Option<&'a str>,
+    opacity: Option<&'a str>,
+    emission: Option<&'a str>,
+    roughness: Option<&'a str>,
+    metallic: Option<&'a str>,
+}
+
+impl<'a> Maps<'a> {
+    fn of(material: &'a tobj::Material) -> Self {
+        let other = |key: &str| material.unknown_param.get(key).map(String::as_str);
+        Self {
+            colour: material.diffuse_texture.as_deref(),
+            opacity: material.dissolve_texture.as_deref(),
+            emission: other("map_Ke")
+                .filter(|_| material.emissive.is_some_and(|emission| emission != [0.0; 3])),
+            roughness: other("map_Pr"),
+            metallic: other("map_Pm"),
+        }
+    }
+
+    fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        [self.colour, self.opacity, self.emission, self.roughness, self.metallic].into_iter().flatten()
+    }
+}
+
+/// Inputs of a mask: colour map, opacity map, bits of the opacity.
 type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
+
+/// What a texture is made of.
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Source<'a> {
+    Colour(&'a str),
+    /// Files of roughness and metallic.
+    Data([Option<&'a str>; 2]),
+}
 
 /// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
 pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
     let images = Images::read(file, materials);
-    let textures = add_textures(file, materials, &images, scene);
-    let mut masks: HashMap<MaskKey, Option<usize>> = HashMap::new();
+    warn_of_missing(file, materials, &images, scene);
+    let textures = add_textures(materials, &images, scene);
+    let mut masks: HashMap<MaskKey<'_>, Option<usize>> = HashMap::new();
     for material in materials {
-        let colour_map = material.diffuse_texture.as_deref();
-        let opacity_map = material.dissolve_texture.as_deref();
-        let emission = Vec3::from_array(material.emissive.unwrap_or_default());
-        // An emissive surface is meant to be visible, so it ignores `d`.
-        let dissolve = if emission == Vec3::ZERO { material.dissolve.unwrap_or(1.0) } else { 1.0 };
-        let alpha_mask = *masks.entry((colour_map, opacity_map, dissolve.to_bits())).or_insert_with(|| {
-            let mask = mask_of(colour_map, opacity_map, dissolve, &images)?;
+        let maps = Maps::of(material);
+        let surface = surface(material);
+        // What lets most light pass is cut out for all that know no sheets.
+        let passes = surface.base_colour.max_element() * surface.transmission;
+        let opacity = if passes >= 0.5 { 0.0 } else { surface.opacity };
+        let alpha_mask = *masks.entry((maps.colour, maps.opacity, opacity.to_bits())).or_insert_with(|| {
+            let mask = mask_of(maps, opacity, &images)?;
             scene.alpha_masks.push(mask);
             Some(scene.alpha_masks.len() - 1)
         });
+        // Maps of opacity cut out; only `d` makes sheets.
+        let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_sheet());
+        let texture = |source: Option<Source<'_>>| source.and_then(|source| textures.get(&source).copied());
         scene.materials.push(Material {
-            name: material.name.clone(),
-            albedo: Vec3::from_array(
-                material.diffuse.unwrap_or([if colour_map.is_some() { 1.0 } else { 0.5 }; 3]),
-            ),
-            specular: Vec3::from_array(material.specular.unwrap_or_default()),
-            shininess: material.shininess.unwrap_or(1.0),
-            emission,
-            albedo_texture: colour_map.and_then(|name| textures.get(name).copied()),
+            base_colour_texture: texture(maps.colour.map(Source::Colour)),
+            emission_texture: texture(maps.emission.map(Source::Colour)),
+            metallic_roughness_texture: texture(data_of(maps)),
+            alpha: if cut_out { Alpha::Mask(0.5) } else { surface.alpha },
             alpha_mask,
+            ..surface
         });
     }
 }
 
-/// Adds every colour map with its mip chain, or a fallback for an unreadable one. Returns scene indices by name.
-fn add_textures(
-    file: &Path,
-    materials: &[tobj::Material],
-    images: &Images,
-    scene: &mut Scene,
-) -> HashMap<String, usize> {
-    let mut names: Vec<&str> = Vec::new();
-    for material in materials {
+fn data_of(maps: Maps<'_>) -> Option<Source<'_>> {
+    let files = [maps.roughness, maps.metallic];
+    (files != [None; 2]).then_some(Source::Data(files))
+}
+
+fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, scene: &mut Scene) {
+    for maps in materials.iter().map(Maps::of) {
         for (name, fallback) in [
-            (&material.diffuse_texture, "using a magenta and black checkerboard"),
-            (&material.dissolve_texture, "using no alpha mask"),
+            (maps.colour, "using a magenta and black checkerboard"),
+            (maps.opacity, "using no alpha mask"),
+            (maps.emission, "using its colour alone"),
+            (maps.roughness, "using its number alone"),
+            (maps.metallic, "using its number alone"),
         ] {
             let Some(name) = name else { continue };
             if let Err(problem) = images.get(name) {
@@ -92,29 +130,50 @@ fn add_textures(
                 }
             }
         }
-        names.extend(material.diffuse_texture.as_deref().filter(|name| !names.contains(name)));
     }
-    let build = |name: &&str| match images.get(name) {
-        Ok(image) => {
-            let texels = texture::to_srgb8(image);
-            Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
+}
+
+/// Adds every texture with its mip chain, or a fallback for an unreadable colour. Returns scene indices by source.
+fn add_textures<'a>(
+    materials: &'a [tobj::Material],
+    images: &Images,
+    scene: &mut Scene,
+) -> HashMap<Source<'a>, usize> {
+    let mut sources: Vec<Source<'a>> = Vec::new();
+    for maps in materials.iter().map(Maps::of) {
+        let colours = [maps.colour, maps.emission].map(|name| name.map(Source::Colour));
+        for source in colours.into_iter().chain([data_of(maps)]).flatten() {
+            let readable = match &source {
+                Source::Colour(name) => maps.colour == Some(name) || images.get(name).is_ok(),
+                Source::Data(names) => names.iter().flatten().all(|name| images.get(name).is_ok()),
+            };
+            if readable && !sources.contains(&source) {
+                sources.push(source);
+            }
         }
-        Err(_) => Texture::missing(name),
+    }
+    let build = |source: &Source<'_>| match source {
+        Source::Colour(name) => match images.get(name) {
+            Ok(image) => {
+                let texels = texture::to_srgb8(image);
+                Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
+            }
+            Err(_) => Texture::missing(name),
+        },
+        Source::Data([roughness, metallic]) => {
+            let image = |name: Option<&str>| images.get(name?).ok();
+            texture::metallic_roughness(image(*roughness), image(*metallic))
+        }
     };
     let first = scene.textures.len();
-    scene.textures.par_extend(names.par_iter().map(build));
-    names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), first + i)).collect()
+    scene.textures.par_extend(sources.par_iter().map(build));
+    sources.into_iter().enumerate().map(|(i, source)| (source, first + i)).collect()
 }
 
 /// The alpha mask: `map_d` if present, else the alpha of `map_Kd`, times `d`.
-fn mask_of(
-    colour_map: Option<&str>,
-    opacity_map: Option<&str>,
-    dissolve: f32,
-    images: &Images,
-) -> Option<AlphaMask> {
-    let from_opacity = opacity_map.and_then(|name| texture::opacity(images.get(name).ok()?, true));
-    let from_colour = || colour_map.and_then(|name| texture::opacity(images.get(name).ok()?, false));
+fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
+    let from_opacity = maps.opacity.and_then(|name| texture::opacity(images.get(name).ok()?, true));
+    let from_colour = || maps.colour.and_then(|name| texture::opacity(images.get(name).ok()?, false));
     let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
     AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }

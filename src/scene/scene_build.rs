@@ -14,8 +14,8 @@ use super::scene_file::{
     AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
 };
 use super::{
-    Animation, Camera, Instance, Keyframe, MAX_COORDINATE, Rotation, Scene, bare_obj, obj, scene_lights,
-    scene_models,
+    Animation, Camera, Instance, Keyframe, MAX_COORDINATE, Rotation, Scene, bare_obj, obj, scene_environment,
+    scene_lights, scene_models,
 };
 
 /// Largest magnitude of a keyframe's time, seconds: about 30 years.
@@ -131,6 +131,15 @@ impl<'a> Builder<'a> {
         if let Some(background) = file.background {
             self.scene.background = top.power("background", background)?;
         }
+        if let Some(environment) = &file.environment {
+            let entry = self.entry(&environment.span(), "environment");
+            if file.background.is_some() {
+                return Err(entry.error("is seen, so the key background is not allowed; remove it"));
+            }
+            let environment = scene_environment::environment_of(self, &entry, environment.as_ref())?;
+            self.scene.background = environment.mean();
+            self.scene.environment = Some(environment);
+        }
         for model in &file.models {
             scene_models::add_model(self, model)?;
         }
@@ -174,7 +183,7 @@ impl<'a> Builder<'a> {
     }
 
     fn warn_of_darkness(&mut self) {
-        if self.scene.lights.is_empty() {
+        if self.scene.lights.is_empty() && self.scene.environment.is_none() {
             let warning = format!(
                 "{}: the scene has no light (no [[lights]], no emissive material), so only the background is not black",
                 self.path.display()

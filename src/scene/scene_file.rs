@@ -21,6 +21,7 @@ pub(super) struct SceneFile {
     pub name: Option<String>,
     /// Radiance of camera rays that miss, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
+    pub environment: Option<Spanned<EnvironmentEntry>>,
     pub camera: Option<Spanned<CameraEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<Spanned<ModelEntry>>,
@@ -36,14 +37,30 @@ pub(super) struct SceneFile {
     pub settings: Option<Settings>,
 }
 
+/// Light from everywhere around the scene; it is seen, too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentEntry {
+    /// Radiance, W/m^2/sr; with a map its factor, 1 if missing.
+    pub colour: Option<[f32; 3]>,
+    /// Factor of the colour; 1 if missing.
+    pub strength: Option<f32>,
+    /// An equirectangular `.hdr` or `.exr`, relative to the scene file.
+    pub map: Option<PathBuf>,
+    /// The same, relative to the assets folder.
+    pub asset: Option<PathBuf>,
+    /// Degrees by which the map is turned about +y.
+    pub rotation_deg: Option<f32>,
+}
+
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ModelEntry {
     pub name: String,
-    /// An `.obj`, relative to the scene file.
+    /// An `.obj`, `.gltf` or `.glb`, relative to the scene file.
     pub path: Option<PathBuf>,
-    /// An `.obj`, relative to the assets folder.
+    /// The same, relative to the assets folder.
     pub asset: Option<PathBuf>,
     /// Download address of the asset.
     pub download: Option<String>,
@@ -57,7 +74,7 @@ pub(super) struct ModelEntry {
     pub subdivisions: Option<u32>,
     /// Of a primitive; grey 0.5 if missing.
     pub material: Option<MaterialEntry>,
-    /// Materials of an `.obj` whose triangles are left out.
+    /// Materials of a file whose triangles are left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_materials: Vec<String>,
     /// The model is clipped to this box, in object space.
@@ -86,9 +103,12 @@ pub(super) enum Primitive {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialEntry {
+    /// Base colour, linear.
     pub albedo: Option<[f32; 3]>,
-    pub specular: Option<[f32; 3]>,
-    pub shininess: Option<f32>,
+    /// Share of metal.
+    pub metallic: Option<f32>,
+    /// Given: it reflects as glTF's materials do. Missing: a Lambertian surface.
+    pub roughness: Option<f32>,
     /// Radiance, W/m^2/sr.
     pub emission: Option<[f32; 3]>,
 }

@@ -198,7 +198,8 @@ fn light_instance(
             let plain = scene.materials[*material as usize].clone();
             // As for emissive MTL materials, `d` does not hide an emissive surface.
             let alpha_mask = plain.alpha_mask.filter(|&mask| !scene.alpha_masks[mask].is_empty());
-            scene.materials.push(Material { emission: radiance, alpha_mask, ..plain });
+            let emission = Material { emission: radiance, emission_texture: None, ..plain };
+            scene.materials.push(Material { alpha_mask, ..emission });
             scene.materials.len() as u32 - 1
         });
     }

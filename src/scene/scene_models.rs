@@ -9,11 +9,11 @@ use toml::Spanned;
 
 use super::clip::clip_to_box;
 use super::error::SceneError;
-use super::material::Material;
+use super::material::{GLTF_F0, Material};
 use super::mesh::Mesh;
 use super::scene_build::{Builder, Entry};
 use super::scene_file::{MaterialEntry, ModelEntry, Primitive};
-use super::{Scene, builtin, obj};
+use super::{Scene, builtin, gltf, obj};
 
 /// Download hint for an asset without a `download` key.
 const DOWNLOAD: &str = "see the credits in the scene file";
@@ -35,10 +35,10 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
                 file.display()
             )));
         }
-        obj::add_obj(&file, &mut builder.scene)?
+        add_file(&file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
         let file = find_asset(builder, model, asset)?;
-        obj::add_obj(&file, &mut builder.scene)?
+        add_file(&file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
         let made = builtin::model(name).ok_or_else(|| {
             let known = builtin::MODELS.join(", ");
@@ -54,6 +54,11 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
     builder.scene.meshes[mesh].name.clone_from(&model.name);
     builder.models.insert(model.name.clone(), mesh);
     Ok(())
+}
+
+/// Adds the mesh of a model's file, by its ending; returns its index.
+fn add_file(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    if gltf::is_gltf(file) { gltf::add_model(file, scene) } else { obj::add_obj(file, scene) }
 }
 
 fn push(scene: &mut Scene, mesh: Mesh) -> usize {
@@ -149,16 +154,21 @@ fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> R
         }
     };
     let emission = entry.power("material.emission", material.emission.unwrap_or_default())?;
-    let shininess = entry.number("material.shininess", material.shininess.unwrap_or(1.0))?;
-    if shininess < 0.0 {
-        return Err(entry.error(format!("material.shininess must not be negative, is {shininess}")));
+    let share = |key: &str, value: f32| {
+        let share = entry.number(key, value)?;
+        let fits = (0.0..=1.0).contains(&share);
+        if fits { Ok(share) } else { Err(entry.error(format!("{key} must be from 0 to 1, is {share}"))) }
+    };
+    let metallic = share("material.metallic", material.metallic.unwrap_or(0.0))?;
+    let roughness = share("material.roughness", material.roughness.unwrap_or(1.0))?;
+    if metallic > 0.0 && material.roughness.is_none() {
+        return Err(entry.error("material.metallic needs material.roughness"));
     }
-    Ok(Material {
-        albedo: reflectance("material.albedo", material.albedo, grey.albedo)?,
-        specular: reflectance("material.specular", material.specular, Vec3::ZERO)?,
-        shininess,
-        emission,
-        ..grey
+    let base_colour = reflectance("material.albedo", material.albedo, grey.base_colour)?;
+    let plain = Material { base_colour, emission, ..grey };
+    Ok(match material.roughness {
+        None => plain,
+        Some(_) => Material { metallic, roughness, f0: GLTF_F0, f90: 1.0, ..plain },
     })
 }
 

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 
 use super::material::{AlphaMask, Texture};
@@ -24,6 +24,8 @@ static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
         if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
     })
 });
+
+static BYTE_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| i as f32 / 255.0));
 
 /// Decodes one 8-bit sRGB channel to linear [0, 1] (IEC 61966-2-1).
 pub fn srgb_to_linear(encoded: u8) -> f32 {
@@ -43,15 +45,27 @@ impl Texture {
     /// # Panics
     /// If `texels` is not `4 * width * height` bytes long, or empty.
     pub fn from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
+        Self::new(name, [width, height], texels, false)
+    }
+
+    /// The same of linear colour.
+    ///
+    /// # Panics
+    /// As above.
+    pub fn linear_from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
+        Self::new(name, [width, height], texels, true)
+    }
+
+    fn new(name: &str, [width, height]: [u32; 2], texels: Vec<u8>, linear: bool) -> Self {
         assert!(width > 0 && height > 0 && texels.len() == 4 * width as usize * height as usize);
         let mut levels = vec![(width, height, texels)];
         while let Some((w, h, texels)) = levels.last()
             && (*w > 1 || *h > 1)
         {
-            let smaller = half(*w, *h, texels);
+            let smaller = half(*w, *h, texels, linear);
             levels.push(smaller);
         }
-        Self { name: name.to_owned(), levels }
+        Self { name: name.to_owned(), linear, levels }
     }
 
     /// The fallback for an unreadable image: an 8 x 8 magenta and black checkerboard.
@@ -64,7 +78,8 @@ impl Texture {
     /// Mean linear colour.
     pub fn mean(&self) -> Vec3 {
         let texel = self.levels.last().map_or(&[][..], |(_, _, texels)| texels);
-        Vec3::from_array(std::array::from_fn(|c| texel.get(c).map_or(0.0, |&value| srgb_to_linear(value))))
+        let table = self.table();
+        Vec3::from_array(std::array::from_fn(|c| texel.get(c).map_or(0.0, |&value| table[value as usize])))
     }
 
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
@@ -72,10 +87,25 @@ impl Texture {
         self.filter(self.footprint(uv))
     }
 
+    /// The same with alpha.
+    pub fn sample_rgba(&self, uv: Vec2) -> Vec4 {
+        let footprint = self.footprint(uv);
+        let alpha = |place: u32| f32::from(self.levels[0].2[4 * place as usize + 3]) / 255.0;
+        let [top, bottom] = [footprint.top, footprint.bottom].map(|row| {
+            let [left, right] = row.map(alpha);
+            left + (right - left) * footprint.fraction.x
+        });
+        self.filter(footprint).extend(top + (bottom - top) * footprint.fraction.y)
+    }
+
+    fn table(&self) -> &'static [f32; 256] {
+        if self.linear { &BYTE_TO_LINEAR } else { &SRGB_TO_LINEAR }
+    }
+
     /// Interpolates four texels bilinearly, in linear light.
     pub(crate) fn filter(&self, footprint: Footprint) -> Vec3 {
         let texels = &self.levels[0].2;
-        let table = &*SRGB_TO_LINEAR;
+        let table = self.table();
         let texel = |place: u32| {
             let texel: &[u8; 4] = texels[4 * place as usize..].first_chunk().expect("texels have four bytes");
             Vec3::new(table[texel[0] as usize], table[texel[1] as usize], table[texel[2] as usize])
@@ -142,14 +172,20 @@ fn neighbours(next: u32, size: u32) -> [u32; 2] {
 pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
-    let mut reader = image::ImageReader::new(Cursor::new(&bytes));
     // TGA has no signature, so fall back to the extension.
-    if let Ok(format) = ImageFormat::from_path(path) {
+    decode_image(&bytes, ImageFormat::from_path(path).ok())
+}
+
+/// Decodes an image, of `format` if it has no signature; the error completes a sentence.
+pub(super) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
+    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
+    let mut reader = image::ImageReader::new(Cursor::new(bytes));
+    if let Some(format) = format {
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(unreadable)?;
     // The decoder silently fills the missing part of a truncated JPEG with grey.
-    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(&bytes) {
+    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(bytes) {
         return Err("is truncated".into());
     }
     let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
@@ -198,6 +234,30 @@ pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
     }
 }
 
+/// A texture of roughness (green) and metallic (blue), as glTF has it, from a grey image of each; 1 where there is none.
+/// It has the size of the larger; the other's nearest texels are used.
+pub(super) fn metallic_roughness(
+    roughness: Option<&DynamicImage>,
+    metallic: Option<&DynamicImage>,
+) -> Texture {
+    let [roughness, metallic] = [roughness, metallic].map(|image| image.map(DynamicImage::to_luma8));
+    let images = [&roughness, &metallic];
+    let width = images.iter().filter_map(|image| Some(image.as_ref()?.width())).max().unwrap_or(1);
+    let height = images.iter().filter_map(|image| Some(image.as_ref()?.height())).max().unwrap_or(1);
+    let value = |image: &Option<image::GrayImage>, x: u32, y: u32| {
+        image.as_ref().map_or(255, |image| {
+            let at =
+                |place: u32, of: u32, size: u32| (u64::from(place) * u64::from(of) / u64::from(size)) as u32;
+            image.get_pixel(at(x, image.width(), width), at(y, image.height(), height)).0[0]
+        })
+    };
+    let texels = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .flat_map(|(x, y)| [255, value(&roughness, x, y), value(&metallic, x, y), 255])
+        .collect();
+    Texture::linear_from_rgba8("metallic and roughness", width, height, texels)
+}
+
 /// Width, height and opacity of each texel, 0 to 255: the alpha channel if the image has one in use, else its
 /// luminance if `luminance` is set.
 pub(super) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
@@ -238,7 +298,9 @@ fn taps(i: u32, from: u32, to: u32) -> impl Iterator<Item = (u32, f32)> {
 
 /// The next mip level: a box filter in linear light, colour weighted by alpha so that transparent texels do not bleed
 /// into opaque ones.
-fn half(width: u32, height: u32, texels: &[u8]) -> (u32, u32, Vec<u8>) {
+fn half(width: u32, height: u32, texels: &[u8], linear: bool) -> (u32, u32, Vec<u8>) {
+    let decode = |byte: u8| if linear { BYTE_TO_LINEAR[byte as usize] } else { srgb_to_linear(byte) };
+    let encode = |value: f32| if linear { (value * 255.0 + 0.5) as u8 } else { linear_to_srgb(value) };
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
     let mut out = Vec::with_capacity(4 * w as usize * h as usize);
     for y in 0..h {
@@ -247,15 +309,16 @@ fn half(width: u32, height: u32, texels: &[u8]) -> (u32, u32, Vec<u8>) {
             for (sy, wy) in taps(y, height, h) {
                 for (sx, wx) in taps(x, width, w) {
                     let i = 4 * (sy as usize * width as usize + sx as usize);
-                    let texel = Vec3::from_array(std::array::from_fn(|c| srgb_to_linear(texels[i + c])));
-                    let a = f32::from(texels[i + 3]) / 255.0;
+                    let texel = Vec3::from_array(std::array::from_fn(|c| decode(texels[i + c])));
+                    // Data has no transparency.
+                    let a = if linear { 1.0 } else { f32::from(texels[i + 3]) / 255.0 };
                     colour += texel * (a * wx * wy);
                     plain += texel * (wx * wy);
                     alpha += a * wx * wy;
                 }
             }
             let mean = if alpha > 0.0 { colour / alpha } else { plain };
-            out.extend(mean.to_array().map(linear_to_srgb));
+            out.extend(mean.to_array().map(encode));
             out.push((alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
         }
     }

@@ -67,6 +67,11 @@ impl SurfaceTransform {
         Self { transform: *transform, normals: Mat3A::from_cols(x * scale, y * scale, z * scale) }
     }
 
+    /// Transforms a unit normal.
+    pub(crate) fn normal(&self, normal: Vec3) -> Vec3 {
+        Vec3::from(self.normals * Vec3A::from(normal)).normalize_or(normal)
+    }
+
     /// Transforms an object's surface point to world space, on `side`.
     #[inline]
     pub(crate) fn place(&self, local: &Surface, side: Side) -> SidedSurface {

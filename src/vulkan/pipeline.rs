@@ -348,7 +348,7 @@ impl Drop for ShaderModule {
     }
 }
 
-/// One descriptor set per material: its albedo texture.
+/// One descriptor set per material: its textures.
 pub struct MaterialSets {
     pool: vk::DescriptorPool,
     pub(super) sets: Vec<vk::DescriptorSet>,
@@ -356,17 +356,17 @@ pub struct MaterialSets {
 }
 
 impl MaterialSets {
-    /// Creates one set per image for `pipeline`, whose set 1 has one combined image sampler.
-    pub fn new(
+    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers.
+    pub fn new<const N: usize>(
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
-        images: &[&Image],
+        images: &[[&Image; N]],
         sampler: &Sampler,
     ) -> Result<Self, VulkanError> {
         let count = u32::try_from(images.len()).unwrap_or(u32::MAX).max(1);
         let sizes = [vk::DescriptorPoolSize {
             ty: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            descriptor_count: count,
+            descriptor_count: count * N as u32,
         }];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
         // SAFETY: `info` is complete; the pool is destroyed in `drop`.
@@ -374,26 +374,30 @@ impl MaterialSets {
             .map_err(VulkanError::call("creation", "material descriptors"))?;
         let mut made = Self { pool, sets: Vec::new(), device: Arc::clone(device) };
         let layout = pipeline.layout.sets[MATERIAL_SET as usize];
-        for image in images {
+        for textures in images {
             let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            // SAFETY: the pool was sized for one set per image; image and sampler outlive their use.
+            let image_infos = textures.map(|image| {
+                [vk::DescriptorImageInfo {
+                    sampler: sampler.raw,
+                    image_view: image.view,
+                    image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+                }]
+            });
+            // SAFETY: the pool was sized for these sets; images and sampler outlive their use.
             unsafe {
                 let set = device
                     .raw()
                     .allocate_descriptor_sets(&info)
                     .map_err(VulkanError::call("allocation", "material descriptors"))?[0];
-                let image_info = [vk::DescriptorImageInfo {
-                    sampler: sampler.raw,
-                    image_view: image.view,
-                    image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-                }];
-                let write = vk::WriteDescriptorSet::default()
-                    .dst_set(set)
-                    .dst_binding(0)
-                    .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
-                    .image_info(&image_info);
-                device.raw().update_descriptor_sets(&[write], &[]);
+                let writes: [_; N] = std::array::from_fn(|binding| {
+                    vk::WriteDescriptorSet::default()
+                        .dst_set(set)
+                        .dst_binding(binding as u32)
+                        .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                        .image_info(&image_infos[binding])
+                });
+                device.raw().update_descriptor_sets(&writes, &[]);
                 made.sets.push(set);
             }
         }

@@ -41,17 +41,19 @@ impl Buffer {
 }
 
 impl Image {
-    /// Creates an sRGB texture with its mip chain, in shader-read layout. Each level is (width, height, RGBA8 texels).
+    /// Creates a texture with its mip chain, in shader-read layout, of sRGB or linear colour. Each level is (width, height,
+    /// RGBA8 texels).
     pub fn texture(
         device: &Arc<Device>,
         name: &str,
+        linear: bool,
         levels: &[(u32, u32, Vec<u8>)],
     ) -> Result<Self, VulkanError> {
         let image = Self::new(
             device,
             &super::ImageDescription {
                 name,
-                format: vk::Format::R8G8B8A8_SRGB,
+                format: if linear { vk::Format::R8G8B8A8_UNORM } else { vk::Format::R8G8B8A8_SRGB },
                 extent: [levels[0].0, levels[0].1],
                 layers: None,
                 levels: u32::try_from(levels.len()).unwrap_or(1),

@@ -112,15 +112,7 @@ fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, f64)> {
 }
 
 pub fn material(alpha_mask: Option<usize>) -> Material {
-    Material {
-        name: String::new(),
-        albedo: Vec3::ONE,
-        specular: Vec3::ZERO,
-        shininess: 1.0,
-        emission: Vec3::ZERO,
-        albedo_texture: None,
-        alpha_mask,
-    }
+    Material { alpha_mask, ..Material::lambertian("", Vec3::ONE) }
 }
 
 /// A mesh of separate triangles, all of material 0.

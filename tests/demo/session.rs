@@ -98,20 +98,23 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     demo.frames(SETTLED);
     let combined = demo.screen().picture();
     let mut seen = vec![combined.clone()];
-    for view in 1..21 {
+    for view in 1..24 {
         demo.key_for("v", "step-buffer");
         let screen = demo.screen();
         screen.keep(&format!("4-view-{view:02}"));
         let picture = screen.picture();
-        if view == 17 && picture == seen[16] {
-            seen[16] = the_set_of_another_frame(demo, &picture);
+        if view == 20 && picture == seen[19] {
+            seen[19] = the_set_of_another_frame(demo, &picture);
         }
         // Nothing moves, so a set buffer is the same after its reprojection.
-        let alike = |(other, known): (usize, &Screen)| *known == picture && (other, view) != (17, 18);
+        // The room has neither metal nor surfaces that emit.
+        let may_be = [(20, 21), (13, 14)];
+        let alike = |(other, known): (usize, &Screen)| *known == picture && !may_be.contains(&(other, view));
         assert!(!seen.iter().enumerate().any(alike), "view {view} looks like another one");
         // No VPL is selected, so this view shows nothing.
         let brightness: f64 = picture.mean().iter().sum();
-        assert!(brightness > 3.0 || picture.colours() > 1 || view == 20, "view {view} is black");
+        let is_black = [13, 14, 23].contains(&view);
+        assert!(brightness > 3.0 || picture.colours() > 1 || is_black, "view {view} is black");
         seen.push(picture);
     }
     // Depth is grey, albedo has the red of the wall at the left.

@@ -40,7 +40,7 @@ fn every_triangle_is_there_once_bit_by_bit() {
 #[test]
 fn lamps_are_flat_and_shine_on_their_front_side() {
     let mut scene = Scene::new("lamps");
-    scene.materials.push(Material { albedo: Vec3::splat(0.5), ..Material::emitter("glow", Vec3::ONE) });
+    scene.materials.push(Material { base_colour: Vec3::splat(0.5), ..Material::emitter("glow", Vec3::ONE) });
     scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0));
     let places = [
         Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0)),

@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use glowworm::bsdf::Bsdf;
 use glowworm::output::Picture;
 use glowworm::scene::{AlphaMask, Scene};
 
@@ -79,15 +80,26 @@ fn a_directional_light_shines_along_its_direction_with_a_highlight() {
     let rendered = picture(&scene, &settings(16, Some(0)), 16);
     assert_floor(&rendered, &colour(&rendered), |_| 0.5 / PI * 2.0 * 0.5f32.sqrt(), 1e-4);
 
-    // The floor's material is the scene's only one with albedo 0.5.
     for material in &mut scene.materials {
-        (material.specular, material.shininess) = (Vec3::splat(0.3), 20.0);
+        (material.f0, material.f90, material.roughness) = (Vec3::splat(0.3), 1.0, 0.6);
     }
+    // Written down once more, from the equations.
+    let alpha: f32 = 0.36;
+    let long = |cosine: f32| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
     let rendered = picture(&scene, &settings(16, Some(0)), 64);
     let expected = |p: Vec3| {
         let (to_light, to_eye) = (Vec3::new(-1.0, 1.0, 0.0).normalize(), (Vec3::Y * 4.0 - p).normalize());
-        let lobe = (to_light + to_eye).normalize().y.powf(20.0) * 28.0 / (8.0 * PI);
-        (0.5 / PI + 0.3 * lobe) * 2.0 * to_light.y
+        let half = (to_light + to_eye).normalize();
+        let d = (alpha / (half.y * half.y * (alpha * alpha - 1.0) + 1.0)).powi(2) / PI;
+        let v = 0.5 / (to_light.y * long(to_eye.y) + to_eye.y * long(to_light.y));
+        let fresnel = 0.3 + 0.7 * (1.0 - half.dot(to_eye)).powi(5);
+        // What is scattered twice adds little here: the floor is seen from above.
+        let bsdf =
+            Bsdf { base: Vec3::splat(0.5), metallic: 0.0, roughness: 0.6, f0: Vec3::splat(0.3), f90: 1.0 };
+        let seen = bsdf.seen(Vec3::Y, to_eye);
+        let again = seen.evaluate(to_light).reflected.x / (fresnel * d * v);
+        assert!((1.0..1.1).contains(&again), "{again}");
+        (seen.diffuse_albedo().x / PI + fresnel * d * v * again) * 2.0 * to_light.y
     };
     assert_floor(&rendered, &colour(&rendered), expected, 0.01);
 }

@@ -10,3 +10,4 @@ mod parts;
 #[path = "../program/mod.rs"]
 mod program;
 mod support;
+mod surfaces;

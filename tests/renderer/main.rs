@@ -7,6 +7,7 @@ mod estimators;
 mod forgetting;
 mod golden;
 mod live;
+mod materials;
 mod memory;
 mod motion;
 mod overlay;

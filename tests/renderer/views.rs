@@ -22,7 +22,7 @@ material = { albedo = [0.7, 0.6, 0.5] }
 name = "block"
 primitive = "box"
 size = [0.8, 0.8, 0.8]
-material = { albedo = [0.2, 0.4, 0.8], specular = [0.3, 0.2, 0.1], shininess = 40 }
+material = { albedo = [0.2, 0.4, 0.8], roughness = 0.35 }
 [[instances]]
 model = "room"
 [[instances]]
@@ -43,6 +43,11 @@ eye = [0, 0, 1.9]
 target = [0, -0.3, 0]
 vfov_deg = 70
 "#;
+
+/// The same with blocks that are metallic in part, and glow.
+fn glowing() -> String {
+    STUDIO.replace("roughness = 0.35", "roughness = 0.35, metallic = 0.5, emission = [0.2, 0.1, 0.05]")
+}
 
 const SIDE: u32 = 64;
 
@@ -148,11 +153,11 @@ fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
         "position" => map("position", &|p| (p + Vec3::new(2.0, 1.5, 2.0)) / Vec3::new(4.0, 3.0, 4.0)),
         "normal" => map("normal", &|n| n * 0.5 + 0.5),
         "albedo" => map("albedo", &encode),
-        "specular" => map("specular", &encode),
-        "shininess" => of_layer("specular", 3)
-            .into_iter()
-            .map(|exponent| Vec3::splat((exponent + 1.0).log2() / 10.0))
-            .collect(),
+        "reflectance" => map("reflectance", &encode),
+        "base-colour" => map("base_colour", &encode),
+        "metallic" => of_layer("base_colour", 3).into_iter().map(Vec3::splat).collect(),
+        "emission" => toned(picture, vectors(picture, "emission")),
+        "roughness" => of_layer("reflectance", 3).into_iter().map(Vec3::splat).collect(),
         "instance" => channel(picture, "instance").into_iter().map(number_colour).collect(),
         "motion" => of_layer("motion", 0)
             .into_iter()
@@ -177,7 +182,7 @@ fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
 #[test]
 fn views_of_layers_show_them() {
     let Some(lab) = Lab::open() else { return };
-    let scene = scene(STUDIO);
+    let scene = scene(&glowing());
     let mut checked = 0;
     for buffer in estimators::views().map(|view| view.name) {
         let (_, picture) = picture(&lab, &scene, &settings(2, 2), &view(buffer));
@@ -185,13 +190,13 @@ fn views_of_layers_show_them() {
         assert_shows(buffer, &picture, &expected, 1.5, 0.0);
         checked += 1;
     }
-    assert_eq!(checked, 12);
+    assert_eq!(checked, 15);
 }
 
 #[test]
 fn every_view_shows_something_of_its_own() {
     let Some(lab) = Lab::open() else { return };
-    let scene = scene(STUDIO);
+    let scene = scene(&glowing());
     let mut seen: Vec<(&str, Vec<[u8; 4]>)> = Vec::new();
     for buffer in estimators::views().map(|view| view.name) {
         let view = of_set(buffer, 1);

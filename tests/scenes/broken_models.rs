@@ -40,7 +40,7 @@ fn missing_libraries_and_materials_become_grey() {
         scene.warnings
     );
     let material = &scene.materials[scene.meshes[0].triangle_materials[0] as usize];
-    assert_eq!(material.albedo, glam::Vec3::splat(0.5));
+    assert_eq!(material.base_colour, glam::Vec3::splat(0.5));
     let folder = Folder::new().with("m.obj", TRIANGLE).with("m.mtl", [0u8, 255, 10, 13, 7]);
     assert!(folder.load("m.obj").unwrap().warnings[0].contains("material a"));
 }

@@ -6,9 +6,9 @@ use super::*;
 fn unknown_scenes_are_named() {
     let error = load_scene("cornel-box", None).unwrap_err().to_string();
     assert!(error.contains("cornel-box") && error.contains("cornell-box") && error.contains("living-room"));
-    let folder = Folder::new().with("scene.gltf", "{}");
-    let error = folder.load("scene.gltf").unwrap_err().to_string();
-    assert!(error.contains("scene.gltf") && error.contains(".toml"), "{error}");
+    let folder = Folder::new().with("scene.fbx", "{}");
+    let error = folder.load("scene.fbx").unwrap_err().to_string();
+    assert!(error.contains("scene.fbx") && error.contains(".toml"), "{error}");
     assert!(folder.load("missing.toml").unwrap_err().to_string().contains("missing.toml"));
     assert!(folder.load("missing.obj").unwrap_err().to_string().contains("missing.obj"));
     assert!(load_scene("", None).is_err() && load_scene(".", None).is_err());

@@ -7,6 +7,8 @@ mod bare_models;
 mod broken_models;
 mod broken_scene_files;
 mod documents;
+mod environments;
+mod gltf;
 mod made;
 mod models;
 mod scene_files;
@@ -123,8 +125,8 @@ fn check_consistency(scene: &Scene) {
         assert!(mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-3));
     }
     for material in &scene.materials {
-        assert!(material.albedo.min_element() >= 0.0 && material.albedo.max_element() <= 1.0);
-        assert!(material.albedo_texture.is_none_or(|texture| texture < scene.textures.len()));
+        assert!(material.base_colour.min_element() >= 0.0 && material.base_colour.max_element() <= 1.0);
+        assert!(material.base_colour_texture.is_none_or(|texture| texture < scene.textures.len()));
         assert!(material.alpha_mask.is_none_or(|mask| mask < scene.alpha_masks.len()));
     }
     for light in &scene.lights {

@@ -29,7 +29,7 @@ impl SceneState {
     pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
         let scenes: Filter<Path> = Filter::new(|path: &Path| {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            ["toml", "obj"].contains(&extension.as_str())
+            ["toml", "obj", "gltf", "glb"].contains(&extension.as_str())
         });
         let mut dialog = FileDialog::new()
             .add_file_filter("scenes", scenes)
@@ -74,7 +74,8 @@ pub(super) fn show(
         }
     });
     ui.horizontal(|ui| {
-        let field = TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml or model.obj");
+        let field =
+            TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml, model.obj or model.glb");
         let field = ui.add(field.desired_width(150.0));
         place(ui, places, "path", &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));

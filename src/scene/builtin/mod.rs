@@ -141,7 +141,7 @@ impl Model {
             *material += materials as u32;
         }
         for material in &mut self.materials {
-            material.albedo_texture = material.albedo_texture.map(|texture| texture + textures);
+            material.base_colour_texture = material.base_colour_texture.map(|texture| texture + textures);
             material.alpha_mask = material.alpha_mask.map(|mask| mask + masks);
         }
         scene.materials.extend(self.materials);

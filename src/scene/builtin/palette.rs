@@ -46,10 +46,10 @@ impl Palette {
         self.push(Material::lambertian(name, Vec3::from_array(albedo)), None)
     }
 
-    /// A plain colour with a highlight.
+    /// A plain colour under a coat: reflectance at normal incidence, exponent of the highlight.
     pub fn glossy(&mut self, name: &str, albedo: [f32; 3], specular: f32, shininess: f32) -> u32 {
         let material = Material::lambertian(name, Vec3::from_array(albedo));
-        self.push(Material { specular: Vec3::splat(specular), shininess, ..material }, None)
+        self.push(material.coated(Vec3::splat(specular), shininess), None)
     }
 
     /// A texture, multiplied with a tint.
@@ -57,10 +57,10 @@ impl Palette {
         self.push(Material::lambertian(name, Vec3::from_array(tint)), Some(recipe))
     }
 
-    /// A texture with a highlight.
+    /// A texture under a coat, likewise.
     pub fn polished(&mut self, name: &str, recipe: Recipe, specular: f32, shininess: f32) -> u32 {
         let material = Material::lambertian(name, Vec3::ONE);
-        self.push(Material { specular: Vec3::splat(specular), shininess, ..material }, Some(recipe))
+        self.push(material.coated(Vec3::splat(specular), shininess), Some(recipe))
     }
 
     fn push(&mut self, material: Material, recipe: Option<Recipe>) -> u32 {
@@ -91,7 +91,7 @@ impl Palette {
         }
         for (material, recipe) in self.materials.iter_mut().zip(&self.recipes) {
             let place = recipe.as_ref().and_then(|recipe| places.get(recipe.name).copied());
-            material.albedo_texture = place;
+            material.base_colour_texture = place;
             material.alpha_mask = place.and_then(|place| masks[place]);
             paints.tiles.push(recipe.map_or(Vec2::ONE, |recipe| Vec2::from_array(recipe.extent)));
         }

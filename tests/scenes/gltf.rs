@@ -1,0 +1,430 @@
+//! glTF files, made by code: what they place, and what is wrong with broken ones.
+
+use glam::{Quat, Vec2};
+use glowworm::scene::Alpha;
+use serde_json::{Value, json};
+
+use super::*;
+
+/// Triangle in the plane z = 0: positions, texture coordinates, indices, as one buffer of 66 bytes.
+fn buffer() -> Vec<u8> {
+    let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+    let indices = [0u16, 1, 2];
+    let mut bytes: Vec<u8> = floats.iter().flat_map(|v| v.to_le_bytes()).collect();
+    bytes.extend(indices.iter().flat_map(|v| v.to_le_bytes()));
+    bytes
+}
+
+/// The document of that buffer: one node with one triangle.
+fn document() -> Value {
+    json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0, "name": "n" }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+            { "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2" },
+            { "bufferView": 2, "componentType": 5123, "count": 3, "type": "SCALAR" }
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteOffset": 0, "byteLength": 36 },
+            { "buffer": 0, "byteOffset": 36, "byteLength": 24 },
+            { "buffer": 0, "byteOffset": 60, "byteLength": 6 }
+        ],
+        "buffers": [{ "byteLength": 66 }]
+    })
+}
+
+/// Appends bytes to a buffer and an accessor for them to its document; returns the accessor's index.
+fn add_accessor(
+    document: &mut Value,
+    bytes: &mut Vec<u8>,
+    floats: &[f32],
+    kind: &str,
+    count: usize,
+) -> usize {
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let view = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": 4 * floats.len() });
+    bytes.extend(floats.iter().flat_map(|v| v.to_le_bytes()));
+    document["buffers"][0]["byteLength"] = json!(bytes.len());
+    let views = document["bufferViews"].as_array_mut().unwrap();
+    views.push(view);
+    let place = views.len() - 1;
+    let accessors = document["accessors"].as_array_mut().unwrap();
+    accessors.push(json!({ "bufferView": place, "componentType": 5126, "count": count, "type": kind, "min": [0], "max": [9] }));
+    accessors.len() - 1
+}
+
+/// A GLB of a document and its buffer.
+fn glb(document: &Value, bytes: &[u8]) -> Vec<u8> {
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = bytes.to_vec();
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let total = 12 + 8 + json.len() + 8 + bytes.len();
+    let mut glb = Vec::new();
+    glb.extend(b"glTF");
+    for word in [2, total as u32, json.len() as u32] {
+        glb.extend(word.to_le_bytes());
+    }
+    glb.extend(b"JSON");
+    glb.extend(json);
+    glb.extend((bytes.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(bytes);
+    glb
+}
+
+fn load_glb(document: &Value, bytes: &[u8]) -> Scene {
+    let folder = Folder::new().with("m.glb", glb(document, bytes));
+    folder.load("m.glb").unwrap()
+}
+
+fn png(texels: &[[u8; 4]]) -> Vec<u8> {
+    let image = image::RgbaImage::from_fn(texels.len() as u32, 1, |x, _| image::Rgba(texels[x as usize]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+fn data_uri(bytes: &[u8]) -> String {
+    use base64::Engine;
+    format!(
+        "data:application/octet-stream;base64,{}",
+        base64::engine::general_purpose::STANDARD.encode(bytes)
+    )
+}
+
+#[test]
+fn a_triangle_is_a_triangle_however_it_is_stored() {
+    let mut external = document();
+    external["buffers"][0]["uri"] = json!("my%20data.bin");
+    let mut inline = document();
+    inline["buffers"][0]["uri"] = json!(data_uri(&buffer()));
+    let folder = Folder::new()
+        .with("a.glb", glb(&document(), &buffer()))
+        .with("b.gltf", external.to_string())
+        .with("my data.bin", buffer())
+        .with("c.gltf", inline.to_string());
+    for name in ["a.glb", "b.gltf", "c.gltf"] {
+        let scene = folder.load(name).unwrap();
+        check_consistency(&scene);
+        let mesh = &scene.meshes[0];
+        assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+        assert!(mesh.normals.iter().all(|normal| *normal == Vec3::Z));
+        assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::X, Vec2::Y]);
+        assert_eq!(scene.instances[0].name, "n");
+        // A camera and a lamp are made up, as for an .obj.
+        assert!(scene.lights.len() == 1 && scene.warnings.len() == 2, "{:?}", scene.warnings);
+        let material = &scene.materials[mesh.triangle_materials[0] as usize];
+        assert_eq!((material.metallic, material.roughness, material.f90), (1.0, 1.0, 1.0));
+    }
+    // As a model of a scene file, moved by its node.
+    let mut moved = document();
+    moved["nodes"][0]["translation"] = json!([0, 0, 5]);
+    moved["nodes"][0]["scale"] = json!([-2, 1, 1]);
+    let text = "[[models]]\nname = \"m\"\npath = \"m.glb\"\n[[instances]]\nmodel = \"m\"\n";
+    let folder = folder.with("m.glb", glb(&moved, &buffer())).with("s.toml", text);
+    let scene = folder.load("s.toml").unwrap();
+    assert_eq!(scene.meshes[0].bounds(), (Vec3::new(-2.0, 0.0, 5.0), Vec3::new(0.0, 1.0, 5.0)));
+    let front = scene.meshes[0].triangle_surface(0).interpolate(Vec2::splat(0.3));
+    assert!(front.geometric_normal.z > 0.9 && front.normal.z > 0.9, "{front:?}");
+}
+
+#[test]
+fn materials_are_read_with_their_textures() {
+    let (mut document, bytes) = (document(), buffer());
+    let colour = data_uri(&png(&[[255, 0, 0, 255], [255, 0, 0, 0]]));
+    let data = data_uri(&png(&[[0, 128, 255, 255]]));
+    document["images"] = json!([{ "uri": colour }, { "uri": data }]);
+    document["textures"] = json!([{ "source": 0 }, { "source": 1 }]);
+    document["extensionsUsed"] = json!([
+        "KHR_materials_emissive_strength",
+        "KHR_materials_specular",
+        "KHR_materials_transmission",
+        "KHR_materials_unlit",
+        "EXT_something",
+        "KHR_texture_transform"
+    ]);
+    document["materials"] = json!([
+        {
+            "name": "leaf",
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0.5, "roughnessFactor": 0.8,
+                "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 }
+            },
+            "alphaMode": "MASK", "doubleSided": true,
+            "emissiveFactor": [1, 0.5, 0],
+            "extensions": {
+                "KHR_materials_emissive_strength": { "emissiveStrength": 4 },
+                "KHR_materials_specular": { "specularFactor": 0.5 }
+            }
+        },
+        { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.25] } },
+        { "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 } }, "pbrMetallicRoughness": { "metallicFactor": 0 } },
+        { "extensions": { "KHR_materials_unlit": {} }, "pbrMetallicRoughness": { "baseColorFactor": [0.2, 0.3, 0.4, 1] } }
+    ]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let scene = load_glb(&document, &bytes);
+    check_consistency(&scene);
+    let [leaf, veil, glass, sign] = std::array::from_fn(|index| &scene.materials[index]);
+    assert_eq!((leaf.alpha, leaf.double_sided), (Alpha::Mask(0.5), true));
+    assert!(scene.opaque_at(0, Vec2::new(0.25, 0.5)) && !scene.opaque_at(0, Vec2::new(0.75, 0.5)));
+    let bsdf = leaf.bsdf_at(&scene, Vec2::new(0.25, 0.5));
+    assert!(bsdf.base.distance(Vec3::new(0.5, 0.0, 0.0)) < 1e-5, "{bsdf:?}");
+    assert!((bsdf.roughness - 0.8 * 128.0 / 255.0).abs() < 1e-5 && (bsdf.metallic - 0.5).abs() < 1e-5);
+    assert_eq!((bsdf.f0, bsdf.f90), (Vec3::splat(0.02), 0.5));
+    assert_eq!(leaf.emission, Vec3::new(4.0, 2.0, 0.0));
+    assert!(scene.lights.iter().any(|light| matches!(light.kind, LightKind::Area { .. })));
+    assert_eq!((veil.alpha, veil.opacity), (Alpha::Blend, 0.25));
+    assert!(veil.is_sheet() && glass.is_sheet() && glass.transmission == 1.0);
+    assert_eq!((sign.emission, sign.base_colour), (Vec3::new(0.2, 0.3, 0.4), Vec3::ZERO));
+    let warning = scene.warnings.iter().find(|warning| warning.contains("not shown")).unwrap();
+    assert!(warning.contains("EXT_something") && !warning.contains("KHR_"), "{warning}");
+}
+
+#[test]
+fn texture_coordinates_are_transformed() {
+    let (mut document, bytes) = (document(), buffer());
+    document["images"] = json!([{ "uri": data_uri(&png(&[[255; 4]])) }]);
+    document["textures"] = json!([{ "source": 0 }]);
+    document["extensionsUsed"] = json!(["KHR_texture_transform"]);
+    let transform =
+        json!({ "offset": [0.5, 0.25], "scale": [2, 3], "rotation": std::f32::consts::FRAC_PI_2 });
+    document["materials"] = json!([{ "pbrMetallicRoughness": {
+        "baseColorTexture": { "index": 0, "extensions": { "KHR_texture_transform": transform } }
+    } }]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    // The specification's matrix: translation * rotation * scale, with (c, -s; s, c) by columns.
+    let uvs = &load_glb(&document, &bytes).meshes[0].uvs;
+    for (found, expected) in uvs.iter().zip([[0.5, 0.25], [0.5, -1.75], [3.5, 0.25]]) {
+        assert!(found.distance(Vec2::from_array(expected)) < 1e-5, "{uvs:?}");
+    }
+}
+
+#[test]
+fn quantised_vertices_are_what_they_stand_for() {
+    let mut document = document();
+    let mut bytes: Vec<u8> =
+        [0u16, 0, 0, 0, 65_535, 0, 0, 0, 0, 32_768, 0, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    bytes.extend([0u16, 1, 2].iter().flat_map(|v| v.to_le_bytes()));
+    document["bufferViews"] = json!([
+        { "buffer": 0, "byteLength": 24, "byteStride": 8 },
+        { "buffer": 0, "byteOffset": 24, "byteLength": 6 }
+    ]);
+    document["buffers"][0]["byteLength"] = json!(30);
+    document["accessors"] = json!([
+        { "bufferView": 0, "componentType": 5123, "normalized": true, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+        { "bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR" }
+    ]);
+    document["meshes"][0]["primitives"][0] = json!({ "attributes": { "POSITION": 0 }, "indices": 1 });
+    document["nodes"][0]["scale"] = json!([4, 4, 4]);
+    let file = |document: &Value| Folder::new().with("m.glb", glb(document, &bytes)).load("m.glb");
+    assert!(file(&document).unwrap_err().to_string().contains("not of floats"));
+    document["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    document["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let scene = file(&document).unwrap();
+    let (_, max) = scene.bounds(&scene.pose(0.0));
+    assert!(max.distance(Vec3::new(4.0, 4.0 * 32_768.0 / 65_535.0, 0.0)) < 1e-5, "{max}");
+}
+
+#[test]
+fn lights_and_cameras_land_where_they_should() {
+    let (mut document, bytes) = (document(), buffer());
+    document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    document["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "point", "intensity": 683, "color": [1, 0.5, 0] },
+        { "type": "directional", "intensity": 1366 },
+        { "type": "spot", "intensity": 683, "spot": { "innerConeAngle": 0.2, "outerConeAngle": 0.5 } }
+    ] } });
+    document["cameras"] =
+        json!([{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1, "zfar": 50 } }]);
+    let quarter = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2).to_array();
+    let light = |light: u32| json!({ "KHR_lights_punctual": { "light": light } });
+    document["nodes"] = json!([
+        { "mesh": 0, "children": [1] },
+        { "translation": [1, 2, 3], "children": [2, 3, 4, 5] },
+        { "extensions": light(0), "translation": [1, 0, 0] },
+        { "extensions": light(1), "rotation": quarter },
+        { "extensions": light(2), "rotation": quarter, "scale": [2, 2, 2] },
+        { "camera": 0, "translation": [0, 0, 4] }
+    ]);
+    let scene = load_glb(&document, &bytes);
+    let [point, sun, spot] = std::array::from_fn(|index| &scene.lights[index]);
+    assert_eq!(scene.lights.len(), 3);
+    assert_eq!(point.kind, LightKind::Point { intensity: Vec3::new(1.0, 0.5, 0.0) });
+    assert_eq!(point.position, Vec3::new(2.0, 2.0, 3.0));
+    assert_eq!(sun.kind, LightKind::Directional { irradiance: Vec3::splat(2.0) });
+    assert!(sun.direction.distance(Vec3::NEG_Y) < 1e-6 && spot.direction.distance(Vec3::NEG_Y) < 1e-6);
+    assert_eq!(spot.kind, LightKind::Spot { intensity: Vec3::ONE, inner_angle: 0.2, outer_angle: 0.5 });
+    assert_eq!(spot.position, Vec3::new(1.0, 2.0, 3.0));
+    let camera = scene.camera;
+    assert_eq!((camera.eye, camera.vertical_fov), (Vec3::new(1.0, 2.0, 7.0), 0.7));
+    assert!(camera.forward().distance(Vec3::NEG_Z) < 1e-6 && camera.up == Vec3::Y);
+    assert_eq!((camera.near, camera.far), (0.1, 50.0));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn a_turning_node_is_the_turned_mesh() {
+    let (mut document, mut bytes) = (document(), buffer());
+    let times = add_accessor(&mut document, &mut bytes, &[0.5, 1.5], "SCALAR", 2);
+    let turned = Quat::from_rotation_y(2.0).to_array();
+    let turns =
+        add_accessor(&mut document, &mut bytes, &[&[0.0, 0.0, 0.0, 1.0], &turned[..]].concat(), "VEC4", 2);
+    let moves = add_accessor(&mut document, &mut bytes, &[0.0, 0.0, 0.0, 0.0, 3.0, 0.0], "VEC3", 2);
+    document["nodes"] =
+        json!([{ "children": [1], "scale": [2, 2, 2] }, { "mesh": 0, "translation": [1, 0, 0] }]);
+    document["animations"] = json!([{
+        "channels": [
+            { "sampler": 0, "target": { "node": 0, "path": "rotation" } },
+            { "sampler": 1, "target": { "node": 0, "path": "translation" } }
+        ],
+        "samplers": [{ "input": times, "output": turns }, { "input": times, "output": moves, "interpolation": "STEP" }]
+    }]);
+    let scene = load_glb(&document, &bytes);
+    assert!(scene.instances[0].dynamic);
+    for time in [0.0, 0.3, 0.5, 0.77, 1.1, 1.4999] {
+        let share = ((time - 0.5) as f32).clamp(0.0, 1.0);
+        let turn = Quat::from_rotation_y(2.0 * share);
+        let expected = |p: Vec3| turn * (2.0 * (p + Vec3::X));
+        let found = scene.pose(time).instances[0];
+        for corner in [Vec3::ZERO, Vec3::X, Vec3::Y] {
+            let (found, expected) = (found.transform_point3(corner), expected(corner));
+            assert!(found.distance(expected) < 1e-4, "{time}: {found} {expected}");
+        }
+    }
+}
+
+/// The change `change` to a good file makes loading fail with one line that has all of `parts`.
+fn broken(change: impl Fn(&mut Value, &mut Vec<u8>), parts: &[&str]) {
+    let (mut document, mut bytes) = (document(), buffer());
+    change(&mut document, &mut bytes);
+    expect_error("bad.glb", glb(&document, &bytes), parts);
+}
+
+#[test]
+fn broken_files_say_what_is_wrong() {
+    let good = glb(&document(), &buffer());
+    for share in [5, 15, good.len() / 2, good.len() - 5] {
+        expect_error("bad.glb", &good[..share], &["bad.glb", "again"]);
+    }
+    broken(|d, _| d["bufferViews"][0]["byteLength"] = json!(1000), &["buffer view 0", "out of the range"]);
+    broken(|d, _| d["bufferViews"][0]["byteOffset"] = json!(u64::MAX), &["bad.glb"]);
+    broken(|d, _| d["buffers"][0]["byteLength"] = json!(1000), &["buffer 0", "1000"]);
+    broken(|d, _| d["accessors"][0]["count"] = json!(4), &["accessor 0", "buffer view 0"]);
+    broken(|d, _| d["accessors"][0]["count"] = json!(1u64 << 60), &["accessor 0"]);
+    broken(|d, _| d["accessors"][0]["type"] = json!("VEC2"), &["accessor 0", "POSITION", "2 components"]);
+    broken(|d, _| d["accessors"][2]["componentType"] = json!(5126), &["accessor 2", "unsigned integers"]);
+    broken(|d, _| d["accessors"][0]["componentType"] = json!(99), &["accessors[0]"]);
+    broken(
+        |d, _| d["meshes"][0]["primitives"][0]["indices"] = json!(7),
+        &["primitives[0].indices", "past the end"],
+    );
+    broken(|d, _| d["nodes"][0]["mesh"] = json!(3), &["nodes[0].mesh", "past the end"]);
+    broken(
+        |d, _| d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9),
+        &["meshes[0]", "POSITION", "past the end"],
+    );
+    broken(|_, b| b[60] = 9, &["vertex 9", "has 3"]);
+    broken(|d, _| d["nodes"][0]["children"] = json!([0]), &["node 0", "below itself"]);
+    broken(
+        |d, _| d["nodes"] = json!([{ "children": [1] }, { "children": [2] }, { "children": [1], "mesh": 0 }]),
+        &["node 1", "below itself"],
+    );
+    broken(|_, b| b[..4].copy_from_slice(&f32::NAN.to_le_bytes()), &["accessor 0", "POSITION", "not finite"]);
+    broken(|d, _| d["nodes"][0]["translation"] = json!([1e39, 0, 0]), &["out of range"]);
+    broken(|d, _| d["nodes"][0]["translation"] = json!([1e20, 0, 0]), &["node 0"]);
+    broken(
+        |d, _| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+        &["KHR_draco_mesh_compression"],
+    );
+    broken(|d, _| d["asset"]["version"] = json!("1.0"), &["glTF 1.0"]);
+    broken(|d, _| d["scenes"] = json!([]), &["bad.glb"]);
+    broken(|d, _| d["scenes"][0]["nodes"] = json!([]), &["no triangles"]);
+    expect_error("bad.glb", b"glTF", &["bad.glb"]);
+    expect_error("bad.gltf", "{", &["not glTF"]);
+    expect_error("bad.gltf", [0xff; 64], &["not glTF"]);
+}
+
+#[test]
+fn files_that_are_named_must_be_there_and_inside() {
+    for (uri, parts) in [
+        ("gone.bin", &["buffer 0", "gone.bin", "cannot be read"][..]),
+        ("../m.obj", &["buffer 0", "../m.obj", "out of the folder"]),
+        ("a/../../m.obj", &["out of the folder"]),
+        ("%2e%2e/m.obj", &["out of the folder"]),
+        ("/etc/hostname", &["out of the folder"]),
+        ("http://a/b.bin", &["out of the folder"]),
+        ("data:application/octet-stream;base64,%%%", &["not base64"]),
+        ("data:text/plain,hello", &["not base64"]),
+    ] {
+        broken(|d, _| d["buffers"][0]["uri"] = json!(uri), parts);
+    }
+    let with_image = |uri: &str| {
+        let uri = uri.to_owned();
+        move |d: &mut Value, _: &mut Vec<u8>| {
+            d["images"] = json!([{ "uri": uri }]);
+            d["textures"] = json!([{ "source": 0 }]);
+            d["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+        }
+    };
+    broken(with_image("gone.png"), &["image 0", "gone.png"]);
+    broken(with_image("../x.png"), &["image 0", "out of the folder"]);
+    broken(with_image(&data_uri(b"not an image")), &["image 0", "decoded"]);
+    // A picture of 2 texels that says that it is 60,000 wide.
+    let mut liar = png(&[[255; 4], [0; 4]]);
+    liar[16..20].copy_from_slice(&60_000u32.to_be_bytes());
+    broken(with_image(&data_uri(&liar)), &["image 0"]);
+    // One that says that it is a little wider.
+    let mut liar = png(&[[255; 4], [0; 4]]);
+    liar[16..20].copy_from_slice(&40u32.to_be_bytes());
+    broken(with_image(&data_uri(&liar)), &["image 0"]);
+}
+
+#[test]
+fn no_bytes_of_a_glb_panic() {
+    let (mut document, bytes) = (document(), buffer());
+    document["nodes"][0]["scale"] = json!([1, 2, 1]);
+    let good = glb(&document, &bytes);
+    let folder = Folder::new();
+    let file = folder.path().join("m.glb");
+    for at in (0..good.len()).step_by(3) {
+        for byte in [0, b'9', b'"', b'-', 0xff] {
+            let mut changed = good.clone();
+            changed[at] = byte;
+            std::fs::write(&file, &changed).unwrap();
+            if let Err(error) = folder.load("m.glb") {
+                assert!(!error.to_string().contains('\n'), "{error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_damaged_helmet_loads() {
+    let Some(assets) = assets() else { return };
+    let file = assets.join("damaged-helmet/DamagedHelmet.glb");
+    if !file.is_file() {
+        return;
+    }
+    let scene = load_scene(file.to_str().unwrap(), None).unwrap();
+    check_consistency(&scene);
+    assert_eq!(scene.triangle_count(), 15_452);
+    let material = &scene.materials[0];
+    assert!(material.base_colour_texture.is_some() && material.metallic_roughness_texture.is_some());
+    // Its visor glows, most of it does not.
+    let glowing: usize = scene
+        .lights
+        .iter()
+        .map(|light| match &light.kind {
+            LightKind::Area { triangles, .. } => triangles.len(),
+            _ => 0,
+        })
+        .sum();
+    assert!((100..8_000).contains(&glowing), "{glowing}");
+    let mean = material.mean_bsdf(&scene);
+    assert!((0.2..0.9).contains(&mean.roughness) && (0.1..1.0).contains(&mean.metallic), "{mean:?}");
+}
