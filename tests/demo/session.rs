@@ -98,7 +98,7 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     demo.frames(SETTLED);
     let combined = demo.screen().picture();
     let mut seen = vec![combined.clone()];
-    for view in 1..24 {
+    for view in 1..25 {
         demo.key_for("v", "step-buffer");
         let screen = demo.screen();
         screen.keep(&format!("4-view-{view:02}"));
