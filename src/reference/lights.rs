@@ -7,14 +7,11 @@
 use std::f32::consts::PI;
 use std::ops::Range;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
+use super::area_lights::AreaLight;
 use crate::bvh::Ray;
-use crate::sampling;
-use crate::scene::{
-    AlphaMask, AreaTriangle, BoundingSphere, Environment, Light, LightKind, Mesh, Pose, Scene, luminance,
-    ray_offset, spot_falloff,
-};
+use crate::scene::{AlphaMask, Environment, Light, LightKind, Pose, Scene, luminance, spot_falloff};
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
 const MAX_BOUNDS: usize = 16;
@@ -23,7 +20,7 @@ const MAX_BOUNDS: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightSubset {
     /// Point, spot and directional lights: the renderer shades them in `direct_shading`.
-    ShadowMapped,
+    Direct,
     /// Area lights, which the renderer approximates by primary VPLs, and the environment.
     Area,
     /// All lights.
@@ -54,9 +51,9 @@ impl LightSample {
 /// The lights with non-zero emission.
 #[derive(Clone, Debug)]
 pub(super) struct Lights {
-    /// Shadow-mapped lights first.
+    /// Point, spot and directional lights first.
     lights: Vec<PosedLight>,
-    shadow_mapped: usize,
+    direct: usize,
     /// The area lights of each instance, as indices into `lights`.
     of_instance: Vec<Vec<usize>>,
     /// Bounds (min, max) of the visible area lights, which scattered rays can hit.
@@ -90,37 +87,9 @@ enum PosedLight {
     },
 }
 
-/// The emissive triangles of an instance, in world space.
-#[derive(Clone, Debug)]
-struct AreaLight {
-    /// Ascending by index.
-    triangles: Vec<Emitter>,
-    /// Cumulative distribution over the triangles, by luminous flux.
-    cdf: Vec<f32>,
-    /// Luminous flux over pi.
-    power: f32,
-    bounds: BoundingSphere,
-    visible: bool,
-    scene_radius: f32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Emitter {
-    index: u32,
-    corners: [Vec3; 3],
-    /// Unit normal of the side that emits.
-    normal: Vec3,
-    radiance: Vec3,
-    /// Pdf of a point on it within its light over area, 1/scene unit^2.
-    area_pdf: f32,
-    /// Index of its alpha mask, if it has one, and its texture coordinates there.
-    mask: Option<usize>,
-    uvs: [Vec2; 3],
-}
-
 impl Lights {
     pub(super) fn new(scene: &Scene, pose: &Pose, scene_radius: f32) -> Self {
-        let mut shadow_mapped = Vec::new();
+        let mut direct = Vec::new();
         let mut area = Vec::new();
         for light in &pose.lights {
             match &light.kind {
@@ -128,15 +97,15 @@ impl Lights {
                     let posed = AreaLight::new(scene, pose, *instance, triangles);
                     area.extend(posed.map(|posed| (*instance, AreaLight { scene_radius, ..posed })));
                 }
-                _ => shadow_mapped.extend(posed_light(light)),
+                _ => direct.extend(posed_light(light)),
             }
         }
         let mut of_instance = vec![Vec::new(); scene.instances.len()];
         for (place, (instance, _)) in area.iter().enumerate() {
-            of_instance[*instance].push(shadow_mapped.len() + place);
+            of_instance[*instance].push(direct.len() + place);
         }
-        let count = shadow_mapped.len();
-        let lights = shadow_mapped.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
+        let count = direct.len();
+        let lights = direct.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
         let environment = scene.environment.iter().filter(|environment| environment.map.is_some());
         let environment = environment.cloned().map(|environment| {
             let weight = PI * luminance(environment.mean());
@@ -155,7 +124,7 @@ impl Lights {
             hittable_bounds = vec![all];
         }
         let alpha_masks = scene.alpha_masks.clone();
-        Self { lights, shadow_mapped: count, of_instance, hittable_bounds, alpha_masks }
+        Self { lights, direct: count, of_instance, hittable_bounds, alpha_masks }
     }
 
     /// Whether any area light is visible to scattered rays.
@@ -177,8 +146,8 @@ impl Lights {
 
     fn range(&self, subset: LightSubset) -> Range<usize> {
         match subset {
-            LightSubset::ShadowMapped => 0..self.shadow_mapped,
-            LightSubset::Area => self.shadow_mapped..self.lights.len(),
+            LightSubset::Direct => 0..self.direct,
+            LightSubset::Area => self.direct..self.lights.len(),
             LightSubset::All => 0..self.lights.len(),
         }
     }
@@ -347,107 +316,6 @@ impl PosedLight {
         };
         let (irradiance, direction) = self.unshadowed(p)?;
         Some(LightSample { direction, end, irradiance, pdf: None })
-    }
-}
-
-impl AreaLight {
-    fn new(scene: &Scene, pose: &Pose, instance: usize, triangles: &[AreaTriangle]) -> Option<Self> {
-        let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
-        let mut emitters: Vec<Emitter> =
-            triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
-        emitters.sort_by_key(|emitter| emitter.index);
-        let power: f64 = emitters.iter().map(Emitter::power).sum();
-        let mut sum = 0.0;
-        let mut cdf = Vec::with_capacity(emitters.len());
-        for emitter in &mut emitters {
-            // The pdf must match the rounded cdf.
-            let before = cdf.last().copied().unwrap_or(0.0);
-            sum += emitter.power();
-            cdf.push((sum / power).min(1.0) as f32);
-            emitter.area_pdf = (cdf[cdf.len() - 1] - before) / emitter.area();
-        }
-        let bounds = BoundingSphere::around(bounds_of(&emitters));
-        (power > 0.0 && power.is_finite()).then(|| Self {
-            triangles: emitters,
-            cdf,
-            power: power as f32,
-            bounds,
-            visible: scene.instances[instance].visible,
-            scene_radius: 0.0,
-        })
-    }
-
-    /// World bounds (min, max), padded by more than the rounding error of a hit.
-    fn padded_bounds(&self) -> (Vec3, Vec3) {
-        let (min, max) = bounds_of(&self.triangles);
-        let padding = 10.0 * ray_offset(min.abs().max(max.abs()), self.scene_radius);
-        (min - padding, max + padding)
-    }
-
-    /// Samples a point on the light; none if it does not light `p`: it is masked out or faces away.
-    fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
-        let (place, rest) = sampling::discrete(&self.cdf, u.x);
-        let emitter = &self.triangles[place];
-        let [a, b, c] = emitter.corners;
-        let weights = sampling::triangle(Vec2::new(rest, u.y));
-        let point = (b - a) * weights.x + (c - a) * weights.y + a;
-        if let Some(mask) = emitter.mask {
-            let [a, b, c] = emitter.uvs;
-            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
-                return None;
-            }
-        }
-        let squared = p.distance_squared(point);
-        let direction = (point - p) / squared.sqrt();
-        let cosine = -emitter.normal.dot(direction);
-        if !(cosine > 0.0 && squared > 0.0) {
-            return None;
-        }
-        let pdf = emitter.area_pdf * squared / cosine;
-        Some(LightSample {
-            direction,
-            end: Some(point + emitter.normal * ray_offset(point, self.scene_radius)),
-            irradiance: emitter.radiance / pdf,
-            pdf: self.visible.then_some(pdf),
-        })
-    }
-}
-
-/// World bounds (min, max) of emissive triangles.
-fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
-    let corners = emitters.iter().flat_map(|emitter| emitter.corners);
-    corners
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)))
-}
-
-impl Emitter {
-    fn new(scene: &Scene, mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
-        let corners =
-            mesh.triangle_positions(triangle.triangle).map(|corner| transform.transform_point3(corner));
-        let [a, b, c] = corners;
-        // Mirroring flips the winding but not the front side.
-        let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
-        let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
-        let surface = mesh.triangle_surface(triangle.triangle);
-        Self {
-            index: triangle.triangle,
-            corners,
-            normal,
-            radiance: triangle.radiance,
-            area_pdf: 0.0,
-            mask: scene.materials[surface.material as usize].alpha_mask,
-            uvs: surface.uvs,
-        }
-    }
-
-    fn area(&self) -> f32 {
-        let [a, b, c] = self.corners;
-        0.5 * (b - a).cross(c - a).length()
-    }
-
-    /// Luminous flux over pi.
-    fn power(&self) -> f64 {
-        f64::from(self.area()) * f64::from(luminance(self.radiance).max(0.0))
     }
 }
 

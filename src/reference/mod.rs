@@ -8,13 +8,14 @@
 //! camera, and nothing is cached.
 //!
 //! - `path`: path tracing with next-event estimation and multiple importance sampling.
-//! - `lights`: light sampling.
+//! - `lights`, `area_lights`: light sampling.
 //! - `sheets`: rays through thin sheets.
 //! - `sampler`: random numbers.
 //! - `surfaces`: surface data at a hit.
 //! - `film`: sums, means and errors.
 //! - `resume`: the metadata of an unfinished picture.
 
+mod area_lights;
 mod film;
 mod lights;
 mod path;

@@ -178,16 +178,16 @@ impl Reference<'_> {
     /// Adds one light sample each of shadow-mapped and area lights to the visible surfaces; returns the paths that go on
     /// from there.
     fn shade_visible<'a>(&'a self, visible: Vec<Seen<'a>>, samples: &mut [PixelSample]) -> Vec<Path<'a>> {
-        let [mut shadow_mapped, mut area, mut reflected]: [ShadowRays; 3] =
+        let [mut direct, mut area, mut reflected]: [ShadowRays; 3] =
             std::array::from_fn(|_| ShadowRays::default());
         let mut paths = Vec::with_capacity(visible.len());
         for Seen { pixel, mut sampler, vertex, reflection, weight } in visible {
             let (picks, u_light) = (sampler.next(), sampler.next());
             let surface = &vertex.surface;
-            if let Some(light) = self.sample_light(surface, LightSubset::ShadowMapped, picks.x, u_light) {
+            if let Some(light) = self.sample_light(surface, LightSubset::Direct, picks.x, u_light) {
                 let lobes = reflection.evaluate(light.direction);
                 let radiance = (lobes.diffuse + lobes.reflected) * weight * light.irradiance;
-                shadow_mapped.push(self.shadow_ray(surface, &light), pixel, radiance);
+                direct.push(self.shadow_ray(surface, &light), pixel, radiance);
             }
             if let Some(light) = self.sample_light(surface, LightSubset::Area, picks.y, u_light) {
                 let ray = self.shadow_ray(surface, &light);
@@ -217,7 +217,7 @@ impl Reference<'_> {
             }
             paths.push(path);
         }
-        shadow_mapped.trace(self, |pixel, radiance| samples[pixel].direct += radiance);
+        direct.trace(self, |pixel, radiance| samples[pixel].direct += radiance);
         area.trace(self, |pixel, irradiance| samples[pixel].irradiance += irradiance);
         reflected.trace(self, |pixel, radiance| samples[pixel].reflected += radiance);
         paths

@@ -68,11 +68,8 @@ impl Reference<'_> {
                 let Some((Some(hit), ray)) = hits.next() else { return false };
                 let sheet = self.sheet(hit, ray).filter(|_| layer < MAX_SHEETS);
                 shares[index] *= sheet.map_or(Vec3::ZERO, |(_, passed)| passed);
-                further.push(beyond(ray, hit));
                 let goes_on = shares[index] != Vec3::ZERO;
-                if !goes_on {
-                    further.pop();
-                }
+                further.extend(goes_on.then(|| beyond(ray, hit)));
                 goes_on
             });
             if open.is_empty() {

@@ -204,7 +204,7 @@ fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
 }
 
 /// VPLs that a texel draws in each frame from a set that holds so many: all, if its share of `--vpls` is no less, else that share times
-/// the share of the light paths' rays that hit something, so that light that leaves the scene takes no rays. A texel that stands for
+/// the share of the lights' rays that hit something, so that light that leaves the scene takes no rays. A texel that stands for
 /// several pixels draws half as many more.
 pub(crate) fn draws(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 {
     let each = settings.slots as f32 / (settings.temporal_sets * settings.interleave.pow(2)) as f32;

@@ -39,7 +39,8 @@ impl Staleness {
         }
         let now: Vec<(Vec3, f32)> =
             manager.slots().map(|SlotView { position, flux, .. }| (position, luminance(flux))).collect();
-        if self.last.len() == now.len() {
+        // Another choice of VPLs for a moving camera is the same light.
+        if self.last.len() == now.len() && manager.is_settling() {
             let (mut changed, mut all) = (0.0, 0.0);
             for ((from, before), (to, after)) in self.last.iter().zip(&now) {
                 let moved = (from.distance(*to) / (FAR * transport)).min(1.0);

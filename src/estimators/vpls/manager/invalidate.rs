@@ -50,12 +50,15 @@ impl VplManager {
     /// Updates all slots for the current world; returns how many became invalid.
     pub(super) fn invalidate_slots(&mut self, world: World<'_>) -> u32 {
         self.changes.update(world);
-        let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
-        if renewed {
-            self.slots.iter_mut().for_each(|slot| slot.fresh = false);
+        if self.changes.anything_changed() || self.changes.flux_changed {
+            self.changed_in = Some(self.frame);
         }
+        let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
         let light_changed = |light: usize| renewed || self.changes.light_changed[light];
         self.placement.try_lights(world, &self.changes, light_changed);
+        if renewed {
+            self.choose_anew();
+        }
         let mut invalidated = 0;
         if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
             invalidated += self.reassign_slots();
@@ -70,6 +73,14 @@ impl VplManager {
         }
         self.update_counters();
         invalidated
+    }
+
+    /// Marks slots stale that may now choose another candidate.
+    fn choose_anew(&mut self) {
+        for index in 0..self.slots.len() {
+            let has_choice = self.slots[index].candidates > 1 || self.candidates(index as u32) > 1;
+            self.slots[index].fresh &= !has_choice;
+        }
     }
 
     /// Reassigns slots if the lights' quotas changed; a path in both assignments keeps its VPLs. Returns the
@@ -157,6 +168,7 @@ impl VplManager {
     /// Applies the result of one slot, after that of its parent. Returns whether the slot became invalid.
     fn apply_result(&mut self, index: usize, TestResult { failure, unoccluded }: TestResult) -> bool {
         let parent = self.assignment.addresses[index].parent;
+        let has_choice = self.candidates(index as u32) > 1;
         let (parent_state, parent_fresh) = match parent {
             NONE => (SlotState::Valid, true),
             _ => {
@@ -181,7 +193,7 @@ impl VplManager {
         match failure {
             Some(reason) => self.invalidate_slot(index, reason),
             // The tested ray is all that a new shot would trace, and it escapes.
-            None if before == SlotState::Escaped && !self.placement.has_choice() => slot.fresh = parent_fresh,
+            None if before == SlotState::Escaped && !has_choice => slot.fresh = parent_fresh,
             None => {}
         }
         failure.is_some()

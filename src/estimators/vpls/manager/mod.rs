@@ -156,6 +156,8 @@ pub struct VplManager {
     counters: VplCounters,
     /// Frames so far.
     frame: u32,
+    /// The last frame in which lights or things changed; none yet.
+    changed_in: Option<u32>,
     /// The last invalidation of each slot since the last reassignment.
     invalidations: Vec<Option<Invalidation>>,
 }
@@ -184,6 +186,7 @@ impl VplManager {
             cursors: Default::default(),
             counters: VplCounters::default(),
             frame: 0,
+            changed_in: None,
             invalidations: vec![None; layout.slots as usize],
             vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
@@ -229,15 +232,25 @@ impl VplManager {
         self.counters.in_slots_of(self.vpls_per_slot)
     }
 
-    /// Of all rays that were shot for the VPLs there are, the share that hit something.
+    /// The share of the lights' rays that hit something: 1 if no light leaves the scene.
     pub fn hit_share(&self) -> f32 {
-        let shares: f32 = self.slots.iter().map(|slot| slot.hit_share).sum();
-        shares / self.slots.len() as f32
+        let slots = self.slots.iter().zip(&self.assignment.addresses);
+        let first = slots.filter(|(_, address)| address.light != NONE && address.parent == NONE);
+        let (count, sum) = first.fold((0, 0.0), |(count, sum), (slot, _)| {
+            (count + 1, sum + slot.hits as f32 / slot.candidates.max(1) as f32)
+        });
+        sum / count.max(1) as f32
     }
 
     /// Number of VPLs of the pool that are usable.
     pub fn usable_vpls(&self) -> u32 {
         self.counters.valid
+    }
+
+    /// Whether slots may still await replacement because of lights or things that have changed, not only for another choice.
+    pub fn is_settling(&self) -> bool {
+        let frames = (self.layout.slots / self.vpls_per_slot).div_ceil(self.budget);
+        self.changed_in.is_some_and(|last| self.frame - last <= frames)
     }
 
     /// Whether the power of a light has changed in this frame.

@@ -67,8 +67,8 @@ impl Placement {
         self.aspect = aspect;
     }
 
-    /// Follows the world: at once where a motion begins or has ended, now and then while the camera's lasts. Returns whether other candidates
-    /// may now be chosen.
+    /// Follows the world: at once where a motion begins or has ended, now and then while the camera's lasts. Returns whether the
+    /// importance is another one.
     pub(super) fn follow(&mut self, world: World<'_>, geometry_moved: bool, bounds: &BoundingSphere) -> bool {
         let turned = world.pose.camera != self.camera;
         let moving = geometry_moved || turned;
@@ -83,12 +83,7 @@ impl Placement {
         self.importance = Importance::new(world, self.aspect, bounds);
         self.outdated = false;
         self.age = 0;
-        self.has_choice()
-    }
-
-    /// Whether any slot has more than one candidate.
-    pub(super) fn has_choice(&self) -> bool {
-        self.most > 1
+        true
     }
 
     /// Tries the lights for which `changed` says so: the fewer of its rays are useful, the more candidates it needs.
@@ -101,6 +96,9 @@ impl Placement {
         let emitters = &changes.emitters;
         let others = self.of_lights.len() != emitters.len();
         self.of_lights.resize(emitters.len(), [1; 2]);
+        if self.most == 1 {
+            return;
+        }
         let trials = (ALL_TRIALS / emitters.len().max(1) as u32).clamp(1, TRIALS);
         for light in (0..emitters.len()).filter(|&light| others || changed(light)) {
             let point = |index, step| sampling::sequence_point(index, step, light as u32);
@@ -155,7 +153,7 @@ impl Placement {
             slot.throughput *= total / (count as f32 * worths[chosen]);
         }
         let hits = candidates.iter().filter(|(slot, _)| slot.state == SlotState::Valid).count();
-        slot.hit_share = hits as f32 / count as f32;
+        (slot.candidates, slot.hits) = (count as u32, hits as u32);
         slot.useful = slot.state == SlotState::Valid && self.importance.is_useful(&surface);
         (slot, surface)
     }
@@ -175,14 +173,19 @@ mod tests {
     use crate::bvh::TwoLevelBvh;
     use crate::scene::load_scene;
 
-    #[test]
-    fn the_mean_of_what_is_chosen_is_that_of_the_candidates() {
+    /// With the bounds of the box, and the height of its floor.
+    fn in_cornell_box(candidates: u32) -> (Placement, BoundingSphere, f32) {
         let scene = load_scene("cornell-box", None).unwrap();
         let pose = scene.pose(0.0);
         let bvh = TwoLevelBvh::build(&scene, &pose.instances);
         let world = World { scene: &scene, pose: &pose, bvh: &bvh };
         let bounds = BoundingSphere::around(bvh.bounds());
-        let placement = Placement::new(world, 8, 1.0, &bounds);
+        (Placement::new(world, candidates, 1.0, &bounds), bounds, bvh.bounds().0.y)
+    }
+
+    #[test]
+    fn the_mean_of_what_is_chosen_is_that_of_the_candidates() {
+        let (placement, bounds, floor) = in_cornell_box(8);
         // On the floor, outside under the floor, escaped.
         let at = |height: f32, up: f32| WorldSurface {
             position: Vec3::new(bounds.center.x, height, bounds.center.z),
@@ -191,7 +194,6 @@ mod tests {
         };
         let valid =
             |flux: f32| Slot { state: SlotState::Valid, throughput: Vec3::splat(flux), ..Slot::INVALID };
-        let floor = bvh.bounds().0.y;
         let candidates = [
             (valid(1.0), at(floor, 1.0)),
             (valid(2.0), at(floor, -1.0)),
@@ -204,7 +206,7 @@ mod tests {
         for draw in 0..DRAWS {
             let (slot, surface) = placement.choose(&candidates, (draw as f32 + 0.5) / DRAWS as f32);
             assert_eq!(slot.state, SlotState::Valid);
-            assert_eq!(slot.hit_share, 0.75);
+            assert_eq!((slot.candidates, slot.hits), (4, 3));
             let below = usize::from(surface.normal.y < 0.0);
             assert_eq!(slot.useful, below == 0);
             sums[below] += slot.throughput.x / DRAWS as f32;
@@ -216,11 +218,7 @@ mod tests {
 
     #[test]
     fn no_choice_changes_nothing() {
-        let scene = load_scene("cornell-box", None).unwrap();
-        let pose = scene.pose(0.0);
-        let bvh = TwoLevelBvh::build(&scene, &pose.instances);
-        let world = World { scene: &scene, pose: &pose, bvh: &bvh };
-        let placement = Placement::new(world, 1, 1.0, &BoundingSphere::around(bvh.bounds()));
+        let (placement, _, _) = in_cornell_box(1);
         let slot = Slot { state: SlotState::Valid, throughput: Vec3::new(0.1, 0.7, 0.3), ..Slot::INVALID };
         let (chosen, _) = placement.choose(&[(slot, WorldSurface::default())], 0.3);
         assert_eq!(chosen.throughput, slot.throughput);

@@ -2,8 +2,6 @@
 //!
 //! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; ARCHITECTURE.md, "Paths").
 
-use std::ops::Range;
-
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -55,18 +53,10 @@ impl VplManager {
     fn shoot_batch(&mut self, world: World<'_>, slots: &[u32]) {
         // Sample the rays of all candidates.
         let this = &*self;
-        let mut ends = 0;
-        let ranges: Vec<Range<usize>> = slots
+        let candidates: Vec<(u32, u32)> = slots
             .iter()
-            .map(|&slot| {
-                let first = ends;
-                ends += this.candidates(slot) as usize;
-                first..ends
-            })
+            .flat_map(|&slot| (0..this.candidates(slot)).map(move |index| (slot, index)))
             .collect();
-        let of_slots =
-            slots.iter().flat_map(|&slot| (0..this.candidates(slot)).map(move |index| (slot, index)));
-        let candidates: Vec<(u32, u32)> = of_slots.collect();
         let starts: Vec<Start> = candidates
             .par_iter()
             .with_min_len(SLOTS_PER_TASK)
@@ -86,25 +76,32 @@ impl VplManager {
             })
             .collect();
         // Choose one candidate for each slot.
-        let filled: Vec<(Slot, WorldSurface)> = (slots, ranges)
+        let shots: Vec<(Slot, WorldSurface)> = (&candidates, &starts, &traced)
             .into_par_iter()
             .with_min_len(SLOTS_PER_TASK)
-            .map(|(&slot, range)| {
-                let shots = starts[range.clone()].iter().zip(&traced[range]);
-                let shots = shots.map(|(start, hit)| this.store_hit(world, slot, start, *hit));
-                let choice = this.layout.choice(&this.assignment.addresses[slot as usize]);
-                this.placement.choose(&shots.collect::<Vec<_>>(), choice)
-            })
+            .map(|(&(slot, _), start, hit)| this.store_hit(world, slot, start, *hit))
             .collect();
+        let mut rest = &shots[..];
+        let mut filled = Vec::with_capacity(slots.len());
+        for &slot in slots {
+            let (of_slot, others) = rest.split_at(this.candidates(slot) as usize);
+            rest = others;
+            let choice = this.layout.choice(&this.assignment.addresses[slot as usize]);
+            filled.push(this.placement.choose(of_slot, choice));
+        }
         for (&slot, (filled, surface)) in slots.iter().zip(filled) {
             self.slots[slot as usize] = filled;
             self.surfaces[slot as usize] = surface;
         }
     }
 
-    fn candidates(&self, slot: u32) -> u32 {
+    /// Candidates that a shot of `slot` would choose from now; none if it is unassigned.
+    pub(super) fn candidates(&self, slot: u32) -> u32 {
         let address = &self.assignment.addresses[slot as usize];
-        self.placement.candidates(address.light, address.parent == NONE)
+        match address.light {
+            NONE => 0,
+            light => self.placement.candidates(light, address.parent == NONE),
+        }
     }
 
     fn start(&self, slot: u32, candidate: u32) -> Start {
@@ -186,7 +183,8 @@ impl VplManager {
             fresh,
             front: found.front,
             useful: false,
-            hit_share: 1.0,
+            candidates: 1,
+            hits: 1,
             instance,
             point,
             throughput,

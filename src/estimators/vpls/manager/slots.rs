@@ -29,8 +29,9 @@ pub(super) struct Slot {
     pub(super) front: bool,
     /// Whether it lights something that the camera saw when it was shot.
     pub(super) useful: bool,
-    /// Which share of its candidates hit something.
-    pub(super) hit_share: f32,
+    /// Candidates that it was chosen from, and how many of these hit something.
+    pub(super) candidates: u32,
+    pub(super) hits: u32,
     /// Index into `Scene::instances`.
     pub(super) instance: u32,
     /// Point on the instance's mesh.
@@ -50,7 +51,8 @@ impl Slot {
         fresh: false,
         front: true,
         useful: false,
-        hit_share: 0.0,
+        candidates: 0,
+        hits: 0,
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,

@@ -1,0 +1,143 @@
+//! Area lights: emissive triangles, sampled by flux.
+//!
+//! In: an emissive instance in a pose. Out: a point on it in proportion to its flux, as a light sample.
+
+use glam::{Affine3A, Vec2, Vec3};
+
+use super::lights::LightSample;
+use crate::sampling;
+use crate::scene::{AlphaMask, AreaTriangle, BoundingSphere, Mesh, Pose, Scene, luminance, ray_offset};
+
+/// The emissive triangles of an instance, in world space.
+#[derive(Clone, Debug)]
+pub(super) struct AreaLight {
+    /// Ascending by index.
+    pub(super) triangles: Vec<Emitter>,
+    /// Cumulative distribution over the triangles, by luminous flux.
+    pub(super) cdf: Vec<f32>,
+    /// Luminous flux over pi.
+    pub(super) power: f32,
+    pub(super) bounds: BoundingSphere,
+    pub(super) visible: bool,
+    pub(super) scene_radius: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Emitter {
+    pub(super) index: u32,
+    pub(super) corners: [Vec3; 3],
+    /// Unit normal of the side that emits.
+    pub(super) normal: Vec3,
+    pub(super) radiance: Vec3,
+    /// Pdf of a point on it within its light over area, 1/scene unit^2.
+    pub(super) area_pdf: f32,
+    /// Index of its alpha mask, if it has one, and its texture coordinates there.
+    pub(super) mask: Option<usize>,
+    pub(super) uvs: [Vec2; 3],
+}
+
+impl AreaLight {
+    pub(super) fn new(
+        scene: &Scene,
+        pose: &Pose,
+        instance: usize,
+        triangles: &[AreaTriangle],
+    ) -> Option<Self> {
+        let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
+        let mut emitters: Vec<Emitter> =
+            triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
+        emitters.sort_by_key(|emitter| emitter.index);
+        let power: f64 = emitters.iter().map(Emitter::power).sum();
+        let mut sum = 0.0;
+        let mut cdf = Vec::with_capacity(emitters.len());
+        for emitter in &mut emitters {
+            // The pdf must match the rounded cdf.
+            let before = cdf.last().copied().unwrap_or(0.0);
+            sum += emitter.power();
+            cdf.push((sum / power).min(1.0) as f32);
+            emitter.area_pdf = (cdf[cdf.len() - 1] - before) / emitter.area();
+        }
+        let bounds = BoundingSphere::around(bounds_of(&emitters));
+        (power > 0.0 && power.is_finite()).then(|| Self {
+            triangles: emitters,
+            cdf,
+            power: power as f32,
+            bounds,
+            visible: scene.instances[instance].visible,
+            scene_radius: 0.0,
+        })
+    }
+
+    /// World bounds (min, max), padded by more than the rounding error of a hit.
+    pub(super) fn padded_bounds(&self) -> (Vec3, Vec3) {
+        let (min, max) = bounds_of(&self.triangles);
+        let padding = 10.0 * ray_offset(min.abs().max(max.abs()), self.scene_radius);
+        (min - padding, max + padding)
+    }
+
+    /// Samples a point on the light; none if it does not light `p`: it is masked out or faces away.
+    pub(super) fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
+        let (place, rest) = sampling::discrete(&self.cdf, u.x);
+        let emitter = &self.triangles[place];
+        let [a, b, c] = emitter.corners;
+        let weights = sampling::triangle(Vec2::new(rest, u.y));
+        let point = (b - a) * weights.x + (c - a) * weights.y + a;
+        if let Some(mask) = emitter.mask {
+            let [a, b, c] = emitter.uvs;
+            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
+                return None;
+            }
+        }
+        let squared = p.distance_squared(point);
+        let direction = (point - p) / squared.sqrt();
+        let cosine = -emitter.normal.dot(direction);
+        if !(cosine > 0.0 && squared > 0.0) {
+            return None;
+        }
+        let pdf = emitter.area_pdf * squared / cosine;
+        Some(LightSample {
+            direction,
+            end: Some(point + emitter.normal * ray_offset(point, self.scene_radius)),
+            irradiance: emitter.radiance / pdf,
+            pdf: self.visible.then_some(pdf),
+        })
+    }
+}
+
+/// World bounds (min, max) of emissive triangles.
+fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
+    let corners = emitters.iter().flat_map(|emitter| emitter.corners);
+    corners
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)))
+}
+
+impl Emitter {
+    fn new(scene: &Scene, mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
+        let corners =
+            mesh.triangle_positions(triangle.triangle).map(|corner| transform.transform_point3(corner));
+        let [a, b, c] = corners;
+        // Mirroring flips the winding but not the front side.
+        let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
+        let surface = mesh.triangle_surface(triangle.triangle);
+        Self {
+            index: triangle.triangle,
+            corners,
+            normal,
+            radiance: triangle.radiance,
+            area_pdf: 0.0,
+            mask: scene.materials[surface.material as usize].alpha_mask,
+            uvs: surface.uvs,
+        }
+    }
+
+    fn area(&self) -> f32 {
+        let [a, b, c] = self.corners;
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Luminous flux over pi.
+    fn power(&self) -> f64 {
+        f64::from(self.area()) * f64::from(luminance(self.radiance).max(0.0))
+    }
+}
