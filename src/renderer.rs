@@ -23,6 +23,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Vec4;
+
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::combine::CombineInputs;
@@ -48,7 +50,7 @@ fn light_directly<'p>(
     (shadows, shading): (&mut DirectShadowsPass, &'p mut DirectShadingPass),
     frame: &mut Frame<'_>,
     inputs: &EstimatorInputs<'_>,
-    lights: &[LightData],
+    (lights, background): (&[LightData], Vec4),
     scene: &SceneBuffers,
 ) -> Result<&'p Image, VulkanError> {
     let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
@@ -71,6 +73,7 @@ fn light_directly<'p>(
             lights: inputs.lights,
             visibility: shadows.output(),
             visibility_version: shadows.version(),
+            background,
             scene,
         },
     )
@@ -268,7 +271,8 @@ impl Renderer {
             pose,
         };
         let direct_passes = (&mut self.passes.direct_shadows, &mut self.passes.direct_shading);
-        let direct = light_directly(direct_passes, &mut frame, &inputs, &lights, buffers)?;
+        let direct =
+            light_directly(direct_passes, &mut frame, &inputs, (&lights, uniforms.background), buffers)?;
         let direct_shadows = &self.passes.direct_shadows;
 
         // Estimate their indirect light, and join both.
@@ -329,7 +333,7 @@ impl Renderer {
             view_projection,
             previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
             eye: camera.eye.extend(self.radius),
-            background: self.scene.background.extend(0.0),
+            background: self.buffers.environment.background(&self.scene, pose),
             ray,
             ray_x,
             ray_y,

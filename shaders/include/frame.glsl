@@ -4,7 +4,7 @@ struct FrameUniforms {
     mat4 view_projection;          // world to clip, reversed depth
     mat4 previous_view_projection; // the same, one frame ago
     vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
-    vec4 background;               // rgb: radiance where no surface is
+    vec4 background;               // rgb: radiance where no surface is, times that of the environment's map; w: its rotation
     vec4 ray;                      // xyz: view direction
     vec4 ray_x;                    // xyz: right times the tangent of half the horizontal field of view
     vec4 ray_y;                    // xyz: down times the tangent of half the vertical field of view

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the background. Out: radiance; a: 1 where a surface is.
+// Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the environment behind them.
+// Out: radiance; a: 1 where a surface is.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -20,6 +21,8 @@ layout(set = 0, binding = 6, r32ui) uniform readonly uimage2DArray direct_shadow
 layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 8) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
+#define ENVIRONMENT_BINDING 10
+#include "environment.glsl"
 
 vec3 radiance_of(uvec2 id, ivec2 pixel) {
     Surface surface = surface_at(pixel);
@@ -49,5 +52,7 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    imageStore(direct, pixel, id.x != 0u ? vec4(radiance_of(id, pixel), 1.0) : vec4(frame.background.rgb, 0.0));
+    bool is_surface = id.x != 0u;
+    vec3 radiance = is_surface ? radiance_of(id, pixel) : environment_radiance(pixel_ray(vec2(pixel)));
+    imageStore(direct, pixel, vec4(radiance, is_surface ? 1.0 : 0.0));
 }

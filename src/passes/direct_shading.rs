@@ -1,7 +1,9 @@
 //! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
-//! specular; what surfaces emit; the background.
+//! specular; what surfaces emit; the environment behind them.
 
 use std::sync::Arc;
+
+use glam::Vec4;
 
 use super::gbuffer::GBuffer;
 use super::scene_buffers::SceneBuffers;
@@ -21,7 +23,9 @@ pub struct DirectShadingInputs<'a> {
     pub visibility: &'a Image,
     /// Of that, and so of the lights.
     pub visibility_version: Version,
-    /// For what materials reflect.
+    /// What shows where no surface is, as in the frame uniforms.
+    pub background: Vec4,
+    /// For what materials reflect, and the environment's map.
     pub scene: &'a SceneBuffers,
 }
 
@@ -29,7 +33,7 @@ pub struct DirectShadingInputs<'a> {
 pub struct DirectShadingPass {
     pipeline: Arc<ComputePipeline>,
     direct: Image,
-    last: LastInputs<[Version; 2]>,
+    last: LastInputs<([Version; 2], Vec4)>,
 }
 
 impl DirectShadingPass {
@@ -65,7 +69,7 @@ impl DirectShadingPass {
         inputs: &DirectShadingInputs<'_>,
     ) -> Result<&Image, VulkanError> {
         let gbuffer = inputs.gbuffer;
-        if self.last.differ([gbuffer.version(), inputs.visibility_version]) {
+        if self.last.differ(([gbuffer.version(), inputs.visibility_version], inputs.background)) {
             frame
                 .pass("direct_shading", &self.pipeline)
                 .read("frame_uniforms", inputs.frame)
@@ -77,6 +81,7 @@ impl DirectShadingPass {
                 .read("direct_shadows", inputs.visibility)
                 .read("materials", &inputs.scene.materials)
                 .read("gbuffer_surface", &gbuffer.surface)
+                .read("environment_map", &inputs.scene.environment.image)
                 .write("direct", &self.direct)
                 .dispatch_over(self.direct.extent())?;
         }

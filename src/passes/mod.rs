@@ -9,6 +9,7 @@ pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;
+pub mod environment;
 pub mod gbuffer;
 pub mod overlay;
 pub mod scene_buffers;

@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::clusters::{Cluster, Draw, cluster};
+use super::environment::EnvironmentTexture;
 use super::skip::{LastInputs, Version};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
@@ -36,6 +37,8 @@ pub struct SceneBuffers {
     pub textures: Vec<Image>,
     /// The textures of each material, indices into `textures`: base colour, metallic and roughness, emission.
     pub material_textures: Vec<[usize; 3]>,
+    /// The environment's map.
+    pub environment: EnvironmentTexture,
     /// The sampler of the textures.
     pub sampler: Sampler,
     /// All clusters of all visible instances, by material: what the G-buffer may draw.
@@ -90,6 +93,7 @@ impl SceneBuffers {
                 })
                 .collect(),
             textures,
+            environment: EnvironmentTexture::new(device, scene.environment.as_ref())?,
             sampler: Sampler::for_textures(device)?,
             draws,
             masks,

@@ -14,7 +14,7 @@ pub struct FrameUniforms {
     pub previous_view_projection: Mat4,
     /// xyz: world position; w: radius of the scene's bounding sphere.
     pub eye: Vec4,
-    /// rgb: radiance where no surface is.
+    /// rgb: radiance where no surface is, to be multiplied with that of the environment's map; w: its rotation, radians.
     pub background: Vec4,
     /// xyz: view direction. A pixel at (x, y) in -1..1 sees `eye + depth * (ray + x ray_x + y ray_y)`.
     pub ray: Vec4,

@@ -16,7 +16,7 @@ use crate::sampling;
 const MAX_SIZE: [u32; 2] = [8192, 4096];
 
 /// An environment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Environment {
     /// Radiance, W/m^2/sr; with a map, its factor.
     pub radiance: Vec3,
@@ -27,7 +27,7 @@ pub struct Environment {
 }
 
 /// An equirectangular map and the distribution of its light.
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
@@ -36,11 +36,21 @@ pub struct EnvironmentMap {
     /// Cumulative distribution over the rows, and over the texels within each.
     rows: Vec<f32>,
     columns: Vec<f32>,
+    /// Average over all directions.
+    mean: Vec3,
 }
 
 impl std::fmt::Debug for EnvironmentMap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "EnvironmentMap({} x {})", self.width, self.height)
+    }
+}
+
+impl PartialEq for Environment {
+    /// Maps are equal if they are the same one.
+    fn eq(&self, other: &Self) -> bool {
+        let map = |environment: &Self| environment.map.as_ref().map(Arc::as_ptr);
+        (self.radiance, self.rotation, map(self)) == (other.radiance, other.rotation, map(other))
     }
 }
 
@@ -53,26 +63,35 @@ impl Environment {
     /// Radiance from the unit vector `direction`, W/m^2/sr.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         match &self.map {
-            Some(map) => self.radiance * map.bilinear(uv_of(self.turn(-1.0) * direction)),
+            Some(map) => self.radiance * map.bilinear(self.uv_of(direction)),
             None => self.radiance,
         }
     }
 
     /// Radiance averaged over all directions, W/m^2/sr.
     pub fn mean(&self) -> Vec3 {
-        self.radiance * self.map.as_ref().map_or(Vec3::ONE, |map| map.mean())
+        self.radiance * self.map.as_ref().map_or(Vec3::ONE, |map| map.mean)
+    }
+
+    /// The point of the unit square that the unit vector `direction` has in the map, from the top left; turns along with it.
+    pub(crate) fn uv_of(&self, direction: Vec3) -> Vec2 {
+        uv_of(self.turn(-1.0) * direction)
+    }
+
+    /// The unit vector whose place in the map is `uv`.
+    pub(crate) fn direction_of(&self, uv: Vec2) -> Vec3 {
+        self.turn(1.0) * direction_of(uv)
     }
 
     /// A direction in proportion to about the map's luminance, with its density, 1/sr; none without a map or light.
     pub(crate) fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let (uv, density) = self.map.as_ref()?.sample(u)?;
-        Some((self.turn(1.0) * direction_of(uv), density))
+        Some((self.direction_of(uv), density))
     }
 
     /// Density of [`Self::sample`], 1/sr; 0 without a map.
     pub(crate) fn density(&self, direction: Vec3) -> f32 {
-        let uv = || uv_of(self.turn(-1.0) * direction);
-        self.map.as_ref().map_or(0.0, |map| map.density(uv()))
+        self.map.as_ref().map_or(0.0, |map| map.density(self.uv_of(direction)))
     }
 
     fn turn(&self, sign: f32) -> Quat {
@@ -131,7 +150,8 @@ impl EnvironmentMap {
     /// If `texels` has another number of elements, or there are none.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Self {
         assert!(width > 0 && height > 0 && texels.len() == width * height);
-        let mut map = Self { width, height, texels, rows: Vec::new(), columns: Vec::new() };
+        let mut map = Self { width, height, texels, rows: Vec::new(), columns: Vec::new(), mean: Vec3::ZERO };
+        map.mean = map.average();
         let mut row_weights = Vec::with_capacity(height);
         for y in 0..height {
             let weights: Vec<f64> = (0..width).map(|x| f64::from(map.brightest_around(x, y))).collect();
@@ -143,6 +163,16 @@ impl EnvironmentMap {
         map
     }
 
+    /// Width and height in texels.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Linear colours, by rows from the top.
+    pub fn texels(&self) -> &[Vec3] {
+        &self.texels
+    }
+
     /// Greatest luminance of a texel and those around it, which a bilinear filter over it may return.
     fn brightest_around(&self, x: usize, y: usize) -> f32 {
         let columns = [(x + self.width - 1) % self.width, x, (x + 1) % self.width];
@@ -151,7 +181,7 @@ impl EnvironmentMap {
         around.fold(0.0, f32::max)
     }
 
-    fn mean(&self) -> Vec3 {
+    fn average(&self) -> Vec3 {
         let (mut sum, mut total) = (glam::DVec3::ZERO, 0.0);
         for (y, row) in self.texels.chunks(self.width).enumerate() {
             let weight = (std::f64::consts::PI * (y as f64 + 0.5) / self.height as f64).sin();

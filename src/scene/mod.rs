@@ -111,10 +111,9 @@ pub struct Scene {
     pub camera: Camera,
     /// The camera's animation, if any.
     pub camera_animation: Option<Animation>,
-    /// Radiance of camera rays that miss, W/m^2/sr; it does not light the scene.
+    /// Radiance of camera rays that miss where there is no environment, W/m^2/sr; it does not light the scene.
     pub background: Vec3,
-    /// Light from everywhere around the scene, if there is any. It lights surfaces in `reference` alone; then `background`
-    /// is its mean.
+    /// Light from everywhere around the scene, if there is any.
     pub environment: Option<Environment>,
     /// The scene file's `[settings]`, checked, as (key, value) pairs that override the defaults.
     pub settings: toml::Table,
@@ -133,6 +132,8 @@ pub struct Pose {
     pub lights: Vec<Light>,
     /// Object to world of each of [`Scene::instances`].
     pub instances: Vec<Affine3A>,
+    /// That of the scene, if it has one.
+    pub environment: Option<Environment>,
 }
 
 /// A bounding sphere, world space.
@@ -205,6 +206,7 @@ impl Scene {
             },
             lights: self.lights.iter().map(|light| light.at(time)).collect(),
             instances: self.instances.iter().map(transform).collect(),
+            environment: self.environment.clone(),
         }
     }
 

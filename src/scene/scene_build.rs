@@ -137,7 +137,6 @@ impl<'a> Builder<'a> {
                 return Err(entry.error("is seen, so the key background is not allowed; remove it"));
             }
             let environment = scene_environment::environment_of(self, &entry, environment.as_ref())?;
-            self.scene.background = environment.mean();
             self.scene.environment = Some(environment);
         }
         for model in &file.models {

@@ -49,11 +49,22 @@ impl Image {
         linear: bool,
         levels: &[(u32, u32, Vec<u8>)],
     ) -> Result<Self, VulkanError> {
+        let format = if linear { vk::Format::R8G8B8A8_UNORM } else { vk::Format::R8G8B8A8_SRGB };
+        Self::with_levels(device, name, format, levels)
+    }
+
+    /// The same of a format of four bytes a texel.
+    pub fn with_levels(
+        device: &Arc<Device>,
+        name: &str,
+        format: vk::Format,
+        levels: &[(u32, u32, Vec<u8>)],
+    ) -> Result<Self, VulkanError> {
         let image = Self::new(
             device,
             &super::ImageDescription {
                 name,
-                format: if linear { vk::Format::R8G8B8A8_UNORM } else { vk::Format::R8G8B8A8_SRGB },
+                format,
                 extent: [levels[0].0, levels[0].1],
                 layers: None,
                 levels: u32::try_from(levels.len()).unwrap_or(1),

@@ -46,8 +46,12 @@ vfov_deg = 75
 /// Moves by `change` (0 to 1 and on) for 20 frames, waits as long as the renderer may take to forget, and
 /// compares with a fresh start.
 fn check(change: impl Fn(&mut Pose, f32)) {
+    check_in(&scene(ROOM), change);
+}
+
+/// The same in another scene.
+pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
     let Some(lab) = Lab::open() else { return };
-    let scene: Arc<Scene> = scene(ROOM);
     let settings = Settings {
         size: [80, 60],
         vpl: VplSettings {
@@ -64,7 +68,7 @@ fn check(change: impl Fn(&mut Pose, f32)) {
         change(&mut pose, time);
         pose
     };
-    let mut renderer = lab.renderer(&scene, &settings, &pose_at(0.0));
+    let mut renderer = lab.renderer(scene, &settings, &pose_at(0.0));
     for frame in 0..20 {
         renderer.render(&pose_at(frame as f32 / 19.0)).unwrap();
     }
@@ -72,7 +76,7 @@ fn check(change: impl Fn(&mut Pose, f32)) {
     for _ in 0..settings.vpl.slots.div_ceil(settings.vpl.budget) + settings.vpl.temporal_sets {
         renderer.render(&end).unwrap();
     }
-    let mut fresh = lab.renderer(&scene, &settings, &end);
+    let mut fresh = lab.renderer(scene, &settings, &end);
     for _ in 0..settings.vpl.temporal_sets {
         fresh.render(&end).unwrap();
     }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod direct;
+mod environment;
 mod estimators;
 mod forgetting;
 mod golden;

@@ -45,12 +45,13 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
         .collect()
 }
 
-fn check(scene: &Arc<Scene>, interleave: u32) {
+/// Compares the irradiance of so many VPLs with the path tracer: its mean, and blocks of pixels.
+pub(super) fn check_against_reference(scene: &Arc<Scene>, interleave: u32, vpls: u32) {
     let Some(lab) = Lab::open() else { return };
     // Several sets with interleaving would have half the resolution, too little for so small a picture.
     let temporal_sets = if interleave == 1 { 8 } else { 1 };
     let settings = Settings {
-        vpl: VplSettings { slots: 8192, temporal_sets, interleave, ..exact([SIDE; 2]).vpl },
+        vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..exact([SIDE; 2]).vpl },
         ..exact([SIDE; 2])
     };
     let drawn = lab.rendered(scene, &settings, 8).read_picture(true).unwrap();
@@ -66,18 +67,18 @@ fn check(scene: &Arc<Scene>, interleave: u32) {
 
 #[test]
 fn the_cornell_box_is_lit_as_in_the_reference() {
-    check(&named_scene("cornell-box", None), 1);
+    check_against_reference(&named_scene("cornell-box", None), 1, 8192);
 }
 
 #[test]
 fn interleaving_moves_no_light() {
-    check(&named_scene("cornell-box", None), 2);
+    check_against_reference(&named_scene("cornell-box", None), 2, 8192);
 }
 
 #[test]
 fn four_kinds_of_lights_light_as_in_the_reference() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/all-kinds.toml");
-    check(&named_scene(file, None), 1);
+    check_against_reference(&named_scene(file, None), 1, 8192);
 }
 
 #[test]

@@ -18,7 +18,6 @@ fn environments_are_constant_or_maps() {
     let grey = [[0.5, 0.25, 1.0]; 8];
     let scene = folder("colour = [1, 2, 3]\nstrength = 2", &grey).load("s.toml").unwrap();
     assert_eq!(scene.environment.as_ref().unwrap().radiance(Vec3::X), Vec3::new(2.0, 4.0, 6.0));
-    assert_eq!(scene.background, Vec3::new(2.0, 4.0, 6.0));
     // There is light, so nothing warns of darkness; the material is missing.
     assert!(!scene.warnings.iter().any(|warning| warning.contains("no light")), "{:?}", scene.warnings);
 

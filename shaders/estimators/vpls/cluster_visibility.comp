@@ -42,7 +42,8 @@ void main() {
         if (drawn.inverse_probability <= 0.0) continue;
         vec3 origin = ray_origin(surface);
         rays += 1.0;
-        if (!trace_occluded(origin, ray_goal(vpls.data[vpl.first_vpl + drawn.index]) - origin, 0.0, 1.0)) seen += 1.0;
+        vec4 ray = ray_to(vpls.data[vpl.first_vpl + drawn.index], origin);
+        if (!trace_occluded(origin, ray.xyz, 0.0, ray.w)) seen += 1.0;
     }
     count_rays(uint(rays));
     // So few rays tell little: the mean of what is likely, from an uninformed guess (Jeffreys 1946).

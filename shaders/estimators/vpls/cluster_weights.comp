@@ -23,6 +23,9 @@ const uint SURFACES = 3u;
 
 // About what a cluster brings to a surface, were nothing between. Never zero, as one of its VPLs may bring something.
 float importance(VplCluster cluster, Surface surface) {
+    if (cluster.at_infinity != 0u) {
+        return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
+    }
     vec3 d = cluster.position - surface.position;
     float inverse = 1.0 / (dot(d, d) + cluster.radius * cluster.radius + 1e-20);
     float inverse_length = sqrt(inverse);

@@ -3,14 +3,14 @@
 // DrawPush, TILE in src/estimators/vpls/indirect_shadows.rs.
 
 struct VplCluster {
-    vec3 position;  // mean by flux
-    float radius;   // root mean square of the distance from there, by flux
-    vec3 normal;    // mean by flux: the shorter, the more the normals differ
-    float flux;     // luminous
-    uint first;     // VPL, counted from the set's first
+    vec3 position;    // mean by flux; at infinity that of the directions
+    float radius;     // root mean square of the distance from there, by flux
+    vec3 normal;      // mean by flux: the shorter, the more the normals differ
+    float flux;       // luminous; at infinity luminous irradiance
+    uint first;       // VPL, counted from the set's first
     uint count;
-    uint pad0;
-    uint pad1;
+    uint at_infinity; // 1: its VPLs lie there
+    uint pad;
 };
 
 const uint CLUSTERS = 64u;

@@ -27,7 +27,8 @@ void main() {
     if (surface.depth > 0.0 && push.weight > 0.0) {
         GpuVpl one = vpls.data[0];
         vec3 origin = ray_origin(surface);
-        if (!trace_occluded(origin, ray_goal(one) - origin, 0.0, 1.0)) {
+        vec4 ray = ray_to(one, origin);
+        if (!trace_occluded(origin, ray.xyz, 0.0, ray.w)) {
             light = vec4(unshadowed_irradiance(one, surface.position, surface.shading) * push.weight, 1.0);
         }
     }

@@ -17,12 +17,12 @@ struct VplUniforms {
 };
 
 struct GpuVpl {
-    vec3 position; // on the surface
+    vec3 position;    // on the surface; at infinity the unit direction towards it
     uint slot;
-    vec3 normal;   // of the side that shines
+    vec3 normal;      // of the side that shines
     uint bounce;
-    vec3 flux;     // phi, W
-    uint _pad;
+    vec3 flux;        // phi, W; at infinity the irradiance across its direction, W/m^2
+    uint at_infinity; // 1: a direction instead of a place
 };
 
 layout(set = 0, binding = VPLS_BINDING, std140) uniform VplUniformBlock { VplUniforms data; } vpl_uniforms;
@@ -37,6 +37,7 @@ float bound_of(GpuVpl light) { return light.bounce == 0u ? 16.0 * vpl.geometry_b
 
 // Irradiance at p with normal n, were nothing between.
 vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
+    if (light.at_infinity != 0u) return light.flux * max(dot(n, light.position), 0.0);
     vec3 d = light.position - p;
     float squared = dot(d, d);
     if (squared <= 0.0) return vec3(0.0);
@@ -46,5 +47,8 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
 }
 
-// Where rays to the VPL end.
-vec3 ray_goal(GpuVpl light) { return light.position + light.normal * ray_offset(light.position); }
+// Of the occlusion ray from a surface to the VPL the direction and, in w, the t at which it ends.
+vec4 ray_to(GpuVpl light, vec3 origin) {
+    vec3 end = light.position + light.normal * ray_offset(light.position);
+    return light.at_infinity != 0u ? vec4(light.position, 1e30) : vec4(end - origin, 1.0);
+}

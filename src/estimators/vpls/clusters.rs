@@ -1,7 +1,7 @@
 //! Clusters of VPLs, which texels draw from.
 //!
-//! In: the VPLs of a set, sorted so that neighbours in the list are neighbours in space. Out: [`CLUSTERS`] runs of the list, with
-//! what tells about how much each brings to a point.
+//! In: the VPLs of a set, sorted so that neighbours in the list are neighbours in space, those at infinity last. Out: [`CLUSTERS`]
+//! runs of the list, with what tells about how much each brings to a point.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -17,27 +17,37 @@ pub const CLUSTERS: usize = 64;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct VplCluster {
-    /// World position, the mean by flux.
+    /// World position, the mean by flux; at infinity that of the directions.
     pub position: Vec3,
     /// Root mean square of the distance from there, by flux.
     pub radius: f32,
     /// Mean normal, by flux: the shorter, the more the normals differ.
     pub normal: Vec3,
-    /// Luminous flux.
+    /// Luminous flux; at infinity luminous irradiance.
     pub flux: f32,
     /// VPL, counted from the set's first.
     pub first: u32,
     /// VPLs.
     pub count: u32,
+    /// 1: its VPLs lie at infinity.
+    pub at_infinity: u32,
     /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
+    pub pad: u32,
 }
 
-/// Deals a sorted list out to clusters of as equal sizes as may be.
+/// Deals a sorted list out to clusters of as equal sizes as may be. No cluster has VPLs on surfaces and at infinity both.
 pub fn clusters_of(vpls: &[GpuVpl]) -> Vec<VplCluster> {
-    let bounds = |index: usize| index * vpls.len() / CLUSTERS;
+    let near = vpls.partition_point(|vpl| vpl.at_infinity == 0);
+    let far = vpls.len() - near;
+    let of_near = match (near, far) {
+        (_, 0) => CLUSTERS,
+        (0, _) => 0,
+        _ => (near * CLUSTERS / vpls.len()).clamp(1, CLUSTERS - 1),
+    };
+    let bounds = |index: usize| match index.checked_sub(of_near) {
+        Some(past) if far > 0 => near + past * far / (CLUSTERS - of_near),
+        _ => index * near / of_near,
+    };
     (0..CLUSTERS).map(|index| cluster(vpls, bounds(index)..bounds(index + 1))).collect()
 }
 
@@ -53,6 +63,7 @@ fn cluster(vpls: &[GpuVpl], range: std::ops::Range<usize>) -> VplCluster {
         radius: mean(&|vpl| Vec3::splat(vpl.position.distance_squared(position))).x.sqrt(),
         normal: mean(&|vpl| vpl.normal),
         flux,
+        at_infinity: members.first().map_or(0, |vpl| vpl.at_infinity),
         first: to_u32(range.start),
         count: to_u32(members.len()),
         ..VplCluster::default()
@@ -76,9 +87,26 @@ mod tests {
             flux,
             first,
             count,
-            pad0,
-            pad1
+            at_infinity,
+            pad
         );
+    }
+
+    #[test]
+    fn vpls_at_infinity_have_clusters_of_their_own() {
+        for (near, far) in [(0, 1), (1, 0), (1, 1), (1, 999), (999, 1), (700, 324), (3, 2)] {
+            let vpl =
+                |i: u32| GpuVpl { flux: Vec3::ONE, at_infinity: u32::from(i >= near), ..GpuVpl::default() };
+            let vpls: Vec<GpuVpl> = (0..near + far).map(vpl).collect();
+            let mut next = 0;
+            for cluster in clusters_of(&vpls) {
+                assert_eq!(cluster.first, next);
+                next += cluster.count;
+                let members = &vpls[cluster.first as usize..next as usize];
+                assert!(members.iter().all(|vpl| vpl.at_infinity == cluster.at_infinity));
+            }
+            assert_eq!(next, near + far, "{near} and {far}");
+        }
     }
 
     #[test]

@@ -361,7 +361,7 @@ fn power_of_two_near(value: f32) -> f32 {
 }
 
 /// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
-/// large ground plane does not change. None where no VPL has a parent.
+/// large ground plane does not change. None where no VPL has a parent on a surface.
 fn transport_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
     let mut bvh = world.bvh.clone();
@@ -374,6 +374,8 @@ fn transport_length(world: World<'_>) -> Option<f32> {
     let lengths = slots
         .iter()
         .filter(|slot| slot.state == SlotState::Valid)
-        .filter_map(|slot| Some(slot.position.distance(slots[slot.parent? as usize].position)));
+        .filter_map(|slot| Some((slot, &slots[slot.parent? as usize])))
+        .filter(|(_, parent)| !parent.at_infinity)
+        .map(|(slot, parent)| slot.position.distance(parent.position));
     percentile(lengths, 0.5)
 }

@@ -156,6 +156,15 @@ mod tests {
             pad2,
             set_weights
         );
-        same_layout!(shaders::VPL_LIGHT_COMP.software, GpuVpl, position, slot, normal, bounce, flux, _pad);
+        same_layout!(
+            shaders::VPL_LIGHT_COMP.software,
+            GpuVpl,
+            position,
+            slot,
+            normal,
+            bounce,
+            flux,
+            at_infinity
+        );
     }
 }

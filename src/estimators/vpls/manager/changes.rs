@@ -1,15 +1,16 @@
 //! Detects what changed in the world since the last frame.
 //!
-//! In: the world, once per frame. Out: the lights as emitters, and flags for changed lights and instances.
+//! In: the world, once per frame. Out: the lights as emitters, the environment last, and flags for changed lights and instances.
 //! The state depends on the current world only, so no history survives a change.
 
 use glam::{Affine3A, Vec3};
 
 use super::World;
+use super::assignment::NONE;
 use super::emitter::{Emitter, Source};
 use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
-use crate::scene::{BoundingSphere, Light, LightKind, Scene};
+use crate::scene::{BoundingSphere, Environment, Light, LightKind, Scene};
 
 /// Whether two lights have the same emission; names are ignored.
 fn same_emission(a: &Light, b: &Light) -> bool {
@@ -19,7 +20,7 @@ fn same_emission(a: &Light, b: &Light) -> bool {
 /// Compares each world with the last one.
 #[derive(Clone, Debug)]
 pub(super) struct SceneChanges {
-    /// The lights of the current world.
+    /// The lights of the current world, then its environment.
     pub(super) emitters: Vec<Emitter>,
     /// Covers everything visible. Constant while instances move within it.
     pub(super) bounds: BoundingSphere,
@@ -40,6 +41,7 @@ pub(super) struct SceneChanges {
     rest_bounds: BoundingSphere,
     focus: Option<BoundingSphere>,
     lights: Vec<Light>,
+    environment: Option<Environment>,
     transforms: Vec<Affine3A>,
 }
 
@@ -51,21 +53,25 @@ impl SceneChanges {
         let focus = focus_at_rest(world.scene);
         let disc = FocusedDisc::new(&bounds, focus.as_ref());
         let lights = world.pose.lights.clone();
-        let emitters: Vec<_> = lights.iter().map(|light| Emitter::new(world, light, &disc)).collect();
+        let environment = world.pose.environment.clone();
+        let of_environment = environment.iter().map(|found| Emitter::of_environment(found, &disc));
+        let of_lights = lights.iter().map(|light| Emitter::new(world, light, &disc));
+        let emitters: Vec<_> = of_lights.chain(of_environment).collect();
         Self {
-            light_changed: vec![false; lights.len()],
+            light_changed: vec![false; emitters.len()],
             moved: vec![false; world.pose.instances.len()],
             geometry_moved: false,
             static_moved: false,
             bounds_changed: false,
             flux_changed: false,
-            previous_index: (0..lights.len() as u32).map(Some).collect(),
+            previous_index: (0..emitters.len() as u32).map(Some).collect(),
             transforms: world.pose.instances.clone(),
             emitters,
             bounds,
             rest_bounds,
             focus,
             lights,
+            environment,
         }
     }
 
@@ -83,9 +89,17 @@ impl SceneChanges {
         self.geometry_moved || self.bounds_changed || self.light_changed.contains(&true)
     }
 
-    /// Whether an instance moved in this frame.
+    /// Whether an instance moved in this frame, or for [`NONE`] the environment turned.
     pub(super) fn has_moved(&self, instance: u32) -> bool {
-        self.moved[instance as usize]
+        match instance {
+            NONE => self.environment_changed(),
+            _ => self.moved[instance as usize],
+        }
+    }
+
+    /// Whether there is an environment, and one turned otherwise than in the last frame.
+    pub(super) fn environment_changed(&self) -> bool {
+        self.environment.is_some() && self.light_changed.last() == Some(&true)
     }
 
     /// Input of the quota, one for each light.
@@ -119,6 +133,8 @@ impl SceneChanges {
         let disc = FocusedDisc::new(&self.bounds, self.focus.as_ref());
         self.flux_changed = self.lights.len() != now.len();
         self.previous_index = previous_index(&self.lights, now);
+        let environment_index = self.lights.len() as u32;
+        let last_environment = self.emitters.split_off(self.lights.len()).pop();
         let mut known: Vec<_> = self.lights.drain(..).zip(self.emitters.drain(..)).map(Some).collect();
         self.light_changed.clear();
         for (index, light) in now.iter().enumerate() {
@@ -143,7 +159,29 @@ impl SceneChanges {
             self.emitters.push(emitter);
             self.light_changed.push(changed);
         }
+        self.compare_environment(world, &disc, last_environment.map(|last| (last, environment_index)));
         self.lights.clone_from(now);
+    }
+
+    /// Adds the environment to the emitters; `last`: what it was as one of them, and where.
+    fn compare_environment(&mut self, world: World<'_>, disc: &FocusedDisc, last: Option<(Emitter, u32)>) {
+        let now = &world.pose.environment;
+        let known = self.environment == *now && !self.bounds_changed;
+        self.environment.clone_from(now);
+        self.flux_changed |= last.is_some() != now.is_some();
+        let Some(environment) = now else { return };
+        self.previous_index.push(last.as_ref().map(|(_, index)| *index));
+        let (emitter, changed) = match last {
+            Some((last, _)) if known => (last, false),
+            last => {
+                let emitter = Emitter::of_environment(environment, disc);
+                self.flux_changed |= last.as_ref().is_some_and(|(last, _)| last.flux != emitter.flux);
+                let changed = last.is_none_or(|(last, _)| last.source != emitter.source);
+                (emitter, changed)
+            }
+        };
+        self.emitters.push(emitter);
+        self.light_changed.push(changed);
     }
 }
 

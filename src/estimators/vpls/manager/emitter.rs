@@ -1,6 +1,6 @@
 //! Emission sampling: the flux of each light, and the start of its paths.
 //!
-//! In: a light of the pose. Out: its flux, and for a sample in [0, 1)^2 a ray or a point on its surface, with
+//! In: a light of the pose, or its environment. Out: its flux, and for a sample in [0, 1)^2 a ray or a point on its surface, with
 //! a density proportional to its emission (ARCHITECTURE.md, "Lights"; Keller 1997).
 
 use std::f64::consts::PI;
@@ -11,7 +11,9 @@ use super::World;
 use super::focus::FocusedDisc;
 use crate::bvh::Ray;
 use crate::sampling::{self, Frame, SpotCone};
-use crate::scene::{AreaTriangle, Light, LightKind, Side, SurfacePoint, WorldSurface, luminance};
+use crate::scene::{
+    AreaTriangle, BoundingSphere, Environment, Light, LightKind, Side, SurfacePoint, WorldSurface, luminance,
+};
 
 /// A light ready to shoot paths.
 #[derive(Clone, Debug)]
@@ -25,10 +27,30 @@ pub(super) struct Emitter {
 /// Where a light's paths start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source {
-    Point { position: Vec3 },
-    Spot { position: Vec3, frame: Frame, cone: SpotCone, outer_angle: f32 },
-    Directional { frame: Frame, disc: FocusedDisc },
+    Point {
+        position: Vec3,
+    },
+    Spot {
+        position: Vec3,
+        frame: Frame,
+        cone: SpotCone,
+        outer_angle: f32,
+    },
+    Directional {
+        frame: Frame,
+        disc: FocusedDisc,
+    },
     Area(AreaTable),
+    /// Its paths start with a direction, a VPL at infinity; the next ray comes from there, through a point of the disc.
+    Environment(Sky),
+}
+
+/// The directions that light comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sky {
+    /// Of which only the colour of the radiance matters.
+    environment: Environment,
+    disc: FocusedDisc,
 }
 
 impl Emitter {
@@ -54,46 +76,102 @@ impl Emitter {
         Self { flux, source }
     }
 
-    /// Bounce of a path's first VPL: 0 on an area light, else 1.
+    /// The environment. Its flux is that through discs that cover the scene, one for each direction.
+    pub(super) fn of_environment(environment: &Environment, disc: &FocusedDisc) -> Self {
+        let flux = environment.mean() * (4.0 * PI * PI) as f32 * disc.bounds.radius.powi(2);
+        let largest = environment.radiance.max_element();
+        let colour = if largest > 0.0 { environment.radiance / largest } else { Vec3::ZERO };
+        let environment = Environment { radiance: colour, ..environment.clone() };
+        Self { flux, source: Source::Environment(Sky { environment, disc: *disc }) }
+    }
+
+    /// Bounce of a path's first VPL: 0 on an area light and at infinity, else 1.
     pub(super) fn first_bounce(&self) -> u32 {
         match self.source {
-            Source::Area(_) => 0,
+            Source::Area(_) | Source::Environment(_) => 0,
             _ => 1,
         }
     }
 
-    /// Luminous flux by which paths are allocated; that of directional lights is reduced by the disc's density.
+    /// Luminous flux by which paths are allocated; that through a disc is reduced by the disc's density.
     pub(super) fn sampling_weight(&self) -> f32 {
         match &self.source {
-            Source::Directional { disc, .. } => luminance(self.flux) * disc.core_weight(),
+            Source::Directional { disc, .. } | Source::Environment(Sky { disc, .. }) => {
+                luminance(self.flux) * disc.core_weight()
+            }
             _ => luminance(self.flux),
         }
     }
 
-    /// Samples a path's first ray, with its weight; none for area lights, whose paths start with a VPL.
+    /// Samples a path's first ray, with its weight; none where paths start with a VPL.
     pub(super) fn first_ray(&self, u: Vec2) -> Option<(Ray, f32)> {
-        let mut weight = 1.0;
         let (origin, direction) = match &self.source {
             Source::Point { position } => (*position, sampling::sphere(u)),
             Source::Spot { position, frame, cone, .. } => (*position, frame.to_world(cone.sample(u))),
-            Source::Directional { frame, disc } => {
-                let (position, density_weight) = disc.sample(u);
-                weight = density_weight;
-                // Offset the disc by slightly more than the radius, to start outside the scene.
-                let offset = frame.to_world(position.extend(-1.01)) * disc.bounds.radius;
-                (disc.bounds.center + offset, frame.normal)
-            }
-            Source::Area(_) => return None,
+            Source::Directional { frame, disc } => return Some(through_disc(*frame, disc, u)),
+            Source::Area(_) | Source::Environment(_) => return None,
         };
         let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
-        Some((ray, weight))
+        Some((ray, 1.0))
     }
 
-    /// The surface of a path's primary VPL on an area light; that of the world's origin for others.
+    /// The surface of a path's primary VPL; that of the world's origin for lights that have none.
     pub(super) fn primary(&self, world: World<'_>, u: Vec2) -> WorldSurface {
-        let Source::Area(table) = &self.source else { return WorldSurface::default() };
-        let point = table.sample(u).0;
-        world.scene.surface_at(world.pose, table.instance, point, Side::Front(true)).surface
+        match &self.source {
+            Source::Area(table) => {
+                let point = table.sample(u).0;
+                world.scene.surface_at(world.pose, table.instance, point, Side::Front(true)).surface
+            }
+            Source::Environment(sky) => sky.surface(sky.sample(u).0),
+            _ => WorldSurface::default(),
+        }
+    }
+}
+
+/// A ray along the normal of `frame` through a disc that covers the scene, with its weight.
+fn through_disc(frame: Frame, disc: &FocusedDisc, u: Vec2) -> (Ray, f32) {
+    let (position, weight) = disc.sample(u);
+    // Offset the disc by slightly more than the radius, to start outside the scene.
+    let offset = frame.to_world(position.extend(-1.01)) * disc.bounds.radius;
+    let origin = disc.bounds.center + offset;
+    (Ray { origin, direction: frame.normal, t_min: 0.0, t_max: f32::INFINITY }, weight)
+}
+
+impl Sky {
+    /// A direction as its place in the map, with the weight of a path that starts there.
+    pub(super) fn sample(&self, u: Vec2) -> (Vec2, Vec3) {
+        let environment = &self.environment;
+        let uniform = || (sampling::sphere(u), 0.25 / std::f32::consts::PI);
+        let (direction, density) = environment.sample(u).unwrap_or_else(uniform);
+        let weight =
+            environment.radiance(direction) / (environment.mean() * (4.0 * std::f32::consts::PI * density));
+        // A colour that the environment lacks brings nothing.
+        let weight = Vec3::select(weight.is_finite_mask(), weight, Vec3::ZERO);
+        (environment.uv_of(direction), weight)
+    }
+
+    /// The VPL at infinity for a place in the map: it stands for a point on the sphere around the scene, and faces the way its
+    /// light travels.
+    pub(super) fn surface(&self, uv: Vec2) -> WorldSurface {
+        let to_light = self.environment.direction_of(uv);
+        let BoundingSphere { center, radius } = self.disc.bounds;
+        let position = center + to_light * (1.01 * radius);
+        WorldSurface { position, normal: -to_light, geometric_normal: -to_light }
+    }
+
+    /// The ray of a path's next VPL, with its weight, where `at` is what [`Self::surface`] has given.
+    pub(super) fn next_ray(&self, at: &WorldSurface, u: Vec2) -> (Ray, f32) {
+        through_disc(Frame::around(at.normal), &self.disc, u)
+    }
+
+    /// Share of the flux of a VPL at infinity that is meant for the middle of the scene.
+    pub(super) fn core_area(&self) -> f32 {
+        self.disc.core_area()
+    }
+
+    /// Irradiance across its direction over the flux of a VPL at infinity, 1/m^2.
+    pub(super) fn irradiance_of_flux(&self) -> f32 {
+        1.0 / (std::f32::consts::PI * self.disc.bounds.radius.powi(2))
     }
 }
 

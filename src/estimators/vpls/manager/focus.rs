@@ -72,7 +72,12 @@ impl FocusedDisc {
 
     /// Weight of a sample in the core: the uniform density of the whole disc over the density of the core.
     pub(super) fn core_weight(&self) -> f32 {
-        (self.core / self.bounds.radius).powi(2) / self.core_share()
+        self.core_area() / self.core_share()
+    }
+
+    /// Share of the disc's area that the core has.
+    pub(super) fn core_area(&self) -> f32 {
+        (self.core / self.bounds.radius).powi(2)
     }
 
     /// Samples a point of the disc, in units of the bounds' radius, with its weight (uniform density / density).

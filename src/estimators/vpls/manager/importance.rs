@@ -1,13 +1,13 @@
 //! How much a VPL on a surface brings to the picture.
 //!
-//! In: a camera and the BVH. Out: an importance for each place. A cosine-distributed ray from a visible point hits a surface with the
+//! In: a camera and the BVH. Out: an importance for each place and, at infinity, each direction. A cosine-distributed ray from a visible point hits a surface with the
 //! very density with which a VPL there, per unit of flux and unoccluded, lights that point. So rays from a few dozen visible points,
 //! counted in a grid over position and direction, give the VPLs' importance with visibility: paths from the camera backwards
 //! (Segovia et al. 2006, "Bidirectional Instant Radiosity").
 
 use std::collections::HashMap;
 
-use glam::{IVec3, Vec2};
+use glam::{IVec3, Vec2, Vec3};
 
 use super::World;
 use super::shoot::diffuse_ray;
@@ -29,8 +29,12 @@ const LEAST: f32 = 0.03;
 /// Importance where few rays went: one VPL brings much there.
 const LEAST_USEFUL: f32 = 0.3;
 
-/// A grid cell: place, and the axis nearest to the normal.
+/// Grid cells from the middle of the directions' grid to its end.
+const DIRECTION_CELLS: f32 = 6.0;
+
+/// A grid cell: place, and the axis nearest to the normal; or a direction, and [`AT_INFINITY`].
 type Cell = (IVec3, u8);
+const AT_INFINITY: u8 = 6;
 
 /// Importance by place.
 #[derive(Clone, Debug)]
@@ -51,11 +55,16 @@ impl Importance {
             })
             .collect();
         let hits = hits(world, &rays);
-        let length = percentile(hits.iter().map(|hit| hit.0), 0.5).unwrap_or(bounds.radius);
+        let lengths = hits.iter().flatten().map(|hit| hit.0);
+        let length = percentile(lengths, 0.5).unwrap_or(bounds.radius);
         let mut importance = Self { cells: HashMap::new(), width: CELL * length.max(f32::MIN_POSITIVE) };
         let mut counts: HashMap<Cell, f32> = HashMap::new();
-        for (_, surface) in &hits {
-            *counts.entry(importance.cell(surface)).or_default() += 1.0;
+        for (hit, ray) in hits.iter().zip(&rays) {
+            let cell = match hit {
+                Some((_, surface)) => importance.cell(surface),
+                None => direction_cell(ray.direction),
+            };
+            *counts.entry(cell).or_default() += 1.0;
         }
         // Spread over the neighbours: few rays tell little of a single cell. Sums of whole numbers do not depend on the order.
         for (&(place, face), count) in &counts {
@@ -70,16 +79,20 @@ impl Importance {
     }
 
     /// Grows with what a VPL there brings, up to a mean amount; not 0 anywhere, so that all light has a chance.
-    pub(super) fn at(&self, surface: &WorldSurface) -> f32 {
-        match self.cells.get(&self.cell(surface)) {
+    pub(super) fn at(&self, surface: &WorldSurface, at_infinity: bool) -> f32 {
+        match self.cells.get(&self.cell_of_vpl(surface, at_infinity)) {
             Some(value) => LEAST_USEFUL + value.min(1.0),
             None => LEAST,
         }
     }
 
     /// Whether a VPL there lights something that the camera sees.
-    pub(super) fn is_useful(&self, surface: &WorldSurface) -> bool {
-        self.cells.contains_key(&self.cell(surface))
+    pub(super) fn is_useful(&self, surface: &WorldSurface, at_infinity: bool) -> bool {
+        self.cells.contains_key(&self.cell_of_vpl(surface, at_infinity))
+    }
+
+    fn cell_of_vpl(&self, surface: &WorldSurface, at_infinity: bool) -> Cell {
+        if at_infinity { direction_cell(-surface.normal) } else { self.cell(surface) }
     }
 
     fn cell(&self, surface: &WorldSurface) -> Cell {
@@ -90,6 +103,10 @@ impl Importance {
         let place = surface.position / self.width + 0.3 * normal;
         (place.floor().as_ivec3(), face as u8)
     }
+}
+
+fn direction_cell(direction: Vec3) -> Cell {
+    ((direction * DIRECTION_CELLS).floor().as_ivec3(), AT_INFINITY)
 }
 
 /// Points that a camera sees, spread evenly over its picture.
@@ -108,13 +125,13 @@ fn visible_points(world: World<'_>, aspect: f32) -> Vec<WorldSurface> {
 
 /// The surfaces that rays hit; none for rays that leave the scene.
 pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> {
-    hits(world, rays).into_iter().map(|(_, surface)| surface).collect()
+    hits(world, rays).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
-/// The same with their distance.
-fn hits(world: World<'_>, rays: &[Ray]) -> Vec<(f32, WorldSurface)> {
+/// What each ray hits, with its distance.
+fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays);
-    hits.filter_map(|(hit, ray)| {
+    hits.map(|(hit, ray)| {
         let hit = hit?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);

@@ -50,10 +50,11 @@ impl VplManager {
             .map(|vpl| (vpl, contribution(&vpl, at, gathering.clamp)))
             .filter(|(_, irradiance)| *irradiance != Vec3::ZERO)
             .map(|(vpl, irradiance)| {
-                let end = vpl.position + vpl.normal * ray_offset(vpl.position, radius);
-                let ray = Ray { origin: start, direction: end - start, t_min: 0.0, t_max: 1.0 };
-                let visible = !world.bvh.occluded(&ray);
-                VplContribution { slot: vpl.slot, position: vpl.position, irradiance, visible }
+                let visible = !world.bvh.occluded(&ray_to(&vpl, start, radius));
+                // Where a VPL at infinity is shown.
+                let surface = &self.surfaces[vpl.slot as usize];
+                let position = if vpl.at_infinity == 0 { vpl.position } else { surface.position };
+                VplContribution { slot: vpl.slot, position, irradiance, visible }
             })
             .collect();
         found.sort_by(|a, b| {
@@ -75,8 +76,20 @@ impl VplManager {
     }
 }
 
+/// The ray from a point to a VPL.
+fn ray_to(vpl: &GpuVpl, origin: Vec3, scene_radius: f32) -> Ray {
+    let (direction, t_max) = match vpl.at_infinity {
+        0 => (vpl.position + vpl.normal * ray_offset(vpl.position, scene_radius) - origin, 1.0),
+        _ => (vpl.position, f32::INFINITY),
+    };
+    Ray { origin, direction, t_min: 0.0, t_max }
+}
+
 /// Unoccluded irradiance at a surface point, W/m^2; `clamp` bounds the geometry term unless it is 0.
 pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 {
+    if vpl.at_infinity != 0 {
+        return vpl.flux * at.normal.dot(vpl.position).max(0.0);
+    }
     let d = vpl.position - at.position;
     let squared = d.length_squared();
     if squared <= 0.0 {

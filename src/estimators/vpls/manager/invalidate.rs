@@ -5,13 +5,13 @@
 //!
 //! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
 //! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
-//! the segment between the current positions of its parent and itself. A ray that was unoccluded in the last
+//! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was unoccluded in the last
 //! frame is tested against moving instances only.
 
 use rayon::prelude::*;
 
 use super::assignment::{Address, Assignment, NONE};
-use super::emitter::Source;
+use super::emitter::{Emitter, Source};
 use super::invalidation::{Invalidation, InvalidationReason};
 use super::quota::allocate_paths;
 use super::shoot::SLOTS_PER_TASK;
@@ -119,15 +119,15 @@ impl VplManager {
 
     /// Moves VPLs along with their instances.
     fn update_surfaces(&mut self, world: World<'_>) {
-        if !self.changes.moved.contains(&true) {
+        let (changes, addresses) = (&self.changes, &self.assignment.addresses);
+        if !changes.moved.contains(&true) && !changes.environment_changed() {
             return;
         }
-        let (changes, addresses) = (&self.changes, &self.assignment.addresses);
         (&self.slots, &mut self.surfaces, addresses)
             .into_par_iter()
             .with_min_len(SLOTS_PER_TASK)
             .filter(|(slot, _, _)| slot.state == SlotState::Valid && changes.has_moved(slot.instance))
-            .for_each(|(slot, surface, address)| *surface = locate(world, slot, address));
+            .for_each(|(slot, surface, address)| *surface = locate(world, slot, address, &changes.emitters));
     }
 
     fn mark_stale(&mut self) {
@@ -240,6 +240,7 @@ impl VplManager {
             SlotState::Escaped => {
                 self.sample_ray(index as u32, 0).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
             }
+            _ if slot.is_at_infinity() => Test::Keep,
             _ if address.bounce == 0 => self.test_primary(slot, address),
             _ => self.test_segment(&self.surfaces[index], address, slot.unoccluded),
         }
@@ -262,6 +263,9 @@ impl VplManager {
         let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
         if address.parent != NONE {
             let parent = &self.surfaces[address.parent as usize];
+            if self.slots[address.parent as usize].is_at_infinity() {
+                return test_towards_infinity(surface, end, parent.normal);
+            }
             let along = surface.position - parent.position;
             let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
             let arrives = surface.geometric_normal.dot(along) < 0.0;
@@ -273,10 +277,8 @@ impl VplManager {
         let source = &self.changes.emitters[address.light as usize].source;
         let ray = match source {
             Source::Point { position } | Source::Spot { position, .. } => towards(*position),
-            Source::Directional { frame, .. } => {
-                Ray { origin: end, direction: -frame.normal, t_min: 0.0, t_max: f32::INFINITY }
-            }
-            Source::Area(_) => return Test::Fail(InvalidationReason::LightChanged),
+            Source::Directional { frame, .. } => return test_towards_infinity(surface, end, frame.normal),
+            Source::Area(_) | Source::Environment(_) => return Test::Fail(InvalidationReason::LightChanged),
         };
         let jumped = match (source, last) {
             (Source::Point { position } | Source::Spot { position, .. }, Some(last)) => {
@@ -287,15 +289,20 @@ impl VplManager {
         if jumped {
             return Test::Fail(InvalidationReason::LightChanged);
         }
-        let arrives = match source {
-            Source::Directional { frame, .. } => surface.geometric_normal.dot(frame.normal) < 0.0,
-            _ => surface.geometric_normal.dot(surface.position - ray.origin) < 0.0,
-        };
+        let arrives = surface.geometric_normal.dot(surface.position - ray.origin) < 0.0;
         match (arrives, source.emits_towards(surface.position)) {
             (true, true) => Test::Trace(ray),
             (false, _) => Test::Fail(InvalidationReason::FacesAway),
             (true, false) => Test::Fail(InvalidationReason::LightTurnedAway),
         }
+    }
+}
+
+/// Test of the ray from a surface, which starts at `origin`, against the direction in which its light travels.
+fn test_towards_infinity(surface: &WorldSurface, origin: Vec3, direction: Vec3) -> Test {
+    match surface.geometric_normal.dot(direction) < 0.0 {
+        true => Test::Trace(Ray { origin, direction: -direction, t_min: 0.0, t_max: f32::INFINITY }),
+        false => Test::Fail(InvalidationReason::FacesAway),
     }
 }
 
@@ -309,7 +316,12 @@ fn density_change(surface: &WorldSurface, from: Vec3, to: Vec3) -> f32 {
 }
 
 /// Current surface of a valid slot's VPL, world space.
-pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address) -> WorldSurface {
+pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address, emitters: &[Emitter]) -> WorldSurface {
+    if let (true, Source::Environment(sky)) =
+        (slot.is_at_infinity(), &emitters[address.light as usize].source)
+    {
+        return sky.surface(slot.point.barycentrics);
+    }
     let side = Side::Front(slot.front);
     let mut surface = world.scene.surface_at(world.pose, slot.instance, slot.point, side).surface;
     if address.bounce == 0 {

@@ -48,18 +48,18 @@ use slots::Slot;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuVpl {
-    /// World position, on the surface.
+    /// World position, on the surface; at infinity the unit direction towards it.
     pub position: Vec3,
     /// Slot index.
     pub slot: u32,
-    /// PathRange normal of the emitting side.
+    /// Unit normal of the emitting side.
     pub normal: Vec3,
-    /// Bounce, 0 for a primary VPL of an area light.
+    /// Bounce, 0 for a primary VPL of an area light or environment.
     pub bounce: u32,
-    /// Flux phi, W.
+    /// Flux phi, W; at infinity the irradiance across its direction, W/m^2.
     pub flux: Vec3,
-    /// Unused.
-    pub _pad: u32,
+    /// 1: a direction instead of a place.
+    pub at_infinity: u32,
 }
 
 /// Counters of one frame, in slots of [`crate::settings::VplSettings::vpls_per_slot`] VPLs each.

@@ -8,6 +8,7 @@
 
 use super::World;
 use super::changes::SceneChanges;
+use super::emitter::{Emitter, Source};
 use super::importance::{Importance, surfaces_hit};
 use super::shoot::diffuse_ray;
 use super::slots::{Slot, SlotState};
@@ -32,8 +33,8 @@ const MOST_LATER: u32 = 4;
 pub(super) struct Placement {
     /// Most candidates of a slot; with 1 there is no choice.
     most: u32,
-    /// Candidates of each light's slots: the first of a path, later ones.
-    of_lights: Vec<[u32; 2]>,
+    /// Candidates of each light's slots: the first of a path, the second, later ones.
+    of_lights: Vec<[u32; 3]>,
     /// Width over height of the picture.
     aspect: f32,
     importance: Importance,
@@ -95,45 +96,67 @@ impl Placement {
     ) {
         let emitters = &changes.emitters;
         let others = self.of_lights.len() != emitters.len();
-        self.of_lights.resize(emitters.len(), [1; 2]);
+        self.of_lights.resize(emitters.len(), [1; 3]);
         if self.most == 1 {
             return;
         }
         let trials = (ALL_TRIALS / emitters.len().max(1) as u32).clamp(1, TRIALS);
         for light in (0..emitters.len()).filter(|&light| others || changed(light)) {
-            let point = |index, step| sampling::sequence_point(index, step, light as u32);
-            let first: Vec<WorldSurface> = match emitters[light].first_bounce() {
-                0 => (0..trials).map(|index| emitters[light].primary(world, point(index, 0))).collect(),
-                _ => {
-                    let ray = |index| Some(emitters[light].first_ray(point(index, 0))?.0);
-                    surfaces_hit(world, &(0..trials).filter_map(ray).collect::<Vec<_>>())
-                }
-            };
-            let rays: Vec<Ray> = first
-                .iter()
-                .zip(0..)
-                .map(|(surface, index)| diffuse_ray(surface, point(index, 1), changes.bounds.radius))
-                .collect();
-            let later = surfaces_hit(world, &rays);
-            self.of_lights[light] =
-                [(first, trials, self.most), (later, rays.len() as u32, self.most.min(MOST_LATER))].map(
-                    |(hit, rays, most)| {
-                        let useful = hit.iter().filter(|surface| self.importance.is_useful(surface)).count();
-                        candidates_for(useful as f32 / rays.max(1) as f32).min(most)
-                    },
-                );
+            let (light, emitter) = (light as u32, &emitters[light]);
+            self.of_lights[light as usize] =
+                self.try_light(world, (light, emitter), trials, changes.bounds.radius);
         }
     }
 
-    /// Candidates of a slot of a light; `is_first`: it has no parent.
-    pub(super) fn candidates(&self, light: u32, is_first: bool) -> u32 {
-        self.of_lights[light as usize][usize::from(!is_first)]
+    /// Candidates of a light's slots, from so many paths.
+    fn try_light(&self, world: World<'_>, light: (u32, &Emitter), paths: u32, radius: f32) -> [u32; 3] {
+        let (index, light) = light;
+        let point = |path, step| sampling::sequence_point(path, step, index);
+        let primary: Vec<WorldSurface> = match light.first_bounce() {
+            0 => (0..paths).map(|path| light.primary(world, point(path, 0))).collect(),
+            _ => Vec::new(),
+        };
+        // Find the surfaces that the light reaches first.
+        let lit = match &light.source {
+            Source::Area(_) => primary.clone(),
+            Source::Environment(sky) => {
+                let next = |(vpl, path)| sky.next_ray(vpl, point(path, 1)).0;
+                surfaces_hit(world, &primary.iter().zip(0..).map(next).collect::<Vec<_>>())
+            }
+            _ => {
+                let first = |path| Some(light.first_ray(point(path, 0))?.0);
+                surfaces_hit(world, &(0..paths).filter_map(first).collect::<Vec<_>>())
+            }
+        };
+        // And those after them.
+        let diffuse = |(surface, path)| diffuse_ray(surface, point(path, 2), radius);
+        let rays: Vec<Ray> = lit.iter().zip(0..).map(diffuse).collect();
+        let later = surfaces_hit(world, &rays);
+        // The rarer useful ones are, the more candidates.
+        let candidates = |surfaces: &[WorldSurface], at_infinity, rays: u32, most: u32| {
+            let is_useful = |surface: &&WorldSurface| self.importance.is_useful(surface, at_infinity);
+            let useful = surfaces.iter().filter(is_useful).count();
+            candidates_for(useful as f32 / rays.max(1) as f32).min(most)
+        };
+        let at_lit = candidates(&lit, false, paths, self.most);
+        let at_later = candidates(&later, false, rays.len() as u32, self.most.min(MOST_LATER));
+        match light.source {
+            Source::Environment(_) => [candidates(&primary, true, paths, self.most), at_lit, at_later],
+            _ => [at_lit, at_later, at_later],
+        }
+    }
+
+    /// Candidates of a slot of a light, `step` VPLs after the first of its path.
+    pub(super) fn candidates(&self, light: u32, step: u32) -> u32 {
+        self.of_lights[light as usize][step.min(2) as usize]
     }
 
     /// Draws one of a slot's candidates by `u` in [0, 1).
     pub(super) fn choose(&self, candidates: &[(Slot, WorldSurface)], u: f32) -> (Slot, WorldSurface) {
         let worth = |(slot, surface): &(Slot, WorldSurface)| match slot.state {
-            SlotState::Valid => luminance(slot.throughput) * self.importance.at(surface),
+            SlotState::Valid => {
+                luminance(slot.throughput) * self.importance.at(surface, slot.is_at_infinity())
+            }
             _ => 0.0,
         };
         let worths: Vec<f32> = candidates.iter().map(worth).collect();
@@ -154,7 +177,8 @@ impl Placement {
         }
         let hits = candidates.iter().filter(|(slot, _)| slot.state == SlotState::Valid).count();
         (slot.candidates, slot.hits) = (count as u32, hits as u32);
-        slot.useful = slot.state == SlotState::Valid && self.importance.is_useful(&surface);
+        slot.useful =
+            slot.state == SlotState::Valid && self.importance.is_useful(&surface, slot.is_at_infinity());
         (slot, surface)
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::assignment::NONE;
 use super::emitter::Source;
+use super::invalidate::locate;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
 use crate::bvh::{Hit, Ray};
@@ -33,6 +34,8 @@ enum Start {
     Escape,
     /// A primary VPL on the light: instance, point, weight.
     OnLight(u32, SurfacePoint, Vec3),
+    /// A primary VPL at infinity: place in the environment's map, weight.
+    AtInfinity(Vec2, Vec3),
     /// A ray to trace, with its weight.
     Trace(Ray, f32),
 }
@@ -100,16 +103,27 @@ impl VplManager {
         let address = &self.assignment.addresses[slot as usize];
         match address.light {
             NONE => 0,
-            light => self.placement.candidates(light, address.parent == NONE),
+            light => {
+                let first_bounce = self.changes.emitters[light as usize].first_bounce();
+                self.placement.candidates(light, address.bounce - first_bounce)
+            }
         }
     }
 
     fn start(&self, slot: u32, candidate: u32) -> Start {
         let address = &self.assignment.addresses[slot as usize];
         let emitter = &self.changes.emitters[address.light as usize];
-        if let (NONE, Source::Area(table)) = (address.parent, &emitter.source) {
-            let (point, weight) = table.sample(self.layout.point(address, 0, candidate));
-            return Start::OnLight(table.instance, point, weight);
+        let u = || self.layout.point(address, 0, candidate);
+        match (address.parent, &emitter.source) {
+            (NONE, Source::Area(table)) => {
+                let (point, weight) = table.sample(u());
+                return Start::OnLight(table.instance, point, weight);
+            }
+            (NONE, Source::Environment(sky)) => {
+                let (uv, weight) = sky.sample(u());
+                return Start::AtInfinity(uv, weight);
+            }
+            _ => {}
         }
         match self.sample_ray(slot, candidate) {
             Some((ray, weight)) => Start::Trace(ray, weight),
@@ -130,6 +144,9 @@ impl VplManager {
             return None;
         }
         let parent = &self.surfaces[address.parent as usize];
+        if let (1, Source::Environment(sky)) = (address.bounce, &emitter.source) {
+            return Some(sky.next_ray(parent, u));
+        }
         let ray = diffuse_ray(parent, u, self.changes.bounds.radius);
         // A direction above the shading hemisphere but below the geometric surface carries no light.
         (ray.direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
@@ -142,11 +159,11 @@ impl VplManager {
         start: &Start,
         hit: Option<Hit>,
     ) -> (Slot, WorldSurface) {
-        let parent = self.assignment.addresses[slot as usize].parent;
-        let (fresh, throughput) = match parent {
+        let address = &self.assignment.addresses[slot as usize];
+        let (fresh, throughput) = match address.parent {
             NONE => (true, Vec3::ONE),
             _ => {
-                let parent = &self.slots[parent as usize];
+                let parent = &self.slots[address.parent as usize];
                 (parent.fresh, parent.throughput)
             }
         };
@@ -163,6 +180,18 @@ impl VplManager {
                 // Emission follows the geometric normal.
                 found.surface.normal = found.surface.geometric_normal;
                 (instance, point, found, weight, None)
+            }
+            (&Start::AtInfinity(uv, weight), _) => {
+                let filled = Slot {
+                    state: SlotState::Valid,
+                    fresh,
+                    instance: NONE,
+                    point: SurfacePoint { triangle: 0, barycentrics: uv },
+                    throughput: weight,
+                    shot: self.frame,
+                    ..Slot::INVALID
+                };
+                return (filled, locate(world, &filled, address, &self.changes.emitters));
             }
             (&Start::Trace(ray, weight), Some(hit)) => {
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::assignment::NONE;
 use super::invalidation::Invalidation;
 use crate::bvh::Ray;
 use crate::scene::SurfacePoint;
@@ -32,9 +33,9 @@ pub(super) struct Slot {
     /// Candidates that it was chosen from, and how many of these hit something.
     pub(super) candidates: u32,
     pub(super) hits: u32,
-    /// Index into `Scene::instances`.
+    /// Index into `Scene::instances`; [`NONE`] at infinity.
     pub(super) instance: u32,
-    /// Point on the instance's mesh.
+    /// Point on the instance's mesh; at infinity the place in the environment's map.
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path and the weight of its start.
     pub(super) throughput: Vec3,
@@ -60,6 +61,11 @@ impl Slot {
         unoccluded: None,
     };
 
+    /// Whether it is a VPL at infinity.
+    pub(super) fn is_at_infinity(&self) -> bool {
+        self.state == SlotState::Valid && self.instance == NONE
+    }
+
     /// A slot whose path left the scene, shot in frame `shot`.
     pub(super) fn escaped(fresh: bool, shot: u32) -> Self {
         Self { state: SlotState::Escaped, fresh, shot, ..Self::INVALID }
@@ -81,9 +87,11 @@ pub struct SlotView {
     pub bounce: u32,
     /// Slot of the parent VPL; none if the parent is the light.
     pub parent: Option<u32>,
+    /// Whether it lies at infinity, in the environment; then `position` stands for it, on a sphere around the scene.
+    pub at_infinity: bool,
     /// World position as of the last invalidation or replacement; meaningful if valid.
     pub position: Vec3,
-    /// PathRange normal of the emitting side; meaningful if valid.
+    /// Unit normal of the emitting side; meaningful if valid.
     pub normal: Vec3,
     /// Flux, W; zero unless valid.
     pub flux: Vec3,

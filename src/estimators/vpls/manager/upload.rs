@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::assignment::NONE;
-use super::emitter::Source;
+use super::emitter::{Sky, Source};
 use super::invalidate::locate;
 use super::slots::{SlotHistory, SlotState, SlotView};
 use super::{GpuVpl, VplManager, World};
@@ -21,14 +21,30 @@ impl VplManager {
             self.layout.set_slots(set).filter_map(|slot| self.gpu_vpl(world, slot)).collect();
         let BoundingSphere { center, radius } = self.changes.bounds;
         let place = |vpl: &GpuVpl| (vpl.position - center) / (2.0 * radius) + 0.5;
-        vpls.sort_by_cached_key(|vpl| (morton_code(place(vpl)), vpl.slot));
+        // Those at infinity come last, sorted by their direction.
+        let code = |vpl: &GpuVpl| match vpl.at_infinity {
+            0 => morton_code(place(vpl)),
+            _ => morton_code(0.5 * vpl.position + 0.5),
+        };
+        vpls.sort_by_cached_key(|vpl| (vpl.at_infinity, code(vpl), vpl.slot));
         vpls
     }
 
-    /// Luminous flux of the valid VPLs of each temporal set.
+    /// Luminous flux of the valid VPLs of each temporal set; of one at infinity that through the middle of the scene.
     pub fn set_flux(&self) -> Vec<f32> {
-        let of_set = |set| self.layout.set_slots(set).map(|slot| luminance(self.flux(slot as usize))).sum();
-        (0..self.layout.sets).map(of_set).collect()
+        let flux = |slot: u32| {
+            let index = slot as usize;
+            luminance(self.flux(index)) * self.sky_of(index).map_or(1.0, Sky::core_area)
+        };
+        (0..self.layout.sets).map(|set| self.layout.set_slots(set).map(flux).sum()).collect()
+    }
+
+    /// The environment that a VPL at infinity belongs to; none for others.
+    fn sky_of(&self, index: usize) -> Option<&Sky> {
+        match &self.changes.emitters.get(self.assignment.addresses[index].light as usize)?.source {
+            Source::Environment(sky) if self.slots[index].is_at_infinity() => Some(sky),
+            _ => None,
+        }
     }
 
     /// Luminous flux of all valid VPLs, the sum over all temporal sets.
@@ -48,6 +64,7 @@ impl VplManager {
                 path: address.path,
                 bounce: address.bounce,
                 parent: (address.parent != NONE).then_some(address.parent),
+                at_infinity: slot.is_at_infinity(),
                 position: surface.position,
                 normal: surface.normal,
                 flux: self.flux(index),
@@ -76,7 +93,7 @@ impl VplManager {
             Some(Source::Directional { frame, .. }) => {
                 surface.position - frame.normal * (0.5 * self.changes.bounds.radius)
             }
-            Some(Source::Area(_)) | None => surface.position,
+            Some(Source::Area(_) | Source::Environment(_)) | None => surface.position,
         }
     }
 
@@ -91,14 +108,24 @@ impl VplManager {
             return None;
         }
         let address = &self.assignment.addresses[index];
-        let surface = locate(world, &self.slots[index], address);
-        Some(GpuVpl {
+        let emitters = &self.changes.emitters;
+        let surface = locate(world, &self.slots[index], address, emitters);
+        let vpl = GpuVpl {
             position: surface.position,
             slot,
             normal: surface.normal,
             bounce: address.bounce,
             flux,
-            _pad: 0,
+            at_infinity: 0,
+        };
+        Some(match self.sky_of(index) {
+            Some(sky) => GpuVpl {
+                position: -surface.normal,
+                flux: flux * sky.irradiance_of_flux(),
+                at_infinity: 1,
+                ..vpl
+            },
+            None => vpl,
         })
     }
 
