@@ -1,10 +1,11 @@
 //! Distribution of first VPLs against the emission of each kind of light.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec3;
 use glowworm::estimators::vpls::{SlotState, VplManager};
-use glowworm::scene::{AlphaMask, Light, Mesh, Scene};
+use glowworm::scene::{AlphaMask, Environment, EnvironmentMap, Light, Mesh, Scene};
 
 use crate::support::*;
 
@@ -186,4 +187,28 @@ fn holes_in_an_area_light_emit_nothing() {
     assert!((kept - 0.5).abs() < 0.02, "{kept}");
     let flux = flux_of(&manager, |slot| slot.bounce == 0) as f32;
     assert!((flux / (0.5 * PI * 4.0) - 1.0).abs() < 0.02, "{flux}");
+}
+
+#[test]
+fn vpls_at_infinity_follow_the_radiance() {
+    let mut stage = sphere_scene(|_| point(0.0, Vec3::ZERO));
+    // Three quarters of the light come from above; the map is turned about the vertical, which changes nothing of that.
+    let texels =
+        (0..64 * 32).map(|i| Vec3::new(1.0, 2.0, 0.5) * if i < 64 * 16 { 3.0 } else { 1.0 }).collect();
+    let map = Some(Arc::new(EnvironmentMap::new(64, 32, texels)));
+    stage.scene.environment = Some(Environment { radiance: Vec3::ONE, map, rotation: 0.5 });
+    let stage = Stage::new(stage.scene);
+    let settings = without_choice(settings(30_000, 2));
+    let manager = VplManager::new(stage.world(), &settings);
+    let vpls: Vec<_> = (0..settings.vpl.temporal_sets)
+        .flat_map(|set| manager.set_vpls(stage.world(), set))
+        .filter(|vpl| vpl.at_infinity == 1)
+        .collect();
+    assert_eq!(vpls.len(), 10_000, "one of three slots of a path");
+    let above = vpls.iter().filter(|vpl| vpl.position.y > 0.0).count();
+    assert!((above as f32 / vpls.len() as f32 - 0.75).abs() < 0.01, "{above}");
+    // Together they have the irradiance of all directions, each across its own.
+    let all: Vec3 = vpls.iter().map(|vpl| vpl.flux).sum();
+    let expected = Vec3::new(1.0, 2.0, 0.5) * (4.0 * PI * 2.0);
+    assert!((all / expected - 1.0).abs().max_element() < 0.01, "{all} {expected}");
 }

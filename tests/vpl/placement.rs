@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use glowworm::estimators::vpls::{Gathering, SlotState, VplManager};
-use glowworm::scene::{Camera, Mesh, WorldSurface, luminance};
+use glowworm::scene::{Camera, Environment, Mesh, WorldSurface, luminance};
 use glowworm::settings::{Settings, VplSettings};
 
 use crate::support::*;
@@ -23,6 +23,14 @@ fn court() -> Stage {
     }
     scene.lights.push(directional(1.0, Vec3::new(0.5, -1.0, 0.3)));
     scene.camera = Camera::looking(Vec3::new(-1.5, 1.5, -1.5), Vec3::new(1.0, 1.0, 1.0));
+    Stage::new(scene)
+}
+
+/// The same under a grey sky.
+fn court_under_a_sky() -> Stage {
+    let mut scene = court().scene;
+    scene.lights.clear();
+    scene.environment = Some(Environment::constant(Vec3::ONE));
     Stage::new(scene)
 }
 
@@ -47,10 +55,14 @@ fn seen(stage: &Stage, manager: &VplManager) -> (f32, usize) {
 
 #[test]
 fn the_camera_sees_more_vpls_and_the_same_light() {
+    check_placement(&court());
+    check_placement(&court_under_a_sky());
+}
+
+fn check_placement(stage: &Stage) {
     const SEEDS: u32 = 12;
-    let stage = court();
     let of = |candidates| {
-        let runs: Vec<_> = (0..SEEDS).map(|seed| seen(&stage, &manager(&stage, candidates, seed))).collect();
+        let runs: Vec<_> = (0..SEEDS).map(|seed| seen(stage, &manager(stage, candidates, seed))).collect();
         (runs.iter().map(|run| run.0).sum::<f32>(), runs.iter().map(|run| run.1).sum::<usize>())
     };
     let (plain, plain_count) = of(1);

@@ -75,11 +75,13 @@ impl VplManager {
         invalidated
     }
 
-    /// Marks slots stale that may now choose another candidate.
+    /// Marks slots stale that may now choose another candidate, and asks of all whether they are still useful.
     fn choose_anew(&mut self) {
         for index in 0..self.slots.len() {
             let has_choice = self.slots[index].candidates > 1 || self.candidates(index as u32) > 1;
-            self.slots[index].fresh &= !has_choice;
+            let slot = &mut self.slots[index];
+            slot.fresh &= !has_choice;
+            slot.useful = self.placement.is_useful(slot, &self.surfaces[index]);
         }
     }
 

@@ -177,9 +177,13 @@ impl Placement {
         }
         let hits = candidates.iter().filter(|(slot, _)| slot.state == SlotState::Valid).count();
         (slot.candidates, slot.hits) = (count as u32, hits as u32);
-        slot.useful =
-            slot.state == SlotState::Valid && self.importance.is_useful(&surface, slot.is_at_infinity());
+        slot.useful = self.is_useful(&slot, &surface);
         (slot, surface)
+    }
+
+    /// Whether a slot's VPL lights something that the camera sees.
+    pub(super) fn is_useful(&self, slot: &Slot, surface: &WorldSurface) -> bool {
+        slot.state == SlotState::Valid && self.importance.is_useful(surface, slot.is_at_infinity())
     }
 }
 
