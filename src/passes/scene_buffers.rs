@@ -9,7 +9,7 @@ use super::clusters::{Cluster, Draw, cluster};
 use super::skip::{LastInputs, Version};
 use super::structs::{InstanceData, MaterialData};
 use crate::bvh::gpu::rows;
-use crate::scene::{LightKind, Material, Pose, Scene};
+use crate::scene::{LightKind, Material, Pose, Scene, TextureUse};
 use crate::vulkan::{Buffer, Device, Frame, Image, Mirror, Sampler, VulkanError};
 
 /// One vertex, 32 bytes.
@@ -86,7 +86,7 @@ impl SceneBuffers {
                         base_colour_texture, metallic_roughness_texture, emission_texture, ..
                     } = material;
                     [base_colour_texture, metallic_roughness_texture, emission_texture]
-                        .map(|texture| texture.unwrap_or(white))
+                        .map(|texture| texture.map_or(white, |texture| texture.texture))
                 })
                 .collect(),
             textures,
@@ -186,7 +186,7 @@ const MAP_METALLIC_ROUGHNESS: u32 = 1;
 const MAP_EMISSION: u32 = 2;
 
 fn material_data(scene: &Scene, material: &Material) -> MaterialData {
-    let bit = |texture: Option<usize>, bit: u32| if texture.is_some() { bit } else { 0 };
+    let bit = |texture: Option<TextureUse>, bit: u32| if texture.is_some() { bit } else { 0 };
     MaterialData {
         base: material.reflected_base().extend(material.metallic),
         reflectance: material.f0.extend(material.f90),
