@@ -128,13 +128,19 @@ impl Material {
         Self { f0, f90, roughness: roughness_of_exponent(shininess), ..self }
     }
 
-    /// All its textures.
+    /// Its textures: base colour, metallic and roughness, emission, normal.
+    pub fn texture_uses(&self) -> [Option<TextureUse>; 4] {
+        [
+            self.base_colour_texture,
+            self.metallic_roughness_texture,
+            self.emission_texture,
+            self.normal_texture,
+        ]
+    }
+
+    /// Those that it has.
     pub fn textures(&self) -> impl Iterator<Item = TextureUse> {
-        let Self {
-            base_colour_texture, metallic_roughness_texture, emission_texture, normal_texture, ..
-        } = *self;
-        let all = [base_colour_texture, metallic_roughness_texture, emission_texture, normal_texture];
-        all.into_iter().flatten()
+        self.texture_uses().into_iter().flatten()
     }
 
     /// Its reflection at a point (textures bilinear, level 0).
