@@ -55,8 +55,8 @@ pub use scene_file::{
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use texture_use::{Attributes, TextureUse, Wrap};
-pub(crate) use world_surface::{Side, SidedSurface, SurfaceTransform};
-pub use world_surface::{WorldSurface, ray_offset};
+pub(crate) use world_surface::SurfaceTransform;
+pub use world_surface::{Side, SidedSurface, WorldSurface, ray_offset};
 
 use std::sync::Arc;
 

@@ -37,7 +37,7 @@ impl WorldSurface {
 
 /// The side of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Side {
+pub enum Side {
     /// The side on which the corners are counter-clockwise in object space, or the other.
     Front(bool),
     /// The side that a ray of this direction hits.
@@ -45,10 +45,14 @@ pub(crate) enum Side {
 }
 
 /// A surface point on one side, with what its textures are read by.
-pub(crate) struct SidedSurface {
-    pub(crate) front: bool,
-    pub(crate) surface: WorldSurface,
-    pub(crate) attributes: Attributes,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SidedSurface {
+    /// Whether it is the front.
+    pub front: bool,
+    /// Position and normals.
+    pub surface: WorldSurface,
+    /// Texture coordinates and colour.
+    pub attributes: Attributes,
 }
 
 /// An object-to-world transform of surface points.
@@ -104,13 +108,7 @@ impl SurfaceTransform {
 
 impl Scene {
     /// The surface at `point` of `instance`, in `pose`.
-    pub(crate) fn surface_at(
-        &self,
-        pose: &Pose,
-        instance: u32,
-        point: SurfacePoint,
-        side: Side,
-    ) -> SidedSurface {
+    pub fn surface_at(&self, pose: &Pose, instance: u32, point: SurfacePoint, side: Side) -> SidedSurface {
         let mesh = &self.meshes[self.instances[instance as usize].mesh];
         let mut local = mesh.interpolate(point);
         let material = mesh.triangle_materials[point.triangle as usize];
