@@ -10,15 +10,15 @@ use std::sync::Arc;
 use bvh_support::Random;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
-use glowworm::bvh::{Ray, TwoLevelBvh};
+use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::passes::hit_buffers::HitBuffers;
 use glowworm::passes::scene_buffers::SceneBuffers;
 use glowworm::passes::structs::FrameUniforms;
 use glowworm::passes::tracer::{RayTracer, Tracer};
 use glowworm::scene::{
-    Camera, Instance, Light, LightKind, Material, Mesh, Pose, Scene, Side, SurfacePoint, Texture, TextureUse,
-    Wrap, linear_to_srgb, load_scene,
+    Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
+    linear_to_srgb, load_scene,
 };
 use glowworm::settings::Settings;
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
@@ -253,17 +253,43 @@ fn cones_choose_the_level(tracer: RayTracer) {
     }
 }
 
+/// Through the centres of all pixels of a square picture.
+fn pixel_rays(camera: &Camera, size: [u32; 2]) -> impl Iterator<Item = Ray> {
+    let (origin, [ray, ray_x, ray_y]) = (camera.eye, camera.pixel_rays(1.0));
+    (0..size[0] * size[1]).map(move |i| {
+        let at = (Vec2::new((i % size[0]) as f32, (i / size[0]) as f32) + 0.5) * (2.0 / size[0] as f32) - 1.0;
+        Ray { origin, direction: ray + at.x * ray_x + at.y * ray_y, t_min: 0.0, t_max: f32::INFINITY }
+    })
+}
+
 /// A camera so near that every image is magnified sees by raster what its rays hit.
 fn pixels_are_what_rays_hit(tracer: RayTracer) {
-    const SIZE: [u32; 2] = [96, 96];
+    const SIZE: [u32; 2] = [128, 128];
     let Some(lab) = Lab::open() else { return };
     let Some(mut scene) = helmet() else { return };
-    let bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
-    let from = Vec3::new(0.9, 0.7, 2.0);
-    let aim = Ray { origin: from, direction: Vec3::new(0.1, 0.1, 0.3) - from, t_min: 0.0, t_max: 9.0 };
-    let target = from + aim.direction * bvh.intersect(&aim).unwrap().t;
-    let eye = target - aim.direction.normalize() * 0.08;
-    scene.camera = Camera { near: 0.001, vertical_fov: 0.4, ..Camera::looking(eye, target) };
+    let pose = scene.pose(0.0);
+    let bvh = TwoLevelBvh::build(&scene, &pose.instances);
+    // Of some places near the surface, that which sees most relief.
+    let relief = |camera: &Camera| {
+        let rays: Vec<Ray> = pixel_rays(camera, [9, 9]).collect();
+        let leans = |(ray, hit): (&Ray, &Option<Hit>)| {
+            let Some(hit) = hit else { return false };
+            let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+            let seen = scene.surface_at(&pose, hit.instance, point, Side::Facing(ray.direction)).surface;
+            seen.normal.dot(seen.geometric_normal) < 0.99
+        };
+        rays.iter().zip(&bvh.intersect_all(&rays)).filter(|pair| leans(*pair)).count()
+    };
+    let cameras = (0..40).filter_map(|i| {
+        let from = Quat::from_rotation_y(i as f32 * 0.7) * Vec3::new(0.0, 1.5 * (i as f32 * 1.3).sin(), 2.5);
+        let aim =
+            Ray { origin: from, direction: Vec3::Y * 0.3 * (i as f32).cos() - from, t_min: 0.0, t_max: 9.0 };
+        let target = from + aim.direction * bvh.intersect(&aim)?.t;
+        let eye = target - aim.direction.normalize() * 0.1;
+        Some(Camera { near: 0.001, vertical_fov: 0.4, ..Camera::looking(eye, target) })
+    });
+    scene.camera = cameras.max_by_key(relief).unwrap();
+    let eye = scene.camera.eye;
     scene.lights.push(Light {
         name: "lamp".into(),
         kind: LightKind::Point { intensity: Vec3::ONE },
@@ -271,16 +297,8 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
         direction: Vec3::NEG_Y,
         animation: None,
     });
-    let pose: Pose = scene.pose(0.0);
-    let [ray, ray_x, ray_y] = pose.camera.pixel_rays(1.0);
-    let rays: Vec<Ray> = (0..SIZE[0] * SIZE[1])
-        .map(|i| {
-            let at =
-                (Vec2::new((i % SIZE[0]) as f32, (i / SIZE[0]) as f32) + 0.5) * (2.0 / SIZE[0] as f32) - 1.0;
-            let direction = ray + at.x * ray_x + at.y * ray_y;
-            Ray { origin: eye, direction, t_min: 0.0, t_max: f32::INFINITY }
-        })
-        .collect();
+    let pose = scene.pose(0.0);
+    let rays: Vec<Ray> = pixel_rays(&pose.camera, SIZE).collect();
     let Some(found) = surfaces(&lab, tracer, &scene, &rays, [0.0; 2]) else { return };
     let settings = Settings { size: SIZE, ..Settings::default() };
     let picture = lab.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();

@@ -164,7 +164,7 @@ fn slopes_of_gltf_files_read_back() {
     let folder = tempfile::tempdir().unwrap();
     write_map(folder.path());
     let plain = || Variation { texture: json!({}), node: json!({}), tangent: None };
-    let mut show = |what: &str, variation: Variation, expected: &dyn Fn(Vec2) -> Vec3| {
+    let show = |what: &str, variation: Variation, expected: &dyn Fn(Vec2) -> Vec3| {
         check(&lab, what, gltf(folder.path(), variation), expected);
     };
     show("made tangents", plain(), &quarter);

@@ -482,7 +482,9 @@ fn the_damaged_helmet_loads() {
         })
         .sum();
     assert!((100..8_000).contains(&glowing), "{glowing}");
-    assert!(scene.meshes[0].tangents.iter().all(|tangent| tangent.w != 0.0));
+    // Where an image is stretched to nothing there is no tangent.
+    let without = scene.meshes[0].tangents.iter().filter(|tangent| tangent.w == 0.0).count();
+    assert!(without * 100 < scene.meshes[0].tangents.len(), "{without}");
     let warning = scene.warnings.iter().find(|warning| warning.contains("not shown"));
     assert!(warning.is_some_and(|warning| warning.contains("occlusion")), "{:?}", scene.warnings);
     let mean = material.mean_bsdf(&scene);
