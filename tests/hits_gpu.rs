@@ -309,21 +309,31 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
     };
     let (metallic, roughness) = (extra("base_colour"), extra("reflectance"));
     assert_eq!(reflectances.len(), channel(&picture, "depth").len());
-    let mut far = 0;
+    let (mut far, mut compared) = (0, 0);
     for (pixel, seen) in found.iter().enumerate().filter(|(_, seen)| seen.instance != u32::MAX) {
+        // Raster reads smaller levels of images where it sees them askance.
+        if seen.geometric.dot((eye - seen.position).normalize()) < 0.5 {
+            continue;
+        }
+        compared += 1;
         let emission = Vec3::from(emissions[pixel]);
-        let agrees = Vec3::from(positions[pixel]).distance(seen.position) < 1e-4
-            && Vec3::from(normals[pixel]).angle_between(seen.shading).to_degrees() < 0.5
-            // The G-buffer has 8 bits of the root.
-            && (Vec3::from(bases[pixel]).map(f32::sqrt) - seen.base.map(f32::sqrt)).abs().max_element() < 2.0 / 255.0
-            && (metallic[pixel] - seen.metallic).abs() < 2.0 / 255.0
-            && (roughness[pixel] - seen.roughness).abs() < 2.0 / 255.0
-            && (emission - seen.emission).abs().max_element() < 0.01 + 0.01 * emission.max_element();
-        far += usize::from(!agrees);
+        // Within the 8 bits of textures, which software devices also filter with, and of the G-buffer's base colour's root.
+        let (position, normal) = (Vec3::from(positions[pixel]), Vec3::from(normals[pixel]));
+        let roots = Vec3::from(bases[pixel]).map(f32::sqrt) - seen.base.map(f32::sqrt);
+        let agrees = [
+            position.distance(seen.position) < 1e-4,
+            normal.angle_between(seen.shading).to_degrees() < 1.0,
+            roots.abs().max_element() < 2.0 / 255.0,
+            (metallic[pixel] - seen.metallic).abs() < 2.0 / 255.0,
+            (roughness[pixel] - seen.roughness).abs() < 2.0 / 255.0,
+            (emission - seen.emission).abs().max_element() < 0.01 + 0.01 * emission.max_element(),
+        ];
+        far += usize::from(agrees.contains(&false));
     }
     // Where a pixel lies on an edge between triangles, either may be seen.
-    println!("{far} of {} pixels differ", found.len());
-    assert!(far * 200 < found.len(), "{far} of {} pixels differ", found.len());
+    println!("{far} of {compared} pixels differ");
+    assert!(compared * 4 > found.len(), "{compared}");
+    assert!(far * 500 < compared, "{far} of {compared} pixels differ");
     // The picture shows relief: mapped normals are not the flat ones.
     let leaning = found.iter().filter(|seen| seen.shading.dot(seen.geometric) < 0.995).count();
     assert!(leaning * 20 > found.len(), "{leaning}");

@@ -50,14 +50,14 @@ struct HitSurface {
     bool front;     // whether the front side was hit
 };
 
-// The mip level for `sample_texture` on the triangle of edges e1 and e2 in the world, with du and dv on the image: texels under the
-// footprint of the cone.
-float lod_of(vec4 edges_uv, float area, float width, float cosine) {
-    float on_image = abs(edges_uv.x * edges_uv.w - edges_uv.y * edges_uv.z);
+// The mip level for `sample_texture`: how much of an image the cone covers, where it is so wide and meets the surface at this
+// cosine. `edges`: two of a triangle's, on the image; `area`: of the parallelogram that they span in the world.
+float lod_of(vec4 edges, float area, float width, float cosine) {
+    float on_image = abs(edges.x * edges.w - edges.y * edges.z);
     return 0.5 * log2(max(on_image, 1e-30) / area) + log2(max(width, 1e-30) / max(cosine, 1e-3));
 }
 
-// Metres and texture coordinates of the corners, in columns.
+// Everything of the surface at a hit of a ray, whose direction may have any length.
 HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     InstanceData instance = instances.data[hit.instance];
     MaterialData material = materials.data[hit.material];
