@@ -155,12 +155,12 @@ mod tests {
             let packed = pack_normal(direction);
             let place =
                 [packed as u16, (packed >> 16) as u16].map(|value| f32::from(value as i16) / 32_767.0);
-            assert!(decoded(Vec2::from_array(place)).angle_between(direction) < 1e-4, "{direction}");
+            assert!(decoded(Vec2::from_array(place)).distance(direction) < 1e-4, "{direction}");
             for side in [1.0, -1.0] {
                 let packed = pack_tangent(direction.extend(side));
                 let place =
                     Vec2::new((packed & 0xffff) as f32 / 65_535.0, (packed >> 16 & 0x7fff) as f32 / 32_767.0);
-                assert!(decoded(place * 2.0 - 1.0).angle_between(direction) < 2e-4, "{direction}");
+                assert!(decoded(place * 2.0 - 1.0).distance(direction) < 2e-4, "{direction}");
                 assert!(packed != 0 && (packed >> 31 == 1) == (side < 0.0));
             }
         }
