@@ -83,7 +83,7 @@ impl Export<'_> {
     fn diffuse(&mut self, material: &Material, share: f32) -> Element {
         let surface = Element::plugin("bsdf", "diffuse");
         let tint = material.base_colour * share;
-        let Some(texture) = material.base_colour_texture else {
+        let Some(texture) = material.base_colour_texture.map(|texture| texture.texture) else {
             return surface.rgb("reflectance", tint.min(Vec3::ONE));
         };
         // Materials may share an image with different tints.

@@ -80,7 +80,7 @@ fn masks_are_black_where_nothing_is() {
 /// One quad of a material, optionally with a uniform grey texture, under a point light.
 fn shiny(material: Material, texel: Option<u8>) -> Exported {
     let mut scene = Scene::new("shiny");
-    scene.materials.push(Material { base_colour_texture: texel.map(|_| 0), ..material });
+    scene.materials.push(Material { base_colour_texture: texel.map(|_| 0.into()), ..material });
     scene.textures.extend(texel.map(|grey| Texture::from_rgba8("grey", 1, 1, vec![grey, grey, grey, 255])));
     scene.meshes.push(Mesh::cuboid("box", Vec3::ONE, 0));
     scene.instances.push(Instance::fixed("box", 0, glam::Affine3A::IDENTITY));

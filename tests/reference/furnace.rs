@@ -1,7 +1,7 @@
 //! Furnace tests: closed rooms with analytic radiance.
 
 use glam::{Affine3A, Vec3};
-use glowworm::scene::{Camera, Instance, Material, Mesh, Scene};
+use glowworm::scene::{Camera, Instance, Material, Mesh, Scene, Texture};
 
 use super::support::{assert_near, colour, layer, mean, picture, scene, settings};
 
@@ -36,6 +36,32 @@ fn an_emissive_box_has_the_radiance_of_its_series() {
         worst.sort_by(f32::total_cmp);
         let most = worst[worst.len() * 95 / 100];
         assert!(most < 0.03, "albedo {albedo}, {bounces:?} bounces: 5 % of the pixels are off by {most}");
+    }
+}
+
+/// Where all normals lean by an angle t, a surface sees the part of its own hemisphere that is above the triangle: of uniform
+/// light (1 + cos t) / 2.
+#[test]
+fn leaning_normals_neither_make_light_nor_let_it_through() {
+    for (texel, metallic) in [([128u8, 128, 255], 0.0), ([217, 128, 217], 0.0), ([217, 128, 217], 1.0)] {
+        let mut scene = furnace(0.8);
+        let [r, g, b] = texel;
+        scene.textures.push(Texture::linear_from_rgba8("lean", 1, 1, vec![r, g, b, 255]));
+        let wall = &mut scene.materials[0];
+        (wall.normal_texture, wall.metallic, wall.roughness) = (Some(0.into()), metallic, 0.5);
+        let mesh = &mut scene.meshes[0];
+        mesh.tangents =
+            mesh.normals.iter().map(|normal| normal.any_orthonormal_vector().extend(1.0)).collect();
+        let found = colour(&picture(&scene, &settings(16, Some(0)), 256));
+        let lean = (Vec3::from(texel.map(f32::from)) / 127.5 - 1.0).normalize().z;
+        let most = 1.0 + 0.8 * 0.5 * (1.0 + lean);
+        if metallic == 0.0 {
+            assert_near(mean(&found).x, most, 0.005);
+        } else {
+            let reflected = mean(&found).x - 1.0;
+            assert!((0.5..0.81).contains(&reflected), "{reflected}");
+        }
+        assert!(found.iter().all(|pixel| pixel.is_finite() && pixel.min_element() > 1.2));
     }
 }
 

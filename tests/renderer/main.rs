@@ -11,6 +11,7 @@ mod live;
 mod materials;
 mod memory;
 mod motion;
+mod normal_maps;
 mod overlay;
 mod pictures;
 mod reference;

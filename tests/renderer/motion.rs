@@ -204,3 +204,46 @@ irradiance = [2, 2, 3]
         assert!(worst < 1e-4, "direct light of frame {frame} is off by {worst}");
     }
 }
+
+/// A moving camera and a moving crate: each pixel says where its surface was seen a frame before.
+#[test]
+fn pixels_know_where_their_surface_was() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(HALL);
+    let settings = settings(MissingSets::Scale);
+    let before = scene.pose(0.0);
+    let mut now = strafed(&before, 0.15);
+    let shift =
+        Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.1), Vec3::new(0.0, 0.2, 0.1));
+    now.instances[2] = shift * now.instances[2];
+    let mut renderer = lab.renderer(&scene, &settings, &before);
+    renderer.render(&before).unwrap();
+    renderer.render(&now).unwrap();
+    let picture = renderer.read_picture(true).unwrap();
+    let [positions, instances] = ["position", "instance"]
+        .map(|name| picture.layers.iter().find(|layer| layer.name == name).unwrap().channels.clone());
+    let motion = &picture.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;
+    let size = glam::Vec2::new(settings.size[0] as f32, settings.size[1] as f32);
+    let matrix = before.camera.projection_matrix(size.x / size.y) * before.camera.view_matrix();
+    let mut moved = [0; 2];
+    for pixel in 0..instances[0].1.len() {
+        let instance = instances[0].1[pixel] as usize;
+        let p = Vec3::new(positions[0].1[pixel], positions[1].1[pixel], positions[2].1[pixel]);
+        let then = before.instances[instance] * now.instances[instance].inverse();
+        let clip = matrix.project_point3(then.transform_point3(p)).truncate();
+        let at = glam::Vec2::new(
+            (pixel % settings.size[0] as usize) as f32,
+            (pixel / settings.size[0] as usize) as f32,
+        );
+        let expected = at + 0.5 - (clip * 0.5 + 0.5) * size;
+        let found = glam::Vec2::new(motion[0].1[pixel], motion[1].1[pixel]) * size;
+        assert!(found.distance(expected) < 0.02 + 0.001 * expected.length(), "{pixel}: {found} {expected}");
+        moved[usize::from(instance == 2)] += usize::from(found.length() > 1.0);
+    }
+    assert!(moved[0] > 5000 && moved[1] > 200, "{moved:?}");
+    // Once all stands still, nothing moves.
+    renderer.render(&now).unwrap();
+    let still = renderer.read_picture(true).unwrap();
+    let motion = &still.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;
+    assert!(motion.iter().all(|(_, values)| values.iter().all(|value| *value == 0.0)));
+}

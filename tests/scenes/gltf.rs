@@ -1,7 +1,7 @@
 //! glTF files, made by code: what they place, and what is wrong with broken ones.
 
-use glam::{Quat, Vec2};
-use glowworm::scene::Alpha;
+use glam::{Quat, Vec2, Vec4};
+use glowworm::scene::{Alpha, SurfacePoint, Wrap};
 use serde_json::{Value, json};
 
 use super::*;
@@ -198,10 +198,67 @@ fn texture_coordinates_are_transformed() {
     } }]);
     document["meshes"][0]["primitives"][0]["material"] = json!(0);
     // The specification's matrix: translation * rotation * scale, with (c, -s; s, c) by columns.
-    let uvs = &load_glb(&document, &bytes).meshes[0].uvs;
+    let scene = load_glb(&document, &bytes);
+    let texture = scene.materials[0].base_colour_texture.unwrap();
+    let uvs: Vec<Vec2> = scene.meshes[0].uvs.iter().map(|uv| texture.coordinates([*uv; 2])).collect();
     for (found, expected) in uvs.iter().zip([[0.5, 0.25], [0.5, -1.75], [3.5, 0.25]]) {
         assert!(found.distance(Vec2::from_array(expected)) < 1e-5, "{uvs:?}");
     }
+}
+
+#[test]
+fn vertices_have_colours_tangents_and_two_sets_of_coordinates() {
+    let (mut document, mut bytes) = (document(), buffer());
+    let second = add_accessor(&mut document, &mut bytes, &[0.5, 0.0, 2.0, 0.0, 0.0, 3.0], "VEC2", 3);
+    let tangents = [0.0f32, 2.0, 0.0, 1.0].repeat(3);
+    let tangents = add_accessor(&mut document, &mut bytes, &tangents, "VEC4", 3);
+    let colours =
+        add_accessor(&mut document, &mut bytes, &[1.0, 0.0, 0.5, 0.0, 1.0, 0.0, 2.0, -1.0, 0.2], "VEC3", 3);
+    let attributes = &mut document["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TEXCOORD_1"] = json!(second);
+    attributes["TANGENT"] = json!(tangents);
+    attributes["COLOR_0"] = json!(colours);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    document["images"] = json!([{ "uri": data_uri(&png(&[[255, 0, 0, 255], [0, 255, 0, 255]])) }]);
+    document["samplers"] = json!([{ "wrapS": 33071, "wrapT": 33648 }]);
+    document["textures"] = json!([{ "source": 0, "sampler": 0 }, { "source": 0 }]);
+    document["materials"] = json!([{
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 1 }, "metallicFactor": 0 },
+        "normalTexture": { "index": 1 }
+    }]);
+    // Normals of their own, since the specification drops the tangents of those without.
+    let normals = add_accessor(&mut document, &mut bytes, &[0.0f32, 0.0, 1.0].repeat(3), "VEC3", 3);
+    document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+    let scene = load_glb(&document, &bytes);
+    check_consistency(&scene);
+    assert!(scene.warnings.iter().all(|warning| !warning.contains("not shown")), "{:?}", scene.warnings);
+    let (mesh, material) = (&scene.meshes[0], &scene.materials[0]);
+    assert_eq!(mesh.second_uvs[1], Vec2::new(2.0, 0.0));
+    assert_eq!(mesh.tangents[0], Vec4::new(0.0, 1.0, 0.0, 1.0));
+    assert_eq!(mesh.colours, [[255, 0, 128, 255], [0, 255, 0, 255], [255, 0, 51, 255]]);
+    let texture = material.base_colour_texture.unwrap();
+    assert_eq!((texture.set, texture.wrap), (1, [Wrap::Clamp, Wrap::Mirror]));
+    assert_eq!(material.normal_texture.unwrap().wrap, Wrap::REPEAT);
+    // At the second corner u is 2, which is clamped to the green texel; so is the vertex.
+    let point = SurfacePoint { triangle: 0, barycentrics: Vec2::X };
+    let base = material.bsdf_at(&scene, mesh.interpolate(point).attributes).base;
+    assert!(base.distance(Vec3::Y) < 1e-5, "{base}");
+    // As integers of 8 bits, and without its own tangents in flat shading.
+    let place = bytes.len().next_multiple_of(4);
+    bytes.resize(place, 0);
+    bytes.extend([[9u8, 8, 7, 255], [1, 2, 3, 4], [0; 4]].concat());
+    document["buffers"][0]["byteLength"] = json!(bytes.len());
+    document["bufferViews"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "buffer": 0, "byteOffset": place, "byteLength": 12 }));
+    let view = document["bufferViews"].as_array().unwrap().len() - 1;
+    document["accessors"][colours] =
+        json!({ "bufferView": view, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4" });
+    document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    let mesh = &load_glb(&document, &bytes).meshes[0];
+    assert_eq!(mesh.colours, [[9, 8, 7, 255], [1, 2, 3, 4], [0; 4]]);
+    assert!(mesh.tangents[0].distance(Vec4::new(1.0, 0.0, 0.0, -1.0)) < 1e-5, "{}", mesh.tangents[0]);
 }
 
 #[test]
@@ -425,6 +482,11 @@ fn the_damaged_helmet_loads() {
         })
         .sum();
     assert!((100..8_000).contains(&glowing), "{glowing}");
+    // Where an image is stretched to nothing there is no tangent.
+    let without = scene.meshes[0].tangents.iter().filter(|tangent| tangent.w == 0.0).count();
+    assert!(without * 100 < scene.meshes[0].tangents.len(), "{without}");
+    let warning = scene.warnings.iter().find(|warning| warning.contains("not shown"));
+    assert!(warning.is_some_and(|warning| warning.contains("occlusion")), "{:?}", scene.warnings);
     let mean = material.mean_bsdf(&scene);
     assert!((0.2..0.9).contains(&mean.roughness) && (0.1..1.0).contains(&mean.metallic), "{mean:?}");
 }
