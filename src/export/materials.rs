@@ -2,40 +2,32 @@
 //!
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
-//! A surface is `twosided` `diffuse`, within a `mask` if it has an alpha mask. The base colour is multiplied into the
-//! texels, at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A GGX lobe is a
-//! `roughconductor` of the same roughness, blended with the diffuse part so that both keep their mean reflectance.
-//! Roughness and metallic are those of the mean of their textures.
+//! A Lambertian surface is `twosided` `diffuse`. Others are `glowworm`, the BSDF of glowworm_bsdf.py; for those who render
+//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin sheet,
+//! is a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
+//! product of a colour and a texture; metallic and roughness likewise.
 
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 
+use exr::prelude::{Encoding, Image, SpecificChannels, Vec2, WritableImage};
 use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::xml::Element;
-use super::{Content, Export, Specular, named};
-use crate::bsdf::Bsdf;
-use crate::scene::{AlphaMask, Material, Texture, srgb_to_linear};
+use super::{Content, Export, named};
+use crate::scene::{Alpha, AlphaMask, EnvironmentMap, Material, Texture, luminance, srgb_to_linear};
 
-/// A GGX lobe as a rough conductor.
-struct Highlight {
-    /// Reflectance: its mean albedo over that's largest channel.
-    colour: Vec3,
-    /// Blend weight: the largest channel of its mean albedo.
-    weight: f32,
-    /// GGX's alpha.
-    alpha: f32,
-}
+/// Largest reflectance at normal incidence of a plain material: its index of refraction must be finite.
+const MAX_PLAIN_F0: f32 = 0.9;
 
-impl Highlight {
-    /// The lobe of a surface, if it has one.
-    fn of(bsdf: &Bsdf) -> Option<Self> {
-        let albedo = bsdf.mean_reflected_albedo();
-        let weight = albedo.max_element();
-        let alpha = bsdf.roughness * bsdf.roughness;
-        (weight > 0.0).then(|| Self { colour: albedo / weight, weight, alpha })
-    }
+/// What a BSDF is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reader {
+    /// Mitsuba with glowworm_bsdf.py.
+    Exact,
+    /// Mitsuba alone.
+    Plain,
 }
 
 impl Export<'_> {
@@ -44,58 +36,135 @@ impl Export<'_> {
         named("material", material as usize, &self.scene.materials[material as usize].name)
     }
 
+    /// Whether Mitsuba has no material that is the same.
+    pub(super) fn is_special(&self, material: u32) -> bool {
+        let material = &self.scene.materials[material as usize];
+        material.mean_bsdf(self.scene).reflects() || passed_share(material) > 0.0
+    }
+
     /// The BSDF of a material.
-    pub(super) fn bsdf(&mut self, index: u32) -> Element {
+    pub(super) fn bsdf(&mut self, index: u32, reader: Reader) -> Element {
         let material = &self.scene.materials[index as usize];
-        let id = self.bsdf_id(index);
-        let surface = Element::plugin("bsdf", "twosided").child(self.reflection(material));
-        let Some(mask) = material.alpha_mask else { return surface.attribute("id", id) };
-        let file = format!("textures/{}.png", named("mask", mask, ""));
-        self.add_file(&file, Content::Mask(mask));
-        let opacity = bitmap("opacity", &file, "nearest").boolean("raw", true);
-        Element::plugin("bsdf", "mask").attribute("id", id).child(opacity).child(surface)
+        let surface = match reader {
+            _ if !self.is_special(index) => {
+                let diffuse = Element::plugin("bsdf", "diffuse");
+                two_sided(self.coloured(diffuse, "reflectance", material))
+            }
+            Reader::Plain => self.principled(material),
+            Reader::Exact => self.glowworm(material),
+        };
+        self.cut(surface, material).attribute("id", self.bsdf_id(index))
     }
 
-    fn reflection(&mut self, material: &Material) -> Element {
-        let bsdf = material.mean_bsdf(self.scene);
-        let highlight = Highlight::of(&bsdf).filter(|_| self.settings.specular == Specular::Convert);
-        let share = bsdf.mean_diffuse_share();
-        let Some(Highlight { colour, weight, alpha }) = highlight else {
-            return self.diffuse(material, share);
-        };
-        let conductor = |reflectance| {
-            Element::plugin("bsdf", "roughconductor")
-                .string("material", "none")
-                .string("distribution", "ggx")
-                .float("alpha", alpha.max(1e-3))
-                .rgb("specular_reflectance", reflectance)
-        };
-        if share == 0.0 || bsdf.base == Vec3::ZERO {
-            return conductor(colour * weight);
+    /// The surface where it is there.
+    fn cut(&mut self, surface: Element, material: &Material) -> Element {
+        let masked = |opacity: Element| Element::plugin("bsdf", "mask").child(opacity);
+        if material.alpha == Alpha::Blend {
+            return masked(self.coverage(material)).child(surface);
         }
-        Element::plugin("bsdf", "blendbsdf")
-            .float("weight", weight)
-            .child(self.diffuse(material, share / (1.0 - weight)))
-            .child(conductor(colour))
+        match material.alpha_mask {
+            Some(mask) if !material.is_sheet() => {
+                let file = format!("textures/{}.png", named("mask", mask, ""));
+                self.add_file(&file, Content::Mask(mask));
+                masked(bitmap("opacity", &file, "nearest").boolean("raw", true)).child(surface)
+            }
+            _ => surface,
+        }
     }
 
-    /// Lambertian reflection of a material's base colour times `share`.
-    fn diffuse(&mut self, material: &Material, share: f32) -> Element {
-        let surface = Element::plugin("bsdf", "diffuse");
-        let tint = material.base_colour * share;
-        let Some(texture) = material.base_colour_texture else {
-            return surface.rgb("reflectance", tint.min(Vec3::ONE));
-        };
-        // Materials may share an image with different tints.
-        let known = self.tints.iter().position(|known| *known == (texture, tint));
-        let place = known.unwrap_or_else(|| {
-            self.tints.push((texture, tint));
-            self.tints.len() - 1
-        });
-        let file = format!("textures/{}.png", named("texture", place, &self.scene.textures[texture].name));
-        self.add_file(&file, Content::Texture { texture, tint });
-        surface.child(bitmap("reflectance", &file, "bilinear"))
+    /// How much of a thin sheet is there.
+    fn coverage(&mut self, material: &Material) -> Element {
+        let has_alpha =
+            |&texture: &usize| self.scene.textures[texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255);
+        match material.base_colour_texture.filter(has_alpha) {
+            Some(texture) => self.channel("opacity", texture, 3, material.opacity),
+            None => float("opacity", material.opacity),
+        }
     }
+
+    /// What this program computes.
+    fn glowworm(&mut self, material: &Material) -> Element {
+        let surface = self.coloured(Element::plugin("bsdf", "glowworm"), "base_color", material);
+        self.metallic_roughness(surface, material)
+            .rgb("f0", material.f0)
+            .float("f90", material.f90)
+            .float("transmission", passed_share(material))
+    }
+
+    /// The nearest material of Mitsuba's own.
+    fn principled(&mut self, material: &Material) -> Element {
+        let surface = self.coloured(Element::plugin("bsdf", "principled"), "base_color", material);
+        let root = luminance(material.f0).min(MAX_PLAIN_F0).sqrt();
+        let surface = self.metallic_roughness(surface, material).float("eta", (1.0 + root) / (1.0 - root));
+        let passes = passed_share(material) * luminance(material.mean_base(self.scene));
+        if passes > 0.0 {
+            return Element::plugin("bsdf", "mask").float("opacity", 1.0 - passes).child(two_sided(surface));
+        }
+        two_sided(surface)
+    }
+
+    fn metallic_roughness(&mut self, surface: Element, material: &Material) -> Element {
+        let values = [("metallic", 2, material.metallic), ("roughness", 1, material.roughness)];
+        values.into_iter().fold(surface, |surface, (name, channel, factor)| {
+            surface.child(match material.metallic_roughness_texture {
+                Some(texture) if factor > 0.0 => self.channel(name, texture, channel, factor),
+                _ => float(name, factor),
+            })
+        })
+    }
+
+    /// A number from a channel of a texture times `factor`.
+    fn channel(&mut self, name: &str, texture: usize, channel: usize, factor: f32) -> Element {
+        let content = Content::Channel { texture, channel, factor };
+        let file = self.image(&format!("{name}-"), texture, content, "png");
+        bitmap(name, &file, "bilinear").boolean("raw", true)
+    }
+
+    /// The surface with the parameter `name`: the base colour.
+    fn coloured(&mut self, surface: Element, name: &str, material: &Material) -> Element {
+        let tint = material.base_colour;
+        let Some(texture) = material.base_colour_texture else {
+            return surface.rgb(name, tint.min(Vec3::ONE));
+        };
+        let file = self.image("", texture, Content::Texture { texture, tint }, "png");
+        surface.child(bitmap(name, &file, "bilinear"))
+    }
+
+    /// The radiance of an emissive material.
+    pub(super) fn radiance(&mut self, emitter: Element, material: &Material) -> Element {
+        let Some(texture) = material.emission_texture else {
+            return emitter.rgb("radiance", material.emission);
+        };
+        let content = Content::Emission { texture, factor: material.emission };
+        let file = self.image("emission-", texture, content, "exr");
+        emitter.child(bitmap("radiance", &file, "bilinear").boolean("raw", true))
+    }
+
+    /// The file of an image of a texture; materials may share it with different factors.
+    fn image(&mut self, prefix: &str, texture: usize, content: Content, ending: &str) -> String {
+        let known = self.images.iter().position(|known| *known == content);
+        let place = known.unwrap_or_else(|| {
+            self.images.push(content);
+            self.images.len() - 1
+        });
+        let name = named("texture", place, &self.scene.textures[texture].name);
+        let file = format!("textures/{prefix}{name}.{ending}");
+        self.add_file(&file, content);
+        file
+    }
+}
+
+/// Share of the base colour that passes as through a thin sheet. Metals let nothing pass.
+fn passed_share(material: &Material) -> f32 {
+    material.transmission * (1.0 - material.metallic)
+}
+
+fn two_sided(surface: Element) -> Element {
+    Element::plugin("bsdf", "twosided").child(surface)
+}
+
+fn float(name: &str, value: f32) -> Element {
+    Element::new("float").attribute("name", name).attribute("value", format!("{value:?}"))
 }
 
 /// A repeating image with 32-bit float texels.
@@ -123,6 +192,58 @@ pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Writ
     let words = colours.flat_map(|texel| [0, 1, 2].map(|channel| table[channel][texel[channel] as usize]));
     let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
     write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb16)
+}
+
+/// Writes a channel of a texture times `factor`, 16 bits.
+pub(super) fn write_channel(
+    texture: &Texture,
+    channel: usize,
+    factor: f32,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    let (width, height, texels) = &texture.levels[0];
+    let value = |texel: &[u8]| (f32::from(texel[channel]) / 255.0 * factor * 65_535.0).round() as u16;
+    let bytes: Vec<u8> = texels.chunks_exact(4).flat_map(|texel| value(texel).to_ne_bytes()).collect();
+    write_png(output, &bytes, [*width, *height], ExtendedColorType::L16)
+}
+
+/// Writes a texture times `factor` as EXR, linear.
+pub(super) fn write_emission(texture: &Texture, factor: Vec3, output: &mut dyn Write) -> io::Result<()> {
+    let (width, height, texels) = &texture.levels[0];
+    write_exr(output, [*width as usize, *height as usize], |x, y| {
+        let texel = &texels[4 * (y * *width as usize + x)..];
+        factor * Vec3::from_array([0, 1, 2].map(|channel| srgb_to_linear(texel[channel])))
+    })
+}
+
+/// Writes a map times `factor` as EXR. Mitsuba interpolates between rows from pole to pole, glowworm between the middles
+/// of rows; so there is a row for each middle and each edge, where it is the mean of its neighbours.
+pub(super) fn write_environment(
+    map: &EnvironmentMap,
+    factor: Vec3,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    let (width, height, texels) = map.texels();
+    write_exr(output, [width, 2 * height + 1], |x, y| {
+        let (above, below) = (y.saturating_sub(1) / 2, (y / 2).min(height - 1));
+        factor * 0.5 * (texels[above * width + x] + texels[below * width + x])
+    })
+}
+
+fn write_exr(
+    output: &mut dyn Write,
+    [width, height]: [usize; 2],
+    colour: impl Fn(usize, usize) -> Vec3 + Sync,
+) -> io::Result<()> {
+    let pixel = |at: Vec2<usize>| {
+        let Vec3 { x, y, z } = colour(at.x(), at.y());
+        (x, y, z)
+    };
+    let mut image = Image::from_channels((width, height), SpecificChannels::rgb(pixel));
+    image.layer_data.encoding = Encoding::FAST_LOSSLESS;
+    let mut bytes = Vec::new();
+    image.write().to_buffered(Cursor::new(&mut bytes)).map_err(io::Error::other)?;
+    output.write_all(&bytes)
 }
 
 /// Writes a mask: white where the surface is opaque, else black.

@@ -5,8 +5,8 @@
 //!
 //! - Surfaces that do not emit are in object space, with a transform. A mesh with several instances becomes a
 //!   `shapegroup` with an `instance` each.
-//! - Emissive surfaces are in world space, shaded flat, since Mitsuba derives the emitting side and the projected area
-//!   from the shading normal. Mirroring does not change the front side.
+//! - Emissive surfaces are in world space, since mirroring does not change the front side; and flat unless they reflect by
+//!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
 //! - A portal, an invisible emitter, is a `null` surface with an emitter. `volpath` lets light pass through it, and
 //!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
 //!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
@@ -19,7 +19,7 @@ use glam::{Affine3A, Vec3};
 use super::ply::PlyMesh;
 use super::xml::Element;
 use super::{Content, Export, Remark, named};
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, SurfaceTransform};
 
 /// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
@@ -38,8 +38,8 @@ pub(super) struct Part {
 pub(super) enum Owner {
     /// A mesh, in object space.
     Mesh(usize),
-    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`].
-    Instance { index: usize, steps: u32 },
+    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`]; flat unless `smooth`.
+    Instance { index: usize, steps: u32, smooth: bool },
 }
 
 impl Part {
@@ -47,14 +47,19 @@ impl Part {
     pub(super) fn mesh(&self, export: &Export<'_>) -> PlyMesh {
         let scene = export.scene;
         let material = &scene.materials[self.material as usize];
-        let textured = material.base_colour_texture.is_some() || material.alpha_mask.is_some();
+        let textures =
+            [material.base_colour_texture, material.metallic_roughness_texture, material.emission_texture];
+        let textured = textures.iter().any(Option::is_some) || material.alpha_mask.is_some();
         let mut part = match self.owner {
             Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material),
-            Owner::Instance { index, steps } => {
+            Owner::Instance { index, steps, .. } => {
                 let mesh = &scene.meshes[scene.instances[index].mesh];
                 in_world_space(mesh, self.material, &export.pose.instances[index], steps)
             }
         };
+        if matches!(self.owner, Owner::Instance { smooth: false, .. }) {
+            part.normals.clear();
+        }
         if !textured {
             part.uvs.clear();
         }
@@ -121,7 +126,8 @@ impl Export<'_> {
 
     /// A part of a mesh that does not emit.
     fn surface(&mut self, mesh: usize, material: u32) -> Element {
-        if !self.remarks.contains(&Remark::FlippedNormals) && has_smooth(&self.scene.meshes[mesh], material) {
+        let flips = !self.remarks.contains(&Remark::FlippedNormals) && !self.is_special(material);
+        if flips && has_smooth(&self.scene.meshes[mesh], material) {
             self.remarks.insert(Remark::FlippedNormals);
         }
         let shape = self.shape(Part { owner: Owner::Mesh(mesh), material });
@@ -130,26 +136,28 @@ impl Export<'_> {
 
     /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
     fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
-        let shape = self.flat_shape(index, material, 0);
-        let mut shapes = vec![self.with_bsdf(shape, material).child(emitter(self.scene, material))];
+        let smooth = self.keeps_normals(index, material);
+        let shape = self.world_shape(Part { owner: Owner::Instance { index, steps: 0, smooth }, material });
+        let mut shapes = vec![self.with_bsdf(shape, material).child(self.emitter(material))];
         if self.has_portals {
             let pane = Element::plugin("bsdf", "dielectric").float("int_ior", 1.0).float("ext_ior", 1.0);
             shapes.push(self.flat_shape(index, material, 1).child(pane));
             let copy = self.flat_shape(index, material, 2);
-            shapes.push(
-                self.with_bsdf(copy, material)
-                    .child(emitter(self.scene, material).float("sampling_weight", 0.0)),
-            );
+            let emitter = self.emitter(material).float("sampling_weight", 0.0);
+            shapes.push(self.with_bsdf(copy, material).child(emitter));
         }
-        self.remark_lamp(index, material);
         shapes
     }
 
     /// An emissive shape that rays pass through.
     fn portal(&mut self, index: usize, material: u32) -> Element {
-        self.flat_shape(index, material, 0)
-            .child(Element::plugin("bsdf", "null"))
-            .child(emitter(self.scene, material))
+        let shape = self.flat_shape(index, material, 0);
+        shape.child(Element::plugin("bsdf", "null")).child(self.emitter(material))
+    }
+
+    fn emitter(&mut self, material: u32) -> Element {
+        let emitter = Element::plugin("emitter", "area");
+        self.radiance(emitter, &self.scene.materials[material as usize])
     }
 
     fn with_bsdf(&mut self, shape: Element, material: u32) -> Element {
@@ -158,8 +166,13 @@ impl Export<'_> {
     }
 
     fn flat_shape(&mut self, index: usize, material: u32, steps: u32) -> Element {
-        let owner = Owner::Instance { index, steps };
-        self.shape(Part { owner, material }).boolean("face_normals", true)
+        self.world_shape(Part { owner: Owner::Instance { index, steps, smooth: false }, material })
+    }
+
+    fn world_shape(&mut self, part: Part) -> Element {
+        let is_flat = matches!(part.owner, Owner::Instance { smooth: false, .. });
+        let shape = self.shape(part);
+        if is_flat { shape.boolean("face_normals", true) } else { shape }
     }
 
     /// A shape without a material.
@@ -167,7 +180,7 @@ impl Export<'_> {
         let material = self.bsdf_id(part.material);
         let id = match part.owner {
             Owner::Mesh(mesh) => format!("{}-{material}", self.mesh_id(mesh)),
-            Owner::Instance { index, steps } => {
+            Owner::Instance { index, steps, .. } => {
                 let instance = named("instance", index, &self.scene.instances[index].name);
                 format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize])
             }
@@ -178,26 +191,23 @@ impl Export<'_> {
         Element::plugin("shape", "ply").attribute("id", id).string("filename", &file)
     }
 
-    /// Adds remarks on the differences of an emissive surface.
-    fn remark_lamp(&mut self, index: usize, material: u32) {
+    /// Whether an emissive surface keeps its smooth normals: if it reflects by them; adds the remarks on that.
+    fn keeps_normals(&mut self, index: usize, material: u32) -> bool {
         let scene = self.scene;
         let glow = &scene.materials[material as usize];
         let mesh = &scene.meshes[scene.instances[index].mesh];
-        let reflects = glow.base_colour != Vec3::ZERO;
+        let reflects = glow.base_colour != Vec3::ZERO || glow.mean_bsdf(scene).reflects();
+        let smooth = reflects && !self.has_portals && has_smooth(mesh, material);
         if reflects && self.has_portals {
             self.remarks.insert(Remark::EmittersWithoutReflection);
-        } else if reflects && has_smooth(mesh, material) {
-            self.remarks.insert(Remark::FlatEmitters);
+        } else if smooth {
+            self.remarks.insert(Remark::SmoothEmitters);
         }
         if glow.alpha_mask.is_some() {
             self.remarks.insert(Remark::MaskedEmission);
         }
+        smooth
     }
-}
-
-fn emitter(scene: &Scene, material: u32) -> Element {
-    let radiance = scene.materials[material as usize].mean_emission(scene);
-    Element::plugin("emitter", "area").rgb("radiance", radiance)
 }
 
 /// Triangle count by material of a mesh.
@@ -243,9 +253,10 @@ fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
     part
 }
 
-/// The triangles of a material in world space, without normals, offset by `steps` away from the emitting side.
+/// The triangles of a material in world space, offset by `steps` away from the emitting side.
 fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) -> PlyMesh {
     let mirrored = transform.matrix3.determinant() < 0.0;
+    let placement = SurfaceTransform::new(transform);
     let mut part = PlyMesh::default();
     for triangle in triangles_of(mesh, material) {
         let mut vertices = mesh.triangles[triangle];
@@ -256,6 +267,7 @@ fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) 
         part.triangles.push([first, first + 1, first + 2]);
         part.positions
             .extend(vertices.map(|vertex| transform.transform_point3(mesh.positions[vertex as usize])));
+        part.normals.extend(vertices.map(|vertex| placement.normal(mesh.normals[vertex as usize])));
         part.uvs.extend(vertices.map(|vertex| mesh.uvs[vertex as usize]));
     }
     let reach = part.positions.iter().fold(0.0f32, |reach, point| reach.max(point.abs().max_element()));

@@ -136,6 +136,12 @@ impl Material {
         self.bsdf_of(mean(self.base_colour_texture), mean(self.metallic_roughness_texture))
     }
 
+    /// Base colour, averaged over its texture.
+    pub fn mean_base(&self, scene: &Scene) -> Vec3 {
+        self.base_colour
+            * self.base_colour_texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean())
+    }
+
     fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
         Bsdf {
             base: self.reflected_base() * texel,

@@ -49,6 +49,10 @@ pub(super) struct EnvironmentEntry {
     pub map: Option<PathBuf>,
     /// The same, relative to the assets folder.
     pub asset: Option<PathBuf>,
+    /// Download address of the asset.
+    pub download: Option<String>,
+    /// A map made by code: "sky".
+    pub builtin: Option<String>,
     /// Degrees by which the map is turned about +y.
     pub rotation_deg: Option<f32>,
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use glam::{Mat4, Vec2, Vec3};
-use glowworm::export::{ExportFolder, ExportReport, ExportSettings, Specular, export_mitsuba};
+use glowworm::export::{ExportFolder, ExportReport, ExportSettings, export_mitsuba};
 use glowworm::scene::{Scene, load_scene};
 use tempfile::TempDir;
 
@@ -17,7 +17,7 @@ pub struct Exported {
 
 /// Small settings for frame 0.
 pub fn settings() -> ExportSettings {
-    ExportSettings { frame: 0, time: 0.0, size: [32, 16], bounces: Some(2), spp: 4, specular: Specular::Omit }
+    ExportSettings { frame: 0, time: 0.0, size: [32, 16], bounces: Some(2), spp: 4 }
 }
 
 pub fn export(scene: &Scene) -> Exported {
