@@ -90,7 +90,8 @@ impl Shrunk {
         }
         let ([width, height], [old_width, old_height]) = (self.size, self.from);
         if self.from != self.size {
-            changes.push(format!("is {old_width} x {old_height}; it was shrunk to {width} x {height} texels"));
+            changes
+                .push(format!("is {old_width} x {old_height}; it was shrunk to {width} x {height} texels"));
         }
         Ok(MapRead { map: EnvironmentMap::new(width, height, self.texels), changes })
     }
@@ -192,7 +193,11 @@ fn read_row(reader: &mut impl BufRead, row: &mut [[u8; 4]]) -> std::io::Result<(
     let mut texel = [0; 4];
     reader.read_exact(&mut texel)?;
     let [a, b, high, low] = texel;
-    if CHANNEL_WIDTHS.contains(&width) && a == 2 && b == 2 && usize::from(high) << 8 | usize::from(low) == width {
+    if CHANNEL_WIDTHS.contains(&width)
+        && a == 2
+        && b == 2
+        && usize::from(high) << 8 | usize::from(low) == width
+    {
         for channel in 0..4 {
             let mut x = 0;
             while x < width {
@@ -282,7 +287,9 @@ mod tests {
         let mut row = vec![[0; 4]; 768];
         read_row(&mut &[9, 8, 7, 6, 1, 1, 1, 255, 1, 1, 1, 2][..], &mut row).unwrap();
         assert!(row.iter().all(|texel| *texel == [9, 8, 7, 6]));
-        for broken in [&[1, 1, 1, 4][..], &[9, 9, 9, 9, 1, 1, 1, 200], &[2, 2, 0, 10, 200, 1], &[2, 2, 0, 10, 0]] {
+        for broken in
+            [&[1, 1, 1, 4][..], &[9, 9, 9, 9, 1, 1, 1, 200], &[2, 2, 0, 10, 200, 1], &[2, 2, 0, 10, 0]]
+        {
             assert!(read_row(&mut &broken[..], &mut [[0; 4]; 10]).is_err(), "{broken:?}");
         }
     }

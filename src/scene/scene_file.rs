@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use super::error::SceneError;
 use super::recording::RecordedFrame;
+use super::scene_environment::SKY;
 use crate::settings::Settings;
 
 /// A whole scene file.
@@ -55,6 +56,21 @@ pub(super) struct EnvironmentEntry {
     pub builtin: Option<String>,
     /// Degrees by which the map is turned about +y.
     pub rotation_deg: Option<f32>,
+}
+
+impl EnvironmentEntry {
+    /// The map made by code.
+    pub fn sky() -> Self {
+        Self {
+            colour: None,
+            strength: None,
+            map: None,
+            asset: None,
+            download: None,
+            builtin: Some(SKY.to_owned()),
+            rotation_deg: None,
+        }
+    }
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.

@@ -77,7 +77,8 @@ fn an_environment_is_an_emitter_and_no_background() {
 /// What Mitsuba shows in a direction: rows from pole to pole, and the left edge towards -z.
 #[test]
 fn mitsuba_sees_an_environment_map_where_it_is() {
-    let texels: Vec<Vec3> = (0..32).map(|i| Vec3::new((i * 7 % 11) as f32, i as f32, (i * i % 5) as f32)).collect();
+    let texels: Vec<Vec3> =
+        (0..32).map(|i| Vec3::new((i * 7 % 11) as f32, i as f32, (i * i % 5) as f32)).collect();
     let factor = Vec3::new(1.0, 0.5, 2.0);
     let map = EnvironmentMap::new(8, 4, texels);
     let environment = Environment { radiance: factor, map: Some(Arc::new(map)), rotation: 0.8 };

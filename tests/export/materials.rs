@@ -122,7 +122,10 @@ fn materials_that_mitsuba_lacks_are_written_for_the_plugin_and_nearly_for_mitsub
     with_shiny(&exported, "materials.xml", |bsdf| {
         assert_eq!(kind(bsdf), "twosided");
         let plain = only(bsdf, "bsdf");
-        assert_eq!((kind(plain), value(plain, "roughness"), value(plain, "metallic")), ("principled", "0.5", "0.25"));
+        assert_eq!(
+            (kind(plain), value(plain, "roughness"), value(plain, "metallic")),
+            ("principled", "0.5", "0.25")
+        );
         // ((eta - 1) / (eta + 1))^2 = 0.25
         assert!((value(plain, "eta").parse::<f32>().unwrap() - 3.0).abs() < 1e-5);
     });
@@ -131,7 +134,11 @@ fn materials_that_mitsuba_lacks_are_written_for_the_plugin_and_nearly_for_mitsub
         assert!(exported.report.files.iter().any(|name| name == file), "{file}");
     }
     assert_eq!(exported.report.special, 1);
-    assert!(exported.report.inexact[0].contains("only come near 1 material"), "{:?}", exported.report.inexact);
+    assert!(
+        exported.report.inexact[0].contains("only come near 1 material"),
+        "{:?}",
+        exported.report.inexact
+    );
     assert!(exported.report.inexact[0].contains("glowworm_bsdf.py"));
 }
 

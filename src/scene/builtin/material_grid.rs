@@ -21,6 +21,8 @@ const ROWS: [(&str, f32, Vec3); 4] = [
 
 const RADIUS: f32 = 0.44;
 
+const ROW_DISTANCE: f32 = 1.3;
+
 /// Subdivisions of a sphere: 5,120 triangles.
 const SUBDIVISIONS: u32 = 4;
 
@@ -30,7 +32,7 @@ const GROUND: [f32; 2] = [24.0, 20.0];
 /// Mesh of the grid (metres; the ground at y = 0) with its materials.
 pub(super) fn model() -> (Mesh, Vec<Material>) {
     let mut mesh = Mesh { name: "material-grid".into(), ..Mesh::default() };
-    let mut materials = vec![surface("ground", 0.0, Vec3::new(0.3, 0.29, 0.28), 0.45)];
+    let mut materials = vec![surface("ground", 0.0, Vec3::new(0.42, 0.40, 0.37), 0.5)];
     let [x, z] = GROUND.map(|edge| 0.5 * edge);
     mesh.push_polygon(&[[-x, z], [x, z], [x, -z], [-x, -z]].map(|[x, z]| Vec3::new(x, 0.0, z)), 0);
     for (row, (name, metallic, colour)) in ROWS.into_iter().enumerate() {
@@ -38,7 +40,7 @@ pub(super) fn model() -> (Mesh, Vec<Material>) {
             let part = step as f32 / (STEPS - 1) as f32;
             let roughness = ROUGHNESS[0] + (ROUGHNESS[1] - ROUGHNESS[0]) * part;
             let mut sphere = Mesh::sphere("", RADIUS, SUBDIVISIONS, materials.len() as u32);
-            let middle = Vec3::new(step as f32 - 3.0, RADIUS, 1.5 - row as f32);
+            let middle = Vec3::new(step as f32 - 3.0, RADIUS, ROW_DISTANCE * (1.5 - row as f32));
             sphere.positions.iter_mut().for_each(|position| *position += middle);
             mesh.append(sphere);
             materials.push(surface(

@@ -13,15 +13,15 @@ use crate::scene::environment::{Environment, EnvironmentMap};
 /// Texels; the glow spans several dozen of them.
 const SIZE: [usize; 2] = [256, 128];
 
-const ZENITH: Vec3 = Vec3::new(0.16, 0.30, 0.62);
-const HORIZON: Vec3 = Vec3::new(0.72, 0.80, 0.90);
+const ZENITH: Vec3 = Vec3::new(0.14, 0.25, 0.5);
+const HORIZON: Vec3 = Vec3::new(0.62, 0.68, 0.74);
 const GROUND: Vec3 = Vec3::new(0.20, 0.185, 0.17);
 
 /// Direction to the sun: from the left, above, behind a camera that looks along -z.
 const SUN: Vec3 = Vec3::new(-0.62, 0.68, 0.45);
 
 /// Radiance at the middle of the glow, and its width (standard deviation), radians.
-const GLOW: Vec3 = Vec3::new(22.0, 18.5, 14.0);
+const GLOW: Vec3 = Vec3::new(32.0, 26.0, 18.5);
 const GLOW_WIDTH: f32 = 0.14;
 
 /// The sky.

@@ -47,6 +47,10 @@ impl Materials {
     /// Adds all materials of the file.
     pub fn add(source: &mut Source, scene: &mut Scene) -> Result<Self, SceneError> {
         let images = Images::read(source)?;
+        for (index, image) in images.0.iter().enumerate() {
+            let sizes = image.as_ref().and_then(texture::shrinking);
+            source.not_shown.extend(sizes.map(|sizes| format!("image {index} in full ({sizes})")));
+        }
         let first = scene.materials.len();
         let mut places = HashMap::new();
         let mut coordinates = Vec::new();
