@@ -187,6 +187,25 @@ fn materials_are_read_with_their_textures() {
 }
 
 #[test]
+fn images_of_other_formats_come_by_their_extensions() {
+    let (mut document, bytes) = (document(), buffer());
+    let mut webp = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([10, 200, 30, 255]));
+    image.write_to(&mut webp, image::ImageFormat::WebP).unwrap();
+    document["images"] = json!([{ "uri": data_uri(webp.get_ref()), "mimeType": "image/webp" }]);
+    document["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    document["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    document["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    document["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let scene = load_glb(&document, &bytes);
+    assert_eq!(scene.textures[0].levels[0].2[..4], [10, 200, 30, 255]);
+    // Nor is an index past the end a panic.
+    document["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(7);
+    expect_error("bad.glb", glb(&document, &bytes), &["textures[0].source", "past the end"]);
+}
+
+#[test]
 fn texture_coordinates_are_transformed() {
     let (mut document, bytes) = (document(), buffer());
     document["images"] = json!([{ "uri": data_uri(&png(&[[255; 4]])) }]);
