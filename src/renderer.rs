@@ -255,7 +255,7 @@ impl Renderer {
                 scene: buffers,
                 tracer,
                 pose,
-                view_projection: uniforms.view_projection,
+                view_projections: [uniforms.view_projection, uniforms.previous_view_projection],
             },
         )?;
         let inputs = EstimatorInputs {

@@ -236,7 +236,12 @@ fn alpha_masks_let_rays_through() {
     let mut world = World::new(vec![masked_square()]);
     world.scene.materials.push(material(Some(0)));
     // A mask of 2 x 2 texels, opaque on one diagonal.
-    world.scene.alpha_masks.push(glowworm::scene::AlphaMask { width: 2, height: 2, bits: vec![0b1001] });
+    world.scene.alpha_masks.push(glowworm::scene::AlphaMask {
+        width: 2,
+        height: 2,
+        bits: vec![0b1001],
+        wrap: Default::default(),
+    });
     world.place(0, Affine3A::from_scale(Vec3::new(4.0, 4.0, 1.0)), false);
     let bvh = world.build();
     let mut random = Random::new(4);

@@ -12,6 +12,13 @@ vec3 octahedral_decode(vec2 p) {
     return normalize(n);
 }
 
+// A vertex' tangent: octahedral, 16 and 15 bits, then a bit for the other side of the bitangent; 0: none. w: that side, 1 or -1.
+vec4 unpack_tangent(uint packed) {
+    if (packed == 0u) return vec4(0.0);
+    vec2 place = vec2(packed & 0xffffu, packed >> 16 & 0x7fffu) / vec2(65535.0, 32767.0) * 2.0 - 1.0;
+    return vec4(octahedral_decode(place), (packed & 0x80000000u) == 0u ? 1.0 : -1.0);
+}
+
 // The G-buffer's surface channels. x: base colour (its root, so that dark colours are as fine as eyes are) and metallic, 8
 // bits each; y: emission. Roughness is the alpha of its albedo.
 uint pack_base(vec3 base, float metallic) { return packUnorm4x8(vec4(sqrt(base), metallic)); }

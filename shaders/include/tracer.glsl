@@ -9,6 +9,8 @@
 #ifndef TRACER_GLSL
 #define TRACER_GLSL
 
+#include "wrap.glsl"
+
 #ifndef TRACER_SET
 #define TRACER_SET 0
 #endif
@@ -22,7 +24,7 @@
 TRACER_TEXELS(0) bvh_triangles;
 // Two words a masked triangle: three pairs of texture coordinates, then the mask.
 TRACER_BUFFER(1) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
-// (first word of bits, width, height).
+// (first word of bits, width, height, wrap modes).
 TRACER_BUFFER(2) bvh_masks_block { uvec4 masks[]; } bvh_masks;
 TRACER_BUFFER(3) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
 
@@ -50,7 +52,7 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     precise vec2 uv = uintBitsToFloat(first_two.xy) * first + uintBitsToFloat(first_two.zw) * barycentrics.x
         + uintBitsToFloat(third.xy) * barycentrics.y;
     uvec4 mask = bvh_masks.masks[third.z];
-    uvec2 texel = min(uvec2((uv - floor(uv)) * vec2(mask.yz)), mask.yz - 1u);
+    uvec2 texel = min(uvec2(wrapped(uv, mask.w) * vec2(mask.yz)), mask.yz - 1u);
     uint bit = texel.y * mask.y + texel.x;
     return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
 }

@@ -17,7 +17,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 5, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
-layout(set = 0, binding = 6, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+layout(set = 0, binding = 6) uniform texture2D gbuffer_motion;
 layout(set = 0, binding = 7, r32ui) uniform readonly uimage2DArray direct_shadows;
 layout(set = 0, binding = 8, rgba32f) uniform readonly image2D direct;
 layout(set = 0, binding = 9, rgba32f) uniform readonly image2D irradiance;
@@ -73,14 +73,6 @@ float visibility(ivec2 pixel) {
     return float(seen) / float(max(frame.light_count, 1u));
 }
 
-// How far the surface has moved in the picture since the last frame, in pixels.
-vec2 motion(ivec2 pixel, vec3 p, uint instance) {
-    InstanceData data = instances.data[instance];
-    vec3 p_then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, p));
-    vec3 clip = (frame.previous_view_projection * vec4(p_then, 1.0)).xyw;
-    return vec2(pixel) + 0.5 - (clip.xy / clip.z * 0.5 + 0.5) * vec2(frame.size);
-}
-
 vec3 surface_view(ivec2 pixel, uvec2 id) {
     Surface surface = surface_at(pixel);
     MaterialData material = materials.data[id.y & MATERIAL];
@@ -105,7 +97,7 @@ vec3 surface_view(ivec2 pixel, uvec2 id) {
         case INSTANCE: return number_colour(id.x - 1u);
         case MATERIAL_ID: return number_colour(id.y & MATERIAL);
         case MOTION:
-            vec2 pixels = motion(pixel, surface.position, id.x - 1u);
+            vec2 pixels = texelFetch(gbuffer_motion, pixel, 0).xy;
             // The root shows slow movement, too.
             return vec3(0.5 + 0.5 * sign(pixels) * sqrt(abs(pixels) / FULL_MOTION), 0.5);
         default: return shown(albedo / PI * e * exposure.factor);

@@ -1,68 +1,100 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// G-buffer, texels: view depth, normals, diffuse albedo towards the eye, roughness, instance, base colour, metallic and emission of the nearest
-// surface; all else follows from these.
+// G-buffer, texels: view depth, normals, diffuse albedo towards the eye, roughness, instance, base colour, metallic, emission and
+// motion of the nearest surface; all else follows from these.
 #include "frame.glsl"
 #include "scene.glsl"
 #include "gbuffer.glsl"
+#include "gbuffer_draw.glsl"
 #define MASK_BINDING 3
 #include "mask.glsl"
 #include "bsdf.glsl"
+#include "shading_normal.glsl"
 
 layout(location = 0) in vec3 position_ws;
-layout(location = 1) in vec3 normal_ws;
-layout(location = 2) in vec2 surface_uv;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 uvs;
+layout(location = 3) in vec3 clip_then;
+layout(location = 4) in vec4 tangent;
+layout(location = 5) in vec4 colour;
 
-layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
-layout(set = 0, binding = 2, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 1, binding = 0) uniform sampler2D base_texture;
 layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 1, binding = 2) uniform sampler2D emission_texture;
-
-// Whether the material has an alpha mask. What cannot be discarded is compared by depth before it is shaded.
-layout(constant_id = 0) const bool MASKED = false;
-
-layout(push_constant) uniform Push { uint instance; uint material; } push;
+layout(set = 1, binding = 3) uniform sampler2D normal_texture;
+layout(set = 1, binding = 4, std140) uniform MaterialBlock { MaterialData data; } material_block;
+MaterialData material = material_block.data;
 
 layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_normal;
 layout(location = 2) out vec4 out_albedo;
 layout(location = 3) out uvec2 out_instance;
 layout(location = 4) out uvec2 out_surface;
+layout(location = 5) out vec2 out_motion;
 
 // What irradiance becomes: a surface that reflects nothing else is spared the rest.
 vec3 diffuse_albedo(Bsdf bsdf, vec3 normal, vec3 to_eye) {
     return reflects(bsdf) ? seen(bsdf, normal, to_eye).diffuse : bsdf.base;
 }
 
+vec2 coordinates(TextureUse use) { return DETAILED ? coordinates_of(use, uvs) : uvs.xy; }
+
+// The shading normal on the side that is seen, which `geometric` is on.
+vec3 shading_normal(vec3 geometric, vec3 texel) {
+    vec3 shading = normalize(normal);
+    if (!DETAILED) return dot(shading, geometric) < 0.0 ? -shading : shading;
+    InstanceData instance = instances.data[push.instance];
+    vec3 vertex_normal = normalize(transform_normal(instance.world_to_object, shading));
+    if (material.normal_texture.image == 0u || tangent.w == 0.0) {
+        return dot(vertex_normal, geometric) < 0.0 ? -vertex_normal : vertex_normal;
+    }
+    vec3 mapped = mapped_normal(shading, tangent, texel, material.normal_scale);
+    return seen_normal(vertex_normal, normalize(transform_normal(instance.world_to_object, mapped)), geometric);
+}
+
+// How far the surface has moved in the picture since the last frame, in pixels.
+vec2 motion() {
+    if ((push.flags & MOVED) == 0u) return vec2(0.0);
+    return gl_FragCoord.xy - (clip_then.xy / clip_then.z * 0.5 + 0.5) * vec2(frame.size);
+}
+
 void main() {
     // Taken before any discard: derivatives and mip level need the whole quad.
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
-    MaterialData material = materials.data[push.material];
-    Bsdf bsdf = Bsdf(material.base.rgb * texture(base_texture, surface_uv).rgb, material.base.w,
-        material.reflectance.rgb, material.reflectance.w, material.emission.w);
+    vec2 base_uv = coordinates(material.base_texture);
+    Bsdf bsdf = Bsdf(material.base.rgb * texture(base_texture, base_uv).rgb, material.base.w, material.reflectance.rgb,
+        material.reflectance.w, material.emission.w);
     vec3 emission = material.emission.rgb;
-    if ((material.maps & MAP_METALLIC_ROUGHNESS) != 0u) {
-        vec2 texel = texture(metallic_roughness_texture, surface_uv).gb;
-        bsdf.roughness *= texel.x;
-        bsdf.metallic *= texel.y;
+    vec3 texel = vec3(0.5, 0.5, 1.0);
+    if (material.metallic_roughness_texture.image > 0u) {
+        vec2 data = texture(metallic_roughness_texture, coordinates(material.metallic_roughness_texture)).gb;
+        bsdf.roughness *= data.x;
+        bsdf.metallic *= data.y;
     }
-    if ((material.maps & MAP_EMISSION) != 0u) emission *= texture(emission_texture, surface_uv).rgb;
-    if (MASKED && !mask_opaque(material.mask, surface_uv)) discard;
+    if (material.emission_texture.image > 0u) {
+        emission *= texture(emission_texture, coordinates(material.emission_texture)).rgb;
+    }
+    if (DETAILED) {
+        bsdf.base *= colour.rgb;
+        if (material.normal_texture.image > 0u) {
+            texel = texture(normal_texture, coordinates(material.normal_texture)).rgb;
+        }
+    }
+    if (MASKED && !mask_opaque(material.mask, base_uv)) discard;
 
     // Turn both normals to the side that is seen: surfaces are two-sided.
     vec3 to_eye = frame.eye.xyz - position_ws;
     float area = dot(geometric, geometric);
-    vec3 shading = normalize(normal_ws);
-    geometric = area > 0.0 ? geometric * inversesqrt(area) : shading;
+    bool front = gl_FrontFacing != ((push.flags & MIRRORED) != 0u);
+    geometric = area > 0.0 ? geometric * inversesqrt(area) : normalize(to_eye);
     if (dot(geometric, to_eye) < 0.0) geometric = -geometric;
-    if (dot(shading, geometric) < 0.0) shading = -shading;
+    vec3 shading = shading_normal(geometric, texel);
 
-    bool front = gl_FrontFacing != (instances.data[push.instance].mirrored == 1u);
     out_depth = 1.0 / gl_FragCoord.w;
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(diffuse_albedo(bsdf, shading, normalize(to_eye)), bsdf.roughness);
     out_instance = uvec2(push.instance + 1u, push.material | (front ? FRONT_FACING : 0u));
-    vec3 emitted = front ? emission * instances.data[push.instance].emission.rgb : vec3(0.0);
-    out_surface = uvec2(pack_base(bsdf.base, bsdf.metallic), pack_emission(emitted));
+    if (emission != vec3(0.0)) emission = front ? emission * instances.data[push.instance].emission.rgb : vec3(0.0);
+    out_surface = uvec2(pack_base(bsdf.base, bsdf.metallic), pack_emission(emission));
+    out_motion = motion();
 }

@@ -142,9 +142,9 @@ impl MeshBvh {
                 let mask = material
                     .and_then(|material| materials.get(material as usize))
                     .filter(|material| !(sheets && material.is_sheet()))
-                    .and_then(|material| material.alpha_mask);
-                if let Some(mask) = mask {
-                    masked.push(masked_triangle(mesh, id, mask));
+                    .and_then(|material| Some((material, material.alpha_mask?)));
+                if let Some((material, mask)) = mask {
+                    masked.push(masked_triangle(mesh, id, material, mask));
                 }
                 let [v0, v1, v2]: [Vec3; 3] = corners(id);
                 GpuTriangle {
@@ -212,8 +212,7 @@ fn blocks_of(
     (tree, blocks)
 }
 
-fn masked_triangle(mesh: &Mesh, id: u32, mask: usize) -> GpuMaskedTriangle {
-    let [uv0, uv1, uv2] =
-        mesh.triangles[id as usize].map(|vertex| mesh.uvs.get(vertex as usize).copied().unwrap_or_default());
+fn masked_triangle(mesh: &Mesh, id: u32, material: &Material, mask: usize) -> GpuMaskedTriangle {
+    let [uv0, uv1, uv2] = mesh.mask_coordinates(id, material);
     GpuMaskedTriangle { uv0, uv1, uv2, mask: mask as u32, pad: 0 }
 }

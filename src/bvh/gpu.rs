@@ -13,7 +13,7 @@ use super::{
     TwoLevelBvh,
     top::{PlacedInstance, TopLevel},
 };
-use crate::scene::AlphaMask;
+use crate::scene::{AlphaMask, Wrap};
 
 /// A triangle in leaf order. 48 bytes: three vec4.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -59,8 +59,8 @@ pub struct GpuMask {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// Unused.
-    pub pad: u32,
+    /// Wrap modes: see shaders/include/wrap.glsl.
+    pub wrap: u32,
 }
 
 /// A placed instance in leaf order. 64 bytes: four vec4.
@@ -277,6 +277,11 @@ pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     ]
 }
 
+/// Wrap modes as shaders have them; twin: `wrapped` in shaders/include/wrap.glsl.
+pub(crate) fn wrap_bits([u, v]: [Wrap; 2]) -> u32 {
+    u.number() | v.number() << 2
+}
+
 fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
     let mut bits = Vec::new();
     let table = masks
@@ -284,7 +289,7 @@ fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
         .map(|mask| {
             let first_word = bits.len() as u32;
             bits.extend_from_slice(&mask.bits);
-            GpuMask { first_word, width: mask.width, height: mask.height, pad: 0 }
+            GpuMask { first_word, width: mask.width, height: mask.height, wrap: wrap_bits(mask.wrap) }
         })
         .collect();
     (table, bits)

@@ -7,7 +7,8 @@
 Without this file, `mitsuba scene.xml` renders Mitsuba's own materials, which come near. The equations are those of
 src/bsdf.rs. Parameters: base_color (spectrum or texture), metallic and roughness (number or texture), f0 (spectrum) and
 f90 (number): reflectance of the dielectric at normal and grazing incidence; transmission (number): share of the base
-colour that passes as through a thin sheet. Both sides are the same.
+colour that passes as through a thin sheet; vertex_color (texture): a factor of the base colour; normal_map (texture) and
+normal_scale (number), in the frame of vertex_tangent, whose bitangent's side is vertex_side. Both sides are the same.
 """
 
 import sys
@@ -23,6 +24,8 @@ if __name__ == "__main__":
 MATERIALS = "materials-glowworm.xml"
 # Smoother surfaces are perfect mirrors.
 MIRROR_ROUGHNESS = 0.03
+# Least cosine between the normal of a normal map and the triangle's.
+LEAST_COSINE = 0.01
 # Least cosine between normal and eye.
 GRAZING = 1e-4
 # Polynomials of single_scattering: for each power of x, the coefficients by roughness.
@@ -88,13 +91,20 @@ class Seen:
         self.eye = si.wi
         flat = si.to_local(si.n)
         self.flat = dr.select(dr.dot(flat, self.eye) < 0, -flat, flat)
-        normal = dr.select(self.flat.z < 0, mi.Vector3f(0, 0, -1), mi.Vector3f(0, 0, 1))
+        side = dr.select(self.flat.z < 0, mi.Float(-1), mi.Float(1))
+        normal = mi.Vector3f(0, 0, 1) * side
+        if bsdf.normal_map is not None:
+            mapped = bsdf.mapped_normal(si, active) * side
+            below = LEAST_COSINE - dr.dot(mapped, self.flat)
+            normal = dr.select(below > 0, dr.normalize(mapped + self.flat * below), mapped)
         cosine = dr.dot(normal, self.eye)
         bent = dr.normalize(normal + self.eye * (GRAZING - cosine))
         self.normal = dr.select(cosine < GRAZING, bent, normal)
         self.cosine = cosine = dr.maximum(cosine, GRAZING)
 
         colour = bsdf.base_color.eval(si, active)
+        if bsdf.vertex_color is not None:
+            colour *= bsdf.vertex_color.eval_3(si, active)
         metallic = dr.clip(bsdf.metallic.eval_1(si, active), 0, 1)
         roughness = dr.clip(bsdf.roughness.eval_1(si, active), 0, 1)
         base = colour * (1 - bsdf.transmission)
@@ -161,6 +171,10 @@ class Glowworm(mi.BSDF):
         self.f0 = props.get_texture("f0", 0.04)
         self.f90 = props.get("f90", 1.0)
         self.transmission = props.get("transmission", 0.0)
+        details = ["vertex_color", "normal_map", "vertex_tangent", "vertex_side"]
+        self.vertex_color, self.normal_map, self.vertex_tangent, self.vertex_side = (
+            props.get_texture(name) if props.has_property(name) else None for name in details)
+        self.normal_scale = props.get("normal_scale", 1.0)
         kinds = [mi.BSDFFlags.DiffuseReflection, mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DeltaReflection]
         kinds += [mi.BSDFFlags.Null] if self.transmission > 0 else []
         sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -168,6 +182,19 @@ class Glowworm(mi.BSDF):
         self.m_flags = self.m_components[0]
         for component in self.m_components:
             self.m_flags |= component
+
+    def mapped_normal(self, si, active):
+        """The normal of the normal map, in the local frame."""
+        x, y, z = self.normal_map.eval_3(si, active) * 2 - 1
+        tangent = si.to_local(mi.Vector3f(self.vertex_tangent.eval_3(si, active)))
+        side = self.vertex_side.eval_1(si, active)
+        length = dr.norm(tangent)
+        tangent /= dr.maximum(length, 1e-20)
+        up = mi.Vector3f(0, 0, 1)
+        slope = (tangent * x + dr.cross(up, tangent) * dr.sign(side) * y) * self.normal_scale
+        mapped = slope + up * z
+        is_mapped = (side != 0) & (length > 0) & (dr.squared_norm(mapped) > 0)
+        return dr.select(is_mapped, dr.normalize(mapped), up)
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         seen = Seen(self, si, active)

@@ -15,8 +15,10 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::xml::Element;
-use super::{Content, Export, named};
-use crate::scene::{Alpha, AlphaMask, EnvironmentMap, Material, Texture, luminance, srgb_to_linear};
+use super::{Content, Export, Remark, named};
+use crate::scene::{
+    Alpha, AlphaMask, EnvironmentMap, Material, Texture, TextureUse, Wrap, luminance, srgb_to_linear,
+};
 
 /// Largest reflectance at normal incidence of a plain material: its index of refraction must be finite.
 const MAX_PLAIN_F0: f32 = 0.9;
@@ -37,9 +39,12 @@ impl Export<'_> {
     }
 
     /// Whether Mitsuba has no material that is the same.
-    pub(super) fn is_special(&self, material: u32) -> bool {
-        let material = &self.scene.materials[material as usize];
-        material.mean_bsdf(self.scene).reflects() || passed_share(material) > 0.0
+    pub(super) fn is_special(&self, index: u32) -> bool {
+        let material = &self.scene.materials[index as usize];
+        material.mean_bsdf(self.scene).reflects()
+            || passed_share(material) > 0.0
+            || material.normal_texture.is_some()
+            || self.coloured.contains(&index)
     }
 
     /// The BSDF of a material.
@@ -51,7 +56,7 @@ impl Export<'_> {
                 two_sided(self.coloured(diffuse, "reflectance", material))
             }
             Reader::Plain => self.principled(material),
-            Reader::Exact => self.glowworm(material),
+            Reader::Exact => self.glowworm(index),
         };
         self.cut(surface, material).attribute("id", self.bsdf_id(index))
     }
@@ -66,7 +71,8 @@ impl Export<'_> {
             Some(mask) if !material.is_sheet() => {
                 let file = format!("textures/{}.png", named("mask", mask, ""));
                 self.add_file(&file, Content::Mask(mask));
-                masked(bitmap("opacity", &file, "nearest").boolean("raw", true)).child(surface)
+                let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);
+                masked(bitmap("opacity", &file, "nearest", wrap).boolean("raw", true)).child(surface)
             }
             _ => surface,
         }
@@ -74,8 +80,9 @@ impl Export<'_> {
 
     /// How much of a thin sheet is there.
     fn coverage(&mut self, material: &Material) -> Element {
-        let has_alpha =
-            |&texture: &usize| self.scene.textures[texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255);
+        let has_alpha = |image: &TextureUse| {
+            self.scene.textures[image.texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255)
+        };
         match material.base_colour_texture.filter(has_alpha) {
             Some(texture) => self.channel("opacity", texture, 3, material.opacity),
             None => float("opacity", material.opacity),
@@ -83,12 +90,29 @@ impl Export<'_> {
     }
 
     /// What this program computes.
-    fn glowworm(&mut self, material: &Material) -> Element {
+    fn glowworm(&mut self, index: u32) -> Element {
+        let material = &self.scene.materials[index as usize];
         let surface = self.coloured(Element::plugin("bsdf", "glowworm"), "base_color", material);
-        self.metallic_roughness(surface, material)
+        let surface = self
+            .metallic_roughness(surface, material)
             .rgb("f0", material.f0)
             .float("f90", material.f90)
-            .float("transmission", passed_share(material))
+            .float("transmission", passed_share(material));
+        let surface = match self.coloured.contains(&index) {
+            true => surface.child(attribute("vertex_color")),
+            false => surface,
+        };
+        let Some(map) = material.normal_texture else { return surface };
+        surface
+            .child(self.normal_map("normal_map", map))
+            .float("normal_scale", material.normal_scale)
+            .child(attribute("vertex_tangent"))
+            .child(attribute("vertex_side"))
+    }
+
+    fn normal_map(&mut self, name: &str, map: TextureUse) -> Element {
+        let content = Content::Texture { texture: map.texture, tint: Vec3::ONE };
+        self.read(name, content, map, ["", "png"]).boolean("raw", true)
     }
 
     /// The nearest material of Mitsuba's own.
@@ -96,6 +120,13 @@ impl Export<'_> {
         let surface = self.coloured(Element::plugin("bsdf", "principled"), "base_color", material);
         let root = luminance(material.f0).min(MAX_PLAIN_F0).sqrt();
         let surface = self.metallic_roughness(surface, material).float("eta", (1.0 + root) / (1.0 - root));
+        let surface = match material.normal_texture {
+            Some(map) => {
+                let map = self.normal_map("normalmap", map);
+                Element::plugin("bsdf", "normalmap").child(map).child(surface)
+            }
+            None => surface,
+        };
         let passes = passed_share(material) * luminance(material.mean_base(self.scene));
         if passes > 0.0 {
             return Element::plugin("bsdf", "mask").float("opacity", 1.0 - passes).child(two_sided(surface));
@@ -114,43 +145,54 @@ impl Export<'_> {
     }
 
     /// A number from a channel of a texture times `factor`.
-    fn channel(&mut self, name: &str, texture: usize, channel: usize, factor: f32) -> Element {
-        let content = Content::Channel { texture, channel, factor };
-        let file = self.image(&format!("{name}-"), texture, content, "png");
-        bitmap(name, &file, "bilinear").boolean("raw", true)
+    fn channel(&mut self, name: &str, image: TextureUse, channel: usize, factor: f32) -> Element {
+        let content = Content::Channel { texture: image.texture, channel, factor };
+        self.read(name, content, image, [&format!("{name}-"), "png"]).boolean("raw", true)
     }
 
     /// The surface with the parameter `name`: the base colour.
     fn coloured(&mut self, surface: Element, name: &str, material: &Material) -> Element {
         let tint = material.base_colour;
-        let Some(texture) = material.base_colour_texture else {
+        let Some(image) = material.base_colour_texture else {
             return surface.rgb(name, tint.min(Vec3::ONE));
         };
-        let file = self.image("", texture, Content::Texture { texture, tint }, "png");
-        surface.child(bitmap(name, &file, "bilinear"))
+        let content = Content::Texture { texture: image.texture, tint };
+        surface.child(self.read(name, content, image, ["", "png"]))
     }
 
     /// The radiance of an emissive material.
     pub(super) fn radiance(&mut self, emitter: Element, material: &Material) -> Element {
-        let Some(texture) = material.emission_texture else {
+        let Some(image) = material.emission_texture else {
             return emitter.rgb("radiance", material.emission);
         };
-        let content = Content::Emission { texture, factor: material.emission };
-        let file = self.image("emission-", texture, content, "exr");
-        emitter.child(bitmap("radiance", &file, "bilinear").boolean("raw", true))
+        let content = Content::Emission { texture: image.texture, factor: material.emission };
+        emitter.child(self.read("radiance", content, image, ["emission-", "exr"]).boolean("raw", true))
     }
 
-    /// The file of an image of a texture; materials may share it with different factors.
-    fn image(&mut self, prefix: &str, texture: usize, content: Content, ending: &str) -> String {
+    /// The parameter `name`: what a texture is read for, from a file with this start and end of its name. Materials may
+    /// share a texture with different factors.
+    fn read(&mut self, name: &str, content: Content, image: TextureUse, [start, end]: [&str; 2]) -> Element {
         let known = self.images.iter().position(|known| *known == content);
         let place = known.unwrap_or_else(|| {
             self.images.push(content);
             self.images.len() - 1
         });
-        let name = named("texture", place, &self.scene.textures[texture].name);
-        let file = format!("textures/{prefix}{name}.{ending}");
+        let texture = named("texture", place, &self.scene.textures[image.texture].name);
+        let file = format!("textures/{start}{texture}.{end}");
         self.add_file(&file, content);
-        file
+        bitmap(name, &file, "bilinear", self.wrap_mode(image.wrap))
+    }
+
+    /// Mitsuba's name of a wrap mode; it has one for both axes.
+    fn wrap_mode(&mut self, [u, v]: [Wrap; 2]) -> &'static str {
+        if u != v {
+            self.remarks.insert(Remark::WrapModes);
+        }
+        match u {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        }
     }
 }
 
@@ -167,13 +209,18 @@ fn float(name: &str, value: f32) -> Element {
     Element::new("float").attribute("name", name).attribute("value", format!("{value:?}"))
 }
 
-/// A repeating image with 32-bit float texels.
-fn bitmap(name: &str, file: &str, filter: &str) -> Element {
+/// What vertices have beside positions, normals and texture coordinates.
+fn attribute(name: &str) -> Element {
+    Element::plugin("texture", "mesh_attribute").attribute("name", name).string("name", name)
+}
+
+/// An image with 32-bit float texels.
+fn bitmap(name: &str, file: &str, filter: &str, wrap: &str) -> Element {
     Element::plugin("texture", "bitmap")
         .attribute("name", name)
         .string("filename", file)
         .string("filter_type", filter)
-        .string("wrap_mode", "repeat")
+        .string("wrap_mode", wrap)
         .string("format", "variant")
         .boolean("accel", false)
 }

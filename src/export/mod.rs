@@ -146,6 +146,8 @@ struct Export<'a> {
     /// Images of textures; the index is the number in the file's name.
     images: Vec<Content>,
     used_materials: BTreeSet<u32>,
+    /// Materials of meshes whose vertices have colours.
+    coloured: BTreeSet<u32>,
     /// Meshes exported as shape groups.
     groups: BTreeSet<usize>,
     shapes: usize,
@@ -210,6 +212,12 @@ impl<'a> Export<'a> {
             files: BTreeMap::new(),
             images: Vec::new(),
             used_materials: BTreeSet::new(),
+            coloured: scene
+                .meshes
+                .iter()
+                .filter(|mesh| !mesh.colours.is_empty())
+                .flat_map(|mesh| mesh.triangle_materials.iter().copied())
+                .collect(),
             groups: BTreeSet::new(),
             remarks: BTreeSet::new(),
             shapes: 0,

@@ -26,6 +26,12 @@ pub(super) enum Remark {
     MaskedEmission,
     /// The camera does not see the environment.
     HiddenEnvironment,
+    /// A texture has one wrap mode.
+    WrapModes,
+    /// A surface has one set of texture coordinates.
+    Coordinates,
+    /// Alpha of vertices is lost.
+    VertexAlpha,
 }
 
 impl Remark {
@@ -52,6 +58,11 @@ impl Remark {
             Self::MaskedEmission => {
                 "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless."
             }
+            Self::WrapModes => "Textures go on beyond their borders alike on both axes, as on the first.",
+            Self::Coordinates => {
+                "Textures of one material with different coordinates have those of its first texture."
+            }
+            Self::VertexAlpha => "The alpha of vertices is left out.",
             Self::HiddenEnvironment => {
                 "The camera does not see the environment, since hide_emitters hides it with the portals."
             }

@@ -5,7 +5,7 @@
 //!
 //! - Surfaces that do not emit are in object space, with a transform. A mesh with several instances becomes a
 //!   `shapegroup` with an `instance` each.
-//! - Emissive surfaces are in world space, since mirroring does not change the front side; and flat unless they reflect by
+//! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat unless they reflect by
 //!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
 //! - A portal, an invisible emitter, is a `null` surface with an emitter. `volpath` lets light pass through it, and
 //!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
@@ -14,12 +14,12 @@
 
 use std::collections::BTreeMap;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
 use super::ply::PlyMesh;
 use super::xml::Element;
 use super::{Content, Export, Remark, named};
-use crate::scene::{Mesh, SurfaceTransform};
+use crate::scene::{Alpha, Material, Mesh, SurfaceTransform};
 
 /// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
@@ -47,14 +47,13 @@ impl Part {
     pub(super) fn mesh(&self, export: &Export<'_>) -> PlyMesh {
         let scene = export.scene;
         let material = &scene.materials[self.material as usize];
-        let textures =
-            [material.base_colour_texture, material.metallic_roughness_texture, material.emission_texture];
-        let textured = textures.iter().any(Option::is_some) || material.alpha_mask.is_some();
+        let textured = material.textures().next().is_some() || material.alpha_mask.is_some();
+        let details = Details { material, is_coloured: export.coloured.contains(&self.material) };
         let mut part = match self.owner {
-            Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material),
+            Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material, &details),
             Owner::Instance { index, steps, .. } => {
                 let mesh = &scene.meshes[scene.instances[index].mesh];
-                in_world_space(mesh, self.material, &export.pose.instances[index], steps)
+                in_world_space(mesh, self.material, (&export.pose.instances[index], steps), &details)
             }
         };
         if matches!(self.owner, Owner::Instance { smooth: false, .. }) {
@@ -79,9 +78,11 @@ impl Export<'_> {
         let mut shapes = Vec::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let emits = |material: u32| scene.materials[material as usize].is_emissive();
+            let has_normal_map = |material: u32| scene.materials[material as usize].normal_texture.is_some();
             let mut surfaces = Vec::new();
             for (&material, triangles) in &materials[instance.mesh] {
                 match (instance.visible, emits(material)) {
+                    (true, false) if has_normal_map(material) => shapes.push(self.mapped(index, material)),
                     (true, false) => surfaces.push(material),
                     (true, true) => shapes.extend(self.lamp(index, material)),
                     (false, true) => shapes.push(self.portal(index, material)),
@@ -134,6 +135,13 @@ impl Export<'_> {
         self.with_bsdf(shape, material)
     }
 
+    /// A shape with a normal map, in world space, as its tangents are.
+    fn mapped(&mut self, index: usize, material: u32) -> Element {
+        let owner = Owner::Instance { index, steps: 0, smooth: true };
+        let shape = self.world_shape(Part { owner, material });
+        self.with_bsdf(shape, material)
+    }
+
     /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
     fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
         let smooth = self.keeps_normals(index, material);
@@ -162,7 +170,21 @@ impl Export<'_> {
 
     fn with_bsdf(&mut self, shape: Element, material: u32) -> Element {
         self.used_materials.insert(material);
+        self.remark_textures(material);
         shape.child(Element::new("ref").attribute("id", self.bsdf_id(material)))
+    }
+
+    /// Adds remarks on how textures are read.
+    fn remark_textures(&mut self, material: u32) {
+        let surface = &self.scene.materials[material as usize];
+        let mut places = surface.textures().map(|image| (image.set, image.matrix, image.offset));
+        let first = places.next();
+        if places.any(|place| Some(place) != first) {
+            self.remarks.insert(Remark::Coordinates);
+        }
+        if surface.alpha == Alpha::Blend && self.coloured.contains(&material) {
+            self.remarks.insert(Remark::VertexAlpha);
+        }
     }
 
     fn flat_shape(&mut self, index: usize, material: u32, steps: u32) -> Element {
@@ -197,7 +219,8 @@ impl Export<'_> {
         let glow = &scene.materials[material as usize];
         let mesh = &scene.meshes[scene.instances[index].mesh];
         let reflects = glow.base_colour != Vec3::ZERO || glow.mean_bsdf(scene).reflects();
-        let smooth = reflects && !self.has_portals && has_smooth(mesh, material);
+        let has_normals = glow.normal_texture.is_some() || has_smooth(mesh, material);
+        let smooth = reflects && !self.has_portals && has_normals;
         if reflects && self.has_portals {
             self.remarks.insert(Remark::EmittersWithoutReflection);
         } else if smooth {
@@ -233,8 +256,33 @@ fn has_smooth(mesh: &Mesh, material: u32) -> bool {
     })
 }
 
+/// What a material needs of vertices besides positions and normals.
+struct Details<'a> {
+    material: &'a Material,
+    is_coloured: bool,
+}
+
+impl Details<'_> {
+    /// Adds those of a vertex. `turned` transforms a tangent.
+    fn add(&self, mesh: &Mesh, vertex: usize, part: &mut PlyMesh, turned: impl Fn(Vec4) -> Vec4) {
+        let first = mesh.uvs[vertex];
+        let uvs = [first, mesh.second_uvs.get(vertex).copied().unwrap_or(first)];
+        // All textures of a material have the coordinates of its first one.
+        part.uvs.push(self.material.textures().next().map_or(first, |image| image.coordinates(uvs)));
+        if self.is_coloured {
+            let colour = mesh.colours.get(vertex).map_or(Vec3::ONE, |&[r, g, b, _]| {
+                Vec3::from_array([r, g, b].map(|channel| f32::from(channel) / 255.0))
+            });
+            part.colours.push(colour);
+        }
+        if self.material.normal_texture.is_some() {
+            part.tangents.push(turned(mesh.tangents.get(vertex).copied().unwrap_or(Vec4::ZERO)));
+        }
+    }
+}
+
 /// The triangles of a material with their vertices, in object space.
-fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
+fn in_object_space(mesh: &Mesh, material: u32, details: &Details<'_>) -> PlyMesh {
     const UNUSED: u32 = u32::MAX;
     let mut places = vec![UNUSED; mesh.positions.len()];
     let mut part = PlyMesh::default();
@@ -245,7 +293,7 @@ fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
                 places[vertex] = part.positions.len() as u32;
                 part.positions.push(mesh.positions[vertex]);
                 part.normals.push(mesh.normals[vertex]);
-                part.uvs.push(mesh.uvs[vertex]);
+                details.add(mesh, vertex, &mut part, |tangent| tangent);
             }
             places[vertex]
         }));
@@ -254,8 +302,15 @@ fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
 }
 
 /// The triangles of a material in world space, offset by `steps` away from the emitting side.
-fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) -> PlyMesh {
+fn in_world_space(
+    mesh: &Mesh,
+    material: u32,
+    (transform, steps): (&Affine3A, u32),
+    details: &Details<'_>,
+) -> PlyMesh {
     let mirrored = transform.matrix3.determinant() < 0.0;
+    let side = if mirrored { -1.0 } else { 1.0 };
+    let turned = |tangent: Vec4| transform.transform_vector3(tangent.truncate()).extend(side * tangent.w);
     let placement = SurfaceTransform::new(transform);
     let mut part = PlyMesh::default();
     for triangle in triangles_of(mesh, material) {
@@ -268,7 +323,7 @@ fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) 
         part.positions
             .extend(vertices.map(|vertex| transform.transform_point3(mesh.positions[vertex as usize])));
         part.normals.extend(vertices.map(|vertex| placement.normal(mesh.normals[vertex as usize])));
-        part.uvs.extend(vertices.map(|vertex| mesh.uvs[vertex as usize]));
+        vertices.iter().for_each(|&vertex| details.add(mesh, vertex as usize, &mut part, turned));
     }
     let reach = part.positions.iter().fold(0.0f32, |reach, point| reach.max(point.abs().max_element()));
     let distance = steps as f32 * BEHIND * (1.0 + reach);

@@ -97,8 +97,6 @@ pub struct BufferViewInputs<'a> {
     pub direct: &'a Image,
     /// Indirect irradiance.
     pub irradiance: &'a Image,
-    /// Instances of this frame.
-    pub instances: &'a Buffer,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// World-space bounds of all that is visible.
@@ -152,8 +150,8 @@ impl BufferViewPass {
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("gbuffer_instance", &gbuffer.instance)
             .read("gbuffer_surface", &gbuffer.surface)
+            .read("gbuffer_motion", &gbuffer.motion)
             .read("materials", inputs.materials)
-            .read("instances", inputs.instances)
             .read("direct_shadows", inputs.direct_shadows)
             .read("direct", inputs.direct)
             .read("irradiance", inputs.irradiance)

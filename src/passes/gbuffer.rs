@@ -1,4 +1,4 @@
-//! `gbuffer`: view depth, normal, material and instance of the nearest surface, by raster.
+//! `gbuffer`: view depth, normals, material, instance and motion of the nearest surface, by raster.
 
 use std::mem::offset_of;
 use std::sync::Arc;
@@ -7,8 +7,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
 use super::clusters::visible;
-use super::scene_buffers::{Instances, SceneBuffers, Vertex};
+use super::geometry::Vertex;
+use super::scene_buffers::{Instances, SceneBuffers};
 use super::skip::{LastInputs, Version};
+use super::structs::InstanceData;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -17,12 +19,13 @@ use crate::vulkan::{
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
-const FORMATS: [vk::Format; 5] = [
+const FORMATS: [vk::Format; 6] = [
     vk::Format::R32_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R16G16B16A16_SFLOAT,
     vk::Format::R32G32_UINT,
     vk::Format::R32G32_UINT,
+    vk::Format::R16G16_SFLOAT,
 ];
 
 /// What the pass writes.
@@ -37,10 +40,12 @@ pub struct GBuffer {
     pub instance: Image,
     /// x: base colour and metallic; y: emission; packed as in shaders/include/gbuffer.glsl.
     pub surface: Image,
+    /// How far the surface has moved in the picture since the last frame, in pixels, right and down.
+    pub motion: Image,
     /// What raster compares by.
     nearest: Image,
-    /// View and instances that the images show.
-    last: LastInputs<(Mat4, Version)>,
+    /// Views now and one frame ago, and instances that the images show.
+    last: LastInputs<([Mat4; 2], Version)>,
 }
 
 impl GBuffer {
@@ -56,6 +61,7 @@ impl GBuffer {
             albedo: target("gbuffer_albedo", FORMATS[2], stored)?,
             instance: target("gbuffer_instance", FORMATS[3], color)?,
             surface: target("gbuffer_surface", FORMATS[4], color)?,
+            motion: target("gbuffer_motion", FORMATS[5], color)?,
             nearest: target(
                 "gbuffer_nearest",
                 vk::Format::D32_SFLOAT,
@@ -83,8 +89,8 @@ pub struct GBufferInputs<'a> {
     pub tracer: &'a Tracer,
     /// Where everything stands.
     pub pose: &'a Pose,
-    /// World to clip space, as in the frame uniforms.
-    pub view_projection: Mat4,
+    /// World to clip space now and one frame ago, as in the frame uniforms.
+    pub view_projections: [Mat4; 2],
 }
 
 #[repr(C)]
@@ -92,7 +98,12 @@ pub struct GBufferInputs<'a> {
 struct Push {
     instance: u32,
     material: u32,
+    flags: u32,
 }
+
+/// Bits of [`Push::flags`]. Twins: shaders/include/gbuffer_draw.glsl.
+const MIRRORED: u32 = 1;
+const MOVED: u32 = 2;
 
 /// The pass.
 pub struct GBufferPass {
@@ -106,8 +117,10 @@ impl GBufferPass {
     pub fn new(device: &Arc<Device>, scene: &SceneBuffers, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let attributes = [
             (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
-            (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal) as u32),
+            (vk::Format::R16G16_SNORM, offset_of!(Vertex, normal) as u32),
             (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+            (vk::Format::R32_UINT, offset_of!(Vertex, tangent) as u32),
+            (vk::Format::R8G8B8A8_UNORM, offset_of!(Vertex, colour) as u32),
         ];
         let pipeline = GraphicsPipeline::new(
             device,
@@ -119,16 +132,10 @@ impl GBufferPass {
                 attributes: &attributes,
                 colors: &FORMATS,
                 blend: false,
-                // Without and with an alpha mask.
-                variants: &[0, 1],
+                variants: &[0, 1, 2, 3],
             },
         )?;
-        let images: Vec<[&Image; 3]> = scene
-            .material_textures
-            .iter()
-            .map(|textures| textures.map(|texture| &scene.textures[texture]))
-            .collect();
-        let materials = MaterialSets::new(device, &pipeline, &images, &scene.sampler)?;
+        let materials = scene.material_sets(device, &pipeline)?;
         Ok(Self {
             pipeline: Arc::new(pipeline),
             materials: Arc::new(materials),
@@ -156,7 +163,7 @@ impl GBufferPass {
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
     ) -> Result<&GBuffer, VulkanError> {
-        let key = (inputs.view_projection, inputs.instances.version);
+        let key = (inputs.view_projections, inputs.instances.version);
         if self.targets.last.differ(key) {
             self.draw(frame, inputs)?;
         }
@@ -164,26 +171,33 @@ impl GBufferPass {
     }
 
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
-        let GBuffer { depth, normal, albedo, instance, surface, nearest, .. } = &self.targets;
+        let GBuffer { depth, normal, albedo, instance, surface, motion, nearest, .. } = &self.targets;
         let scene = inputs.scene;
-        let draws = visible(&scene.draws, inputs.pose, &inputs.view_projection);
+        let [view_projection, previous] = inputs.view_projections;
+        let draws = visible(&scene.draws, inputs.pose, &view_projection);
+        let instances = scene.uploaded_instances();
+        let flags = |data: &InstanceData| {
+            let moved = view_projection != previous || data.object_to_world != data.previous_object_to_world;
+            data.mirrored * MIRRORED + u32::from(moved) * MOVED
+        };
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
             .read("instances", &*inputs.instances.data)
-            .read("materials", &scene.materials);
+            .read("second_uvs", &scene.second_uvs);
         let targets =
-            Targets::Cleared { colors: &[depth, normal, albedo, instance, surface], depth: nearest };
+            Targets::Cleared { colors: &[depth, normal, albedo, instance, surface, motion], depth: nearest };
         inputs.tracer.bind_masks(pass).draw(&targets, |list| {
             list.geometry(&scene.vertices, &scene.indices);
             let mut bound = None;
             for draw in &draws {
                 if bound != Some(draw.material) {
-                    list.variant(usize::from(scene.masks[draw.material as usize] != 0));
+                    list.variant(scene.variants[draw.material as usize]);
                     list.material(&self.materials, draw.material as usize);
                     bound = Some(draw.material);
                 }
-                let push = Push { instance: draw.instance, material: draw.material };
+                let flags = flags(&instances[draw.instance as usize]);
+                let push = Push { instance: draw.instance, material: draw.material, flags };
                 list.draw(&push, draw.first, draw.count);
             }
         })

@@ -10,6 +10,8 @@ pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;
 pub mod gbuffer;
+pub mod geometry;
+pub mod hit_buffers;
 pub mod overlay;
 pub mod scene_buffers;
 pub mod skip;

@@ -1,47 +1,45 @@
 //! The scene in device memory: vertices, indices, materials, textures, instances, and what to draw.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec3};
 
-use super::clusters::{Cluster, Draw, cluster};
+use super::clusters::Draw;
+use super::geometry::{Geometry, first_triangles};
 use super::skip::{LastInputs, Version};
-use super::structs::{InstanceData, MaterialData};
+use super::structs::{InstanceData, MaterialData, TextureUseData};
+use super::to_u32;
 use crate::bvh::gpu::rows;
-use crate::scene::{LightKind, Material, Pose, Scene};
-use crate::vulkan::{Buffer, Device, Frame, Image, Mirror, Sampler, VulkanError};
-
-/// One vertex, 32 bytes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Vertex {
-    /// Object-space position.
-    pub position: Vec3,
-    /// Unit shading normal.
-    pub normal: Vec3,
-    /// Texture coordinates, origin top left.
-    pub uv: Vec2,
-}
+use crate::scene::{LightKind, Material, Pose, Scene, TextureUse, Wrap};
+use crate::vulkan::{
+    Buffer, Device, Frame, GraphicsPipeline, Image, MaterialSets, Mirror, Sampler, VulkanError, vk,
+};
 
 /// The scene in device memory.
 pub struct SceneBuffers {
-    /// [`Vertex`]es of all meshes.
+    /// [`Vertex`](super::geometry::Vertex) of all meshes, one after the other.
     pub vertices: Buffer,
     /// Indices of all meshes.
     pub indices: Buffer,
+    /// The second set of texture coordinates of all vertices; a single one if no material reads it.
+    pub second_uvs: Buffer,
     /// [`MaterialData`] of all materials.
     pub materials: Buffer,
     /// One texture for each of the scene's, and a white one at the end.
-    pub textures: Vec<Image>,
-    /// The textures of each material, indices into `textures`: base colour, metallic and roughness, emission.
-    pub material_textures: Vec<[usize; 3]>,
-    /// The sampler of the textures.
-    pub sampler: Sampler,
+    textures: Vec<Image>,
+    samplers: HashMap<[Wrap; 2], Sampler>,
+    /// The textures of each material: base colour, metallic and roughness, emission, normal. Index into `textures` and wrap
+    /// modes.
+    material_textures: Vec<[(usize, [Wrap; 2]); 4]>,
     /// All clusters of all visible instances, by material: what the G-buffer may draw.
     pub draws: Vec<Draw>,
-    /// Alpha mask plus one of each material.
-    pub masks: Vec<u32>,
+    /// What of the G-buffer's shader each material needs: 1 for an alpha mask, 2 for more than one set of plain texture
+    /// coordinates.
+    pub variants: Vec<usize>,
+    /// The first triangle of each instance's mesh among those of all meshes.
+    first_triangles: Vec<u32>,
     /// [`InstanceData`] of all instances.
     instances: Mirror,
     /// What is in there.
@@ -62,11 +60,13 @@ impl SceneBuffers {
     /// Uploads the scene.
     pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
         let geometry = Geometry::of(scene);
-        let masks: Vec<u32> = scene.materials.iter().map(mask_plus_one).collect();
         let mut draws = geometry.draws(scene);
         draws.sort_by_key(|draw| (draw.material, draw.instance));
-        let materials: Vec<MaterialData> =
-            scene.materials.iter().map(|material| material_data(scene, material)).collect();
+        let colours = vertex_colours(scene);
+        let coloured = || scene.materials.iter().zip(&colours);
+        let materials: Vec<MaterialData> = coloured()
+            .map(|(material, colour)| material_data(scene, material, colour.unwrap_or(Vec3::ONE)))
+            .collect();
         let mut textures = scene
             .textures
             .iter()
@@ -74,29 +74,40 @@ impl SceneBuffers {
             .collect::<Result<Vec<_>, _>>()?;
         textures.push(Image::texture(device, "white", false, &[(1, 1, vec![255; 4])])?);
         let white = textures.len() - 1;
+        let place = |texture: Option<TextureUse>| {
+            texture.map_or((white, Wrap::REPEAT), |texture| (texture.texture, texture.wrap))
+        };
+        let first_triangles = first_triangles(scene);
         Ok(Self {
             vertices: Buffer::with_data(device, "vertices", &geometry.vertices)?,
+            second_uvs: Buffer::with_data(device, "second_uvs", &geometry.second_uvs)?,
             indices: Buffer::with_data(device, "indices", &geometry.indices)?,
             materials: Buffer::with_data(device, "materials", &materials)?,
             material_textures: scene
                 .materials
                 .iter()
-                .map(|material| {
-                    let Material {
-                        base_colour_texture, metallic_roughness_texture, emission_texture, ..
-                    } = material;
-                    [base_colour_texture, metallic_roughness_texture, emission_texture]
-                        .map(|texture| texture.unwrap_or(white))
-                })
+                .map(|material| material.texture_uses().map(place))
                 .collect(),
             textures,
-            sampler: Sampler::for_textures(device)?,
+            samplers: samplers(device, scene)?,
             draws,
-            masks,
+            variants: coloured().map(|(material, colour)| variant(material, *colour)).collect(),
+            first_triangles: scene.instances.iter().map(|instance| first_triangles[instance.mesh]).collect(),
             instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
             uploaded: LastInputs::default(),
             previous: Vec::new(),
         })
+    }
+
+    /// Textures and data of each material, for the G-buffer's pipeline.
+    pub fn material_sets(
+        &self,
+        device: &Arc<Device>,
+        pipeline: &GraphicsPipeline,
+    ) -> Result<MaterialSets, VulkanError> {
+        let sampled = |(texture, wrap): (usize, [Wrap; 2])| (&self.textures[texture], &self.samplers[&wrap]);
+        let textures: Vec<_> = self.material_textures.iter().map(|textures| textures.map(sampled)).collect();
+        MaterialSets::new(device, pipeline, &textures, (&self.materials, size_of::<MaterialData>() as u64))
     }
 
     /// Uploads those instances that are not as they were.
@@ -115,12 +126,14 @@ impl SceneBuffers {
             .iter()
             .zip(&self.previous)
             .zip(emission)
-            .map(|((now, before), emission)| InstanceData {
+            .zip(&self.first_triangles)
+            .map(|(((now, before), emission), &first_triangle)| InstanceData {
                 object_to_world: rows(now),
                 world_to_object: rows(&now.inverse()),
                 previous_object_to_world: rows(before),
                 emission: emission.extend(0.0),
                 mirrored: u32::from(now.matrix3.determinant() < 0.0),
+                first_triangle,
                 ..InstanceData::default()
             })
             .collect();
@@ -136,68 +149,67 @@ impl SceneBuffers {
     }
 }
 
-/// All meshes in one vertex and one index buffer.
-#[derive(Default)]
-struct Geometry {
-    vertices: Vec<Vertex>,
-    indices: Vec<u32>,
-    /// First index and clusters of each mesh.
-    meshes: Vec<(u32, Vec<Cluster>)>,
-}
-
-impl Geometry {
-    fn of(scene: &Scene) -> Self {
-        let mut geometry = Self::default();
-        for mesh in &scene.meshes {
-            let base = to_u32(geometry.vertices.len());
-            let (clusters, triangles) = cluster(mesh);
-            geometry.meshes.push((to_u32(geometry.indices.len()), clusters));
-            geometry.indices.extend(triangles.iter().flatten().map(|index| base + index));
-            geometry.vertices.extend((0..mesh.positions.len()).map(|vertex| Vertex {
-                position: mesh.positions[vertex],
-                normal: mesh.normals[vertex],
-                uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
-            }));
-        }
-        geometry
-    }
-
-    /// The clusters of all visible instances, instance by instance.
-    fn draws(&self, scene: &Scene) -> Vec<Draw> {
-        (0..)
-            .zip(&scene.instances)
-            .filter(|(_, instance)| instance.visible)
-            .flat_map(|(index, instance)| {
-                let (first_index, clusters) = &self.meshes[instance.mesh];
-                clusters.iter().map(move |cluster| Draw {
-                    instance: index,
-                    material: cluster.material,
-                    first: first_index + cluster.first,
-                    count: cluster.count,
-                    bounds: cluster.bounds,
-                })
-            })
-            .collect()
-    }
-}
-
-/// Bits of [`MaterialData::maps`]. Twin: the constants in shaders/include/scene.glsl.
-const MAP_METALLIC_ROUGHNESS: u32 = 1;
-const MAP_EMISSION: u32 = 2;
-
-fn material_data(scene: &Scene, material: &Material) -> MaterialData {
-    let bit = |texture: Option<usize>, bit: u32| if texture.is_some() { bit } else { 0 };
+fn material_data(scene: &Scene, material: &Material, colour: Vec3) -> MaterialData {
+    let data =
+        |texture: Option<TextureUse>| texture.map_or_else(TextureUseData::default, TextureUseData::from);
+    let mut mean = material.mean_bsdf(scene);
+    mean.base *= colour;
     MaterialData {
         base: material.reflected_base().extend(material.metallic),
         reflectance: material.f0.extend(material.f90),
         emission: material.emission.extend(material.roughness),
         mean_emission: material.mean_emission(scene).extend(0.0),
-        mean_albedo: material.mean_bsdf(scene).mean_albedo().extend(0.0),
+        mean_albedo: mean.mean_albedo().extend(0.0),
         mask: mask_plus_one(material),
-        maps: bit(material.metallic_roughness_texture, MAP_METALLIC_ROUGHNESS)
-            | bit(material.emission_texture, MAP_EMISSION),
+        normal_scale: material.normal_scale,
+        base_texture: data(material.base_colour_texture),
+        metallic_roughness_texture: data(material.metallic_roughness_texture),
+        emission_texture: data(material.emission_texture),
+        normal_texture: data(material.normal_texture),
         ..MaterialData::default()
     }
+}
+
+/// The mean colour of each material's vertices; none where all are white.
+fn vertex_colours(scene: &Scene) -> Vec<Option<Vec3>> {
+    let mut sums = vec![(Vec3::ZERO, 0u32); scene.materials.len()];
+    for mesh in scene.meshes.iter().filter(|mesh| !mesh.colours.is_empty()) {
+        for (triangle, material) in mesh.triangles.iter().zip(&mesh.triangle_materials) {
+            let (sum, count) = &mut sums[*material as usize];
+            for vertex in triangle {
+                let [r, g, b, _] = mesh.colours[*vertex as usize];
+                *sum += Vec3::from([r, g, b].map(f32::from)) / 255.0;
+                *count += 1;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / count as f32)).collect()
+}
+
+/// What of the G-buffer's shader a material needs: see [`variants`](SceneBuffers::variants).
+fn variant(material: &Material, colour: Option<Vec3>) -> usize {
+    let is_plain =
+        |texture: TextureUse| TextureUse { wrap: texture.wrap, ..texture.texture.into() } == texture;
+    let detailed =
+        colour.is_some() || material.normal_texture.is_some() || !material.textures().all(is_plain);
+    usize::from(material.alpha_mask.is_some()) | usize::from(detailed) << 1
+}
+
+/// A sampler for each pair of wrap modes in use, and the repeating one.
+fn samplers(device: &Arc<Device>, scene: &Scene) -> Result<HashMap<[Wrap; 2], Sampler>, VulkanError> {
+    let mut samplers = HashMap::new();
+    let used = scene.materials.iter().flat_map(Material::textures).map(|texture| texture.wrap);
+    for wrap in used.chain([Wrap::REPEAT]) {
+        if let Entry::Vacant(place) = samplers.entry(wrap) {
+            let modes = wrap.map(|mode| match mode {
+                Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+                Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+                Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+            });
+            place.insert(Sampler::for_textures(device, modes)?);
+        }
+    }
+    Ok(samplers)
 }
 
 fn mask_plus_one(material: &Material) -> u32 {
@@ -224,8 +236,4 @@ fn emission_factors(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
         };
     }
     factors
-}
-
-fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).expect("scenes are checked to have fewer than 2^32 vertices and indices")
 }

@@ -2,7 +2,10 @@
 //! compares every member's offset with the compiled shaders.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec4};
+use glam::{Mat4, Vec2, Vec4};
+
+use crate::bvh::gpu::wrap_bits;
+use crate::scene::TextureUse;
 
 /// What every pass of a frame may want to know; `FrameUniforms` in shaders/include/frame.glsl.
 #[repr(C)]
@@ -44,8 +47,8 @@ pub struct InstanceData {
     pub emission: Vec4,
     /// 1: its transform swaps left and right.
     pub mirrored: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// The first triangle of its mesh among those of all meshes.
+    pub first_triangle: u32,
     /// Unused.
     pub pad1: u32,
     /// Unused.
@@ -68,12 +71,55 @@ pub struct MaterialData {
     pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
-    /// Which textures it has besides that of the base colour, a bit each.
-    pub maps: u32,
+    /// What the slopes of its normal map are multiplied by.
+    pub normal_scale: f32,
+    /// Unused.
+    pub pad0: u32,
     /// Unused.
     pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
+    /// Of the base colour.
+    pub base_texture: TextureUseData,
+    /// Green: roughness, blue: metallic.
+    pub metallic_roughness_texture: TextureUseData,
+    /// Of the emission.
+    pub emission_texture: TextureUseData,
+    /// Of the normal.
+    pub normal_texture: TextureUseData,
+    /// Unused: makes 256 bytes, so that any of them may be bound as a uniform block.
+    pub pad2: Vec4,
+    /// Likewise.
+    pub pad3: Vec4,
+}
+
+/// How a material uses a texture; `TextureUse` in shaders/include/scene.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TextureUseData {
+    /// Two columns.
+    pub matrix: Vec4,
+    /// Added then.
+    pub offset: Vec2,
+    /// Index of the texture plus one; 0: none.
+    pub image: u32,
+    /// Wrap modes, and 16 for the second set of coordinates.
+    pub modes: u32,
+}
+
+impl Default for TextureUseData {
+    fn default() -> Self {
+        Self { matrix: Vec4::new(1.0, 0.0, 0.0, 1.0), offset: Vec2::ZERO, image: 0, modes: 0 }
+    }
+}
+
+impl From<TextureUse> for TextureUseData {
+    fn from(texture: TextureUse) -> Self {
+        Self {
+            matrix: Vec4::from_array(texture.matrix.to_cols_array()),
+            offset: texture.offset,
+            image: super::to_u32(texture.texture) + 1,
+            modes: wrap_bits(texture.wrap) | (texture.set as u32) << 4,
+        }
+    }
 }
 
 /// A point, spot or directional light; `LightData` in shaders/include/lights.glsl.
@@ -112,6 +158,9 @@ pub struct OverlayLine {
 pub(crate) mod tests {
 
     use super::super::cast_rays::GpuRay;
+    use super::super::geometry::Vertex;
+    use super::super::hit_buffers::TextureData;
+    use super::TextureUseData as TextureUse;
     use super::*;
     use crate::vulkan::{Reflection, shaders};
 
@@ -166,7 +215,7 @@ pub(crate) mod tests {
             previous_object_to_world,
             emission,
             mirrored,
-            pad0,
+            first_triangle,
             pad1,
             pad2
         );
@@ -179,10 +228,20 @@ pub(crate) mod tests {
             mean_emission,
             mean_albedo,
             mask,
-            maps,
+            normal_scale,
+            pad0,
             pad1,
-            pad2
+            base_texture,
+            metallic_roughness_texture,
+            emission_texture,
+            normal_texture,
+            pad2,
+            pad3
         );
+        assert_eq!(size_of::<MaterialData>(), 256);
+        same_layout!(shaders::GBUFFER_FRAG, TextureUse, matrix, offset, image, modes);
+        same_layout!(shaders::HIT_SURFACES_COMP.software, TextureData, first, size, levels, linear);
+        same_layout!(shaders::HIT_SURFACES_COMP.software, Vertex, position, normal, uv, tangent, colour);
         same_layout!(
             shaders::DIRECT_SHADING_COMP,
             LightData,

@@ -119,15 +119,15 @@ impl Emitter {
         // Mirroring flips the winding but not the front side.
         let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
-        let surface = mesh.triangle_surface(triangle.triangle);
+        let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
         Self {
             index: triangle.triangle,
             corners,
             normal,
             radiance: triangle.radiance,
             area_pdf: 0.0,
-            mask: scene.materials[surface.material as usize].alpha_mask,
-            uvs: surface.uvs,
+            mask: material.alpha_mask,
+            uvs: mesh.mask_coordinates(triangle.triangle, material),
         }
     }
 

@@ -25,7 +25,7 @@ use super::sampler::Sampler;
 use crate::bsdf::{Reflection, Sampled};
 use crate::bvh::{Hit, Ray};
 use crate::sampling::{self, Frame};
-use crate::scene::{Footprint, Material, Side, Texture, WorldSurface, luminance};
+use crate::scene::{Attributes, Footprint, Material, SidedSurface, Texture, WorldSurface, luminance};
 
 /// Bounces before Russian roulette begins on paths without a limit.
 const MIN_BOUNCES: u32 = 3;
@@ -112,7 +112,7 @@ enum Estimates {
 pub(super) struct Interaction<'a> {
     surface: WorldSurface,
     front: bool,
-    pub(super) uv: Vec2,
+    pub(super) attributes: Attributes,
     pub(super) material: &'a Material,
     /// The texels of its base colour, if it is textured.
     texels: Option<(&'a Texture, Footprint)>,
@@ -149,7 +149,7 @@ impl Reference<'_> {
             .map(|(pixel, sampler, vertex, direction, weight, depth)| {
                 let reflection = self.seen(&vertex, direction);
                 let emitted = if vertex.front {
-                    vertex.material.emission_at(self.scene, vertex.uv)
+                    vertex.material.emission_at(self.scene, vertex.attributes)
                 } else {
                     Vec3::ZERO
                 };
@@ -384,21 +384,21 @@ impl Reference<'_> {
 
     /// The surface that a ray of `direction` hit, on the side facing the ray.
     pub(super) fn interaction(&self, hit: &Hit, direction: Vec3) -> Interaction<'_> {
-        let (triangle, placement) = self.surfaces.at(hit);
-        let found = placement.place(&triangle.interpolate(hit.barycentrics), Side::Facing(direction));
-        let material = &self.scene.materials[triangle.material as usize];
+        let (found, material) = self.surfaces.at(self.scene, hit, direction);
+        let SidedSurface { front, surface, attributes } = found;
+        let material = &self.scene.materials[material];
         // The texels are read only after all paths of the group advanced, so prefetch them.
-        let texels = material.base_colour_texture.map(|texture| {
-            let texture = &self.scene.textures[texture];
-            (texture, texture.prefetch(found.uv))
+        let texels = material.base_colour_texture.map(|image| {
+            let texture = &self.scene.textures[image.texture];
+            (texture, texture.prefetch(image.coordinates(attributes.uvs), image.wrap))
         });
-        Interaction { surface: found.surface, front: found.front, uv: found.uv, material, texels }
+        Interaction { surface, front, attributes, material, texels }
     }
 
     /// How a surface reflects light along a ray of `direction` backwards.
     pub(super) fn seen(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
         let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
-        let bsdf = vertex.material.bsdf(self.scene, texel, vertex.uv);
+        let bsdf = vertex.material.bsdf(self.scene, texel, &vertex.attributes);
         bsdf.seen(vertex.surface.normal, -direction.normalize())
     }
 }

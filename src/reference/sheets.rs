@@ -86,7 +86,7 @@ impl Reference<'_> {
         if !vertex.material.is_sheet() {
             return None;
         }
-        let sheet = vertex.material.sheet_at(self.scene, vertex.uv);
+        let sheet = vertex.material.sheet_at(self.scene, vertex.attributes);
         let reflected = self.seen(&vertex, ray.direction).reflected_albedo().max_element();
         Some((sheet.coverage, sheet.transmittance(reflected)))
     }

@@ -85,11 +85,10 @@ impl Renderer {
         let pixels = || (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
         let position: Vec<[f32; 4]> =
             pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
-        let motion: Vec<[f32; 2]> = pixels()
-            .zip(&position)
-            .zip(&ids)
-            .map(|((pixel, position), id)| self.motion(pixel, position, id[0]))
-            .collect();
+        // From pixels to a fraction of the picture.
+        let [width, height] = self.settings.size.map(|side| side as f32);
+        let motion = self.read_halves(&gbuffer.motion, 2)?;
+        let motion: Vec<[f32; 2]> = motion.iter().map(|[x, y, ..]| [x / width, y / height]).collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
         Ok(vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
@@ -124,19 +123,6 @@ impl Renderer {
         let at = (pixel + 0.5) * (2.0 / size) - 1.0;
         let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
         (uniforms.eye + depth * ray).to_array()
-    }
-
-    /// How far the surface at a world position has moved since the frame before, as a fraction of the picture.
-    fn motion(&self, pixel: [u32; 2], position: &[f32; 4], instance_plus_one: u32) -> [f32; 2] {
-        let instance = (instance_plus_one as usize).checked_sub(1);
-        let data = instance.and_then(|index| self.buffers.uploaded_instances().get(index));
-        let (Some(data), Some(uniforms)) = (data, &self.uniforms) else { return [0.0; 2] };
-        let transform = |rows: &[Vec4; 3], p: Vec3| Vec3::from(rows.map(|row| row.dot(p.extend(1.0))));
-        let p_os = transform(&data.world_to_object, Vec4::from(*position).truncate());
-        let p_then = transform(&data.previous_object_to_world, p_os);
-        let then = uniforms.previous_view_projection.project_point3(p_then).truncate() * 0.5 + 0.5;
-        let [now, size] = [pixel, self.settings.size].map(|of| Vec2::from(of.map(|side| side as f32)));
-        ((now + 0.5) / size - then).to_array()
     }
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {

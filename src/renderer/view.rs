@@ -51,7 +51,6 @@ impl ViewPasses {
                         direct_shadows: shown.direct_shadows,
                         direct: shown.direct,
                         irradiance: alone.unwrap_or(estimator.irradiance()),
-                        instances: &inputs.instances.data,
                         pose: inputs.pose,
                         bounds: shown.bounds,
                         exposure,

@@ -3,7 +3,7 @@
 //! In: a mesh and a box, object space. Out: the part of the mesh in the box, so that distant scenery does not extend
 //! the scene's bounds.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::Mesh;
 
@@ -13,6 +13,10 @@ struct Corner {
     position: Vec3,
     normal: Vec3,
     uv: Vec2,
+    // Where the mesh has them.
+    second_uv: Option<Vec2>,
+    tangent: Option<Vec4>,
+    colour: Option<[u8; 4]>,
 }
 
 impl Corner {
@@ -21,8 +25,21 @@ impl Corner {
             position: self.position.lerp(other.position, t),
             normal: self.normal.lerp(other.normal, t).normalize_or(self.normal),
             uv: self.uv.lerp(other.uv, t),
+            second_uv: self.second_uv.zip(other.second_uv).map(|(a, b)| a.lerp(b, t)),
+            tangent: self.tangent.zip(other.tangent).map(|(a, b)| between(a, b, t)),
+            colour: self.colour.zip(other.colour).map(|(a, b)| {
+                std::array::from_fn(|i| {
+                    (f32::from(a[i]) + (f32::from(b[i]) - f32::from(a[i])) * t).round() as u8
+                })
+            }),
         }
     }
+}
+
+/// The tangent between two, on the side of the first.
+fn between(a: Vec4, b: Vec4, t: f32) -> Vec4 {
+    let direction = a.truncate().lerp(b.truncate(), t);
+    direction.normalize_or(a.truncate()).extend(a.w)
 }
 
 /// Clips `mesh` to the box from `min` to `max`. Triangles inside are unchanged.
@@ -46,6 +63,9 @@ pub(super) fn clip_to_box(mesh: &mut Mesh, min: Vec3, max: Vec3) {
             mesh.positions.push(corner.position);
             mesh.normals.push(corner.normal);
             mesh.uvs.push(corner.uv);
+            mesh.second_uvs.extend(corner.second_uv);
+            mesh.tangents.extend(corner.tangent);
+            mesh.colours.extend(corner.colour);
         }
         for i in 1..polygon.len() as u32 - 1 {
             mesh.triangles.push([first, first + i, first + i + 1]);
@@ -58,7 +78,14 @@ pub(super) fn clip_to_box(mesh: &mut Mesh, min: Vec3, max: Vec3) {
 
 fn corner(mesh: &Mesh, vertex: u32) -> Corner {
     let i = vertex as usize;
-    Corner { position: mesh.positions[i], normal: mesh.normals[i], uv: mesh.uvs[i] }
+    Corner {
+        position: mesh.positions[i],
+        normal: mesh.normals[i],
+        uv: mesh.uvs[i],
+        second_uv: mesh.second_uvs.get(i).copied(),
+        tangent: mesh.tangents.get(i).copied(),
+        colour: mesh.colours.get(i).copied(),
+    }
 }
 
 fn clip_polygon(mut polygon: Vec<Corner>, min: Vec3, max: Vec3) -> Vec<Corner> {

@@ -3,6 +3,8 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::Scene;
+use super::mesh::Surface;
+use super::texture_use::{Attributes, TextureUse, Wrap, wrapped};
 use crate::bsdf::Bsdf;
 
 /// What dielectrics reflect at normal incidence in glTF.
@@ -20,32 +22,36 @@ pub enum Alpha {
     Blend,
 }
 
-/// A surface, as in glTF 2.0: metallic-roughness, see [`Bsdf`]. Textures repeat and share the mesh's coordinates.
+/// A surface, as in glTF 2.0: metallic-roughness, see [`Bsdf`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the file.
     pub name: String,
-    /// Base colour, linear, multiplied with its texture; each channel in [0, 1].
+    /// Base colour, linear, multiplied with its texture and the vertices' colours; each channel in [0, 1].
     pub base_colour: Vec3,
-    /// sRGB colour and alpha: index into `Scene::textures`.
-    pub base_colour_texture: Option<usize>,
+    /// sRGB colour and alpha.
+    pub base_colour_texture: Option<TextureUse>,
     /// Share of metal, 0 to 1, multiplied with the blue channel of its texture.
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1, multiplied with the green channel of its texture. 0: a perfect mirror.
     pub roughness: f32,
-    /// Linear, green and blue: index into `Scene::textures`.
-    pub metallic_roughness_texture: Option<usize>,
+    /// Linear, green and blue.
+    pub metallic_roughness_texture: Option<TextureUse>,
     /// What its dielectric part reflects at normal incidence; 0.04 in glTF.
     pub f0: Vec3,
     /// The same at grazing incidence; 1 in glTF. 0, with an `f0` of 0: a Lambertian surface.
     pub f90: f32,
     /// Radiance of the front side, multiplied with its texture, W/m^2/sr.
     pub emission: Vec3,
-    /// sRGB: index into `Scene::textures`.
-    pub emission_texture: Option<usize>,
+    /// sRGB.
+    pub emission_texture: Option<TextureUse>,
+    /// Linear: the normal in the frame of tangent, bitangent and normal, from -1 to 1, as in glTF.
+    pub normal_texture: Option<TextureUse>,
+    /// What the slopes of the normal map are multiplied by.
+    pub normal_scale: f32,
     /// How alpha is used.
     pub alpha: Alpha,
-    /// Alpha, 0 to 1, multiplied with that of the base colour's texture.
+    /// Alpha, 0 to 1, multiplied with that of the base colour's texture and of the vertices' colours.
     pub opacity: f32,
     /// Share of what the base colour reflects diffusely that it lets pass instead, tinted: a thin sheet without refraction.
     pub transmission: f32,
@@ -77,6 +83,8 @@ pub struct AlphaMask {
     pub height: u32,
     /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is opaque.
     pub bits: Vec<u32>,
+    /// Along u and v. It is read where the texture of the base colour is.
+    pub wrap: [Wrap; 2],
 }
 
 impl Material {
@@ -98,6 +106,8 @@ impl Material {
             f90: 0.0,
             emission: Vec3::ZERO,
             emission_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
             alpha: Alpha::Opaque,
             opacity: 1.0,
             transmission: 0.0,
@@ -118,28 +128,52 @@ impl Material {
         Self { f0, f90, roughness: roughness_of_exponent(shininess), ..self }
     }
 
-    /// Its reflection at `uv` (textures bilinear, repeating, level 0).
-    pub fn bsdf_at(&self, scene: &Scene, uv: Vec2) -> Bsdf {
-        self.bsdf(scene, self.texel(scene, self.base_colour_texture, uv), uv)
+    /// Its textures: base colour, metallic and roughness, emission, normal.
+    pub fn texture_uses(&self) -> [Option<TextureUse>; 4] {
+        [
+            self.base_colour_texture,
+            self.metallic_roughness_texture,
+            self.emission_texture,
+            self.normal_texture,
+        ]
+    }
+
+    /// Those that it has.
+    pub fn textures(&self) -> impl Iterator<Item = TextureUse> {
+        self.texture_uses().into_iter().flatten()
+    }
+
+    /// Its reflection at a point (textures bilinear, level 0).
+    pub fn bsdf_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Bsdf {
+        let at = at.into();
+        self.bsdf(scene, texel(scene, self.base_colour_texture, &at), &at)
     }
 
     /// The same, where the texture of the base colour has the colour `texel`.
-    pub(crate) fn bsdf(&self, scene: &Scene, texel: Vec3, uv: Vec2) -> Bsdf {
-        let data = self.texel(scene, self.metallic_roughness_texture, uv);
-        self.bsdf_of(texel, data)
+    pub(crate) fn bsdf(&self, scene: &Scene, base: Vec3, at: &Attributes) -> Bsdf {
+        let data = texel(scene, self.metallic_roughness_texture, at);
+        self.bsdf_of(base * at.colour.truncate(), data)
     }
 
     /// Its reflection, averaged over its textures.
     pub fn mean_bsdf(&self, scene: &Scene) -> Bsdf {
-        let mean =
-            |texture: Option<usize>| texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean());
-        self.bsdf_of(mean(self.base_colour_texture), mean(self.metallic_roughness_texture))
+        self.bsdf_of(mean(scene, self.base_colour_texture), mean(scene, self.metallic_roughness_texture))
+    }
+
+    /// Looks up the normal map at a point of an object.
+    pub(crate) fn map_normal(&self, scene: &Scene, surface: &mut Surface) {
+        let (Some(map), true) = (&self.normal_texture, surface.tangent.w != 0.0) else { return };
+        let [x, y, z] = (map.sample(scene, &surface.attributes) * 2.0 - 1.0).to_array();
+        let normal = surface.normal;
+        let tangent = surface.tangent.truncate().normalize_or_zero();
+        let bitangent = normal.cross(tangent) * surface.tangent.w.signum();
+        let slope = (tangent * x + bitangent * y) * self.normal_scale;
+        surface.mapped_normal = (slope + normal * z).normalize_or(normal);
     }
 
     /// Base colour, averaged over its texture.
     pub fn mean_base(&self, scene: &Scene) -> Vec3 {
-        self.base_colour
-            * self.base_colour_texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean())
+        self.base_colour * mean(scene, self.base_colour_texture)
     }
 
     fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
@@ -157,15 +191,15 @@ impl Material {
         self.base_colour * (1.0 - self.transmission * (1.0 - self.metallic))
     }
 
-    /// Share of the light that it reflects at `uv`, averaged over all directions by the cosine: what a light path keeps.
-    pub fn albedo_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
-        self.bsdf_at(scene, uv).mean_albedo()
+    /// Share of the light that it reflects at a point, averaged over all directions by the cosine: what a light path keeps.
+    pub fn albedo_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
+        self.bsdf_at(scene, at).mean_albedo()
     }
 
-    /// Radiance of the front side at `uv`, W/m^2/sr.
-    pub fn emission_at(&self, scene: &Scene, uv: Vec2) -> Vec3 {
+    /// Radiance of the front side at a point, W/m^2/sr.
+    pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
         if self.is_emissive() {
-            self.emission * self.texel(scene, self.emission_texture, uv)
+            self.emission * texel(scene, self.emission_texture, &at.into())
         } else {
             Vec3::ZERO
         }
@@ -173,7 +207,13 @@ impl Material {
 
     /// Radiance of the front side, averaged over its texture.
     pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
-        self.emission * self.emission_texture.map_or(Vec3::ONE, |texture| scene.textures[texture].mean())
+        self.emission * mean(scene, self.emission_texture)
+    }
+
+    /// Where its alpha mask is read.
+    #[inline]
+    pub(crate) fn mask_coordinates(&self, uvs: [Vec2; 2]) -> Vec2 {
+        self.base_colour_texture.map_or(uvs[0], |texture| texture.coordinates(uvs))
     }
 
     /// Whether light passes it in part.
@@ -181,23 +221,30 @@ impl Material {
         self.alpha == Alpha::Blend || self.transmission > 0.0
     }
 
-    /// How much of a sheet is there at `uv`: its share of an opaque surface's reflection; and what that lets pass.
-    pub fn sheet_at(&self, scene: &Scene, uv: Vec2) -> Sheet {
-        let texel = |texture: usize| scene.textures[texture].sample_rgba(uv);
-        let texel = self.base_colour_texture.map_or(Vec4::ONE, texel);
-        let coverage = if self.alpha == Alpha::Blend { self.opacity * texel.w } else { 1.0 };
-        let passed = self.base_colour * texel.truncate() * (self.transmission * (1.0 - self.metallic));
+    /// How much of a sheet is there at a point: its share of an opaque surface's reflection; and what that lets pass.
+    pub fn sheet_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Sheet {
+        let at = at.into();
+        let texel = self.base_colour_texture.map_or(Vec4::ONE, |texture| {
+            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), texture.wrap)
+        });
+        let colour = texel * at.colour;
+        let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };
+        let passed = self.base_colour * colour.truncate() * (self.transmission * (1.0 - self.metallic));
         Sheet { coverage, passed }
-    }
-
-    fn texel(&self, scene: &Scene, texture: Option<usize>, uv: Vec2) -> Vec3 {
-        texture.map_or(Vec3::ONE, |texture| scene.textures[texture].sample(uv))
     }
 
     /// Whether it emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission != Vec3::ZERO
     }
+}
+
+fn texel(scene: &Scene, texture: Option<TextureUse>, at: &Attributes) -> Vec3 {
+    texture.map_or(Vec3::ONE, |texture| texture.sample(scene, at))
+}
+
+fn mean(scene: &Scene, texture: Option<TextureUse>) -> Vec3 {
+    texture.map_or(Vec3::ONE, |texture| scene.textures[texture.texture].mean())
 }
 
 /// A point of a thin sheet.
@@ -231,9 +278,12 @@ impl AlphaMask {
         self.bits.iter().all(|&word| word == 0)
     }
 
-    /// Whether the surface is opaque at `uv` (repeating, nearest texel, origin top left).
+    /// Whether the surface is opaque at `uv` (nearest texel, origin top left).
     pub fn opaque_at(&self, uv: Vec2) -> bool {
-        let wrapped = uv - uv.floor();
+        let wrapped = match self.wrap {
+            Wrap::REPEAT => uv - uv.floor(),
+            wrap => wrapped(uv, wrap),
+        };
         let x = ((wrapped.x * self.width as f32) as u32).min(self.width - 1);
         let y = ((wrapped.y * self.height as f32) as u32).min(self.height - 1);
         let bit = y * self.width + x;

@@ -1,9 +1,15 @@
 //! Triangle meshes in object space.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+
+use super::material::Material;
+use super::texture_use::Attributes;
 
 /// A triangle is degenerate if its height is below this fraction of its longest edge.
 const DEGENERATE: f64 = 1e-7;
+
+/// The colour of vertices without one.
+const WHITE: [u8; 4] = [255; 4];
 
 /// An indexed triangle mesh: one bottom-level BVH.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +22,13 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex, origin at the image's top left; zero where the file has none.
     pub uvs: Vec<Vec2>,
+    /// A second set of texture coordinates, one a vertex; empty if no material reads it.
+    pub second_uvs: Vec<Vec2>,
+    /// Of normal maps, one a vertex, as in glTF: xyz points to the right on the image, unit length; w is the side of the
+    /// bitangent w (n x t), which points up on it, 1 or -1, or 0 where there is none. Empty without normal maps.
+    pub tangents: Vec<Vec4>,
+    /// Linear colour and alpha, one a vertex; empty if all are white.
+    pub colours: Vec<[u8; 4]>,
     /// Vertex indices, front faces counter-clockwise; sorted by material.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle, an index into `Scene::materials`.
@@ -40,8 +53,12 @@ pub struct Surface {
     pub normal: Vec3,
     /// Unit normal of the triangle, on its counter-clockwise side.
     pub geometric_normal: Vec3,
-    /// Texture coordinates.
-    pub uv: Vec2,
+    /// Unit normal by the normal map; `normal` where there is none.
+    pub mapped_normal: Vec3,
+    /// As [`Mesh::tangents`], not of unit length; 0 where there is none.
+    pub tangent: Vec4,
+    /// Texture coordinates and colour.
+    pub attributes: Attributes,
 }
 
 /// The vertex data of one triangle, contiguous in memory: saves the indirection from triangle to vertices for each
@@ -51,7 +68,7 @@ pub struct Surface {
 pub struct TriangleSurface {
     positions: [Vec3; 3],
     normals: [Vec3; 3],
-    pub(crate) uvs: [Vec2; 3],
+    uvs: [Vec2; 3],
     geometric_normal: Vec3,
     /// Index into `Scene::materials`.
     pub material: u32,
@@ -60,18 +77,21 @@ pub struct TriangleSurface {
 }
 
 impl TriangleSurface {
-    /// Interpolates with these weights of the second and third corner.
+    /// Interpolates with these weights of the second and third corner, all but what [`Mesh::add_details`] adds.
     #[inline]
     pub fn interpolate(&self, barycentrics: Vec2) -> Surface {
         let (u, v) = (barycentrics.x, barycentrics.y);
         let w = 1.0 - u - v;
         let [a, b, c] = self.positions;
         let shading = self.normals[0] * w + self.normals[1] * u + self.normals[2] * v;
+        let normal = shading.normalize_or(self.geometric_normal);
         Surface {
             position: a * w + b * u + c * v,
-            normal: shading.normalize_or(self.geometric_normal),
+            normal,
             geometric_normal: self.geometric_normal,
-            uv: self.uvs[0] * w + self.uvs[1] * u + self.uvs[2] * v,
+            mapped_normal: normal,
+            tangent: Vec4::ZERO,
+            attributes: (self.uvs[0] * w + self.uvs[1] * u + self.uvs[2] * v).into(),
         }
     }
 }
@@ -93,9 +113,36 @@ impl Mesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Position, normals and texture coordinates at `point`.
+    /// Everything at `point`, but for its normal map.
     pub fn interpolate(&self, point: SurfacePoint) -> Surface {
-        self.triangle_surface(point.triangle).interpolate(point.barycentrics)
+        let mut surface = self.triangle_surface(point.triangle).interpolate(point.barycentrics);
+        self.add_details(point, &mut surface);
+        surface
+    }
+
+    /// Whether its vertices have more than positions, normals and one set of texture coordinates.
+    pub fn has_details(&self) -> bool {
+        !(self.second_uvs.is_empty() && self.tangents.is_empty() && self.colours.is_empty())
+    }
+
+    /// Interpolates what few meshes have.
+    pub fn add_details(&self, point: SurfacePoint, surface: &mut Surface) {
+        let corners = self.triangles[point.triangle as usize].map(|vertex| vertex as usize);
+        let (u, v) = (point.barycentrics.x, point.barycentrics.y);
+        let weights = [1.0 - u - v, u, v];
+        let mean = |value: &dyn Fn(usize) -> Vec4| -> Vec4 {
+            corners.iter().zip(weights).map(|(&vertex, weight)| value(vertex) * weight).sum()
+        };
+        if !self.second_uvs.is_empty() {
+            surface.attributes.uvs[1] = mean(&|vertex| self.second_uvs[vertex].extend(0.0).extend(0.0)).xy();
+        }
+        if !self.tangents.is_empty() {
+            surface.tangent = mean(&|vertex| self.tangents[vertex]);
+        }
+        if !self.colours.is_empty() {
+            surface.attributes.colour =
+                mean(&|vertex| Vec4::from_array(self.colours[vertex].map(f32::from))) / 255.0;
+        }
     }
 
     /// The vertex data of a triangle.
@@ -113,6 +160,15 @@ impl Mesh {
         }
     }
 
+    /// Where the corners of a triangle of this material lie on its alpha mask.
+    pub(crate) fn mask_coordinates(&self, triangle: u32, material: &Material) -> [Vec2; 3] {
+        self.triangles[triangle as usize].map(|vertex| {
+            let of = |uvs: &[Vec2]| uvs.get(vertex as usize).copied();
+            let first = of(&self.uvs).unwrap_or_default();
+            material.mask_coordinates([first, of(&self.second_uvs).unwrap_or(first)])
+        })
+    }
+
     /// Sorts the triangles by material, keeping their order within one.
     pub(super) fn sort_by_material(&mut self) {
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
@@ -123,12 +179,29 @@ impl Mesh {
 
     /// Appends the triangles of `other`.
     pub(super) fn append(&mut self, other: Self) {
-        let first = self.positions.len() as u32;
+        let first = self.positions.len();
+        let total = first + other.positions.len();
         self.positions.extend(other.positions);
         self.normals.extend(other.normals);
+        append_details(&mut self.second_uvs, other.second_uvs, [first, total], Vec2::ZERO);
+        append_details(&mut self.tangents, other.tangents, [first, total], Vec4::ZERO);
+        append_details(&mut self.colours, other.colours, [first, total], WHITE);
         self.uvs.extend(other.uvs);
-        self.triangles.extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| first + vertex)));
+        self.triangles
+            .extend(other.triangles.iter().map(|triangle| triangle.map(|vertex| first as u32 + vertex)));
         self.triangle_materials.extend(other.triangle_materials);
+    }
+
+    /// Appends a copy of a vertex; returns its index.
+    pub(super) fn repeat_vertex(&mut self, vertex: u32) -> u32 {
+        let vertex = vertex as usize;
+        self.positions.push(self.positions[vertex]);
+        self.normals.push(self.normals[vertex]);
+        self.uvs.push(self.uvs[vertex]);
+        self.second_uvs.extend(self.second_uvs.get(vertex).copied());
+        self.tangents.extend(self.tangents.get(vertex).copied());
+        self.colours.extend(self.colours.get(vertex).copied());
+        self.positions.len() as u32 - 1
     }
 
     /// Keeps the triangles for whose index `keep` is true.
@@ -148,6 +221,22 @@ impl Mesh {
         });
     }
 
+    /// Gives each triangle three vertices of its own, in order.
+    pub(super) fn unshare_vertices(&mut self) {
+        let order: Vec<usize> = self.triangles.iter().flatten().map(|&vertex| vertex as usize).collect();
+        self.select_vertices(&order);
+        self.triangles = (0..order.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    }
+
+    fn select_vertices(&mut self, order: &[usize]) {
+        select(&mut self.positions, order);
+        select(&mut self.normals, order);
+        select(&mut self.uvs, order);
+        select(&mut self.second_uvs, order);
+        select(&mut self.tangents, order);
+        select(&mut self.colours, order);
+    }
+
     /// Renumbers the vertices in order of first use by the triangles, and removes unused ones.
     pub(super) fn drop_unused_vertices(&mut self) {
         const UNUSED: u32 = u32::MAX;
@@ -161,9 +250,23 @@ impl Mesh {
             }
             *vertex = *slot;
         }
-        self.positions = order.iter().map(|&i| self.positions[i]).collect();
-        self.normals = order.iter().map(|&i| self.normals[i]).collect();
-        self.uvs = order.iter().map(|&i| self.uvs[i]).collect();
+        self.select_vertices(&order);
+    }
+}
+
+/// The elements of `order`; none stay none.
+fn select<T: Copy>(elements: &mut Vec<T>, order: &[usize]) {
+    if !elements.is_empty() {
+        *elements = order.iter().map(|&i| elements[i]).collect();
+    }
+}
+
+/// Appends what `more` has of an attribute to that of the `first` vertices, if either has any, up to `total`.
+fn append_details<T: Copy>(all: &mut Vec<T>, more: Vec<T>, [first, total]: [usize; 2], default: T) {
+    if !(all.is_empty() && more.is_empty()) {
+        all.resize(first, default);
+        all.extend(more);
+        all.resize(total, default);
     }
 }
 
@@ -188,10 +291,11 @@ mod tests {
             uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
             triangles: vec![[0, 1, 2]],
             triangle_materials: vec![0],
+            ..Mesh::default()
         };
         let at = |u, v| mesh.interpolate(SurfacePoint { triangle: 0, barycentrics: Vec2::new(u, v) });
         assert_eq!(at(1.0, 0.0).position, Vec3::X);
-        assert_eq!(at(0.0, 1.0).uv, Vec2::Y);
+        assert_eq!(at(0.0, 1.0).attributes, Vec2::Y.into());
         assert_eq!(at(0.5, 0.0).geometric_normal, Vec3::Z);
         assert!(at(0.5, 0.0).normal.distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6);
         assert_eq!(mesh.bounds(), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));

@@ -19,6 +19,7 @@ mod material;
 mod mesh;
 mod mtl;
 mod mtl_surface;
+mod normal_map;
 mod normals;
 mod obj;
 mod obj_materials;
@@ -31,7 +32,9 @@ mod scene_environment;
 mod scene_file;
 mod scene_lights;
 mod scene_models;
+mod tangents;
 mod texture;
+mod texture_use;
 mod viewpoint;
 mod world_surface;
 
@@ -52,12 +55,13 @@ pub use scene_file::{
 };
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
-pub(crate) use world_surface::{Side, SurfaceTransform};
+pub use texture_use::{Attributes, TextureUse, Wrap};
+pub(crate) use world_surface::{Side, SidedSurface, SurfaceTransform};
 pub use world_surface::{WorldSurface, ray_offset};
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec3};
 
 use crate::sampling;
 
@@ -224,10 +228,11 @@ impl Scene {
         BoundingSphere::around(self.bounds(pose))
     }
 
-    /// Whether `material` (an index into [`Self::materials`]) is opaque at `uv`.
-    pub fn opaque_at(&self, material: u32, uv: Vec2) -> bool {
-        match self.materials[material as usize].alpha_mask {
-            Some(mask) => self.alpha_masks[mask].opaque_at(uv),
+    /// Whether `material` (an index into [`Self::materials`]) is opaque at a point.
+    pub fn opaque_at(&self, material: u32, at: impl Into<Attributes>) -> bool {
+        let material = &self.materials[material as usize];
+        match material.alpha_mask {
+            Some(mask) => self.alpha_masks[mask].opaque_at(material.mask_coordinates(at.into().uvs)),
             None => true,
         }
     }
@@ -248,9 +253,9 @@ impl Scene {
         if material.emission_texture.is_none() {
             return material.emission;
         }
-        let surface = mesh.triangle_surface(triangle);
+        let at = |barycentrics| mesh.interpolate(SurfacePoint { triangle, barycentrics }).attributes;
         let points = sampling::triangle_points(EMISSION_POINTS);
-        let sum: Vec3 = points.map(|at| material.emission_at(self, surface.interpolate(at).uv)).sum();
+        let sum: Vec3 = points.map(|point| material.emission_at(self, at(point))).sum();
         sum / EMISSION_POINTS as f32
     }
 

@@ -12,6 +12,12 @@ use glam::Vec3;
 /// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
 
+/// What a bump map is called among the parameters that tobj leaves as text; then come its multiplier and its file.
+pub(super) const BUMP: &str = "bump-map";
+
+/// Largest multiplier of a bump map.
+const MOST_BUMP: f32 = 1e4;
+
 /// Reads the libraries named in `file` (an OBJ); later definitions override earlier ones.
 pub(super) fn read_libraries(
     file: &Path,
@@ -109,8 +115,6 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
 fn what_is_not_shown(keyword: &str, rest: &str) -> Option<&'static str> {
     let zero = || rest.split_whitespace().all(|word| word.parse() == Ok(0.0f32));
     Some(match keyword.to_ascii_lowercase().as_str() {
-        "norm" | "map_kn" => "norm (normal map)",
-        "map_bump" | "bump" => "map_bump (bump map)",
         "disp" => "disp (displacement)",
         "refl" => "refl (reflection map)",
         "decal" => "decal",
@@ -163,7 +167,14 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
             };
             writeln!(clean, "{name} {value}")
         }
-        "map_kd" | "map_d" | "map_ke" | "map_pr" | "map_pm" => {
+        "map_bump" | "bump" => {
+            let file = without_options(rest);
+            if file.is_empty() {
+                return Err(format!("{keyword} names no file; ignored"));
+            }
+            writeln!(clean, "{BUMP} {} {file}", bump_multiplier(rest)?)
+        }
+        "map_kd" | "map_d" | "map_ke" | "map_pr" | "map_pm" | "norm" | "map_kn" => {
             let file = without_options(rest);
             if file.is_empty() {
                 return Err(format!("{keyword} names no file; ignored"));
@@ -173,6 +184,7 @@ fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> 
                 "map_ke" => "map_Ke",
                 "map_pr" => "map_Pr",
                 "map_pm" => "map_Pm",
+                "norm" | "map_kn" => "norm",
                 _ => "map_d",
             };
             writeln!(clean, "{name} {file}")
@@ -196,6 +208,17 @@ fn colour(keyword: &str, rest: &str, max: f32) -> Result<(Vec3, Option<String>),
     let usable = Vec3::from_array(usable);
     let problem = (usable != given).then(|| format!("{keyword} {rest} is out of range; clamped to {usable}"));
     Ok((usable, problem))
+}
+
+/// The argument of the option `-bm` before a file name; 1 without one.
+fn bump_multiplier(rest: &str) -> Result<f32, String> {
+    let options = rest.strip_suffix(without_options(rest)).unwrap_or("");
+    let mut words = options.split_whitespace().skip_while(|word| *word != "-bm").skip(1);
+    let Some(word) = words.next() else { return Ok(1.0) };
+    let number = word.parse().ok().filter(|number: &f32| number.abs() <= MOST_BUMP);
+    number.ok_or_else(|| {
+        format!("-bm {word} is not a number from -{MOST_BUMP} to {MOST_BUMP}; bump map ignored")
+    })
 }
 
 /// The file name after options such as `-clamp on` or `-s 1 1 1`; it may contain spaces.
@@ -238,6 +261,12 @@ mod tests {
         ] {
             assert_eq!(without_options(given), expected);
         }
+        for (given, expected) in
+            [("a.png", 1.0), ("-bm 0.2 c d.png", 0.2), ("-clamp on -bm -3 -mm 0 1 e-bm 7.png", -3.0)]
+        {
+            assert_eq!(bump_multiplier(given), Ok(expected), "{given}");
+        }
+        assert!(bump_multiplier("-bm nan a.png").is_err() && bump_multiplier("-bm 1e9 a.png").is_err());
     }
 
     #[test]

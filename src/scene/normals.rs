@@ -46,10 +46,9 @@ pub(super) fn fill_missing(mesh: &mut Mesh) {
                     mesh.normals[vertex as usize] = normal;
                     return vertex;
                 }
-                mesh.positions.push(mesh.positions[vertex as usize]);
-                mesh.uvs.push(mesh.uvs[vertex as usize]);
-                mesh.normals.push(normal);
-                mesh.positions.len() as u32 - 1
+                let copy = mesh.repeat_vertex(vertex);
+                mesh.normals[copy as usize] = normal;
+                copy
             });
             mesh.triangles[corner.triangle][corner.corner] = place;
         }
@@ -122,6 +121,7 @@ mod tests {
             uvs: vec![glam::Vec2::ZERO; 4],
             triangles: vec![[0, 1, 2], [1, 0, 3]],
             triangle_materials: vec![0, 0],
+            ..Mesh::default()
         };
         fill_missing(&mut mesh);
         assert_eq!(mesh.positions.len(), 6);

@@ -12,7 +12,7 @@ use super::error::SceneError;
 use super::material::Material;
 use super::mesh::Mesh;
 use super::obj_text::ObjText;
-use super::{Scene, mtl, normals, obj_materials};
+use super::{Scene, mtl, normals, obj_materials, tangents};
 
 /// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
 pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
@@ -42,6 +42,7 @@ pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneErro
         append(&mut mesh, &model.mesh, material as u32);
     }
     clean_up(file, &mut mesh)?;
+    tangents::fill_missing(&mut mesh, &scene.materials);
     if !mesh.triangle_materials.contains(&(grey as u32)) {
         scene.materials.pop();
     }

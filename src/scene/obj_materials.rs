@@ -10,9 +10,9 @@ use image::DynamicImage;
 use rayon::prelude::*;
 
 use super::material::{Alpha, AlphaMask, Material, Texture};
-use super::mtl::find_file;
+use super::mtl::{BUMP, find_file};
 use super::mtl_surface::surface;
-use super::{Scene, texture};
+use super::{Scene, normal_map, texture};
 
 /// The images of a model's materials, each read once.
 struct Images(HashMap<String, Result<DynamicImage, String>>);
@@ -46,6 +46,31 @@ struct Maps<'a> {
     emission: Option<&'a str>,
     roughness: Option<&'a str>,
     metallic: Option<&'a str>,
+    relief: Option<Relief<'a>>,
+}
+
+/// A map of the normal.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Relief<'a> {
+    Normals(&'a str),
+    /// A file of heights, and the bits of their multiplier.
+    Heights(&'a str, u32),
+}
+
+impl<'a> Relief<'a> {
+    fn of(material: &'a tobj::Material) -> Option<Self> {
+        if let Some(name) = material.unknown_param.get("norm") {
+            return Some(Self::Normals(name));
+        }
+        let (multiplier, name) = material.unknown_param.get(BUMP)?.split_once(' ')?;
+        Some(Self::Heights(name, multiplier.parse::<f32>().ok()?.to_bits()))
+    }
+
+    fn name(self) -> &'a str {
+        match self {
+            Self::Normals(name) | Self::Heights(name, _) => name,
+        }
+    }
 }
 
 impl<'a> Maps<'a> {
@@ -58,11 +83,15 @@ impl<'a> Maps<'a> {
                 .filter(|_| material.emissive.is_some_and(|emission| emission != [0.0; 3])),
             roughness: other("map_Pr"),
             metallic: other("map_Pm"),
+            relief: Relief::of(material),
         }
     }
 
     fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
-        [self.colour, self.opacity, self.emission, self.roughness, self.metallic].into_iter().flatten()
+        let relief = self.relief.map(Relief::name);
+        [self.colour, self.opacity, self.emission, self.roughness, self.metallic, relief]
+            .into_iter()
+            .flatten()
     }
 }
 
@@ -75,6 +104,7 @@ enum Source<'a> {
     Colour(&'a str),
     /// Files of roughness and metallic.
     Data([Option<&'a str>; 2]),
+    Relief(Relief<'a>),
 }
 
 /// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
@@ -96,11 +126,14 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
         });
         // Maps of opacity cut out; only `d` makes sheets.
         let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_sheet());
-        let texture = |source: Option<Source<'_>>| source.and_then(|source| textures.get(&source).copied());
+        let texture = |source: Option<Source<'_>>| {
+            source.and_then(|source| textures.get(&source).copied().map(Into::into))
+        };
         scene.materials.push(Material {
             base_colour_texture: texture(maps.colour.map(Source::Colour)),
             emission_texture: texture(maps.emission.map(Source::Colour)),
             metallic_roughness_texture: texture(data_of(maps)),
+            normal_texture: texture(maps.relief.map(Source::Relief)),
             alpha: if cut_out { Alpha::Mask(0.5) } else { surface.alpha },
             alpha_mask,
             ..surface
@@ -121,6 +154,7 @@ fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, s
             (maps.emission, "using its colour alone"),
             (maps.roughness, "using its number alone"),
             (maps.metallic, "using its number alone"),
+            (maps.relief.map(Relief::name), "using no normal map"),
         ] {
             let Some(name) = name else { continue };
             let line = match images.get(name) {
@@ -146,10 +180,12 @@ fn add_textures<'a>(
     let mut sources: Vec<Source<'a>> = Vec::new();
     for maps in materials.iter().map(Maps::of) {
         let colours = [maps.colour, maps.emission].map(|name| name.map(Source::Colour));
-        for source in colours.into_iter().chain([data_of(maps)]).flatten() {
+        let data = [data_of(maps), maps.relief.map(Source::Relief)];
+        for source in colours.into_iter().chain(data).flatten() {
             let readable = match &source {
                 Source::Colour(name) => maps.colour == Some(name) || images.get(name).is_ok(),
                 Source::Data(names) => names.iter().flatten().all(|name| images.get(name).is_ok()),
+                Source::Relief(relief) => images.get(relief.name()).is_ok(),
             };
             if readable && !sources.contains(&source) {
                 sources.push(source);
@@ -168,6 +204,13 @@ fn add_textures<'a>(
             let image = |name: Option<&str>| images.get(name?).ok();
             texture::metallic_roughness(image(*roughness), image(*metallic))
         }
+        Source::Relief(relief) => match (images.get(relief.name()), relief) {
+            (Ok(image), Relief::Heights(name, multiplier)) if !normal_map::is_normal_map(image) => {
+                normal_map::of_heights(name, image, f32::from_bits(*multiplier))
+            }
+            (Ok(image), _) => normal_map::of_image(relief.name(), image),
+            (Err(_), _) => Texture::missing(relief.name()),
+        },
     };
     let first = scene.textures.len();
     scene.textures.par_extend(sources.par_iter().map(build));

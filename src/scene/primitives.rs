@@ -70,6 +70,7 @@ impl Mesh {
             normals: points,
             triangle_materials: vec![material; triangles.len()],
             triangles,
+            ..Self::default()
         }
     }
 

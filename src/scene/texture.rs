@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3, Vec4};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 
 use super::material::{AlphaMask, Texture};
+use super::texture_use::{Wrap, wrapped};
 use crate::memory;
 
 /// Alpha below this is transparent.
@@ -92,12 +93,17 @@ impl Texture {
 
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
-        self.filter(self.footprint(uv))
+        self.sample_wrapped(uv, Wrap::REPEAT)
+    }
+
+    /// The same, where another wrap mode than repeating is chosen.
+    pub fn sample_wrapped(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
+        self.filter(self.footprint(uv, wrap))
     }
 
     /// The same with alpha.
-    pub fn sample_rgba(&self, uv: Vec2) -> Vec4 {
-        let footprint = self.footprint(uv);
+    pub fn sample_rgba(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec4 {
+        let footprint = self.footprint(uv, wrap);
         let alpha = |place: u32| f32::from(self.levels[0].2[4 * place as usize + 3]) / 255.0;
         let [top, bottom] = [footprint.top, footprint.bottom].map(|row| {
             let [left, right] = row.map(alpha);
@@ -125,9 +131,9 @@ impl Texture {
     }
 
     /// Prefetches the texels of the bilinear filter at `uv`.
-    pub(crate) fn prefetch(&self, uv: Vec2) -> Footprint {
+    pub(crate) fn prefetch(&self, uv: Vec2, wrap: [Wrap; 2]) -> Footprint {
         let texels = &self.levels[0].2;
-        let footprint = self.footprint(uv);
+        let footprint = self.footprint(uv, wrap);
         memory::prefetch(&texels[4 * footprint.top[0] as usize]);
         memory::prefetch(&texels[4 * footprint.bottom[0] as usize]);
         footprint
@@ -135,13 +141,13 @@ impl Texture {
 
     /// The texels of the bilinear filter at `uv`.
     #[inline(always)]
-    fn footprint(&self, uv: Vec2) -> Footprint {
+    fn footprint(&self, uv: Vec2, wrap: [Wrap; 2]) -> Footprint {
         let (width, height, _) = self.levels[0];
-        let wrapped = Vec2::new(fraction(uv.x), fraction(uv.y));
         // Offset by one texel, which keeps it non-negative.
-        let at = wrapped * Vec2::new(width as f32, height as f32) + 0.5;
+        let at = wrapped(uv, wrap) * Vec2::new(width as f32, height as f32) + 0.5;
         let next = at.as_uvec2();
-        let ([left, right], [top, bottom]) = (neighbours(next.x, width), neighbours(next.y, height));
+        let ([left, right], [top, bottom]) =
+            (neighbours(next.x, width, wrap[0]), neighbours(next.y, height, wrap[1]));
         Footprint {
             top: [top * width + left, top * width + right],
             bottom: [bottom * width + left, bottom * width + right],
@@ -159,18 +165,12 @@ pub(crate) struct Footprint {
     fraction: Vec2,
 }
 
-/// `x - floor(x)`, in [0, 1]; 0 if `x` is not finite or too large to have a fraction. Avoids `floor`, which is a
-/// function call without SSE4.1.
+/// The texels `next - 1` and `next`, with `next` from 0 to `size`: wrapped around, or those of the border.
 #[inline(always)]
-fn fraction(x: f32) -> f32 {
-    let x = if x.abs() < 8_388_608.0 { x } else { 0.0 };
-    let rest = x - (x as i32) as f32;
-    if rest < 0.0 { rest + 1.0 } else { rest }
-}
-
-/// The texels `next - 1` and `next`, with `next` from 0 to `size`, wrapped around.
-#[inline(always)]
-fn neighbours(next: u32, size: u32) -> [u32; 2] {
+fn neighbours(next: u32, size: u32, wrap: Wrap) -> [u32; 2] {
+    if wrap != Wrap::Repeat {
+        return [next.saturating_sub(1).min(size - 1), next.min(size - 1)];
+    }
     let first = if next == 0 { size - 1 } else { (next - 1).min(size - 1) };
     let second = if first + 1 == size { 0 } else { first + 1 };
     [first, second]
@@ -308,7 +308,7 @@ impl AlphaMask {
         for (i, alpha) in opacity.iter().enumerate() {
             bits[i / 32] |= u32::from(is_opaque(alpha)) << (i % 32);
         }
-        Some(Self { width, height, bits })
+        Some(Self { width, height, bits, wrap: Wrap::REPEAT })
     }
 }
 
@@ -426,7 +426,7 @@ mod tests {
     fn masks_hold_alpha_times_dissolve() {
         assert_eq!(AlphaMask::from_opacity(2, 1, &[255, 128], 1.0), None);
         let mask = AlphaMask::from_opacity(2, 1, &[255, 128], 0.9);
-        assert_eq!(mask, Some(AlphaMask { width: 2, height: 1, bits: vec![1] }));
+        assert_eq!(mask, Some(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Wrap::REPEAT }));
         let hidden = AlphaMask::from_opacity(1, 1, &[255], 0.4);
         assert!(hidden.is_some_and(|mask| !mask.opaque_at(Vec2::splat(0.3))));
     }

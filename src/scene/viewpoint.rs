@@ -359,7 +359,7 @@ fn samples_of(scene: &Scene) -> Vec<Sample> {
             let point =
                 SurfacePoint { triangle: triangle as u32, barycentrics: crate::sampling::triangle(across) };
             let surface = mesh.interpolate(point);
-            if scene.opaque_at(mesh.triangle_materials[triangle], surface.uv) {
+            if scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes) {
                 let side = if surface.normal.dot(surface.geometric_normal) < 0.0 { -1.0 } else { 1.0 };
                 samples.push(Sample { position: surface.position, normal: surface.geometric_normal * side });
             }

@@ -2,9 +2,9 @@
 //!
 //! In: an instance, a point on its mesh and the side that was hit. Out: world position and normals on that side.
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
-use super::{Pose, Scene, Surface, SurfacePoint};
+use super::{Attributes, Pose, Scene, Surface, SurfacePoint};
 
 /// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks. Both terms
 /// are lengths in the scene, so it is scale-invariant: the rounding error of `p` grows with its components, and near
@@ -13,6 +13,10 @@ pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
     2e-5 * p.abs().max_element().max(0.2 * scene_radius)
 }
 
+/// Least cosine between the normal of a normal map and the flat triangle's: normals beyond are bent up, since light from
+/// below the triangle would leak. Twin: shaders/include/shading_normal.glsl.
+const LEAST_COSINE: f32 = 0.01;
+
 /// A surface seen from the side that was hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldSurface {
@@ -20,7 +24,7 @@ pub struct WorldSurface {
     pub position: Vec3,
     /// Unit normal of the triangle.
     pub geometric_normal: Vec3,
-    /// Unit interpolated normal: VPLs shine and scatter about it.
+    /// Unit shading normal, interpolated and by the normal map: VPLs shine and scatter about it.
     pub normal: Vec3,
 }
 
@@ -40,11 +44,11 @@ pub(crate) enum Side {
     Facing(Vec3),
 }
 
-/// A surface point on one side, with its texture coordinates.
+/// A surface point on one side, with what its textures are read by.
 pub(crate) struct SidedSurface {
     pub(crate) front: bool,
     pub(crate) surface: WorldSurface,
-    pub(crate) uv: Vec2,
+    pub(crate) attributes: Attributes,
 }
 
 /// An object-to-world transform of surface points.
@@ -82,11 +86,19 @@ impl SurfaceTransform {
             Side::Facing(direction) => front_normal.dot(direction) < 0.0,
         };
         let geometric_normal = if front { front_normal } else { -front_normal };
-        // As in the G-buffer, flip the shading normal to the visible side.
-        let shading = transform_normal(local.normal).normalize_or(front_normal);
-        let normal = if shading.dot(geometric_normal) >= 0.0 { shading } else { -shading };
+        // As in the G-buffer, turn the shading normal to the side that was hit: by the vertex normals, since steep slopes
+        // of a normal map may face away.
+        let vertex_normal = transform_normal(local.normal).normalize_or(front_normal);
+        let side = if vertex_normal.dot(geometric_normal) >= 0.0 { 1.0 } else { -1.0 };
+        let mut normal = vertex_normal * side;
+        if local.mapped_normal != local.normal {
+            let mapped = transform_normal(local.mapped_normal).normalize_or(vertex_normal) * side;
+            let below = LEAST_COSINE - mapped.dot(geometric_normal);
+            normal = if below > 0.0 { (mapped + geometric_normal * below).normalize() } else { mapped };
+        }
         let position = self.transform.transform_point3a(local.position.into()).into();
-        SidedSurface { front, surface: WorldSurface { position, geometric_normal, normal }, uv: local.uv }
+        let surface = WorldSurface { position, geometric_normal, normal };
+        SidedSurface { front, surface, attributes: local.attributes }
     }
 }
 
@@ -99,7 +111,10 @@ impl Scene {
         point: SurfacePoint,
         side: Side,
     ) -> SidedSurface {
-        let local = self.meshes[self.instances[instance as usize].mesh].interpolate(point);
+        let mesh = &self.meshes[self.instances[instance as usize].mesh];
+        let mut local = mesh.interpolate(point);
+        let material = mesh.triangle_materials[point.triangle as usize];
+        self.materials[material as usize].map_normal(self, &mut local);
         SurfaceTransform::new(&pose.instances[instance as usize]).place(&local, side)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::reflect::{Binding, BindingKind};
-use super::{Device, Image, Reflection, Sampler, VulkanError};
+use super::{Buffer, Device, Image, Reflection, Sampler, VulkanError};
 
 /// Descriptor set that a pass binds by name.
 pub(super) const PASS_SET: u32 = 0;
@@ -170,7 +170,7 @@ pub struct GraphicsDescription<'a> {
     pub colors: &'a [vk::Format],
     /// Alpha blending over the loaded target, without a depth buffer.
     pub blend: bool,
-    /// Values of the fragment shader's specialisation constant 0, one per variant; draws select one.
+    /// Values of the shaders' specialisation constant 0, one per variant; draws select one.
     pub variants: &'a [u32],
 }
 
@@ -196,7 +196,7 @@ impl GraphicsPipeline {
             let constants = Constants::new(std::slice::from_ref(variant));
             let constants = constants.info();
             let shaders = [
-                vertex.stage(vk::ShaderStageFlags::VERTEX),
+                vertex.stage(vk::ShaderStageFlags::VERTEX).specialization_info(&constants),
                 fragment.stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
             ];
             let raw = create_graphics(device, description, &shaders, pipeline.layout.raw)
@@ -356,35 +356,40 @@ pub struct MaterialSets {
 }
 
 impl MaterialSets {
-    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers.
+    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers, then a uniform block:
+    /// one element of the buffer, each of which has the given size, a multiple of 256.
     pub fn new<const N: usize>(
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
-        images: &[[&Image; N]],
-        sampler: &Sampler,
+        images: &[[(&Image, &Sampler); N]],
+        (data, size): (&Buffer, u64),
     ) -> Result<Self, VulkanError> {
         let count = u32::try_from(images.len()).unwrap_or(u32::MAX).max(1);
-        let sizes = [vk::DescriptorPoolSize {
-            ty: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            descriptor_count: count * N as u32,
-        }];
+        assert!(size.is_multiple_of(256), "blocks of {size} bytes do not fit every device's alignment");
+        let pool_size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: count * each };
+        let sizes = [
+            pool_size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, N as u32),
+            pool_size(vk::DescriptorType::UNIFORM_BUFFER, 1),
+        ];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
         // SAFETY: `info` is complete; the pool is destroyed in `drop`.
         let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
             .map_err(VulkanError::call("creation", "material descriptors"))?;
         let mut made = Self { pool, sets: Vec::new(), device: Arc::clone(device) };
         let layout = pipeline.layout.sets[MATERIAL_SET as usize];
-        for textures in images {
+        for (index, textures) in (0..).zip(images) {
             let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let image_infos = textures.map(|image| {
+            let buffer_info =
+                [vk::DescriptorBufferInfo { buffer: data.raw, offset: index * size, range: size }];
+            let image_infos = textures.map(|(image, sampler)| {
                 [vk::DescriptorImageInfo {
                     sampler: sampler.raw,
                     image_view: image.view,
                     image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
                 }]
             });
-            // SAFETY: the pool was sized for these sets; images and sampler outlive their use.
+            // SAFETY: the pool was sized for these sets; images, samplers and buffer outlive their use.
             unsafe {
                 let set = device
                     .raw()
@@ -397,7 +402,13 @@ impl MaterialSets {
                         .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
                         .image_info(&image_infos[binding])
                 });
+                let block = vk::WriteDescriptorSet::default()
+                    .dst_set(set)
+                    .dst_binding(N as u32)
+                    .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+                    .buffer_info(&buffer_info);
                 device.raw().update_descriptor_sets(&writes, &[]);
+                device.raw().update_descriptor_sets(&[block], &[]);
                 made.sets.push(set);
             }
         }

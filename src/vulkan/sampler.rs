@@ -6,16 +6,21 @@ use ash::vk;
 
 use super::{Device, VulkanError};
 
-/// A trilinear, repeating sampler.
+/// A trilinear sampler.
 pub struct Sampler {
     pub(super) raw: vk::Sampler,
     device: Arc<Device>,
 }
 
 impl Sampler {
-    /// Makes the sampler for surface textures.
-    pub fn for_textures(device: &Arc<Device>) -> Result<Self, VulkanError> {
+    /// Makes a sampler for surface textures, with the modes along u and v.
+    pub fn for_textures(
+        device: &Arc<Device>,
+        [u, v]: [vk::SamplerAddressMode; 2],
+    ) -> Result<Self, VulkanError> {
         let info = vk::SamplerCreateInfo::default()
+            .address_mode_u(u)
+            .address_mode_v(v)
             .mag_filter(vk::Filter::LINEAR)
             .min_filter(vk::Filter::LINEAR)
             .mipmap_mode(vk::SamplerMipmapMode::LINEAR)

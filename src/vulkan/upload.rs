@@ -15,16 +15,22 @@ impl Buffer {
     pub fn with_data<T: Pod>(device: &Arc<Device>, name: &str, data: &[T]) -> Result<Self, VulkanError> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let buffer = Self::new(device, name, bytes.len() as u64)?;
+        buffer.fill(bytes)?;
+        Ok(buffer)
+    }
+
+    /// Copies `bytes`, which fit, to its beginning; waits for the device.
+    pub(super) fn fill(&self, bytes: &[u8]) -> Result<(), VulkanError> {
         if bytes.is_empty() {
-            return Ok(buffer);
+            return Ok(());
         }
-        let staging = staging_with(device, name, bytes)?;
+        let device = &self.device;
+        let staging = staging_with(device, &self.name, bytes)?;
         device.run_once(|commands| {
             let region = [vk::BufferCopy::default().size(bytes.len() as u64)];
             // SAFETY: both buffers are at least as long as `bytes` and live until the wait is over.
-            unsafe { device.raw().cmd_copy_buffer(commands, staging.raw, buffer.raw, &region) };
-        })?;
-        Ok(buffer)
+            unsafe { device.raw().cmd_copy_buffer(commands, staging.raw, self.raw, &region) };
+        })
     }
 
     /// Reads the buffer's content back; waits for the device.

@@ -125,6 +125,7 @@ pub fn mesh(triangles: &[[Vec3; 3]]) -> Mesh {
         triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         triangle_materials: vec![0; triangles.len()],
         positions,
+        ..Mesh::default()
     }
 }
 
@@ -142,7 +143,12 @@ pub fn masked_world(random: &mut Random) -> World {
     let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
     world.scene.materials.push(material(Some(1)));
     for (width, height) in [(3, 5), (9, 7)] {
-        world.scene.alpha_masks.push(AlphaMask { width, height, bits: vec![0x9a3c_55aa, 0x1234_5678] });
+        world.scene.alpha_masks.push(AlphaMask {
+            width,
+            height,
+            bits: vec![0x9a3c_55aa, 0x1234_5678],
+            wrap: Default::default(),
+        });
     }
     world
 }
@@ -184,6 +190,7 @@ pub fn grid(axis: usize, side: u32) -> Mesh {
         triangle_materials: vec![0; triangles.len()],
         triangles,
         positions,
+        ..Mesh::default()
     }
 }
 

@@ -156,7 +156,7 @@ fn metallic_and_roughness_are_grey_images_times_their_factors() {
     let material = Material {
         metallic: 1.0,
         roughness: 0.5,
-        metallic_roughness_texture: Some(0),
+        metallic_roughness_texture: Some(0.into()),
         f90: 1.0,
         ..Material::lambertian("shiny", Vec3::ONE)
     };
@@ -180,7 +180,7 @@ fn thin_sheets_have_coverage_and_pass_their_colour() {
         alpha: Alpha::Blend,
         opacity: 0.5,
         transmission: 0.75,
-        base_colour_texture: Some(0),
+        base_colour_texture: Some(0.into()),
         f0: Vec3::splat(0.04),
         f90: 1.0,
         roughness: 0.3,
@@ -213,7 +213,7 @@ fn textured_emission_is_a_linear_image() {
     let glow = Texture::from_rgba8("glow", 1, 1, vec![188, 0, 255, 255]);
     let material = Material {
         emission: Vec3::new(2.0, 3.0, 4.0),
-        emission_texture: Some(0),
+        emission_texture: Some(0.into()),
         ..Material::lambertian("shiny", Vec3::ZERO)
     };
     let exported = shiny(material, vec![glow]);

@@ -29,14 +29,14 @@ fn floor() -> Scene {
     scene.textures.push(texture("data", true, |at| Vec3::new(1.0, 0.2 + 0.7 * at.x, at.y)));
     scene.textures.push(texture("glow", false, |at| Vec3::splat((at.x + at.y - 1.6).max(0.0))));
     scene.materials.push(Material {
-        base_colour_texture: Some(0),
+        base_colour_texture: Some(0.into()),
         metallic: 0.9,
         roughness: 0.8,
-        metallic_roughness_texture: Some(1),
+        metallic_roughness_texture: Some(1.into()),
         f0: Vec3::splat(0.04),
         f90: 1.0,
         emission: Vec3::new(2.0, 1.0, 0.5),
-        emission_texture: Some(2),
+        emission_texture: Some(2.into()),
         ..Material::lambertian("floor", Vec3::new(1.0, 0.9, 0.8))
     });
     let corners = [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::X, Vec2::ZERO];
@@ -48,6 +48,7 @@ fn floor() -> Scene {
         uvs: corners.map(uv).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         triangle_materials: vec![0, 0],
+        ..Mesh::default()
     });
     scene.instances.push(Instance::fixed("floor", 0, Affine3A::IDENTITY));
     scene.add_area_light(0);

@@ -119,6 +119,14 @@ fn check_consistency(scene: &Scene) {
     for mesh in &scene.meshes {
         let vertices = mesh.positions.len();
         assert!(mesh.normals.len() == vertices && mesh.uvs.len() == vertices);
+        for count in [mesh.second_uvs.len(), mesh.tangents.len(), mesh.colours.len()] {
+            assert!(count == 0 || count == vertices, "{count} of {vertices}");
+        }
+        assert!(
+            mesh.tangents
+                .iter()
+                .all(|tangent| tangent.w == 0.0 || (tangent.truncate().length() - 1.0).abs() < 1e-3)
+        );
         assert_eq!(mesh.triangles.len(), mesh.triangle_materials.len());
         assert!(!mesh.triangles.is_empty());
         assert!(mesh.triangles.iter().flatten().all(|&vertex| (vertex as usize) < vertices));
@@ -130,7 +138,7 @@ fn check_consistency(scene: &Scene) {
     }
     for material in &scene.materials {
         assert!(material.base_colour.min_element() >= 0.0 && material.base_colour.max_element() <= 1.0);
-        assert!(material.base_colour_texture.is_none_or(|texture| texture < scene.textures.len()));
+        assert!(material.textures().all(|texture| texture.texture < scene.textures.len()));
         assert!(material.alpha_mask.is_none_or(|mask| mask < scene.alpha_masks.len()));
     }
     for light in &scene.lights {

@@ -168,7 +168,7 @@ fn area_light_weighs_its_triangles() {
 #[test]
 fn holes_in_an_area_light_emit_nothing() {
     let mut scene = grey_scene(0.5);
-    scene.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1] });
+    scene.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Default::default() });
     scene.materials[0].alpha_mask = Some(0);
     let mut mesh = square(2.0);
     mesh.uvs = mesh.positions.iter().map(|position| glam::Vec2::new(0.5 * (position.x + 1.0), 0.5)).collect();

@@ -79,7 +79,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     TracerHit hit;
     rays++;
     if (!trace_closest(origin, direction, 0.0, inversesqrt(vpl.geometry_bound), hit)) return vec3(0.0);
-    HitSurface met = surface_of(hit, origin, direction);
+    MeanSurface met = mean_surface_of(hit, origin, direction);
     float squared = hit.t * hit.t;
     float emission_cut_off = max(1.0 - 16.0 * vpl.geometry_bound * squared, 0.0);
     float cut_off = 1.0 - vpl.geometry_bound * squared;

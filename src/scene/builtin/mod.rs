@@ -159,7 +159,9 @@ impl Model {
             *material += materials as u32;
         }
         for material in &mut self.materials {
-            material.base_colour_texture = material.base_colour_texture.map(|texture| texture + textures);
+            if let Some(texture) = &mut material.base_colour_texture {
+                texture.texture += textures;
+            }
             material.alpha_mask = material.alpha_mask.map(|mask| mask + masks);
         }
         scene.materials.extend(self.materials);

@@ -91,7 +91,7 @@ impl Palette {
         }
         for (material, recipe) in self.materials.iter_mut().zip(&self.recipes) {
             let place = recipe.as_ref().and_then(|recipe| places.get(recipe.name).copied());
-            material.base_colour_texture = place;
+            material.base_colour_texture = place.map(Into::into);
             material.alpha_mask = place.and_then(|place| masks[place]);
             paints.tiles.push(recipe.map_or(Vec2::ONE, |recipe| Vec2::from_array(recipe.extent)));
         }

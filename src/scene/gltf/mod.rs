@@ -85,7 +85,7 @@ pub(super) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
             file.source.not_shown.insert("cameras and lights (the scene file's are)".to_owned());
         }
         let Some(mesh) = node.mesh() else { continue };
-        if let Some(mesh) = mesh_of(&mut file.source, &mesh, &file.materials)? {
+        if let Some(mesh) = mesh_of(&mut file.source, &mesh, &file.materials, scene)? {
             whole.append(baked(&mesh, &place.transform));
         }
     }
@@ -137,7 +137,7 @@ impl File {
         let index = match known {
             Some(index) => index,
             None => {
-                let made = mesh_of(&mut self.source, &mesh, &self.materials)?;
+                let made = mesh_of(&mut self.source, &mesh, &self.materials, scene)?;
                 let index = made.map(|made| {
                     scene.meshes.push(made);
                     scene.meshes.len() - 1

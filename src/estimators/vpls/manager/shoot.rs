@@ -156,7 +156,7 @@ impl VplManager {
                 let mut found = found_at(instance, point, Side::Front(true));
                 let mesh = &world.scene.meshes[world.scene.instances[instance as usize].mesh];
                 let material = mesh.triangle_materials[point.triangle as usize];
-                if !world.scene.opaque_at(material, found.uv) {
+                if !world.scene.opaque_at(material, found.attributes) {
                     // The alpha mask cuts this point out of the light.
                     return (Slot::escaped(fresh, self.frame), WorldSurface::default());
                 }
@@ -169,7 +169,8 @@ impl VplManager {
                 let found = found_at(hit.instance, point, Side::Facing(ray.direction));
                 let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
                 let material = mesh.triangle_materials[hit.triangle as usize];
-                let albedo = world.scene.materials[material as usize].albedo_at(world.scene, found.uv);
+                let albedo =
+                    world.scene.materials[material as usize].albedo_at(world.scene, found.attributes);
                 let unoccluded = Ray { t_max: hit.t * HIT_MARGIN, ..ray };
                 (hit.instance, point, found, throughput * weight * albedo, Some(unoccluded))
             }

@@ -1,0 +1,21 @@
+// A draw of the G-buffer. Twins: Push and VARIANT_... in src/passes/gbuffer.rs.
+
+// Sum of what the materials need: see below.
+layout(constant_id = 0) const uint VARIANT = 0u;
+// An alpha mask. What cannot be discarded is compared by depth before it is shaded.
+const bool MASKED = (VARIANT & 1u) != 0u;
+// More than one set of plain texture coordinates: normal maps, vertex colours, transformed coordinates. Then the normal is handed
+// over in object space, else in the world.
+const bool DETAILED = (VARIANT & 2u) != 0u;
+
+layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
+
+layout(push_constant) uniform Push {
+    uint instance;
+    uint material;
+    uint flags;
+} push;
+
+// Bits of `flags`: the transform swaps left and right; the instance or the camera has moved since the last frame.
+const uint MIRRORED = 1u;
+const uint MOVED = 2u;

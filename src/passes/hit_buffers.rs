@@ -1,0 +1,122 @@
+//! What shaders read of the surfaces that rays hit, besides what raster passes have: for shaders/include/hit.glsl.
+//!
+//! Rays hit any material, and without descriptor indexing a shader cannot choose among images, so all mip chains lie one after
+//! the other in one texel buffer, which costs 5.3 bytes a texel beside the images of raster, and the shader filters them.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::geometry::corners;
+use super::scene_buffers::{Instances, SceneBuffers};
+use super::to_u32;
+use crate::scene::{Scene, Texture};
+use crate::vulkan::{Buffer, Device, Pass, VulkanError};
+
+/// A texture in the texel buffer; `TextureData` in shaders/include/textures.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct TextureData {
+    /// Texel of the first level.
+    pub first: u32,
+    /// Size of that, width in the lower 16 bits, height above.
+    pub size: u32,
+    /// Number of levels.
+    pub levels: u32,
+    /// 1: its colour is linear; otherwise sRGB-encoded.
+    pub linear: u32,
+}
+
+/// Triangles and textures of a scene in device memory.
+pub struct HitBuffers {
+    corners: Buffer,
+    textures: Buffer,
+    texels: Buffer,
+}
+
+impl HitBuffers {
+    /// Uploads them: 12 bytes a triangle, 5.3 a texel.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
+        let Texels { table, texels } = Texels::of(scene, Buffer::most_rgba8_texels(device));
+        Ok(Self {
+            corners: Buffer::with_data(device, "corners", &corners(scene))?,
+            textures: Buffer::with_data(device, "textures", &table)?,
+            texels: Buffer::of_rgba8_texels(device, "texture_texels", &texels)?,
+        })
+    }
+
+    /// Binds everything that the include names with HIT_TEXTURES.
+    pub fn bind<'f>(&'f self, pass: Pass<'f>, scene: &'f SceneBuffers, instances: &'f Instances) -> Pass<'f> {
+        pass.read("instances", &*instances.data)
+            .read("materials", &scene.materials)
+            .read("vertices", &scene.vertices)
+            .read("second_uvs", &scene.second_uvs)
+            .read("corners", &self.corners)
+            .read("textures", &self.textures)
+            .read("texture_texels", &self.texels)
+    }
+}
+
+/// The levels of all textures.
+struct Texels {
+    table: Vec<TextureData>,
+    texels: Vec<u8>,
+}
+
+impl Texels {
+    /// At most `most` texels: where there are more, the largest levels are left out.
+    fn of(scene: &Scene, most: u64) -> Self {
+        let mut firsts = vec![0; scene.textures.len()];
+        let size = |texture: &Texture, first: usize| {
+            u64::from(texture.levels[first].0) * u64::from(texture.levels[first].1)
+        };
+        let total = |firsts: &[usize]| -> u64 {
+            let of = |(texture, &first): (&Texture, &usize)| -> u64 {
+                (first..texture.levels.len()).map(|level| size(texture, level)).sum()
+            };
+            scene.textures.iter().zip(firsts).map(of).sum()
+        };
+        while total(&firsts) > most
+            && let Some(largest) = (0..firsts.len())
+                .filter(|&index| firsts[index] + 1 < scene.textures[index].levels.len())
+                .max_by_key(|&index| size(&scene.textures[index], firsts[index]))
+        {
+            firsts[largest] += 1;
+        }
+        let mut store = Self { table: Vec::new(), texels: Vec::new() };
+        for (texture, first) in scene.textures.iter().zip(firsts) {
+            let levels = &texture.levels[first..];
+            store.table.push(TextureData {
+                first: to_u32(store.texels.len() / 4),
+                size: levels[0].0 | levels[0].1 << 16,
+                levels: to_u32(levels.len()),
+                linear: u32::from(texture.linear),
+            });
+            levels.iter().for_each(|(_, _, texels)| store.texels.extend(texels));
+        }
+        store
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_levels_are_left_out_where_a_device_has_no_room() {
+        let mut scene = Scene::new("textures");
+        for (name, side) in [("small", 4), ("large", 16)] {
+            scene.textures.push(Texture::from_rgba8(name, side, side, vec![7; 4 * (side * side) as usize]));
+        }
+        // 16 + 4 + 1 and 256 + 64 + 16 + 4 + 1.
+        let all = Texels::of(&scene, 1 << 20);
+        assert_eq!((all.table[1].first, all.texels.len()), (21, 4 * 362));
+        let some = Texels::of(&scene, 50);
+        assert_eq!(some.texels.len(), 4 * 42);
+        assert_eq!((some.table[1].size, some.table[1].levels), (4 | 4 << 16, 3));
+        assert_eq!(Texels::of(&scene, 0).table.iter().map(|texture| texture.levels).sum::<u32>(), 2);
+    }
+}
