@@ -1,7 +1,7 @@
 //! BSDFs, textures and masks.
 
 use glam::{Vec2, Vec3};
-use glowworm::scene::{Alpha, Instance, Material, Mesh, Scene, Texture, srgb_to_linear};
+use glowworm::scene::{Alpha, Instance, Material, Mesh, Scene, Texture, TextureUse, Wrap, srgb_to_linear};
 
 use crate::support::*;
 
@@ -223,4 +223,45 @@ fn textured_emission_is_a_linear_image() {
     let texel = image::open(file).unwrap().to_rgb32f().get_pixel(0, 0).0;
     let expected = Vec3::new(2.0 * srgb_to_linear(188), 0.0, 4.0);
     assert!(Vec3::from_array(texel).distance(expected) < 1e-5, "{texel:?}");
+}
+
+#[test]
+fn normal_maps_and_vertex_colours_come_with_what_they_need() {
+    let mut scene = Scene::new("mapped");
+    scene.textures.push(Texture::linear_from_rgba8("bumps", 1, 1, vec![128, 128, 255, 255]));
+    scene.materials.push(Material {
+        normal_texture: Some(TextureUse { offset: Vec2::new(0.5, 0.25), wrap: [Wrap::Clamp; 2], ..0.into() }),
+        normal_scale: 0.5,
+        ..Material::lambertian("shiny", Vec3::ONE)
+    });
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+    let mut mesh = Mesh::polygon("quad", &corners, 0);
+    mesh.tangents = vec![glam::Vec4::new(1.0, 0.0, 0.0, -1.0); 4];
+    mesh.colours = vec![[255, 51, 0, 255]; 4];
+    let first_uv = mesh.uvs[0];
+    scene.meshes.push(mesh);
+    // Twice as large, and mirrored.
+    let transform = glam::Affine3A::from_scale(Vec3::new(-2.0, 2.0, 2.0));
+    scene.instances.push(Instance::fixed("quad", 0, transform));
+    let exported = export(&scene);
+    with_shiny(&exported, "materials-glowworm.xml", |bsdf| {
+        assert_eq!(value(bsdf, "normal_scale"), "0.5");
+        let map = named(bsdf, "normal_map");
+        assert_eq!((value(map, "raw"), value(map, "wrap_mode")), ("true", "clamp"));
+        for attribute in ["vertex_color", "vertex_tangent", "vertex_side"] {
+            assert_eq!(value(named(bsdf, attribute), "name"), attribute);
+        }
+    });
+    with_shiny(&exported, "materials.xml", |bsdf| assert_eq!(kind(only(bsdf, "bsdf")), "normalmap"));
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    let shape = only(document.root_element(), "shape");
+    let file = exported.path(value(shape, "filename"));
+    let text = String::from_utf8_lossy(&std::fs::read(file).unwrap()).into_owned();
+    let names = ["r", "g", "b", "tangent_x", "tangent_y", "tangent_z", "side_x"];
+    let properties: String = names.iter().map(|name| format!("property float {name}\n")).collect();
+    assert!(text.contains(&properties));
+    let ply = exported.mesh(shape);
+    assert!(ply.positions.contains(&Vec3::new(-2.0, 2.0, 0.0)));
+    assert!(ply.uvs.contains(&(first_uv + Vec2::new(0.5, 0.25))));
+    assert_eq!(ply.details[0], [1.0, 0.2, 0.0, -2.0, 0.0, 0.0, 1.0]);
 }
