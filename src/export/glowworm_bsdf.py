@@ -173,7 +173,7 @@ class Glowworm(mi.BSDF):
         self.transmission = props.get("transmission", 0.0)
         details = ["vertex_color", "normal_map", "vertex_tangent", "vertex_side"]
         self.vertex_color, self.normal_map, self.vertex_tangent, self.vertex_side = (
-            props.get_texture(name) if props.has_property(name) else None for name in details)
+            props.get_texture(name) if name in props else None for name in details)
         self.normal_scale = props.get("normal_scale", 1.0)
         kinds = [mi.BSDFFlags.DiffuseReflection, mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DeltaReflection]
         kinds += [mi.BSDFFlags.Null] if self.transmission > 0 else []
@@ -200,7 +200,7 @@ class Glowworm(mi.BSDF):
         seen = Seen(self, si, active)
         passes = sample1 < seen.passing
         pick = (sample1 - seen.passing) / dr.maximum(1 - seen.passing, 1e-6)
-        glossy = ~passes & (pick < seen.share)
+        glossy = (sample1 >= seen.passing) & (pick < seen.share)
         facet = dr.select(seen.mirror, seen.normal, seen.visible_normal(sample2))
         mirrored = facet * (2 * dr.dot(seen.eye, facet)) - seen.eye
         scattered = mi.Frame3f(seen.normal).to_world(mi.warp.square_to_cosine_hemisphere(sample2))
@@ -221,7 +221,7 @@ class Glowworm(mi.BSDF):
         kind = dr.select(delta, mi.UInt32(+mi.BSDFFlags.DeltaReflection), smooth)
         bs.sampled_type = dr.select(passes, mi.UInt32(+mi.BSDFFlags.Null), kind)
         bs.sampled_component = dr.select(passes, mi.UInt32(3), dr.select(delta, mi.UInt32(2), dr.select(glossy, mi.UInt32(1), mi.UInt32(0))))
-        return bs, dr.select(active, value / density, 0)
+        return bs, dr.select(active, value / dr.maximum(density, 1e-37), 0)
 
     def eval(self, ctx, si, wo, active=True):
         return self.eval_pdf(ctx, si, wo, active)[0]
