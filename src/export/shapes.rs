@@ -287,7 +287,7 @@ fn in_object_space(mesh: &Mesh, material: u32, details: &Details<'_>) -> PlyMesh
     let mut places = vec![UNUSED; mesh.positions.len()];
     let mut part = PlyMesh::default();
     for triangle in triangles_of(mesh, material) {
-        part.triangles.push(mesh.triangles[triangle].map(|vertex| {
+        let corners = mesh.triangles[triangle].map(|vertex| {
             let vertex = vertex as usize;
             if places[vertex] == UNUSED {
                 places[vertex] = part.positions.len() as u32;
@@ -296,7 +296,8 @@ fn in_object_space(mesh: &Mesh, material: u32, details: &Details<'_>) -> PlyMesh
                 details.add(mesh, vertex, &mut part, |tangent| tangent);
             }
             places[vertex]
-        }));
+        });
+        part.triangles.push(corners);
     }
     part
 }
