@@ -85,7 +85,8 @@ pub(crate) fn linear([first, last]: [f32; 2], u: f32) -> f32 {
     }
     let [first, last] = [first / most, last / most];
     let root = (first * first + (last * last - first * first) * u).max(0.0).sqrt();
-    (u * (first + last) / (first + root)).min(BELOW_ONE)
+    // Both are 0 at the start of a function that begins with 0.
+    if first + root > 0.0 { (u * (first + last) / (first + root)).min(BELOW_ONE) } else { 0.0 }
 }
 
 /// Samples a bin of the discrete distribution with this `cdf` (ending in 1) by inversion, and remaps `u` within

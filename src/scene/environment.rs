@@ -84,7 +84,8 @@ impl Environment {
 /// The place of a direction in the unit square, from the top left.
 fn uv_of(direction: Vec3) -> Vec2 {
     let u = direction.x.atan2(-direction.z) / TAU + 0.5;
-    Vec2::new(u, direction.y.clamp(-1.0, 1.0).acos() / PI)
+    // Exact near the poles, too, where an arc cosine is not.
+    Vec2::new(u, direction.x.hypot(direction.z).atan2(direction.y) / PI)
 }
 
 fn direction_of(uv: Vec2) -> Vec3 {
