@@ -3,8 +3,7 @@
 Mitsuba renders what `glowworm export` wrote, with its path tracer and as many samples a pixel as a second allows; the
 renderer draws as many frames from its first one on as a second allows, at least one, at default settings. Loading and
 compiling do not count; the best of several turns does. Each picture is compared with the path tracer's (`glowworm
-reference`) of its own pixel filter: all over the pixel for Mitsuba, its centre for the renderer. Highlights are left out on all
-sides, since no material of Mitsuba reflects as glowworm's do.
+reference`) of its own pixel filter: all over the pixel for Mitsuba, its centre for the renderer.
 """
 
 import argparse
@@ -23,7 +22,7 @@ from PIL import Image
 import study_pictures
 import study_quality_page
 from study_quality_page import MOST_FRAMES
-from verify_with_mitsuba import without_highlights, working_variant
+from verify_with_mitsuba import load, working_variant
 
 SCENES = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"]
 SECONDS = 1.0
@@ -41,7 +40,6 @@ class Lab:
         self.builds = {build: binary for build, binary in self.builds.items() if binary}
         # One build judges all.
         self.judge = options.before or options.now
-        self.assets = os.environ.get("GLOWWORM_ASSETS")
 
     def run(self, binary, command, *arguments, report="report.json"):
         report = self.folder / report
@@ -52,31 +50,25 @@ class Lab:
         return None if command == "export" else json.loads(report.read_text())
 
     def export(self, scene):
-        """The report of the scene's export, and the options that keep highlights out of our pictures."""
+        """The report of the scene's export."""
         out = self.folder / scene
         self.run(self.judge, "export", scene, "--size", self.options.size, "--bounces", 2, "--out", out)
-        report = json.loads((out / "glowworm-export.json").read_text())
-        if report["highlights"] == 0:
-            return report, []
-        dull = self.folder / "assets"
-        if not dull.exists():
-            without_highlights(Path(self.assets), dull)
-        return report, ["--assets", dull]
+        return json.loads((out / "glowworm-export.json").read_text())
 
-    def reference(self, scene, pixel_filter, dull):
+    def reference(self, scene, pixel_filter):
         name = f"{scene}-{self.options.size}-{self.options.spp}"
-        name += ("-box" if pixel_filter == "box" else "") + ("-without-highlights" if dull else "")
+        name += ("-box" if pixel_filter == "box" else "")
         picture, report = self.options.cache / f"{name}.exr", self.options.cache / f"{name}.json"
         if not (picture.exists() and report.exists()):
             figures = self.run(self.judge, "reference", scene, "--layers", "--pixel-filter", pixel_filter, "--bounces", 2,
-                               "--spp", self.options.spp, "--size", self.options.size, "--out", picture, "--resume", *dull)
+                               "--spp", self.options.spp, "--size", self.options.size, "--out", picture, "--resume")
             report.write_text(json.dumps(figures))
         return picture
 
-    def frames(self, build, scene, dull):
+    def frames(self, build, scene):
         """How many frames a second holds, and the seconds that they take."""
         report = self.run(self.builds[build], "render", scene, "--size", self.options.size, "--bounces", 2, "--time-step", 0,
-                          "--frames", MOST_FRAMES, "--out", self.folder / "frames.exr", *dull)
+                          "--frames", MOST_FRAMES, "--out", self.folder / "frames.exr")
         ends = np.cumsum([frame["total_ms"] for frame in report["frames"]]) / 1000
         count = max(1, int(np.searchsorted(ends, SECONDS, side="right")))
         return count, float(ends[count - 1]), report["device"]
@@ -102,7 +94,7 @@ class Mitsuba:
     """One exported scene."""
 
     def __init__(self, folder, background):
-        self.scene = mi.load_file(str(folder / "scene.xml"))
+        self.scene = load(folder)
         self.background = np.array(background)
         self.seed = 0
 
@@ -140,18 +132,18 @@ class Mitsuba:
 
 
 def measure(lab, scene):
-    report, dull = lab.export(scene)
-    box, centre = (lab.reference(scene, pixel_filter, dull) for pixel_filter in ["box", "center"])
+    report = lab.export(scene)
+    box, centre = (lab.reference(scene, pixel_filter) for pixel_filter in ["box", "center"])
     picture, samples, seconds, spent = Mitsuba(lab.folder / scene, report["background"]).in_a_second(lab.options.turns)
     drawn = lab.folder / "drawn.exr"
     mi.Bitmap(picture.astype(np.float32)).write(str(drawn))
     row = {"scene": scene, "integrator": report["integrator"],
            "mitsuba": {"samples": samples, "seconds": seconds, "spent": spent, **lab.errors(drawn, box)}}
     for build in lab.builds:
-        count, seconds, device = max((lab.frames(build, scene, dull) for _ in range(lab.options.turns)),
+        count, seconds, device = max((lab.frames(build, scene) for _ in range(lab.options.turns)),
                                      key=lambda turn: (turn[0], -turn[1]))
         lab.run(lab.builds[build], "render", scene, "--size", lab.options.size, "--bounces", 2, "--time-step", 0,
-                "--frames", count, "--out", drawn, *dull)
+                "--frames", count, "--out", drawn)
         # Against the antialiased picture, too, which counts jagged edges as errors.
         antialiased = {f"{key}_antialiased": value for key, value in lab.errors(drawn, box).items()}
         row[build] = {"frames": count, "seconds": seconds, "device": device, **lab.errors(drawn, centre), **antialiased}

@@ -15,6 +15,8 @@ import results_page
 SCENES = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"]
 ALL_KINDS = "tests/scene-files/all-kinds.toml"
 FOUR_LIGHTS = "tests/scene-files/four-lights.toml"
+LAMPS = ["tests/scene-files/lamps-material-grid.toml", "tests/scene-files/lamps-damaged-helmet.toml"]
+SKY_LIVING_ROOM = "tests/scene-files/sky-living-room.toml"
 # Small pictures of many VPLs: every pixel gathers all of them.
 TRUTH_SIZE = "128x128"
 LOSS_SIZE = "128x128"
@@ -70,22 +72,17 @@ class Lab:
 
 
 def mitsuba(lab):
-    """The path tracer against Mitsuba, six scenes, 256x256, 1,024 samples a pixel or more."""
+    """The path tracer against Mitsuba, 256x256, 1,024 samples a pixel or more."""
     report = lab.folder / "mitsuba.json"
-    scenes = [*SCENES, lab.scene(ALL_KINDS)]
     rows = []
     # All light of the living room comes through its windows, which few paths find.
-    for spp, group in [(1024, [scene for scene in scenes if scene != "living-room"]), (2304, ["living-room"])]:
+    rooms = ["living-room", lab.scene(SKY_LIVING_ROOM)]
+    scenes = [*SCENES, "material-grid", "damaged-helmet", *map(lab.scene, [ALL_KINDS, *LAMPS])]
+    for spp, group in [(1024, [scene for scene in scenes if scene not in rooms]), (2304, rooms)]:
         lab.script("scripts/verify-with-mitsuba", "--spp", spp, "--size", "256x256", "--json", report, *group, check=False)
         figures = json.loads(report.read_text())
         rows += [{**row, "spp": spp} for row in figures["rows"]]
     figures["rows"] = rows
-    # Highlights have no verdict, so fewer samples do.
-    lab.script("scripts/verify-with-mitsuba", "--spp", 128, "--size", "256x256", "--highlights", "--json", report,
-               *scenes, check=False)
-    judged_apart = [row for row in json.loads(report.read_text())["rows"] if row["highlights"] != "none"]
-    figures["highlights"] = [{**row, "spp": 128} for row in judged_apart]
-    figures["rows"] = [row for row in figures["rows"] if row["highlights"] == "none"]
     lab.keep("mitsuba", figures)
 
 

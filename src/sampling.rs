@@ -76,6 +76,19 @@ pub(crate) fn triangle_points(count: u32) -> impl Iterator<Item = Vec2> {
     (0..count).map(|index| triangle(sequence_point(index, 0, 0)))
 }
 
+/// In [0, 1), in proportion to a function that goes linearly from the first value at 0 to the second at 1; neither is
+/// negative. Without any light, uniform.
+pub(crate) fn linear([first, last]: [f32; 2], u: f32) -> f32 {
+    let most = first.max(last);
+    if most <= 0.0 {
+        return u;
+    }
+    let [first, last] = [first / most, last / most];
+    let root = (first * first + (last * last - first * first) * u).max(0.0).sqrt();
+    // Both are 0 at the start of a function that begins with 0.
+    if first + root > 0.0 { (u * (first + last) / (first + root)).min(BELOW_ONE) } else { 0.0 }
+}
+
 /// Samples a bin of the discrete distribution with this `cdf` (ending in 1) by inversion, and remaps `u` within
 /// the bin to [0, 1) for reuse.
 pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
@@ -274,6 +287,20 @@ pub(crate) mod tests {
             }
             let chi = chi_square(&counts, &shares);
             assert!(chi < 0.7, "{inner} {outer}: {chi}");
+        }
+    }
+
+    #[test]
+    fn linear_functions_are_sampled_in_proportion() {
+        for ends in [[0.0, 1.0], [3.0, 0.0], [2.0, 5.0], [1.0, 1.0], [0.0, 1e-30], [0.0, 0.0]] {
+            let [first, last] = if ends[0] + ends[1] == 0.0 { [1.0, 1.0] } else { ends };
+            for step in 0..=100 {
+                let u = (step as f32 / 100.0).min(BELOW_ONE);
+                let x = linear(ends, u);
+                // The integral up to x over the whole is u.
+                let part = (first * x + 0.5 * (last - first) * x * x) / (0.5 * (first + last));
+                assert!((0.0..1.0).contains(&x) && (part - u).abs() < 1e-5, "{ends:?} {u}: {x} {part}");
+            }
         }
     }
 

@@ -10,7 +10,7 @@ vec3 environment_radiance(vec3 direction) {
     vec2 xz = vec2(cos(turn) * d.x - sin(turn) * d.z, sin(turn) * d.x + cos(turn) * d.z);
     // Towards a pole any azimuth will do.
     float azimuth = dot(xz, xz) > 0.0 ? atan(xz.x, -xz.y) : 0.0;
-    vec2 uv = vec2(azimuth / (2.0 * PI) + 0.5, acos(clamp(d.y, -1.0, 1.0)) / PI);
+    vec2 uv = vec2(azimuth / (2.0 * PI) + 0.5, atan(length(xz), d.y) / PI);
     ivec2 size = textureSize(environment_map, 0);
     vec2 at = uv * vec2(size) - 0.5;
     ivec2 low = ivec2(floor(at));

@@ -389,7 +389,7 @@ impl Bench {
 pub fn lacks_models(scene: &str, assets: Option<&std::path::Path>) -> Result<bool, SceneError> {
     match load_scene(scene, assets) {
         Ok(_) => Ok(false),
-        Err(SceneError::MissingModel { .. }) => Ok(true),
+        Err(SceneError::MissingAsset { .. }) => Ok(true),
         Err(error) => Err(error),
     }
 }

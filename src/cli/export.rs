@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::options::{CameraOptions, FileOptions};
 use super::scene::SceneOptions;
 use super::{CliError, say};
-use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, Specular, export_mitsuba};
+use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, export_mitsuba};
 use crate::output::OutputFile;
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -32,9 +32,6 @@ pub(super) struct ExportOptions {
     /// Samples per pixel, overridden by `mitsuba -D spp=N`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
     pub spp: u32,
-    /// What materials reflect by their GGX lobes: omit drops it; convert makes rough conductors beside the diffuse part.
-    #[arg(long, value_enum, default_value = "omit")]
-    pub specular: Specular,
     #[command(flatten)]
     pub camera: CameraOptions,
     /// Folder to write to: new, empty, or an earlier export, which is replaced.
@@ -82,7 +79,6 @@ impl ExportOptions {
             size: settings.size,
             bounces: self.scene.bounces(settings),
             spp: self.spp,
-            specular: self.specular,
         };
         Ok(export_mitsuba(scene, &settings, folder)?)
     }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use super::{ExportReport, SCENE_FILE};
+use super::{ExportReport, OWN_FILES};
 use crate::output::{OutputError, OutputFile};
 
 /// The report of the export, within its folder.
@@ -104,7 +104,7 @@ impl ExportFolder {
             let own = fs::canonicalize(self.path.join(folder));
             own.is_ok_and(|own| fs::canonicalize(parent_of(file.path())).is_ok_and(|other| other == own))
         };
-        within(SCENE_FILE) || within(REPORT_FILE) || SUBFOLDERS.iter().any(below)
+        OWN_FILES.into_iter().any(within) || SUBFOLDERS.iter().any(below)
     }
 
     /// Whether the folder contains anything besides the staging folders of killed exports.
@@ -123,7 +123,7 @@ impl ExportFolder {
         let text = fs::read(self.path.join(REPORT_FILE)).ok()?;
         let listing: Listing = serde_json::from_slice(&text).ok()?;
         let is_ours = |name: &String| match name.split_once('/') {
-            None => [SCENE_FILE, REPORT_FILE].contains(&name.as_str()),
+            None => OWN_FILES.contains(&name.as_str()),
             Some((folder, file)) => {
                 let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
                 SUBFOLDERS.contains(&folder) && file.chars().all(plain) && !file.starts_with('.')

@@ -2,40 +2,34 @@
 //!
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
-//! A surface is `twosided` `diffuse`, within a `mask` if it has an alpha mask. The base colour is multiplied into the
-//! texels, at 16 bits a channel, since Mitsuba has no product of a colour and a texture. A GGX lobe is a
-//! `roughconductor` of the same roughness, blended with the diffuse part so that both keep their mean reflectance.
-//! Roughness and metallic are those of the mean of their textures.
+//! A Lambertian surface is `twosided` `diffuse`. Others are `glowworm`, the BSDF of glowworm_bsdf.py; for those who render
+//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin sheet,
+//! is a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
+//! product of a colour and a texture; metallic and roughness likewise.
 
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 
+use exr::prelude::{Encoding, Image, SpecificChannels, Vec2, WritableImage};
 use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
 use super::xml::Element;
-use super::{Content, Export, Specular, named};
-use crate::bsdf::Bsdf;
-use crate::scene::{AlphaMask, Material, Texture, srgb_to_linear};
+use super::{Content, Export, Remark, named};
+use crate::scene::{
+    Alpha, AlphaMask, EnvironmentMap, Material, Texture, TextureUse, Wrap, luminance, srgb_to_linear,
+};
 
-/// A GGX lobe as a rough conductor.
-struct Highlight {
-    /// Reflectance: its mean albedo over that's largest channel.
-    colour: Vec3,
-    /// Blend weight: the largest channel of its mean albedo.
-    weight: f32,
-    /// GGX's alpha.
-    alpha: f32,
-}
+/// Largest reflectance at normal incidence of a plain material: its index of refraction must be finite.
+const MAX_PLAIN_F0: f32 = 0.9;
 
-impl Highlight {
-    /// The lobe of a surface, if it has one.
-    fn of(bsdf: &Bsdf) -> Option<Self> {
-        let albedo = bsdf.mean_reflected_albedo();
-        let weight = albedo.max_element();
-        let alpha = bsdf.roughness * bsdf.roughness;
-        (weight > 0.0).then(|| Self { colour: albedo / weight, weight, alpha })
-    }
+/// What a BSDF is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reader {
+    /// Mitsuba with glowworm_bsdf.py.
+    Exact,
+    /// Mitsuba alone.
+    Plain,
 }
 
 impl Export<'_> {
@@ -44,67 +38,189 @@ impl Export<'_> {
         named("material", material as usize, &self.scene.materials[material as usize].name)
     }
 
-    /// The BSDF of a material.
-    pub(super) fn bsdf(&mut self, index: u32) -> Element {
+    /// Whether Mitsuba has no material that is the same.
+    pub(super) fn is_special(&self, index: u32) -> bool {
         let material = &self.scene.materials[index as usize];
-        let id = self.bsdf_id(index);
-        let surface = Element::plugin("bsdf", "twosided").child(self.reflection(material));
-        let Some(mask) = material.alpha_mask else { return surface.attribute("id", id) };
-        let file = format!("textures/{}.png", named("mask", mask, ""));
-        self.add_file(&file, Content::Mask(mask));
-        let opacity = bitmap("opacity", &file, "nearest").boolean("raw", true);
-        Element::plugin("bsdf", "mask").attribute("id", id).child(opacity).child(surface)
+        material.mean_bsdf(self.scene).reflects()
+            || passed_share(material) > 0.0
+            || material.normal_texture.is_some()
+            || self.coloured.contains(&index)
     }
 
-    fn reflection(&mut self, material: &Material) -> Element {
-        let bsdf = material.mean_bsdf(self.scene);
-        let highlight = Highlight::of(&bsdf).filter(|_| self.settings.specular == Specular::Convert);
-        let share = bsdf.mean_diffuse_share();
-        let Some(Highlight { colour, weight, alpha }) = highlight else {
-            return self.diffuse(material, share);
+    /// The BSDF of a material.
+    pub(super) fn bsdf(&mut self, index: u32, reader: Reader) -> Element {
+        let material = &self.scene.materials[index as usize];
+        let surface = match reader {
+            _ if !self.is_special(index) => {
+                let diffuse = Element::plugin("bsdf", "diffuse");
+                two_sided(self.coloured(diffuse, "reflectance", material))
+            }
+            Reader::Plain => self.principled(material),
+            Reader::Exact => self.glowworm(index),
         };
-        let conductor = |reflectance| {
-            Element::plugin("bsdf", "roughconductor")
-                .string("material", "none")
-                .string("distribution", "ggx")
-                .float("alpha", alpha.max(1e-3))
-                .rgb("specular_reflectance", reflectance)
-        };
-        if share == 0.0 || bsdf.base == Vec3::ZERO {
-            return conductor(colour * weight);
+        self.cut(surface, material).attribute("id", self.bsdf_id(index))
+    }
+
+    /// The surface where it is there.
+    fn cut(&mut self, surface: Element, material: &Material) -> Element {
+        let masked = |opacity: Element| Element::plugin("bsdf", "mask").child(opacity);
+        if material.alpha == Alpha::Blend {
+            return masked(self.coverage(material)).child(surface);
         }
-        Element::plugin("bsdf", "blendbsdf")
-            .float("weight", weight)
-            .child(self.diffuse(material, share / (1.0 - weight)))
-            .child(conductor(colour))
+        match material.alpha_mask {
+            Some(mask) if !material.is_sheet() => {
+                let file = format!("textures/{}.png", named("mask", mask, ""));
+                self.add_file(&file, Content::Mask(mask));
+                let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);
+                masked(bitmap("opacity", &file, "nearest", wrap).boolean("raw", true)).child(surface)
+            }
+            _ => surface,
+        }
     }
 
-    /// Lambertian reflection of a material's base colour times `share`.
-    fn diffuse(&mut self, material: &Material, share: f32) -> Element {
-        let surface = Element::plugin("bsdf", "diffuse");
-        let tint = material.base_colour * share;
-        let Some(texture) = material.base_colour_texture.map(|texture| texture.texture) else {
-            return surface.rgb("reflectance", tint.min(Vec3::ONE));
+    /// How much of a thin sheet is there.
+    fn coverage(&mut self, material: &Material) -> Element {
+        let has_alpha = |image: &TextureUse| {
+            self.scene.textures[image.texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255)
         };
-        // Materials may share an image with different tints.
-        let known = self.tints.iter().position(|known| *known == (texture, tint));
+        match material.base_colour_texture.filter(has_alpha) {
+            Some(texture) => self.channel("opacity", texture, 3, material.opacity),
+            None => float("opacity", material.opacity),
+        }
+    }
+
+    /// What this program computes.
+    fn glowworm(&mut self, index: u32) -> Element {
+        let material = &self.scene.materials[index as usize];
+        let surface = self.coloured(Element::plugin("bsdf", "glowworm"), "base_color", material);
+        let surface = self
+            .metallic_roughness(surface, material)
+            .rgb("f0", material.f0)
+            .float("f90", material.f90)
+            .float("transmission", passed_share(material));
+        let surface = match self.coloured.contains(&index) {
+            true => surface.child(attribute("vertex_color")),
+            false => surface,
+        };
+        let Some(map) = material.normal_texture else { return surface };
+        surface
+            .child(self.normal_map("normal_map", map))
+            .float("normal_scale", material.normal_scale)
+            .child(attribute("vertex_tangent"))
+            .child(attribute("vertex_side"))
+    }
+
+    fn normal_map(&mut self, name: &str, map: TextureUse) -> Element {
+        let content = Content::Texture { texture: map.texture, tint: Vec3::ONE };
+        self.read(name, content, map, ["", "png"]).boolean("raw", true)
+    }
+
+    /// The nearest material of Mitsuba's own.
+    fn principled(&mut self, material: &Material) -> Element {
+        let surface = self.coloured(Element::plugin("bsdf", "principled"), "base_color", material);
+        let root = luminance(material.f0).min(MAX_PLAIN_F0).sqrt();
+        let surface = self.metallic_roughness(surface, material).float("eta", (1.0 + root) / (1.0 - root));
+        let surface = match material.normal_texture {
+            Some(map) => {
+                let map = self.normal_map("normalmap", map);
+                Element::plugin("bsdf", "normalmap").child(map).child(surface)
+            }
+            None => surface,
+        };
+        let passes = passed_share(material) * luminance(material.mean_base(self.scene));
+        if passes > 0.0 {
+            return Element::plugin("bsdf", "mask").float("opacity", 1.0 - passes).child(two_sided(surface));
+        }
+        two_sided(surface)
+    }
+
+    fn metallic_roughness(&mut self, surface: Element, material: &Material) -> Element {
+        let values = [("metallic", 2, material.metallic), ("roughness", 1, material.roughness)];
+        values.into_iter().fold(surface, |surface, (name, channel, factor)| {
+            surface.child(match material.metallic_roughness_texture {
+                Some(texture) if factor > 0.0 => self.channel(name, texture, channel, factor),
+                _ => float(name, factor),
+            })
+        })
+    }
+
+    /// A number from a channel of a texture times `factor`.
+    fn channel(&mut self, name: &str, image: TextureUse, channel: usize, factor: f32) -> Element {
+        let content = Content::Channel { texture: image.texture, channel, factor };
+        self.read(name, content, image, [&format!("{name}-"), "png"]).boolean("raw", true)
+    }
+
+    /// The surface with the parameter `name`: the base colour.
+    fn coloured(&mut self, surface: Element, name: &str, material: &Material) -> Element {
+        let tint = material.base_colour;
+        let Some(image) = material.base_colour_texture else {
+            return surface.rgb(name, tint.min(Vec3::ONE));
+        };
+        let content = Content::Texture { texture: image.texture, tint };
+        surface.child(self.read(name, content, image, ["", "png"]))
+    }
+
+    /// The radiance of an emissive material.
+    pub(super) fn radiance(&mut self, emitter: Element, material: &Material) -> Element {
+        let Some(image) = material.emission_texture else {
+            return emitter.rgb("radiance", material.emission);
+        };
+        let content = Content::Emission { texture: image.texture, factor: material.emission };
+        emitter.child(self.read("radiance", content, image, ["emission-", "exr"]).boolean("raw", true))
+    }
+
+    /// The parameter `name`: what a texture is read for, from a file with this start and end of its name. Materials may
+    /// share a texture with different factors.
+    fn read(&mut self, name: &str, content: Content, image: TextureUse, [start, end]: [&str; 2]) -> Element {
+        let known = self.images.iter().position(|known| *known == content);
         let place = known.unwrap_or_else(|| {
-            self.tints.push((texture, tint));
-            self.tints.len() - 1
+            self.images.push(content);
+            self.images.len() - 1
         });
-        let file = format!("textures/{}.png", named("texture", place, &self.scene.textures[texture].name));
-        self.add_file(&file, Content::Texture { texture, tint });
-        surface.child(bitmap("reflectance", &file, "bilinear"))
+        let texture = named("texture", place, &self.scene.textures[image.texture].name);
+        let file = format!("textures/{start}{texture}.{end}");
+        self.add_file(&file, content);
+        bitmap(name, &file, "bilinear", self.wrap_mode(image.wrap))
+    }
+
+    /// Mitsuba's name of a wrap mode; it has one for both axes.
+    fn wrap_mode(&mut self, [u, v]: [Wrap; 2]) -> &'static str {
+        if u != v {
+            self.remarks.insert(Remark::WrapModes);
+        }
+        match u {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        }
     }
 }
 
-/// A repeating image with 32-bit float texels.
-fn bitmap(name: &str, file: &str, filter: &str) -> Element {
+/// Share of the base colour that passes as through a thin sheet. Metals let nothing pass.
+fn passed_share(material: &Material) -> f32 {
+    material.transmission * (1.0 - material.metallic)
+}
+
+fn two_sided(surface: Element) -> Element {
+    Element::plugin("bsdf", "twosided").child(surface)
+}
+
+fn float(name: &str, value: f32) -> Element {
+    Element::new("float").attribute("name", name).attribute("value", format!("{value:?}"))
+}
+
+/// What vertices have beside positions, normals and texture coordinates.
+fn attribute(name: &str) -> Element {
+    Element::plugin("texture", "mesh_attribute").attribute("name", name).string("name", name)
+}
+
+/// An image with 32-bit float texels.
+fn bitmap(name: &str, file: &str, filter: &str, wrap: &str) -> Element {
     Element::plugin("texture", "bitmap")
         .attribute("name", name)
         .string("filename", file)
         .string("filter_type", filter)
-        .string("wrap_mode", "repeat")
+        .string("wrap_mode", wrap)
         .string("format", "variant")
         .boolean("accel", false)
 }
@@ -123,6 +239,58 @@ pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Writ
     let words = colours.flat_map(|texel| [0, 1, 2].map(|channel| table[channel][texel[channel] as usize]));
     let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
     write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb16)
+}
+
+/// Writes a channel of a texture times `factor`, 16 bits.
+pub(super) fn write_channel(
+    texture: &Texture,
+    channel: usize,
+    factor: f32,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    let (width, height, texels) = &texture.levels[0];
+    let value = |texel: &[u8]| (f32::from(texel[channel]) / 255.0 * factor * 65_535.0).round() as u16;
+    let bytes: Vec<u8> = texels.chunks_exact(4).flat_map(|texel| value(texel).to_ne_bytes()).collect();
+    write_png(output, &bytes, [*width, *height], ExtendedColorType::L16)
+}
+
+/// Writes a texture times `factor` as EXR, linear.
+pub(super) fn write_emission(texture: &Texture, factor: Vec3, output: &mut dyn Write) -> io::Result<()> {
+    let (width, height, texels) = &texture.levels[0];
+    write_exr(output, [*width as usize, *height as usize], |x, y| {
+        let texel = &texels[4 * (y * *width as usize + x)..];
+        factor * Vec3::from_array([0, 1, 2].map(|channel| srgb_to_linear(texel[channel])))
+    })
+}
+
+/// Writes a map times `factor` as EXR. Mitsuba interpolates between rows from pole to pole, glowworm between the middles
+/// of rows; so there is a row for each middle and each edge, where it is the mean of its neighbours.
+pub(super) fn write_environment(
+    map: &EnvironmentMap,
+    factor: Vec3,
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    let (width, height, texels) = map.texels();
+    write_exr(output, [width, 2 * height + 1], |x, y| {
+        let (above, below) = (y.saturating_sub(1) / 2, (y / 2).min(height - 1));
+        factor * 0.5 * (texels[above * width + x] + texels[below * width + x])
+    })
+}
+
+fn write_exr(
+    output: &mut dyn Write,
+    [width, height]: [usize; 2],
+    colour: impl Fn(usize, usize) -> Vec3 + Sync,
+) -> io::Result<()> {
+    let pixel = |at: Vec2<usize>| {
+        let Vec3 { x, y, z } = colour(at.x(), at.y());
+        (x, y, z)
+    };
+    let mut image = Image::from_channels((width, height), SpecificChannels::rgb(pixel));
+    image.layer_data.encoding = Encoding::FAST_LOSSLESS;
+    let mut bytes = Vec::new();
+    image.write().to_buffered(Cursor::new(&mut bytes)).map_err(io::Error::other)?;
+    output.write_all(&bytes)
 }
 
 /// Writes a mask: white where the surface is opaque, else black.

@@ -2,7 +2,8 @@
 //!
 //! In: a scene, a time, and picture settings. Out: a folder that Mitsuba 3 (tested with 3.9) renders to the same
 //! radiance: the same geometry, materials, lights, units, camera and bounce limit. [`ExportReport::inexact`] and the
-//! head of `scene.xml` list the differences.
+//! head of `scene.xml` list the differences. Materials that Mitsuba does not have are written twice: as its nearest ones,
+//! which `scene.xml` includes, and for [`PLUGIN_FILE`], which is in the folder and makes them exact.
 //!
 //! Numbers in the XML are 32-bit floats that round-trip.
 
@@ -26,20 +27,11 @@ use serde::Serialize;
 
 use crate::report::COMMIT;
 use crate::scene::{Light, LightKind, Pose, Scene};
+use folder::REPORT_FILE;
+use materials::Reader;
 use remarks::{Remark, SMALL_RADIUS};
 use shapes::Part;
 use xml::Element;
-
-/// Conversion of what materials reflect by their GGX lobes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Specular {
-    /// Omitted.
-    #[default]
-    Omit,
-    /// Rough conductors beside the diffuse part.
-    Convert,
-}
 
 /// Settings of the exported picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,8 +46,6 @@ pub struct ExportSettings {
     pub bounces: Option<u32>,
     /// Default samples a pixel.
     pub spp: u32,
-    /// Conversion of GGX lobes.
-    pub specular: Specular,
 }
 
 /// Number of lights by type.
@@ -99,10 +89,8 @@ pub struct ExportReport {
     pub integrator: &'static str,
     /// Its `max_depth`; -1: no limit.
     pub max_depth: i64,
-    /// Conversion of GGX lobes.
-    pub specular: Specular,
-    /// Number of materials with a GGX lobe.
-    pub highlights: usize,
+    /// Number of materials that need [`PLUGIN_FILE`] to be the same in Mitsuba.
+    pub special: usize,
     /// Background radiance, to be added times 1 - alpha.
     pub background: [f32; 3],
     /// Shapes of the Mitsuba scene: meshes of one material, and instances of shape groups.
@@ -132,7 +120,20 @@ enum Content {
         texture: usize,
         tint: Vec3,
     },
+    /// A channel of a texture times a factor.
+    Channel {
+        texture: usize,
+        channel: usize,
+        factor: f32,
+    },
+    /// A texture times radiance.
+    Emission {
+        texture: usize,
+        factor: Vec3,
+    },
     Mask(usize),
+    /// The environment's map.
+    Environment,
 }
 
 /// An export in progress.
@@ -142,9 +143,11 @@ struct Export<'a> {
     settings: &'a ExportSettings,
     has_portals: bool,
     files: BTreeMap<String, Content>,
-    /// Tinted textures; the index is the number in the file's name.
-    tints: Vec<(usize, Vec3)>,
+    /// Images of textures; the index is the number in the file's name.
+    images: Vec<Content>,
     used_materials: BTreeSet<u32>,
+    /// Materials of meshes whose vertices have colours.
+    coloured: BTreeSet<u32>,
     /// Meshes exported as shape groups.
     groups: BTreeSet<usize>,
     shapes: usize,
@@ -164,19 +167,36 @@ pub fn export_mitsuba(
 ) -> Result<ExportReport, ExportError> {
     let pose = scene.pose(settings.time);
     let mut export = Export::new(scene, &pose, settings);
-    let document = export.document();
+    let documents = export.documents();
     let report = export.report();
     let mut staging = folder.begin()?;
     for (name, content) in &export.files {
         staging.write(name, |output| export.write_file(content, output))?;
     }
-    staging.write(SCENE_FILE, |output| document.write(output))?;
+    for (name, document) in &documents {
+        staging.write(name, |output| document.write(output))?;
+    }
+    if report.special > 0 {
+        staging.write(PLUGIN_FILE, |output| output.write_all(PLUGIN))?;
+    }
     staging.complete(&report)?;
     Ok(report)
 }
 
 /// The scene itself, within the folder.
 pub const SCENE_FILE: &str = "scene.xml";
+
+/// What makes materials exact that Mitsuba does not have; renders the scene when run by itself.
+pub const PLUGIN_FILE: &str = "glowworm_bsdf.py";
+
+const PLUGIN: &[u8] = include_bytes!("glowworm_bsdf.py");
+
+/// The materials that Mitsuba does not have, for Mitsuba alone and for [`PLUGIN_FILE`].
+const MATERIAL_FILES: [(&str, Reader); 2] =
+    [("materials.xml", Reader::Plain), ("materials-glowworm.xml", Reader::Exact)];
+
+/// Every file that may be in the folder itself.
+const OWN_FILES: [&str; 5] = [SCENE_FILE, REPORT_FILE, PLUGIN_FILE, MATERIAL_FILES[0].0, MATERIAL_FILES[1].0];
 
 impl<'a> Export<'a> {
     fn new(scene: &'a Scene, pose: &'a Pose, settings: &'a ExportSettings) -> Self {
@@ -190,8 +210,14 @@ impl<'a> Export<'a> {
             settings,
             has_portals: scene.lights.iter().any(is_portal),
             files: BTreeMap::new(),
-            tints: Vec::new(),
+            images: Vec::new(),
             used_materials: BTreeSet::new(),
+            coloured: scene
+                .meshes
+                .iter()
+                .filter(|mesh| !mesh.colours.is_empty())
+                .flat_map(|mesh| mesh.triangle_materials.iter().copied())
+                .collect(),
             groups: BTreeSet::new(),
             remarks: BTreeSet::new(),
             shapes: 0,
@@ -200,25 +226,45 @@ impl<'a> Export<'a> {
         }
     }
 
-    /// The document `scene.xml`.
-    fn document(&mut self) -> Element {
+    /// The documents with their names: `scene.xml`, and materials that Mitsuba does not have.
+    fn documents(&mut self) -> Vec<(&'static str, Element)> {
         if self.scene.bounding_sphere(self.pose).radius < SMALL_RADIUS {
             self.remarks.insert(Remark::RayOffset);
         }
         let shapes = self.shapes();
-        let emitters = self.emitters();
-        let materials: Vec<u32> = self.used_materials.iter().copied().collect();
-        let bsdfs: Vec<Element> = materials.into_iter().map(|material| self.bsdf(material)).collect();
+        let mut emitters = self.emitters();
+        emitters.extend(self.environment());
+        let special = self.special_materials();
+        let plain: Vec<u32> = self.used_materials.difference(&special).copied().collect();
+        let bsdfs: Vec<Element> = plain.into_iter().map(|index| self.bsdf(index, Reader::Plain)).collect();
         let remarks = self.head();
-        let scene = Element::new("scene").attribute("version", "3.0.0");
-        let scene = remarks.iter().fold(scene, |scene, remark| scene.comment(remark));
-        scene
+        let scene = |remarks: &[String]| {
+            let scene = Element::new("scene").attribute("version", "3.0.0");
+            remarks.iter().fold(scene, |scene, remark| scene.comment(remark))
+        };
+        let mut documents = Vec::new();
+        let mut include = None;
+        if !special.is_empty() {
+            for (name, reader) in MATERIAL_FILES {
+                let bsdfs: Vec<Element> = special.iter().map(|&index| self.bsdf(index, reader)).collect();
+                documents.push((name, scene(&[]).children(bsdfs)));
+            }
+            let default = Element::new("default").attribute("name", "materials");
+            include = Some([
+                default.attribute("value", MATERIAL_FILES[0].0),
+                Element::new("include").attribute("filename", "$materials"),
+            ]);
+        }
+        let document = scene(&remarks)
             .children(self.defaults())
             .child(self.integrator())
             .child(self.sensor())
+            .children(include.into_iter().flatten())
             .children(bsdfs)
             .children(emitters)
-            .children(shapes)
+            .children(shapes);
+        documents.push((SCENE_FILE, document));
+        documents
     }
 
     /// Adds a file to write.
@@ -232,13 +278,21 @@ impl<'a> Export<'a> {
             Content::Texture { texture, tint } => {
                 materials::write_texture(&self.scene.textures[texture], tint, output)
             }
+            Content::Channel { texture, channel, factor } => {
+                materials::write_channel(&self.scene.textures[texture], channel, factor, output)
+            }
+            Content::Emission { texture, factor } => {
+                materials::write_emission(&self.scene.textures[texture], factor, output)
+            }
             Content::Mask(mask) => materials::write_mask(&self.scene.alpha_masks[mask], output),
+            Content::Environment => self.write_environment(output),
         }
     }
 
     fn report(&self) -> ExportReport {
         let is_image = |content: &&Content| !matches!(content, Content::Mesh(_));
-        let own = [SCENE_FILE, folder::REPORT_FILE].map(str::to_owned);
+        let special = self.special_materials().len();
+        let own = if special > 0 { &OWN_FILES[..] } else { &OWN_FILES[..2] };
         ExportReport {
             scene: self.scene.name.clone(),
             format: "mitsuba",
@@ -248,16 +302,15 @@ impl<'a> Export<'a> {
             spp: self.settings.spp,
             integrator: self.integrator_name(),
             max_depth: self.max_depth(),
-            specular: self.settings.specular,
-            highlights: self.highlights(),
-            background: self.scene.background.to_array(),
+            special,
+            background: self.background().to_array(),
             shapes: self.shapes,
             triangles: self.triangles,
             materials: self.used_materials.len(),
             textures: self.files.values().filter(is_image).count(),
             lights: self.lights,
             inexact: self.inexact(),
-            files: own.into_iter().chain(self.files.keys().cloned()).collect(),
+            files: own.iter().map(|&name| name.to_owned()).chain(self.files.keys().cloned()).collect(),
             commit: COMMIT,
         }
     }

@@ -1,8 +1,10 @@
 //! Remarks of an export: how to render it, and how the picture differs from glowworm's.
 
+use std::collections::BTreeSet;
+
 use glam::Vec3;
 
-use super::{Export, Specular};
+use super::{Export, PLUGIN_FILE};
 
 /// In scenes of a smaller radius Mitsuba's ray offsets lose shadows.
 pub(super) const SMALL_RADIUS: f32 = 0.1;
@@ -16,12 +18,20 @@ pub(super) enum Remark {
     FlippedNormals,
     /// The falloff of spot lights is piecewise linear.
     SpotFalloff,
-    /// Emissive surfaces lose smooth shading.
-    FlatEmitters,
+    /// Emissive surfaces are taken to emit from the side of their smooth normals.
+    SmoothEmitters,
     /// Emissive surfaces that the camera sees as copies show no reflected light.
     EmittersWithoutReflection,
     /// Masked parts of emissive surfaces emit.
     MaskedEmission,
+    /// The camera does not see the environment.
+    HiddenEnvironment,
+    /// A texture has one wrap mode.
+    WrapModes,
+    /// A surface has one set of texture coordinates.
+    Coordinates,
+    /// Alpha of vertices is lost.
+    VertexAlpha,
 }
 
 impl Remark {
@@ -38,13 +48,23 @@ impl Remark {
             Self::SpotFalloff => {
                 "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity."
             }
-            Self::FlatEmitters => "Emissive surfaces are shaded flat: reflected light shows their triangles.",
+            Self::SmoothEmitters => {
+                "What smooth surfaces emit follows their smooth normals in Mitsuba, their triangles in glowworm."
+            }
             Self::EmittersWithoutReflection => {
                 "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
                  hide_emitters hides them with the portals."
             }
             Self::MaskedEmission => {
                 "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless."
+            }
+            Self::WrapModes => "Textures go on beyond their borders alike on both axes, as on the first.",
+            Self::Coordinates => {
+                "Textures of one material with different coordinates have those of its first texture."
+            }
+            Self::VertexAlpha => "The alpha of vertices is left out.",
+            Self::HiddenEnvironment => {
+                "The camera does not see the environment, since hide_emitters hides it with the portals."
             }
         }
     }
@@ -54,11 +74,9 @@ impl Export<'_> {
     /// Every difference, a sentence each.
     pub(super) fn inexact(&self) -> Vec<String> {
         let mut inexact: Vec<String> = self.remarks.iter().map(|remark| remark.text().to_owned()).collect();
-        inexact.extend(self.remark_highlights());
-        let background = self.scene.background;
-        if self.scene.environment.is_some() {
-            inexact.push("The environment is left out.".to_owned());
-        } else if background != Vec3::ZERO {
+        inexact.extend(self.remark_special());
+        let background = self.background();
+        if background != Vec3::ZERO {
             inexact.push(format!(
                 "The background ({} {} {}) lights nothing in glowworm, so it is not an emitter here: add it, \
                  times 1 - alpha, to the picture.",
@@ -68,24 +86,27 @@ impl Export<'_> {
         inexact
     }
 
-    /// Number of used materials with a GGX lobe.
-    pub(super) fn highlights(&self) -> usize {
-        let reflects =
-            |&&material: &&u32| self.scene.materials[material as usize].mean_bsdf(self.scene).reflects();
-        self.used_materials.iter().filter(reflects).count()
+    /// What camera rays see beyond the scene that is not an emitter.
+    pub(super) fn background(&self) -> Vec3 {
+        if self.scene.environment.is_some() { Vec3::ZERO } else { self.scene.background }
     }
 
-    /// The remark on GGX lobes, if there are any.
-    fn remark_highlights(&self) -> Option<String> {
-        let of = materials(self.highlights());
-        match self.settings.specular {
-            _ if self.highlights() == 0 => None,
-            Specular::Omit => Some(format!("What the GGX lobes of {of} reflect is omitted.")),
-            Specular::Convert => Some(format!(
-                "The GGX lobes of {of} are rough conductors beside a diffuse part: the mean reflectance is the same, but \
-                 not that at each angle."
-            )),
-        }
+    /// Used materials that Mitsuba does not have.
+    pub(super) fn special_materials(&self) -> BTreeSet<u32> {
+        self.used_materials.iter().copied().filter(|&material| self.is_special(material)).collect()
+    }
+
+    /// The remark on materials that Mitsuba does not have, if there are any.
+    fn remark_special(&self) -> Option<String> {
+        let of = match self.special_materials().len() {
+            0 => return None,
+            1 => "1 material".to_owned(),
+            count => format!("{count} materials"),
+        };
+        Some(format!(
+            "Mitsuba's own materials only come near {of}, which reflect by glTF's model or are thin sheets. For the same \
+             picture render with python {PLUGIN_FILE}, which brings that model."
+        ))
     }
 
     /// The head of the file.
@@ -104,8 +125,4 @@ impl Export<'_> {
         head.extend(self.inexact().into_iter().map(|difference| format!("Not exact: {difference}")));
         head
     }
-}
-
-fn materials(count: usize) -> String {
-    if count == 1 { "1 material".to_owned() } else { format!("{count} materials") }
 }

@@ -5,8 +5,8 @@
 //!
 //! - Surfaces that do not emit are in object space, with a transform. A mesh with several instances becomes a
 //!   `shapegroup` with an `instance` each.
-//! - Emissive surfaces are in world space, shaded flat, since Mitsuba derives the emitting side and the projected area
-//!   from the shading normal. Mirroring does not change the front side.
+//! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat unless they reflect by
+//!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
 //! - A portal, an invisible emitter, is a `null` surface with an emitter. `volpath` lets light pass through it, and
 //!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
 //!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
@@ -14,12 +14,12 @@
 
 use std::collections::BTreeMap;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
 use super::ply::PlyMesh;
 use super::xml::Element;
 use super::{Content, Export, Remark, named};
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Alpha, Material, Mesh, SurfaceTransform};
 
 /// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
@@ -38,8 +38,8 @@ pub(super) struct Part {
 pub(super) enum Owner {
     /// A mesh, in object space.
     Mesh(usize),
-    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`].
-    Instance { index: usize, steps: u32 },
+    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`]; flat unless `smooth`.
+    Instance { index: usize, steps: u32, smooth: bool },
 }
 
 impl Part {
@@ -47,14 +47,18 @@ impl Part {
     pub(super) fn mesh(&self, export: &Export<'_>) -> PlyMesh {
         let scene = export.scene;
         let material = &scene.materials[self.material as usize];
-        let textured = material.base_colour_texture.is_some() || material.alpha_mask.is_some();
+        let textured = material.textures().next().is_some() || material.alpha_mask.is_some();
+        let details = Details { material, is_coloured: export.coloured.contains(&self.material) };
         let mut part = match self.owner {
-            Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material),
-            Owner::Instance { index, steps } => {
+            Owner::Mesh(mesh) => in_object_space(&scene.meshes[mesh], self.material, &details),
+            Owner::Instance { index, steps, .. } => {
                 let mesh = &scene.meshes[scene.instances[index].mesh];
-                in_world_space(mesh, self.material, &export.pose.instances[index], steps)
+                in_world_space(mesh, self.material, (&export.pose.instances[index], steps), &details)
             }
         };
+        if matches!(self.owner, Owner::Instance { smooth: false, .. }) {
+            part.normals.clear();
+        }
         if !textured {
             part.uvs.clear();
         }
@@ -74,9 +78,11 @@ impl Export<'_> {
         let mut shapes = Vec::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let emits = |material: u32| scene.materials[material as usize].is_emissive();
+            let has_normal_map = |material: u32| scene.materials[material as usize].normal_texture.is_some();
             let mut surfaces = Vec::new();
             for (&material, triangles) in &materials[instance.mesh] {
                 match (instance.visible, emits(material)) {
+                    (true, false) if has_normal_map(material) => shapes.push(self.mapped(index, material)),
                     (true, false) => surfaces.push(material),
                     (true, true) => shapes.extend(self.lamp(index, material)),
                     (false, true) => shapes.push(self.portal(index, material)),
@@ -121,45 +127,74 @@ impl Export<'_> {
 
     /// A part of a mesh that does not emit.
     fn surface(&mut self, mesh: usize, material: u32) -> Element {
-        if !self.remarks.contains(&Remark::FlippedNormals) && has_smooth(&self.scene.meshes[mesh], material) {
+        let flips = !self.remarks.contains(&Remark::FlippedNormals) && !self.is_special(material);
+        if flips && has_smooth(&self.scene.meshes[mesh], material) {
             self.remarks.insert(Remark::FlippedNormals);
         }
         let shape = self.shape(Part { owner: Owner::Mesh(mesh), material });
         self.with_bsdf(shape, material)
     }
 
+    /// A shape with a normal map, in world space, as its tangents are.
+    fn mapped(&mut self, index: usize, material: u32) -> Element {
+        let owner = Owner::Instance { index, steps: 0, smooth: true };
+        let shape = self.world_shape(Part { owner, material });
+        self.with_bsdf(shape, material)
+    }
+
     /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
     fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
-        let shape = self.flat_shape(index, material, 0);
-        let mut shapes = vec![self.with_bsdf(shape, material).child(emitter(self.scene, material))];
+        let smooth = self.keeps_normals(index, material);
+        let shape = self.world_shape(Part { owner: Owner::Instance { index, steps: 0, smooth }, material });
+        let mut shapes = vec![self.with_bsdf(shape, material).child(self.emitter(material))];
         if self.has_portals {
             let pane = Element::plugin("bsdf", "dielectric").float("int_ior", 1.0).float("ext_ior", 1.0);
             shapes.push(self.flat_shape(index, material, 1).child(pane));
             let copy = self.flat_shape(index, material, 2);
-            shapes.push(
-                self.with_bsdf(copy, material)
-                    .child(emitter(self.scene, material).float("sampling_weight", 0.0)),
-            );
+            let emitter = self.emitter(material).float("sampling_weight", 0.0);
+            shapes.push(self.with_bsdf(copy, material).child(emitter));
         }
-        self.remark_lamp(index, material);
         shapes
     }
 
     /// An emissive shape that rays pass through.
     fn portal(&mut self, index: usize, material: u32) -> Element {
-        self.flat_shape(index, material, 0)
-            .child(Element::plugin("bsdf", "null"))
-            .child(emitter(self.scene, material))
+        let shape = self.flat_shape(index, material, 0);
+        shape.child(Element::plugin("bsdf", "null")).child(self.emitter(material))
+    }
+
+    fn emitter(&mut self, material: u32) -> Element {
+        let emitter = Element::plugin("emitter", "area");
+        self.radiance(emitter, &self.scene.materials[material as usize])
     }
 
     fn with_bsdf(&mut self, shape: Element, material: u32) -> Element {
         self.used_materials.insert(material);
+        self.remark_textures(material);
         shape.child(Element::new("ref").attribute("id", self.bsdf_id(material)))
     }
 
+    /// Adds remarks on how textures are read.
+    fn remark_textures(&mut self, material: u32) {
+        let surface = &self.scene.materials[material as usize];
+        let mut places = surface.textures().map(|image| (image.set, image.matrix, image.offset));
+        let first = places.next();
+        if places.any(|place| Some(place) != first) {
+            self.remarks.insert(Remark::Coordinates);
+        }
+        if surface.alpha == Alpha::Blend && self.coloured.contains(&material) {
+            self.remarks.insert(Remark::VertexAlpha);
+        }
+    }
+
     fn flat_shape(&mut self, index: usize, material: u32, steps: u32) -> Element {
-        let owner = Owner::Instance { index, steps };
-        self.shape(Part { owner, material }).boolean("face_normals", true)
+        self.world_shape(Part { owner: Owner::Instance { index, steps, smooth: false }, material })
+    }
+
+    fn world_shape(&mut self, part: Part) -> Element {
+        let is_flat = matches!(part.owner, Owner::Instance { smooth: false, .. });
+        let shape = self.shape(part);
+        if is_flat { shape.boolean("face_normals", true) } else { shape }
     }
 
     /// A shape without a material.
@@ -167,7 +202,7 @@ impl Export<'_> {
         let material = self.bsdf_id(part.material);
         let id = match part.owner {
             Owner::Mesh(mesh) => format!("{}-{material}", self.mesh_id(mesh)),
-            Owner::Instance { index, steps } => {
+            Owner::Instance { index, steps, .. } => {
                 let instance = named("instance", index, &self.scene.instances[index].name);
                 format!("{instance}-{material}{}", ["", "-pane", "-copy"][steps as usize])
             }
@@ -178,26 +213,24 @@ impl Export<'_> {
         Element::plugin("shape", "ply").attribute("id", id).string("filename", &file)
     }
 
-    /// Adds remarks on the differences of an emissive surface.
-    fn remark_lamp(&mut self, index: usize, material: u32) {
+    /// Whether an emissive surface keeps its smooth normals: if it reflects by them; adds the remarks on that.
+    fn keeps_normals(&mut self, index: usize, material: u32) -> bool {
         let scene = self.scene;
         let glow = &scene.materials[material as usize];
         let mesh = &scene.meshes[scene.instances[index].mesh];
-        let reflects = glow.base_colour != Vec3::ZERO;
+        let reflects = glow.base_colour != Vec3::ZERO || glow.mean_bsdf(scene).reflects();
+        let has_normals = glow.normal_texture.is_some() || has_smooth(mesh, material);
+        let smooth = reflects && !self.has_portals && has_normals;
         if reflects && self.has_portals {
             self.remarks.insert(Remark::EmittersWithoutReflection);
-        } else if reflects && has_smooth(mesh, material) {
-            self.remarks.insert(Remark::FlatEmitters);
+        } else if smooth {
+            self.remarks.insert(Remark::SmoothEmitters);
         }
         if glow.alpha_mask.is_some() {
             self.remarks.insert(Remark::MaskedEmission);
         }
+        smooth
     }
-}
-
-fn emitter(scene: &Scene, material: u32) -> Element {
-    let radiance = scene.materials[material as usize].mean_emission(scene);
-    Element::plugin("emitter", "area").rgb("radiance", radiance)
 }
 
 /// Triangle count by material of a mesh.
@@ -223,29 +256,63 @@ fn has_smooth(mesh: &Mesh, material: u32) -> bool {
     })
 }
 
+/// What a material needs of vertices besides positions and normals.
+struct Details<'a> {
+    material: &'a Material,
+    is_coloured: bool,
+}
+
+impl Details<'_> {
+    /// Adds those of a vertex. `turned` transforms a tangent.
+    fn add(&self, mesh: &Mesh, vertex: usize, part: &mut PlyMesh, turned: impl Fn(Vec4) -> Vec4) {
+        let first = mesh.uvs[vertex];
+        let uvs = [first, mesh.second_uvs.get(vertex).copied().unwrap_or(first)];
+        // All textures of a material have the coordinates of its first one.
+        part.uvs.push(self.material.textures().next().map_or(first, |image| image.coordinates(uvs)));
+        if self.is_coloured {
+            let colour = mesh.colours.get(vertex).map_or(Vec3::ONE, |&[r, g, b, _]| {
+                Vec3::from_array([r, g, b].map(|channel| f32::from(channel) / 255.0))
+            });
+            part.colours.push(colour);
+        }
+        if self.material.normal_texture.is_some() {
+            part.tangents.push(turned(mesh.tangents.get(vertex).copied().unwrap_or(Vec4::ZERO)));
+        }
+    }
+}
+
 /// The triangles of a material with their vertices, in object space.
-fn in_object_space(mesh: &Mesh, material: u32) -> PlyMesh {
+fn in_object_space(mesh: &Mesh, material: u32, details: &Details<'_>) -> PlyMesh {
     const UNUSED: u32 = u32::MAX;
     let mut places = vec![UNUSED; mesh.positions.len()];
     let mut part = PlyMesh::default();
     for triangle in triangles_of(mesh, material) {
-        part.triangles.push(mesh.triangles[triangle].map(|vertex| {
+        let corners = mesh.triangles[triangle].map(|vertex| {
             let vertex = vertex as usize;
             if places[vertex] == UNUSED {
                 places[vertex] = part.positions.len() as u32;
                 part.positions.push(mesh.positions[vertex]);
                 part.normals.push(mesh.normals[vertex]);
-                part.uvs.push(mesh.uvs[vertex]);
+                details.add(mesh, vertex, &mut part, |tangent| tangent);
             }
             places[vertex]
-        }));
+        });
+        part.triangles.push(corners);
     }
     part
 }
 
-/// The triangles of a material in world space, without normals, offset by `steps` away from the emitting side.
-fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) -> PlyMesh {
+/// The triangles of a material in world space, offset by `steps` away from the emitting side.
+fn in_world_space(
+    mesh: &Mesh,
+    material: u32,
+    (transform, steps): (&Affine3A, u32),
+    details: &Details<'_>,
+) -> PlyMesh {
     let mirrored = transform.matrix3.determinant() < 0.0;
+    let side = if mirrored { -1.0 } else { 1.0 };
+    let turned = |tangent: Vec4| transform.transform_vector3(tangent.truncate()).extend(side * tangent.w);
+    let placement = SurfaceTransform::new(transform);
     let mut part = PlyMesh::default();
     for triangle in triangles_of(mesh, material) {
         let mut vertices = mesh.triangles[triangle];
@@ -256,7 +323,8 @@ fn in_world_space(mesh: &Mesh, material: u32, transform: &Affine3A, steps: u32) 
         part.triangles.push([first, first + 1, first + 2]);
         part.positions
             .extend(vertices.map(|vertex| transform.transform_point3(mesh.positions[vertex as usize])));
-        part.uvs.extend(vertices.map(|vertex| mesh.uvs[vertex as usize]));
+        part.normals.extend(vertices.map(|vertex| placement.normal(mesh.normals[vertex as usize])));
+        vertices.iter().for_each(|&vertex| details.add(mesh, vertex as usize, &mut part, turned));
     }
     let reach = part.positions.iter().fold(0.0f32, |reach, point| reach.max(point.abs().max_element()));
     let distance = steps as f32 * BEHIND * (1.0 + reach);

@@ -19,9 +19,12 @@ impl Export<'_> {
         self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
     }
 
-    /// `path`; or `volpath` with portals or masks, which does not count passing through them as a bounce.
+    /// `path`; or `volpath` with portals, masks or thin sheets, which does not count passing through them as a bounce.
     pub(super) fn integrator_name(&self) -> &'static str {
-        let used = |&material: &u32| self.scene.materials[material as usize].alpha_mask.is_some();
+        let used = |&material: &u32| {
+            let material = &self.scene.materials[material as usize];
+            material.alpha_mask.is_some() || material.is_sheet()
+        };
         if self.has_portals || self.used_materials.iter().any(used) { "volpath" } else { "path" }
     }
 
@@ -41,7 +44,7 @@ impl Export<'_> {
             .attribute("target", numbers(&camera.target.to_array()))
             .attribute("up", numbers(&camera.up.to_array()));
         // Alpha is needed to add the background.
-        let has_background = self.scene.background != Vec3::ZERO;
+        let has_background = self.background() != Vec3::ZERO;
         let film = Element::plugin("film", "hdrfilm")
             .integer("width", self.settings.size[0])
             .integer("height", self.settings.size[1])

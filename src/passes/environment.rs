@@ -24,8 +24,7 @@ impl EnvironmentTexture {
     /// Uploads the map.
     pub fn new(device: &Arc<Device>, environment: Option<&Environment>) -> Result<Self, VulkanError> {
         let map = environment.and_then(|environment| environment.map.as_deref());
-        let ([width, height], texels) =
-            map.map_or(([1, 1], &[Vec3::ONE][..]), |map| (map.size(), map.texels()));
+        let (width, height, texels) = map.map_or((1, 1, &[Vec3::ONE][..]), |map| map.texels());
         let brightest = texels.iter().map(|texel| texel.max_element()).fold(0.0, f32::max);
         let scale = (brightest / LARGEST).max(f32::MIN_POSITIVE).log2().ceil().max(0.0).exp2();
         let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();

@@ -1,21 +1,18 @@
 //! A default camera and light for a bare model.
 //!
 //! In: a scene with the model, and what the file has of a camera and lights. Out: the scene with a camera, in front of the
-//! model or, if that shows more of its surface, inside, and a point light unless emissive materials light the view. A
-//! warning reports each that was made up.
+//! model or, if that shows more of its surface, inside; and, unless its own lights light the view, a soft sky, or a point
+//! light where the sky hardly reaches. A warning reports each that was made up.
 
 use glam::Vec3;
 
 use super::camera::Camera;
 use super::light::{Light, LightKind};
 use super::viewpoint::ModelSurvey;
-use super::{BoundingSphere, Scene};
+use super::{BoundingSphere, Scene, builtin};
 
 /// Direction from the model's centre to the camera: in front, slightly to the right and above.
 const VIEW: Vec3 = Vec3::new(0.45, 0.35, 1.0);
-
-/// Offset from the model's centre to the light, in bounding radii.
-const LIGHT: Vec3 = Vec3::new(0.6, 1.6, 1.2);
 
 const VERTICAL_FOV_DEGREES: f32 = 40.0;
 
@@ -26,40 +23,37 @@ const INSIDE_PREFERENCE: f32 = 0.8;
 /// Fraction of the visible surface that emissive materials must light, so that no light is added.
 const MIN_LIT_FRACTION: f32 = 0.5;
 
+/// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
+const MIN_OPEN_FRACTION: f32 = 0.3;
+
 /// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) and, if needed, a light,
 /// unless the file has lights that are not surfaces (`has_lights`).
 pub(super) fn stage(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
-    if let Some(mut camera) = given {
-        if camera.far <= camera.near {
-            fit_depths(&mut camera, &bounds_of(scene), 0.0);
+    match given {
+        Some(mut camera) => {
+            if camera.far <= camera.near {
+                fit_depths(&mut camera, &bounds_of(scene), 0.0);
+            }
+            scene.camera = camera;
         }
-        scene.camera = camera;
-        let survey = ModelSurvey::new(scene);
-        let is_lit =
-            has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
-        let lamp = if is_lit { None } else { survey.best_light(&camera) };
-        if let Some(place) = lamp {
-            add_lamp(scene, place.position, place.intensity);
-        }
-        return;
+        None => frame(scene),
     }
-    frame(scene);
     let survey = ModelSurvey::new(scene);
-    let outside = scene.camera;
-    let outside_shows = survey.shown_by(&outside);
-    let inside = survey.best_view().filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
-    let camera = inside.map_or(outside, |(camera, _)| camera);
-    let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let outside_shows = survey.shown_by(&scene.camera);
+    let best_view = if given.is_none() { survey.best_view() } else { None };
+    let inside = best_view.filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
+    let camera = inside.map_or(scene.camera, |(camera, _)| camera);
     let nearest = survey.nearest_in(&camera);
-    let lamp = match inside {
-        Some(_) => survey.best_light(&camera).map(|place| (place.position, place.intensity)),
-        None => Some(lamp_in_front(&bounds_of(scene))),
-    };
+    let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let is_open = survey.open_to_sky(&camera) >= MIN_OPEN_FRACTION;
+    let lamp = if lit || is_open { None } else { survey.best_light(&camera) };
     if inside.is_some() {
         place_inside(scene, camera, nearest);
     }
-    if let Some((position, intensity)) = lamp.filter(|_| !lit) {
-        add_lamp(scene, position, intensity);
+    if let Some(place) = lamp {
+        add_lamp(scene, place.position, place.intensity);
+    } else if !lit {
+        add_sky(scene);
     }
 }
 
@@ -98,16 +92,21 @@ pub(super) fn frame(scene: &mut Scene) {
     warn_of_camera(scene, "in front");
 }
 
-/// Position and intensity (W/sr) of a point light above and in front of the model.
-fn lamp_in_front(bounds: &BoundingSphere) -> (Vec3, f32) {
-    let offset = LIGHT * bounds.radius;
-    // An irradiance of pi at the centre gives a white surface there radiance 1.
-    (bounds.center + offset, std::f32::consts::PI * offset.length_squared())
+/// Why a light is made up.
+fn need_of_light(scene: &Scene) -> &'static str {
+    if scene.lights.is_empty() { "no light given" } else { "its own lights leave most of the view dark" }
+}
+
+fn add_sky(scene: &mut Scene) {
+    let why = need_of_light(scene);
+    let sky = builtin::sky();
+    scene.background = sky.mean();
+    scene.environment = Some(sky);
+    scene.warnings.push(format!("{}: {why}; put it under a soft sky", scene.name));
 }
 
 fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
-    let why =
-        if scene.lights.is_empty() { "no light given" } else { "its own lights leave most of the view dark" };
+    let why = need_of_light(scene);
     let lamp = Light {
         name: "made up".into(),
         kind: LightKind::Point { intensity: Vec3::splat(intensity) },

@@ -11,7 +11,7 @@ use toml::Spanned;
 use super::error::SceneError;
 use super::load::{self, Source};
 use super::scene_build::{Builder, animation_of, transform_of};
-use super::scene_file::{CameraEntry, InstanceEntry, LightEntry, LightType, SceneFile};
+use super::scene_file::{CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, LightType, SceneFile};
 use super::scene_lights::single_light;
 use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene, gltf};
 
@@ -214,7 +214,7 @@ impl SceneDocument {
         self.settings = settings;
     }
 
-    /// Adds entries for the defaults in `scene` that the file omits: name, camera, lights.
+    /// Adds entries for the defaults in `scene` that the file omits: name, camera, lights, sky.
     fn complete(&mut self, scene: &Scene) {
         self.file.name = Some(scene.name.clone());
         if self.file.camera.is_none() {
@@ -223,6 +223,10 @@ impl SceneDocument {
         if self.file.lights.is_empty() {
             let plain = scene.lights.iter().filter_map(entry_of);
             self.file.lights.extend(plain.map(|entry| Spanned::new(0..0, entry)));
+        }
+        // Only a made-up sky is not in the file.
+        if self.file.environment.is_none() && scene.environment.is_some() {
+            self.file.environment = Some(Spanned::new(0..0, EnvironmentEntry::sky()));
         }
     }
 

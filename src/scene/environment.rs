@@ -1,19 +1,15 @@
 //! Light from everywhere around the scene: a constant, or an equirectangular map.
 //!
-//! In: a colour, and an `.hdr` or `.exr`. Out: radiance by direction, and directions in proportion to it with their
+//! In: a colour, and a map. Out: radiance by direction, and directions in proportion to it with their
 //! density. The map's middle lies towards -z, its right half towards +x, its top row at +y; a rotation turns it about +y.
 
 use std::f32::consts::{PI, TAU};
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 
 use super::light::luminance;
 use crate::sampling;
-
-/// Largest map.
-const MAX_SIZE: [u32; 2] = [8192, 4096];
 
 /// An environment.
 #[derive(Clone, Debug)]
@@ -27,15 +23,20 @@ pub struct Environment {
 }
 
 /// An equirectangular map and the distribution of its light.
+///
+/// It is interpolated bilinearly between the centres of its texels, so its cells are the rectangles between four of them:
+/// `width` in a row, `height + 1` rows, the first and last of which reach from a pole to the nearest centres.
 #[derive(Clone)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
     /// Linear, by rows from the top.
     texels: Vec<Vec3>,
-    /// Cumulative distribution over the rows, and over the texels within each.
+    /// Cumulative distribution over the rows of cells, and over the cells within each.
     rows: Vec<f32>,
     columns: Vec<f32>,
+    /// Of the luminance times the greatest sine in each row of cells, over the unit square; 0 without light.
+    integral: f32,
     /// Average over all directions.
     mean: Vec3,
 }
@@ -83,7 +84,7 @@ impl Environment {
         self.turn(1.0) * direction_of(uv)
     }
 
-    /// A direction in proportion to about the map's luminance, with its density, 1/sr; none without a map or light.
+    /// A direction in proportion to the map's luminance, nearly, with its density, 1/sr; none without a map or light.
     pub(crate) fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let (uv, density) = self.map.as_ref()?.sample(u)?;
         Some((self.direction_of(uv), density))
@@ -102,7 +103,8 @@ impl Environment {
 /// The place of a direction in the unit square, from the top left.
 fn uv_of(direction: Vec3) -> Vec2 {
     let u = direction.x.atan2(-direction.z) / TAU + 0.5;
-    Vec2::new(u, direction.y.clamp(-1.0, 1.0).acos() / PI)
+    // Exact near the poles, too, where an arc cosine is not.
+    Vec2::new(u, direction.x.hypot(direction.z).atan2(direction.y) / PI)
 }
 
 fn direction_of(uv: Vec2) -> Vec3 {
@@ -112,36 +114,12 @@ fn direction_of(uv: Vec2) -> Vec3 {
 }
 
 impl EnvironmentMap {
-    /// Reads an `.hdr` or `.exr`; also how many texels were not finite or negative and are black now. The error
-    /// completes a sentence.
-    pub(super) fn read(file: &Path) -> Result<(Self, usize), String> {
-        let unreadable = |error: std::io::Error| format!("could not be read ({error})");
-        let open = || {
-            let reader = image::ImageReader::open(file).map_err(unreadable)?;
-            reader.with_guessed_format().map_err(unreadable)
-        };
-        let broken = |error: image::ImageError| format!("could not be decoded ({error})");
-        let (width, height) = open()?.into_dimensions().map_err(broken)?;
-        if width > MAX_SIZE[0] || height > MAX_SIZE[1] {
-            let [most_wide, most_high] = MAX_SIZE;
-            return Err(format!(
-                "is {width} x {height}; shrink it to at most {most_wide} x {most_high} texels"
-            ));
-        }
-        let image = open()?.decode().map_err(broken)?;
-        if width < 2 || height < 2 {
-            return Err("has less than 2 x 2 texels".into());
-        }
-        let mut replaced = 0;
-        let image = image.into_rgb32f();
-        let texels = image.pixels().map(|texel| {
-            let colour = Vec3::from_array(texel.0);
-            let usable = colour.is_finite() && colour.min_element() >= 0.0;
-            replaced += usize::from(!usable);
-            if usable { colour } else { Vec3::ZERO }
-        });
-        let texels = texels.collect();
-        Ok((Self::new(width as usize, height as usize, texels), replaced))
+    /// A map of `width` x `height` texels that has the given radiance in each direction (a unit vector).
+    pub(super) fn of_directions(width: usize, height: usize, radiance: impl Fn(Vec3) -> Vec3) -> Self {
+        let size = Vec2::new(width as f32, height as f32);
+        let centre = |i: usize| (Vec2::new((i % width) as f32, (i / width) as f32) + 0.5) / size;
+        let texels = (0..width * height).map(|i| radiance(direction_of(centre(i)))).collect();
+        Self::new(width, height, texels)
     }
 
     /// A map of `width` x `height` texels, linear, by rows from the top.
@@ -150,35 +128,45 @@ impl EnvironmentMap {
     /// If `texels` has another number of elements, or there are none.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Self {
         assert!(width > 0 && height > 0 && texels.len() == width * height);
-        let mut map = Self { width, height, texels, rows: Vec::new(), columns: Vec::new(), mean: Vec3::ZERO };
+        let (rows, columns) = (Vec::with_capacity(height + 1), Vec::with_capacity((height + 1) * width));
+        let mut map = Self { width, height, texels, rows, columns, integral: 0.0, mean: Vec3::ZERO };
         map.mean = map.average();
-        let mut row_weights = Vec::with_capacity(height);
-        for y in 0..height {
-            let weights: Vec<f64> = (0..width).map(|x| f64::from(map.brightest_around(x, y))).collect();
+        let mut row_weights = Vec::with_capacity(height + 1);
+        for row in 0..=height {
+            let mean = |column| map.corners(row, column).map(f64::from).iter().sum::<f64>() / 4.0;
+            let weights: Vec<f64> = (0..width).map(mean).collect();
             let sum: f64 = weights.iter().sum();
+            let [top, bottom] = map.edges(row);
+            row_weights.push(sum * f64::from(map.greatest_sine(row) * (bottom - top)) / width as f64);
             map.columns.extend(cumulative(&weights, sum));
-            row_weights.push(sum * (std::f64::consts::PI * (y as f64 + 0.5) / height as f64).sin());
         }
-        map.rows = cumulative(&row_weights, row_weights.iter().sum()).collect();
+        let total: f64 = row_weights.iter().sum();
+        map.rows.extend(cumulative(&row_weights, total));
+        map.integral = total as f32;
         map
     }
 
-    /// Width and height in texels.
-    pub fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
+    /// Width, height, and the texels: linear, by rows from the top.
+    pub(crate) fn texels(&self) -> (usize, usize, &[Vec3]) {
+        (self.width, self.height, &self.texels)
     }
 
-    /// Linear colours, by rows from the top.
-    pub fn texels(&self) -> &[Vec3] {
-        &self.texels
+    /// Luminance at the corners of a cell: left and right, above, then below.
+    fn corners(&self, row: usize, column: usize) -> [f32; 4] {
+        let right = (column + 1) % self.width;
+        let (above, below) = (row.saturating_sub(1) * self.width, row.min(self.height - 1) * self.width);
+        [above + column, above + right, below + column, below + right].map(|i| luminance(self.texels[i]))
     }
 
-    /// Greatest luminance of a texel and those around it, which a bilinear filter over it may return.
-    fn brightest_around(&self, x: usize, y: usize) -> f32 {
-        let columns = [(x + self.width - 1) % self.width, x, (x + 1) % self.width];
-        let rows = y.saturating_sub(1)..=(y + 1).min(self.height - 1);
-        let around = rows.flat_map(|y| columns.map(|x| luminance(self.texels[y * self.width + x])));
-        around.fold(0.0, f32::max)
+    /// Upper and lower edge of a row of cells in the unit square.
+    fn edges(&self, row: usize) -> [f32; 2] {
+        [row as f32 - 0.5, row as f32 + 0.5].map(|edge| (edge / self.height as f32).clamp(0.0, 1.0))
+    }
+
+    /// Greatest sine of the angle to the poles in a row of cells.
+    fn greatest_sine(&self, row: usize) -> f32 {
+        let [top, bottom] = self.edges(row);
+        (PI * 0.5f32.clamp(top, bottom)).sin()
     }
 
     fn average(&self) -> Vec3 {
@@ -205,30 +193,30 @@ impl EnvironmentMap {
         top.lerp(bottom, part.y)
     }
 
+    /// A place in proportion to its luminance, but for the sine, which counts as the greatest in its row of cells; so the
+    /// luminance over the density is at most `integral` times the area of the unit square in steradians, 2 pi^2.
     fn sample(&self, u: Vec2) -> Option<(Vec2, f32)> {
         // A black map has no distribution.
         self.rows.last().filter(|sum| **sum > 0.0)?;
-        let (y, v) = sampling::discrete(&self.rows, u.y);
-        let (x, u) = sampling::discrete(&self.columns[y * self.width..(y + 1) * self.width], u.x);
-        let uv = Vec2::new((x as f32 + u) / self.width as f32, (y as f32 + v) / self.height as f32);
-        let density = self.density_in(x, y, uv.y);
-        (density > 0.0).then_some((uv, density))
+        let (row, v) = sampling::discrete(&self.rows, u.y);
+        let (column, u) = sampling::discrete(&self.columns[row * self.width..(row + 1) * self.width], u.x);
+        let [left, right, left_below, right_below] = self.corners(row, column);
+        let v = sampling::linear([0.5 * (left + right), 0.5 * (left_below + right_below)], v);
+        let mix = |above: f32, below: f32| above + (below - above) * v;
+        let u = sampling::linear([mix(left, left_below), mix(right, right_below)], u);
+        let [top, bottom] = self.edges(row);
+        let place = Vec2::new((column as f32 + 0.5 + u) / self.width as f32, top + (bottom - top) * v);
+        let place = Vec2::new(place.x.fract(), place.y);
+        let density = self.density(place);
+        (density > 0.0).then_some((place, density))
     }
 
+    /// Density of [`Self::sample`], over solid angle.
     fn density(&self, uv: Vec2) -> f32 {
-        let x = ((uv.x * self.width as f32) as usize).min(self.width - 1);
-        let y = ((uv.y * self.height as f32) as usize).min(self.height - 1);
-        self.density_in(x, y, uv.y)
-    }
-
-    /// Density within a texel, over solid angle.
-    fn density_in(&self, x: usize, y: usize, v: f32) -> f32 {
-        let share = |cdf: &[f32], bin: usize| cdf[bin] - if bin == 0 { 0.0 } else { cdf[bin - 1] };
-        let row = &self.columns[y * self.width..(y + 1) * self.width];
-        let probability = share(&self.rows, y) * share(row, x);
-        // A texel covers 2 pi / width by pi / height, times the sine.
-        let area = TAU / self.width as f32 * PI / self.height as f32 * (PI * v).sin();
-        if area > 0.0 { probability / area } else { 0.0 }
+        let row = ((uv.y * self.height as f32 + 0.5) as usize).min(self.height);
+        // The unit square covers 2 pi by pi, times the sine.
+        let area = TAU * PI * (PI * uv.y).sin() * self.integral;
+        if area > 0.0 { luminance(self.bilinear(uv)) * self.greatest_sine(row) / area } else { 0.0 }
     }
 }
 
@@ -282,7 +270,7 @@ mod tests {
         let sky = sky();
         const SAMPLES: u32 = 100_000;
         let (mut counts, mut shares) = (vec![0u32; 512], vec![0f64; 512]);
-        let mut sum = glam::DVec3::ZERO;
+        let (mut sum, mut heaviest) = (glam::DVec3::ZERO, 0.0f32);
         let whole = sky.mean() * (4.0 * PI);
         for index in 0..SAMPLES {
             let (direction, density) = sky.sample(random_point(index, 0, 3)).unwrap();
@@ -290,11 +278,11 @@ mod tests {
             let uv = uv_of(sky.turn(-1.0) * direction);
             counts[(uv.y * 16.0) as usize * 32 + ((uv.x * 32.0) as usize).min(31)] += 1;
             let weight = sky.radiance(direction) / density;
-            // A texel is drawn as often as the brightest beside it: at most nine times what is there, and the sine
-            // doubles within the rows at the poles.
-            assert!(luminance(weight) < 18.0 * luminance(whole), "{weight} at {uv}");
+            // Only the sine varies within a row of cells; where the sun is, by a fifth.
+            heaviest = heaviest.max(luminance(weight) / luminance(whole));
             sum += weight.as_dvec3();
         }
+        assert!((1.0..1.2).contains(&heaviest), "{heaviest}");
         for (cell, share) in shares.iter_mut().enumerate() {
             for part in 0..400 {
                 let within = Vec2::new((part % 20) as f32 + 0.5, (part / 20) as f32 + 0.5) / 20.0;

@@ -47,13 +47,13 @@ pub enum SceneError {
         /// The system's error.
         reason: std::io::Error,
     },
-    /// A model that is not shipped was not found.
-    #[error("scene \"{scene}\" needs the model {}, which {found}; set --assets or GLOWWORM_ASSETS to the folder that holds it; download: {source_url}", model.display())]
-    MissingModel {
+    /// A model or map that is not shipped was not found.
+    #[error("scene \"{scene}\" needs the file {}, which {found}; set --assets or GLOWWORM_ASSETS to the folder that holds it; download: {source_url}", asset.display())]
+    MissingAsset {
         /// The scene that uses it.
         scene: String,
         /// Path below the assets folder.
-        model: PathBuf,
+        asset: PathBuf,
         /// Where it was searched for.
         found: String,
         /// Download address.

@@ -171,6 +171,11 @@ impl Material {
         surface.mapped_normal = (slope + normal * z).normalize_or(normal);
     }
 
+    /// Base colour, averaged over its texture.
+    pub fn mean_base(&self, scene: &Scene) -> Vec3 {
+        self.base_colour * mean(scene, self.base_colour_texture)
+    }
+
     fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
         Bsdf {
             base: self.reflected_base() * texel,

@@ -10,6 +10,7 @@ mod camera;
 mod clip;
 mod document;
 mod environment;
+mod environment_file;
 mod error;
 mod gltf;
 mod light;

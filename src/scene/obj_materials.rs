@@ -157,11 +157,15 @@ fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, s
             (maps.relief.map(Relief::name), "using no normal map"),
         ] {
             let Some(name) = name else { continue };
-            if let Err(problem) = images.get(name) {
-                let line = format!("{}: texture {name} {problem}; {fallback}", file.display());
-                if !scene.warnings.contains(&line) {
-                    scene.warnings.push(line);
-                }
+            let line = match images.get(name) {
+                Err(problem) => format!("{}: texture {name} {problem}; {fallback}", file.display()),
+                Ok(image) => match texture::shrinking(image) {
+                    Some(sizes) => format!("{}: texture {name} is {sizes}", file.display()),
+                    None => continue,
+                },
+            };
+            if !scene.warnings.contains(&line) {
+                scene.warnings.push(line);
             }
         }
     }

@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use super::error::SceneError;
 use super::recording::RecordedFrame;
+use super::scene_environment::SKY;
 use crate::settings::Settings;
 
 /// A whole scene file.
@@ -49,8 +50,27 @@ pub(super) struct EnvironmentEntry {
     pub map: Option<PathBuf>,
     /// The same, relative to the assets folder.
     pub asset: Option<PathBuf>,
+    /// Download address of the asset.
+    pub download: Option<String>,
+    /// A map made by code: "sky".
+    pub builtin: Option<String>,
     /// Degrees by which the map is turned about +y.
     pub rotation_deg: Option<f32>,
+}
+
+impl EnvironmentEntry {
+    /// The map made by code.
+    pub fn sky() -> Self {
+        Self {
+            colour: None,
+            strength: None,
+            map: None,
+            asset: None,
+            download: None,
+            builtin: Some(SKY.to_owned()),
+            rotation_deg: None,
+        }
+    }
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.

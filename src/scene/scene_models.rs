@@ -37,7 +37,7 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
         }
         add_file(&file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
-        let file = find_asset(builder, model, asset)?;
+        let file = find_asset(builder, asset, model.download.as_ref())?;
         add_file(&file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
         let made = builtin::model(name).ok_or_else(|| {
@@ -89,7 +89,12 @@ fn check_keys(entry: &Entry, model: &ModelEntry) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn find_asset(builder: &Builder, model: &ModelEntry, asset: &Path) -> Result<PathBuf, SceneError> {
+/// The file of an asset, which may be downloaded from `download`.
+pub(super) fn find_asset(
+    builder: &Builder,
+    asset: &Path,
+    download: Option<&String>,
+) -> Result<PathBuf, SceneError> {
     let found = match builder.assets {
         Some(folder) => {
             let file = folder.join(asset);
@@ -100,11 +105,11 @@ fn find_asset(builder: &Builder, model: &ModelEntry, asset: &Path) -> Result<Pat
         }
         None => "is not shipped".to_owned(),
     };
-    Err(SceneError::MissingModel {
+    Err(SceneError::MissingAsset {
         scene: builder.scene.name.clone(),
-        model: asset.to_owned(),
+        asset: asset.to_owned(),
         found,
-        source_url: model.download.clone().unwrap_or_else(|| DOWNLOAD.into()),
+        source_url: download.cloned().unwrap_or_else(|| DOWNLOAD.into()),
     })
 }
 

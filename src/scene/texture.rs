@@ -16,8 +16,15 @@ use crate::memory;
 /// Alpha below this is transparent.
 const ALPHA_THRESHOLD: f32 = 0.5;
 
-/// Largest width and height of a texture, texels.
+/// Largest width and height of a texture, texels: what common devices can do.
 const MAX_EXTENT: u32 = 16_384;
+
+/// Largest width, height and number of texels of an image, which is shrunk if it is larger than a texture.
+const MAX_IMAGE_EXTENT: u32 = 32_768;
+const MAX_IMAGE_TEXELS: u64 = 1 << 29;
+
+/// Most memory of an image, bytes.
+const MAX_IMAGE_BYTES: u64 = 8 * MAX_IMAGE_TEXELS;
 
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
@@ -66,6 +73,7 @@ impl Texture {
             let smaller = half(*w, *h, texels, linear);
             levels.push(smaller);
         }
+        levels.drain(..surplus_levels(width, height));
         Self { name: name.to_owned(), linear, levels }
     }
 
@@ -183,19 +191,37 @@ pub(super) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<
     if let Some(format) = format {
         reader.set_format(format);
     }
-    let reader = reader.with_guessed_format().map_err(unreadable)?;
+    let mut reader = reader.with_guessed_format().map_err(unreadable)?;
     // The decoder silently fills the missing part of a truncated JPEG with grey.
     if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(bytes) {
         return Err("is truncated".into());
     }
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_EXTENT), Some(MAX_IMAGE_EXTENT));
+    limits.max_alloc = Some(MAX_IMAGE_BYTES);
+    reader.limits(limits);
     let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
     if image.width() == 0 || image.height() == 0 {
         return Err("is empty".into());
     }
-    if image.width() > MAX_EXTENT || image.height() > MAX_EXTENT {
-        return Err(format!("is larger than {MAX_EXTENT} x {MAX_EXTENT} texels"));
+    if u64::from(image.width()) * u64::from(image.height()) > MAX_IMAGE_TEXELS {
+        return Err(format!("has more than {MAX_IMAGE_TEXELS} texels"));
     }
     Ok(image)
+}
+
+/// How many levels of an image's mip chain are too large for a texture.
+fn surplus_levels(width: u32, height: u32) -> usize {
+    let extent = width.max(height);
+    (0..).find(|&level| extent >> level <= MAX_EXTENT).unwrap_or(0) as usize
+}
+
+/// If the texture of an image is smaller than that: their sizes.
+pub(super) fn shrinking(image: &DynamicImage) -> Option<String> {
+    let (width, height) = (image.width(), image.height());
+    let surplus = surplus_levels(width, height);
+    let [small_width, small_height] = [width, height].map(|extent| (extent >> surplus).max(1));
+    (surplus > 0).then(|| format!("{width} x {height} texels, shrunk to {small_width} x {small_height}"))
 }
 
 /// Whether a JPEG (ITU-T T.81) reaches its end-of-image marker. Skips segments, since an embedded thumbnail has its
@@ -363,6 +389,19 @@ mod tests {
             }
             assert_eq!(texture.levels.last().map(|level| (level.0, level.1)), Some((1, 1)));
         }
+    }
+
+    #[test]
+    fn textures_that_are_too_large_are_shrunk() {
+        let texels: Vec<u8> =
+            (0..40_000).flat_map(|x| [if x % 2 == 0 { 0 } else { 255 }, 9, 9, 255]).collect();
+        let texture = Texture::from_rgba8("long", 40_000, 1, texels.clone());
+        let (width, height, first) = &texture.levels[0];
+        assert_eq!((*width, *height), (10_000, 1));
+        assert!(first.chunks(4).all(|texel| texel == [188, 9, 9, 255]));
+        let image = DynamicImage::from(RgbaImage::from_raw(40_000, 1, texels).unwrap());
+        assert_eq!(shrinking(&image).as_deref(), Some("40000 x 1 texels, shrunk to 10000 x 1"));
+        assert_eq!(shrinking(&DynamicImage::new_rgb8(MAX_EXTENT, 1)), None);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use glam::{Vec2, Vec3};
 use super::camera::Camera;
 use super::{LightKind, Scene, SurfacePoint, ray_offset};
 use crate::bvh::{Ray, TwoLevelBvh};
+use crate::sampling::{Frame, cosine_hemisphere, sequence_point};
 
 /// Sample points on the surface.
 const SAMPLES: usize = 768;
@@ -46,6 +47,9 @@ const ASPECT: f32 = 1.5;
 
 /// Columns and rows of camera rays for evaluating lights.
 const RAY_GRID: [usize; 2] = [24, 16];
+
+/// Rays to the sky from each visible point.
+const SKY_RAYS: usize = 8;
 
 /// A point is well lit if its irradiance is within this factor of the median.
 const WELL_LIT: f32 = 4.0;
@@ -149,6 +153,19 @@ impl<'a> ModelSurvey<'a> {
             }
         }
         fraction(lit.into_iter(), visible_points.len())
+    }
+
+    /// Fraction of the directions above the surface visible to `camera`, by the cosine, that lead out of the scene.
+    pub fn open_to_sky(&self, camera: &Camera) -> f32 {
+        let start = |(index, point): (usize, &Sample)| {
+            let from = point.position + point.normal * ray_offset(point.position, self.radius);
+            let frame = Frame::around(point.normal);
+            let first = (index * SKY_RAYS) as u32;
+            (first..first + SKY_RAYS as u32)
+                .map(move |ray| (from, frame.to_world(cosine_hemisphere(sequence_point(ray, 0, 0)))))
+        };
+        let starts: Vec<_> = self.visible_points(camera).iter().enumerate().flat_map(start).collect();
+        fraction(self.distances(&starts).iter().map(Option::is_none), starts.len())
     }
 
     /// The position of a point light from which most of the surface visible to `camera` is well lit. A light at the

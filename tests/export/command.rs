@@ -62,7 +62,6 @@ fn mistakes_are_one_line_each() {
         (&["cornell-box", "--out", "a", "--bounces", "many"], 2, "--bounces"),
         (&["cornell-box", "--out", "a", "--size", "0x4"], 2, "--size 0x4: must be 1x1 to 16384x16384"),
         (&["cornell-box", "--out", "a", "--spp", "0"], 2, "--spp"),
-        (&["cornell-box", "--out", "a", "--specular", "some"], 2, "--specular"),
         (&["no-such-scene", "--out", "a"], 1, "no-such-scene"),
         (&["cornell-box", "--out", "a/b"], 1, "--out a/b: there is no folder a"),
         (&["cornell-box", "--out", "a", "--json", "b/a.json"], 1, "b/a.json"),

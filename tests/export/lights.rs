@@ -1,7 +1,9 @@
 //! Emitters.
 
+use std::sync::Arc;
+
 use glam::Vec3;
-use glowworm::scene::spot_falloff;
+use glowworm::scene::{Environment, EnvironmentMap, Scene, spot_falloff};
 
 use crate::support::*;
 
@@ -59,4 +61,52 @@ fn spots_fall_off_as_ours() {
     let weights = elements(root, "emitter").into_iter().filter(|node| kind(*node) == "spot");
     let weight: f32 = weights.map(|spot| value(spot, "sampling_weight").parse::<f32>().unwrap()).sum();
     assert!((weight - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn an_environment_is_an_emitter_and_no_background() {
+    let mut scene = all_kinds();
+    scene.environment = Some(Environment::constant(Vec3::new(1.0, 2.0, 3.0)));
+    let exported = export(&scene);
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    let constant = elements(document.root_element(), "emitter").into_iter().find(|e| kind(*e) == "constant");
+    assert_eq!(vector(value(constant.unwrap(), "radiance")), Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(exported.report.background, [0.0; 3]);
+}
+
+/// What Mitsuba shows in a direction: rows from pole to pole, and the left edge towards -z.
+#[test]
+fn mitsuba_sees_an_environment_map_where_it_is() {
+    let texels: Vec<Vec3> =
+        (0..32).map(|i| Vec3::new((i * 7 % 11) as f32, i as f32, (i * i % 5) as f32)).collect();
+    let factor = Vec3::new(1.0, 0.5, 2.0);
+    let map = EnvironmentMap::new(8, 4, texels);
+    let environment = Environment { radiance: factor, map: Some(Arc::new(map)), rotation: 0.8 };
+    let mut scene = Scene::new("outside");
+    scene.environment = Some(environment.clone());
+    let exported = export(&scene);
+    let document = roxmltree::Document::parse(&exported.text).unwrap();
+    let emitter = only(document.root_element(), "emitter");
+    assert_eq!(kind(emitter), "envmap");
+    let image = image::open(exported.path(value(emitter, "filename"))).unwrap().to_rgb32f();
+    assert_eq!((image.width(), image.height()), (8, 9));
+    let to_local = to_world(emitter).inverse();
+    for step in 0..500 {
+        let (height, turn) = (1.0 - 2.0 * (step as f32 + 0.5) / 500.0, step as f32 * 2.4);
+        let radius = (1.0 - height * height).sqrt();
+        let direction = Vec3::new(radius * turn.cos(), height, radius * turn.sin());
+        let local = to_local.transform_vector3(direction);
+        let u = local.x.atan2(-local.z) / std::f32::consts::TAU;
+        let x = (u - u.floor()) * 8.0 - 0.5;
+        let y = local.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI * 8.0;
+        let (left, top) = (x.floor(), y.floor().min(7.0));
+        let texel = |dx: f32, dy: f32| {
+            let texel = image.get_pixel((left + dx).rem_euclid(8.0) as u32, (top + dy) as u32);
+            Vec3::from_array(texel.0)
+        };
+        let row = |dy: f32| texel(0.0, dy).lerp(texel(1.0, dy), x - left);
+        let seen = row(0.0).lerp(row(1.0), y - top);
+        let expected = environment.radiance(direction);
+        assert!(seen.distance(expected) < 2e-3, "{direction}: {seen} instead of {expected}");
+    }
 }

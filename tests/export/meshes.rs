@@ -38,38 +38,47 @@ fn every_triangle_is_there_once_bit_by_bit() {
 }
 
 #[test]
-fn lamps_are_flat_and_shine_on_their_front_side() {
-    let mut scene = Scene::new("lamps");
-    scene.materials.push(Material { base_colour: Vec3::splat(0.5), ..Material::emitter("glow", Vec3::ONE) });
-    scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0));
-    let places = [
-        Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0)),
-        Affine3A::from_scale_rotation_translation(
-            Vec3::new(-1.0, 2.0, 1.0),
-            glam::Quat::from_rotation_x(0.4),
-            Vec3::ZERO,
-        ),
-    ];
-    for (index, place) in places.into_iter().enumerate() {
-        scene.instances.push(Instance::fixed("lamp", 0, place));
-        scene.add_area_light(index);
-    }
-    let exported = export(&scene);
-    let document = roxmltree::Document::parse(&exported.text).unwrap();
-    for (index, place) in places.into_iter().enumerate() {
-        let shape = by_id(document.root_element(), &format!("instance-{index}-lamp"));
-        assert_eq!(value(shape, "face_normals"), "true");
-        assert_eq!(vector(value(only(shape, "emitter"), "radiance")), Vec3::ONE);
-        // In world space, facing outwards, even for mirrored instances.
-        assert_eq!(to_world(shape), glam::Mat4::IDENTITY);
-        let ply = exported.mesh(shape);
-        assert_eq!(ply.triangles.len(), 80);
-        for triangle in 0..ply.triangles.len() {
-            let middle: Vec3 = ply.corners(triangle).iter().sum::<Vec3>() / 3.0;
-            assert!(ply.front(triangle).dot(middle - Vec3::from(place.translation)) > 0.0);
+fn lamps_shine_on_their_front_side_and_are_flat_unless_they_reflect() {
+    for base in [0.0, 0.5] {
+        let mut scene = Scene::new("lamps");
+        scene
+            .materials
+            .push(Material { base_colour: Vec3::splat(base), ..Material::emitter("glow", Vec3::ONE) });
+        scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0));
+        let places = [
+            Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0)),
+            Affine3A::from_scale_rotation_translation(
+                Vec3::new(-1.0, 2.0, 1.0),
+                glam::Quat::from_rotation_x(0.4),
+                Vec3::ZERO,
+            ),
+        ];
+        for (index, place) in places.into_iter().enumerate() {
+            scene.instances.push(Instance::fixed("lamp", 0, place));
+            scene.add_area_light(index);
         }
+        let exported = export(&scene);
+        let document = roxmltree::Document::parse(&exported.text).unwrap();
+        let is_flat = base == 0.0;
+        for (index, place) in places.into_iter().enumerate() {
+            let shape = by_id(document.root_element(), &format!("instance-{index}-lamp"));
+            assert_eq!(elements(shape, "boolean").len(), usize::from(is_flat));
+            assert_eq!(vector(value(only(shape, "emitter"), "radiance")), Vec3::ONE);
+            // In world space, facing outwards, even for mirrored instances.
+            assert_eq!(to_world(shape), glam::Mat4::IDENTITY);
+            let ply = exported.mesh(shape);
+            assert_eq!((ply.triangles.len(), ply.normals.is_empty()), (80, is_flat));
+            for triangle in 0..ply.triangles.len() {
+                let middle: Vec3 = ply.corners(triangle).iter().sum::<Vec3>() / 3.0;
+                let out = middle - Vec3::from(place.translation);
+                assert!(ply.front(triangle).dot(out) > 0.0);
+                let outward = |&vertex: &u32| ply.normals[vertex as usize].dot(out) > 0.0;
+                assert!(is_flat || ply.triangles[triangle].iter().all(outward));
+            }
+        }
+        let named = exported.report.inexact.iter().any(|line| line.contains("follows their smooth normals"));
+        assert_eq!(named, !is_flat);
     }
-    assert!(exported.report.inexact.iter().any(|line| line.contains("shaded flat")));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use glam::{Mat4, Vec2, Vec3};
-use glowworm::export::{ExportFolder, ExportReport, ExportSettings, Specular, export_mitsuba};
+use glowworm::export::{ExportFolder, ExportReport, ExportSettings, export_mitsuba};
 use glowworm::scene::{Scene, load_scene};
 use tempfile::TempDir;
 
@@ -17,7 +17,7 @@ pub struct Exported {
 
 /// Small settings for frame 0.
 pub fn settings() -> ExportSettings {
-    ExportSettings { frame: 0, time: 0.0, size: [32, 16], bounces: Some(2), spp: 4, specular: Specular::Omit }
+    ExportSettings { frame: 0, time: 0.0, size: [32, 16], bounces: Some(2), spp: 4 }
 }
 
 pub fn export(scene: &Scene) -> Exported {
@@ -121,6 +121,8 @@ pub struct Ply {
     pub positions: Vec<Vec3>,
     pub normals: Vec<Vec3>,
     pub uvs: Vec<Vec2>,
+    /// Colour, tangent and its side, in the order of the file.
+    pub details: Vec<Vec<f32>>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -143,6 +145,9 @@ impl Ply {
             for property in &properties {
                 vertex.insert(*property, f32::from_le_bytes(words.next().unwrap().try_into().unwrap()));
             }
+            let known = ["x", "y", "z", "nx", "ny", "nz", "u", "v"];
+            let others = properties.iter().filter(|name| !known.contains(name));
+            ply.details.push(others.map(|name| vertex[name]).collect());
             let get = |names: [&str; 3]| {
                 Some(Vec3::new(*vertex.get(names[0])?, vertex[names[1]], vertex[names[2]]))
             };

@@ -1,4 +1,4 @@
-//! The default camera and light of a bare `.obj`.
+//! The default camera and light of a bare model.
 
 use std::f32::consts::TAU;
 use std::fmt::Write;
@@ -125,8 +125,9 @@ fn objects_are_seen_from_outside_at_any_scale() {
             let scene = model.load();
             assert!(!is_within(&scene, scene.camera.eye), "{what} at {scale}");
             assert!(shows_all(&scene, &scene.camera), "{what} at {scale}");
-            let [light] = &scene.lights[..] else { panic!("{what}: one light") };
-            assert!(!is_within(&scene, light.position));
+            assert!(scene.lights.is_empty() && scene.environment.is_some(), "{what} at {scale}");
+            let (bright, tones) = lit(&scene);
+            assert!(bright > 0.9 && tones >= 3, "{what} at {scale}: {bright}, {tones} tones");
         }
     }
 }
@@ -140,6 +141,7 @@ fn rooms_are_seen_from_inside_at_any_scale() {
             assert!(is_within(&scene, scene.camera.eye), "{what}");
             assert!(scene.camera.forward().y.abs() < 0.2, "{what}");
             let [light] = &scene.lights[..] else { panic!("one light") };
+            assert!(scene.environment.is_none(), "{what}");
             assert!(is_within(&scene, light.position), "{what}");
             let (bright, _) = lit(&scene);
             assert!(bright > 0.8, "{bright} of the picture is lit; {what}");
@@ -151,6 +153,30 @@ fn rooms_are_seen_from_inside_at_any_scale() {
 fn the_same_model_is_seen_alike() {
     let (a, b) = (room(1.0, false).load(), room(1.0, false).load());
     assert_eq!((a.camera, a.lights), (b.camera, b.lights));
+    let (a, b) = (torus(1.0).load(), torus(1.0).load());
+    assert_eq!((a.camera, a.environment), (b.camera, b.environment));
+}
+
+/// A room needs a lamp; without its roof it does not.
+#[test]
+fn the_sky_is_the_light_where_it_reaches() {
+    let open = Obj::default().cuboid(Vec3::ZERO, Vec3::new(6.0, 3.0, 4.0), false);
+    let faces: Vec<&str> = open.text.lines().collect();
+    // The faces come as four corners and their polygon; the fourth is the ceiling.
+    let roofless = |skip: Option<usize>| {
+        let lines = faces.chunks(5).enumerate();
+        let text = lines.map(|(face, lines)| {
+            let count = if Some(face) == skip { 4 } else { 5 };
+            lines[..count].iter().map(|line| format!("{line}\n")).collect::<String>()
+        });
+        load_files(&[("model.obj", &text.collect::<String>())])
+    };
+    let ceiling = (0..6)
+        .find(|&face| faces[5 * face..5 * face + 4].iter().all(|line| line.split(' ').nth(2) == Some("3")));
+    assert!(ceiling.is_some());
+    let (closed, open) = (roofless(None), roofless(ceiling));
+    assert!(closed.environment.is_none() && closed.lights.len() == 1);
+    assert!(open.environment.is_some() && open.lights.is_empty(), "{:?}", open.warnings);
 }
 
 /// A lamp that shines into the floor lights nothing; one under the ceiling lights the room.

@@ -43,11 +43,13 @@ fn environments_are_constant_or_maps() {
 #[test]
 fn broken_environments_say_what_is_wrong() {
     for (environment, parts) in [
-        ("strength = 1", &["s.toml:1", "environment", "a colour, a map or an asset"][..]),
+        ("strength = 1", &["s.toml:1", "environment", "a colour, a map, an asset or a builtin"][..]),
         ("colour = [1, -1, 1]", &["colour", "negative"]),
         ("colour = [1, 1, 1]\nstrength = -1", &["strength", "negative"]),
         ("colour = [3e38, 1, 1]\nstrength = 9", &["too large"]),
-        ("map = \"sky.exr\"\nasset = \"sky.exr\"", &["map and asset"]),
+        ("map = \"sky.exr\"\nasset = \"sky.exr\"", &["map, asset and builtin"]),
+        ("builtin = \"moon\"", &["moon", "\"sky\""]),
+        ("asset = \"gone.exr\"\ndownload = \"https://a\"", &["gone.exr", "GLOWWORM_ASSETS", "https://a"]),
         ("map = \"gone.hdr\"", &["gone.hdr", "could not be read"]),
         ("map = \"m.obj\"", &["m.obj", "could not be decoded"]),
         ("map = \"depth.exr\"", &["depth.exr", "could not be decoded"]),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::*;
 
 /// Triangle in the plane z = 0: positions, texture coordinates, indices, as one buffer of 66 bytes.
-fn buffer() -> Vec<u8> {
+pub(super) fn buffer() -> Vec<u8> {
     let floats = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
     let indices = [0u16, 1, 2];
     let mut bytes: Vec<u8> = floats.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -16,7 +16,7 @@ fn buffer() -> Vec<u8> {
 }
 
 /// The document of that buffer: one node with one triangle.
-fn document() -> Value {
+pub(super) fn document() -> Value {
     json!({
         "asset": { "version": "2.0" },
         "scene": 0,
@@ -38,7 +38,7 @@ fn document() -> Value {
 }
 
 /// Appends bytes to a buffer and an accessor for them to its document; returns the accessor's index.
-fn add_accessor(
+pub(super) fn add_accessor(
     document: &mut Value,
     bytes: &mut Vec<u8>,
     floats: &[f32],
@@ -58,7 +58,7 @@ fn add_accessor(
 }
 
 /// A GLB of a document and its buffer.
-fn glb(document: &Value, bytes: &[u8]) -> Vec<u8> {
+pub(super) fn glb(document: &Value, bytes: &[u8]) -> Vec<u8> {
     let mut json = document.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut bytes = bytes.to_vec();
@@ -77,19 +77,19 @@ fn glb(document: &Value, bytes: &[u8]) -> Vec<u8> {
     glb
 }
 
-fn load_glb(document: &Value, bytes: &[u8]) -> Scene {
+pub(super) fn load_glb(document: &Value, bytes: &[u8]) -> Scene {
     let folder = Folder::new().with("m.glb", glb(document, bytes));
     folder.load("m.glb").unwrap()
 }
 
-fn png(texels: &[[u8; 4]]) -> Vec<u8> {
+pub(super) fn png(texels: &[[u8; 4]]) -> Vec<u8> {
     let image = image::RgbaImage::from_fn(texels.len() as u32, 1, |x, _| image::Rgba(texels[x as usize]));
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
 
-fn data_uri(bytes: &[u8]) -> String {
+pub(super) fn data_uri(bytes: &[u8]) -> String {
     use base64::Engine;
     format!(
         "data:application/octet-stream;base64,{}",
@@ -116,8 +116,9 @@ fn a_triangle_is_a_triangle_however_it_is_stored() {
         assert!(mesh.normals.iter().all(|normal| *normal == Vec3::Z));
         assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::X, Vec2::Y]);
         assert_eq!(scene.instances[0].name, "n");
-        // A camera and a lamp are made up, as for an .obj.
-        assert!(scene.lights.len() == 1 && scene.warnings.len() == 2, "{:?}", scene.warnings);
+        // A camera and a sky are made up, as for an .obj.
+        assert!(scene.lights.is_empty() && scene.environment.is_some());
+        assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
         let material = &scene.materials[mesh.triangle_materials[0] as usize];
         assert_eq!((material.metallic, material.roughness, material.f90), (1.0, 1.0, 1.0));
     }
@@ -183,6 +184,25 @@ fn materials_are_read_with_their_textures() {
     assert_eq!((sign.emission, sign.base_colour), (Vec3::new(0.2, 0.3, 0.4), Vec3::ZERO));
     let warning = scene.warnings.iter().find(|warning| warning.contains("not shown")).unwrap();
     assert!(warning.contains("EXT_something") && !warning.contains("KHR_"), "{warning}");
+}
+
+#[test]
+fn images_of_other_formats_come_by_their_extensions() {
+    let (mut document, bytes) = (document(), buffer());
+    let mut webp = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([10, 200, 30, 255]));
+    image.write_to(&mut webp, image::ImageFormat::WebP).unwrap();
+    document["images"] = json!([{ "uri": data_uri(webp.get_ref()), "mimeType": "image/webp" }]);
+    document["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    document["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    document["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    document["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let scene = load_glb(&document, &bytes);
+    assert_eq!(scene.textures[0].levels[0].2[..4], [10, 200, 30, 255]);
+    // Nor is an index past the end a panic.
+    document["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = json!(7);
+    expect_error("bad.glb", glb(&document, &bytes), &["textures[0].source", "past the end"]);
 }
 
 #[test]

@@ -15,8 +15,9 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         ("atrium-drapery", 250_000..=300_000),
         ("cathedral", 70_000..=80_000),
         ("meeting-room", 280_000..=320_000),
+        ("material-grid", 140_000..=150_000),
     ] {
-        assert!(BENCH_SCENES.contains(&name));
+        assert!(BENCH_SCENES.contains(&name) || name == "material-grid");
         let start = Instant::now();
         let scene = load_scene(name, None).unwrap();
         let loaded = start.elapsed();
@@ -65,4 +66,19 @@ fn the_torus_is_turquoise_above_and_purple_below() {
         assert_eq!(scene.materials[material as usize].name, expected);
     }
     assert!(scene.instances[1].dynamic && !scene.instances[0].dynamic);
+}
+
+#[test]
+fn the_material_grid_is_of_plastic_and_metal_from_smooth_to_rough() {
+    let scene = load_scene("material-grid", None).unwrap();
+    let spheres: Vec<_> = scene.materials.iter().filter(|material| material.name != "ground").collect();
+    assert_eq!(spheres.len(), 28);
+    for row in spheres.chunks(7) {
+        assert!(row.iter().all(|material| material.metallic == row[0].metallic && material.f90 == 1.0));
+        assert!(row.is_sorted_by(|a, b| a.roughness < b.roughness));
+        assert!((row[0].roughness - 0.1).abs() < 1e-6 && (row[6].roughness - 1.0).abs() < 1e-6);
+    }
+    assert!(spheres.iter().any(|m| m.metallic == 0.0) && spheres.iter().any(|m| m.metallic == 1.0));
+    // The sky is all light there is.
+    assert!(scene.lights.is_empty() && scene.environment.is_some_and(|sky| sky.map.is_some()));
 }

@@ -5,12 +5,16 @@
 
 mod bare_models;
 mod broken_models;
+mod broken_runs;
 mod broken_scene_files;
 mod documents;
 mod environments;
 mod gltf;
+mod gltf_pictures;
 mod made;
 mod models;
+#[path = "../program/mod.rs"]
+mod program;
 mod scene_files;
 
 use std::io::Write;

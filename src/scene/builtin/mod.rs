@@ -16,6 +16,7 @@ mod cornell;
 mod drapery;
 mod fittings;
 mod furniture;
+mod material_grid;
 mod meeting_room;
 mod noise;
 mod palette;
@@ -24,6 +25,7 @@ mod paths;
 mod pictures;
 mod plants;
 mod shapes;
+mod sky;
 mod stone;
 #[cfg(test)]
 mod tests;
@@ -34,6 +36,7 @@ mod walls;
 mod wood;
 
 pub(super) use cornell::cornell_box;
+pub(super) use sky::sky;
 
 use super::Scene;
 use super::material::{AlphaMask, Material, Texture};
@@ -42,13 +45,14 @@ use palette::Palette;
 use part::Part;
 
 /// Names of the built-in scenes.
-pub const NAMES: [&str; 14] = [
+pub const NAMES: [&str; 16] = [
     "playroom",
     "cornell-box",
     "atrium",
     "atrium-drapery",
     "cathedral",
     "meeting-room",
+    "material-grid",
     "sponza",
     "crytek-sponza",
     "sibenik",
@@ -57,6 +61,7 @@ pub const NAMES: [&str; 14] = [
     "conference-torus",
     "classroom",
     "living-room",
+    "damaged-helmet",
 ];
 
 /// The scenes of the benchmark: those of Tonna 2019, figure 24, or procedural substitutes.
@@ -67,8 +72,15 @@ pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
     ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
 
 /// Names of the procedural models, for the key `builtin` in scene files.
-pub(super) const MODELS: [&str; 6] =
-    ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
+pub(super) const MODELS: [&str; 7] = [
+    "cornell-box",
+    "material-grid",
+    "atrium",
+    "atrium-drapery",
+    "cathedral",
+    "meeting-room",
+    "two-coloured torus",
+];
 
 /// The embedded scene file of a built-in scene, if it has one.
 pub(super) fn scene_file(name: &str) -> Option<&'static str> {
@@ -78,6 +90,7 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
         "atrium-drapery" => Some(include_str!("../../../scenes/atrium-drapery.toml")),
         "cathedral" => Some(include_str!("../../../scenes/cathedral.toml")),
         "meeting-room" => Some(include_str!("../../../scenes/meeting-room.toml")),
+        "material-grid" => Some(include_str!("../../../scenes/material-grid.toml")),
         "sponza" => Some(include_str!("../../../scenes/sponza.toml")),
         "crytek-sponza" => Some(include_str!("../../../scenes/crytek-sponza.toml")),
         "sibenik" => Some(include_str!("../../../scenes/sibenik.toml")),
@@ -86,6 +99,7 @@ pub(super) fn scene_file(name: &str) -> Option<&'static str> {
         "conference-torus" => Some(include_str!("../../../scenes/conference-torus.toml")),
         "classroom" => Some(include_str!("../../../scenes/classroom.toml")),
         "living-room" => Some(include_str!("../../../scenes/living-room.toml")),
+        "damaged-helmet" => Some(include_str!("../../../scenes/damaged-helmet.toml")),
         _ => None,
     }
 }
@@ -100,8 +114,12 @@ pub(super) struct Model {
 
 /// The model of this name, one of [`MODELS`].
 pub(super) fn model(name: &str) -> Option<Model> {
-    if name == "cornell-box" {
-        let (mesh, materials) = cornell::cornell_model();
+    let plain = match name {
+        "cornell-box" => Some(cornell::cornell_model()),
+        "material-grid" => Some(material_grid::model()),
+        _ => None,
+    };
+    if let Some((mesh, materials)) = plain {
         return Some(Model { mesh, materials, textures: vec![], alpha_masks: vec![] });
     }
     let mut palette = Palette::default();

@@ -33,6 +33,10 @@ impl Materials {
     /// Adds all materials of the file.
     pub fn add(source: &mut Source, scene: &mut Scene) -> Result<Self, SceneError> {
         let mut images = Images::read(source)?;
+        for (index, image) in images.decoded.iter().enumerate() {
+            let sizes = image.as_ref().and_then(texture::shrinking);
+            source.not_shown.extend(sizes.map(|sizes| format!("image {index} in full ({sizes})")));
+        }
         let first = scene.materials.len();
         let document = source.document.clone();
         for material in document.materials() {

@@ -16,7 +16,8 @@ use base64::engine::general_purpose::STANDARD;
 use crate::scene::error::SceneError;
 
 /// The extensions that are read.
-const KNOWN: [&str; 8] = [
+const KNOWN: [&str; 10] = [
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -25,7 +26,31 @@ const KNOWN: [&str; 8] = [
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "MSFT_texture_dds",
 ];
+
+/// Those that name a texture's image.
+const IMAGE_FORMATS: [&str; 2] = ["EXT_texture_webp", "MSFT_texture_dds"];
+
+/// The document of a text. Images of other formats come in place of those that textures have for readers that do not know
+/// them, or of none.
+fn parse(json: &[u8]) -> serde_json::Result<json::Root> {
+    let text = String::from_utf8_lossy(json);
+    if !IMAGE_FORMATS.iter().any(|name| text.contains(name)) {
+        return serde_json::from_slice(json);
+    }
+    let mut document: serde_json::Value = serde_json::from_slice(json)?;
+    let textures = document.get_mut("textures").and_then(serde_json::Value::as_array_mut);
+    for texture in textures.into_iter().flatten() {
+        let source = |name: &&str| texture.get("extensions")?.get(name)?.get("source").cloned();
+        if let (Some(source), Some(texture)) =
+            (IMAGE_FORMATS.iter().find_map(source), texture.as_object_mut())
+        {
+            texture.insert("source".to_owned(), source);
+        }
+    }
+    serde_json::from_value(document)
+}
 
 /// A file in memory.
 pub(super) struct Source {
@@ -53,8 +78,8 @@ impl Source {
         } else {
             (Cow::Borrowed(bytes.as_slice()), None)
         };
-        let root: json::Root = json::deserialize::from_slice(&json)
-            .map_err(|error| invalid(format!("is not glTF 2.0 ({error}); export it again")))?;
+        let root =
+            parse(&json).map_err(|error| invalid(format!("is not glTF 2.0 ({error}); export it again")))?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
