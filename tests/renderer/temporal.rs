@@ -135,7 +135,8 @@ fn what_has_not_changed_is_not_drawn_again() {
     let gbuffer_ms: Vec<f64> =
         renderer.finish().unwrap().iter().map(|report| report.figures.passes["gbuffer"]).collect();
     let drawn: Vec<bool> = gbuffer_ms.iter().map(|ms| *ms > 0.0).collect();
-    assert_eq!(drawn, [true, false, false, true, false, false, false, true], "{gbuffer_ms:?}");
+    // Once more after the camera has moved: then the motion of all pixels is 0.
+    assert_eq!(drawn, [true, false, false, true, true, false, false, true], "{gbuffer_ms:?}");
     // What stands is what a fresh renderer draws.
     let (kept, fresh) = (renderer.read_picture(true).unwrap(), lab.rendered(&scene, &settings, 8));
     let fresh = fresh.read_picture(true).unwrap();
