@@ -48,10 +48,14 @@ impl std::fmt::Debug for EnvironmentMap {
 }
 
 impl PartialEq for Environment {
-    /// Maps are equal if they are the same one.
+    /// Texels are compared only where the maps were read separately.
     fn eq(&self, other: &Self) -> bool {
-        let map = |environment: &Self| environment.map.as_ref().map(Arc::as_ptr);
-        (self.radiance, self.rotation, map(self)) == (other.radiance, other.rotation, map(other))
+        let same_map = match (&self.map, &other.map) {
+            (Some(map), Some(other)) => Arc::ptr_eq(map, other) || map.texels() == other.texels(),
+            (None, None) => true,
+            _ => false,
+        };
+        (self.radiance, self.rotation) == (other.radiance, other.rotation) && same_map
     }
 }
 
