@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use glowworm::scene::{Environment, EnvironmentMap, Scene};
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::Settings;
 
 use super::reference::{check_against_reference, reference};
 use super::support::{Lab, exact, indirect, layer, luminance, mean, quantile, scene};
