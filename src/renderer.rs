@@ -41,18 +41,18 @@ use crate::report::{
 };
 use crate::scene::{Camera, Pose, Scene};
 use crate::settings::Settings;
-use crate::vulkan::{Device, Frame, FrameTimes, Frames, Image, VulkanError};
+use crate::vulkan::{Device, Frame, FrameTimes, Frames, VulkanError};
 use shared::SharedPasses;
 use view::{ViewFrame, ViewPasses};
 
 /// What point, spot and directional lights send straight to the visible surfaces.
-fn light_directly<'p>(
-    (shadows, shading): (&mut DirectShadowsPass, &'p mut DirectShadingPass),
+fn light_directly(
+    (shadows, shading): (&mut DirectShadowsPass, &mut DirectShadingPass),
     frame: &mut Frame<'_>,
     inputs: &EstimatorInputs<'_>,
     (lights, background): (&[LightData], Vec4),
     scene: &SceneBuffers,
-) -> Result<&'p Image, VulkanError> {
+) -> Result<(), VulkanError> {
     let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
     shadows.record(
         frame,
@@ -271,9 +271,9 @@ impl Renderer {
             pose,
         };
         let direct_passes = (&mut self.passes.direct_shadows, &mut self.passes.direct_shading);
-        let direct =
-            light_directly(direct_passes, &mut frame, &inputs, (&lights, uniforms.background), buffers)?;
-        let direct_shadows = &self.passes.direct_shadows;
+        light_directly(direct_passes, &mut frame, &inputs, (&lights, uniforms.background), buffers)?;
+        let (direct_shadows, direct_shading) = (&self.passes.direct_shadows, &self.passes.direct_shading);
+        let direct = direct_shading.output();
 
         // Estimate their indirect light, and join both.
         self.estimator.record(&mut frame, &inputs)?;
@@ -285,6 +285,7 @@ impl Renderer {
                 direct,
                 irradiance,
                 albedo: &gbuffer.albedo,
+                specular_albedo: direct_shading.specular_albedo(),
                 exposure: self.settings.exposure,
             },
         )?;

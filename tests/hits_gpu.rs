@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod bvh_support;
+#[macro_use]
 mod support;
 
 use std::sync::Arc;
@@ -339,25 +340,10 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
     assert!(leaning * 20 > found.len(), "{leaning}");
 }
 
-/// Runs each of these for one tracer.
-macro_rules! tests_of {
-    ($tracer:ident, $kind:expr, $($test:ident),+) => {
-        mod $tracer {
-            use super::*;
-            $(#[test] fn $test() { super::$test($kind) })+
-        }
-    };
-    ($($tracer:ident: $kind:expr),+) => {
-        $(tests_of!(
-            $tracer,
-            $kind,
-            agrees_in_sponza,
-            agrees_on_the_helmet,
-            agrees_on_all_that_a_material_can_have,
-            cones_choose_the_level,
-            pixels_are_what_rays_hit
-        );)+
-    };
-}
-
-tests_of!(software: RayTracer::Software, hardware: RayTracer::Hardware);
+for_both_tracers!(
+    agrees_in_sponza,
+    agrees_on_the_helmet,
+    agrees_on_all_that_a_material_can_have,
+    cones_choose_the_level,
+    pixels_are_what_rays_hit
+);

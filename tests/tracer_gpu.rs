@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod bvh_support;
+#[macro_use]
 mod support;
 
 use bvh_support::*;
@@ -251,25 +252,10 @@ fn answers_nothing_in_an_empty_scene(tracer: RayTracer) {
     assert!(answers.iter().all(|answer| answer.instance == u32::MAX && answer.occluded == 0));
 }
 
-/// Runs each of these for one tracer.
-macro_rules! tests_of {
-    ($tracer:ident, $kind:expr, $($test:ident),+) => {
-        mod $tracer {
-            use super::*;
-            $(#[test] fn $test() { super::$test($kind) })+
-        }
-    };
-    ($($tracer:ident: $kind:expr),+) => {
-        $(tests_of!(
-            $tracer,
-            $kind,
-            agrees_while_instances_move,
-            agrees_while_all_come_and_go,
-            agrees_on_many_instances,
-            agrees_on_a_real_scene,
-            answers_nothing_in_an_empty_scene
-        );)+
-    };
-}
-
-tests_of!(software: RayTracer::Software, hardware: RayTracer::Hardware);
+for_both_tracers!(
+    agrees_while_instances_move,
+    agrees_while_all_come_and_go,
+    agrees_on_many_instances,
+    agrees_on_a_real_scene,
+    answers_nothing_in_an_empty_scene
+);

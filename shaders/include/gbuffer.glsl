@@ -12,7 +12,7 @@ vec3 octahedral_decode(vec2 p) {
     return normalize(n);
 }
 
-// A vertex' tangent: octahedral, 16 and 15 bits, then a bit for the other side of the bitangent; 0: none. w: that side, 1 or -1.
+// A vertex's tangent: octahedral, 16 and 15 bits, then a bit for the other side of the bitangent; 0: none. w: that side, 1 or -1.
 vec4 unpack_tangent(uint packed) {
     if (packed == 0u) return vec4(0.0);
     vec2 place = vec2(packed & 0xffffu, packed >> 16 & 0x7fffu) / vec2(65535.0, 32767.0) * 2.0 - 1.0;

@@ -1,4 +1,4 @@
-// A draw of the G-buffer. Twins: Push and VARIANT_... in src/passes/gbuffer.rs.
+// A draw of the G-buffer. Twins: `Push` in src/passes/gbuffer.rs, `variant` in src/passes/scene_buffers.rs.
 
 // Sum of what the materials need: see below.
 layout(constant_id = 0) const uint VARIANT = 0u;

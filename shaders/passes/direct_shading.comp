@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the environment behind them.
-// Out: radiance; a: 1 where a surface is.
+// Out: radiance; a: 1 where a surface is; and the directional albedo of the GGX lobe.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -21,10 +21,11 @@ layout(set = 0, binding = 6, r32ui) uniform readonly uimage2DArray direct_shadow
 layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 8) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
-#define ENVIRONMENT_BINDING 10
+layout(set = 0, binding = 10, rgba8) uniform writeonly image2D specular_albedo;
+#define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
 
-vec3 radiance_of(uvec2 id, ivec2 pixel) {
+vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
     Surface surface = surface_at(pixel);
     MaterialData material = materials.data[id.y & MATERIAL];
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
@@ -35,6 +36,7 @@ vec3 radiance_of(uvec2 id, ivec2 pixel) {
     Reflection reflection;
     bool is_glossy = reflects(bsdf);
     if (is_glossy) reflection = seen(bsdf, surface.shading, normalize(frame.eye.xyz - surface.position));
+    specular = is_glossy ? reflection.reflected : vec3(0.0);
 
     vec3 radiance = unpack_emission(packed.y);
     for (uint i = 0u; i < frame.light_count; i++) {
@@ -53,6 +55,8 @@ void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     bool is_surface = id.x != 0u;
-    vec3 radiance = is_surface ? radiance_of(id, pixel) : environment_radiance(pixel_ray(vec2(pixel)));
+    vec3 specular = vec3(0.0);
+    vec3 radiance = is_surface ? radiance_of(id, pixel, specular) : environment_radiance(pixel_ray(vec2(pixel)));
+    imageStore(specular_albedo, pixel, vec4(specular, 0.0));
     imageStore(direct, pixel, vec4(radiance, is_surface ? 1.0 : 0.0));
 }

@@ -1,4 +1,4 @@
-//! `combine`: direct light plus albedo/pi times indirect irradiance, exposure, filmic tone map, sRGB.
+//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, exposure, filmic tone map, sRGB.
 
 use std::sync::Arc;
 
@@ -23,6 +23,8 @@ pub struct CombineInputs<'a> {
     pub irradiance: &'a Image,
     /// Diffuse albedo.
     pub albedo: &'a Image,
+    /// Directional albedo of the GGX lobe.
+    pub specular_albedo: &'a Image,
     /// Stops, or none for automatic exposure.
     pub exposure: Option<f32>,
 }
@@ -34,6 +36,7 @@ impl CombineInputs<'_> {
             .read("direct", self.direct)
             .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
+            .read("specular_albedo", self.specular_albedo)
     }
 }
 

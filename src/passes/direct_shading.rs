@@ -33,6 +33,7 @@ pub struct DirectShadingInputs<'a> {
 pub struct DirectShadingPass {
     pipeline: Arc<ComputePipeline>,
     direct: Image,
+    specular_albedo: Image,
     last: LastInputs<([Version; 2], Vec4)>,
 }
 
@@ -54,7 +55,8 @@ impl DirectShadingPass {
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
         let direct = storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?;
-        Ok(Self { pipeline, direct, last: LastInputs::default() })
+        let specular_albedo = storage_image(device, "specular_albedo", vk::Format::R8G8B8A8_UNORM, extent)?;
+        Ok(Self { pipeline, direct, specular_albedo, last: LastInputs::default() })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -62,12 +64,17 @@ impl DirectShadingPass {
         &self.direct
     }
 
+    /// Directional albedo of the GGX lobe, towards the eye; 0 where there is none.
+    pub fn specular_albedo(&self) -> &Image {
+        &self.specular_albedo
+    }
+
     /// Shades every pixel.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &DirectShadingInputs<'_>,
-    ) -> Result<&Image, VulkanError> {
+    ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
         if self.last.differ(([gbuffer.version(), inputs.visibility_version], inputs.background)) {
             frame
@@ -83,8 +90,9 @@ impl DirectShadingPass {
                 .read("gbuffer_surface", &gbuffer.surface)
                 .read("environment_map", &inputs.scene.environment.image)
                 .write("direct", &self.direct)
+                .write("specular_albedo", &self.specular_albedo)
                 .dispatch_over(self.direct.extent())?;
         }
-        Ok(&self.direct)
+        Ok(())
     }
 }

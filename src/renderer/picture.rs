@@ -16,15 +16,25 @@ struct Light {
     direct: Vec<[f32; 4]>,
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
+    specular_albedo: Vec<[f32; 4]>,
 }
 
 impl Light {
+    /// What the GGX lobe of each pixel makes of irradiance.
+    fn reflected(&self) -> Vec<[f32; 4]> {
+        let pixels = self.specular_albedo.iter().zip(&self.irradiance);
+        pixels.map(|(albedo, e)| std::array::from_fn(|i| albedo[i] / PI * e[i])).collect()
+    }
+
     /// Twin: `radiance_at` in shaders/include/radiance.glsl.
     fn radiance(&self) -> Vec<[f32; 3]> {
-        let radiance = |((direct, irradiance), albedo): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
-            [0, 1, 2].map(|channel| direct[channel] + albedo[channel] / PI * irradiance[channel])
-        };
-        self.direct.iter().zip(&self.irradiance).zip(&self.albedo).map(radiance).collect()
+        let diffuse = self.albedo.iter().zip(&self.irradiance);
+        let pixels = self.direct.iter().zip(diffuse).zip(self.reflected());
+        pixels
+            .map(|((direct, (albedo, e)), reflected)| {
+                [0, 1, 2].map(|i| direct[i] + albedo[i] / PI * e[i] + reflected[i])
+            })
+            .collect()
     }
 }
 
@@ -52,6 +62,7 @@ impl Renderer {
             direct: self.read_floats(self.passes.direct_shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
             albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
+            specular_albedo: self.read_bytes(self.passes.direct_shading.specular_albedo())?,
         })
     }
 
@@ -93,6 +104,7 @@ impl Renderer {
         Ok(vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
             Layer::of_channels("indirect", &["R", "G", "B"], &light.irradiance),
+            Layer::of_channels("reflected", &["R", "G", "B"], &light.reflected()),
             Layer::of_channels("albedo", &["R", "G", "B"], &light.albedo),
             Layer::of_channels("normal", &["X", "Y", "Z"], &normals),
             Layer::of_channels("position", &["X", "Y", "Z"], &position),
@@ -127,6 +139,13 @@ impl Renderer {
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
         Ok(bytemuck::pod_collect_to_vec(&image.read_layer(&self.device, 0, 16)?))
+    }
+
+    /// RGBA8, from 0 to 1.
+    fn read_bytes(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
+        let bytes = image.read_layer(&self.device, 0, 4)?;
+        let (texels, _) = bytes.as_chunks::<4>();
+        Ok(texels.iter().map(|texel| texel.map(|byte| f32::from(byte) / 255.0)).collect())
     }
 
     fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {

@@ -100,7 +100,6 @@ fn need_of_light(scene: &Scene) -> &'static str {
 fn add_sky(scene: &mut Scene) {
     let why = need_of_light(scene);
     let sky = builtin::sky();
-    scene.background = sky.mean();
     scene.environment = Some(sky);
     scene.warnings.push(format!("{}: {why}; put it under a soft sky", scene.name));
 }

@@ -137,7 +137,7 @@ pub struct Pose {
     pub lights: Vec<Light>,
     /// Object to world of each of [`Scene::instances`].
     pub instances: Vec<Affine3A>,
-    /// That of the scene, if it has one.
+    /// That of the scene, perhaps turned or of another radiance; none where there is none, or it is taken away.
     pub environment: Option<Environment>,
 }
 

@@ -1,12 +1,11 @@
 //! Textured materials in the G-buffer and in direct light, against the path tracer.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{Affine3A, Vec2, Vec3};
-use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Texture};
 
+use super::reference::reference;
 use super::support::{Lab, exact, layer};
 
 const SIZE: [u32; 2] = [96, 72];
@@ -68,18 +67,7 @@ fn floor() -> Scene {
 fn pixels_have_the_material_that_the_path_tracer_sees() {
     let Some(lab) = Lab::open() else { return };
     let scene = floor();
-    let settings = ReferenceSettings {
-        size: SIZE,
-        bounces: Some(0),
-        seed: 1,
-        filter: PixelFilter::Center,
-        layers: true,
-    };
-    let pose = scene.pose(0.0);
-    let reference = Reference::new(&scene, &pose, &settings);
-    let mut film = reference.film().unwrap();
-    assert!(reference.add_sample(&mut film, &AtomicBool::new(false)));
-    let expected = film.picture();
+    let expected = reference(&scene, SIZE, 0, 1);
     let rendered = lab.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     let covered = layer(&expected, "normal");
     for (name, share) in [("albedo", 0.02), ("direct", 0.04)] {

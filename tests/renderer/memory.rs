@@ -4,7 +4,7 @@ use glowworm::settings::{Settings, VplSettings};
 
 use super::support::{Lab, named_scene};
 
-/// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Numbers worth knowing".
+/// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Memory".
 fn computed(settings: &Settings) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
     let of_step =
@@ -15,7 +15,7 @@ fn computed(settings: &Settings) -> u64 {
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
-    pixels * 84 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
+    pixels * 88 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
 }
 
 #[test]

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{Vec2, Vec3};
-use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::{Camera, Scene, load_scene};
 use serde_json::{Value, json};
 
+use super::reference::reference;
 use super::support::{Lab, exact, layer};
 
 const SIZE: [u32; 2] = [64, 64];
@@ -104,18 +103,7 @@ fn gltf(folder: &Path, Variation { mut texture, mut node, tangent }: Variation) 
 
 /// Compares the normals that pixels see with those that `expected` says for places on the quad, from its upper left corner.
 fn check(lab: &Lab, what: &str, scene: Scene, expected: impl Fn(Vec2) -> Vec3) {
-    let settings = ReferenceSettings {
-        size: SIZE,
-        bounces: Some(0),
-        seed: 1,
-        filter: PixelFilter::Center,
-        layers: true,
-    };
-    let pose = scene.pose(0.0);
-    let reference = Reference::new(&scene, &pose, &settings);
-    let mut film = reference.film().unwrap();
-    assert!(reference.add_sample(&mut film, &AtomicBool::new(false)));
-    let traced = film.picture();
+    let traced = reference(&scene, SIZE, 0, 1);
     let rendered = lab.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     for (by, picture) in [("G-buffer", rendered), ("reference", traced)] {
         let (normals, positions) = (layer(&picture, "normal"), layer(&picture, "position"));

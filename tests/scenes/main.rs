@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bare_models;
+mod broken_gltf;
 mod broken_models;
 mod broken_runs;
 mod broken_scene_files;

@@ -162,3 +162,18 @@ pub fn quantile(mut values: Vec<f32>, quantile: f32) -> f32 {
     values.sort_by(f32::total_cmp);
     values[((values.len() - 1) as f32 * quantile).round() as usize]
 }
+
+/// Makes a test of each of these functions for each tracer.
+#[allow(unused_macros, reason = "each test program uses a part")]
+macro_rules! for_both_tracers {
+    ($($test:ident),+) => {
+        for_both_tracers!(@of software, Software, $($test),+);
+        for_both_tracers!(@of hardware, Hardware, $($test),+);
+    };
+    (@of $module:ident, $tracer:ident, $($test:ident),+) => {
+        mod $module {
+            use super::*;
+            $(#[test] fn $test() { super::$test(RayTracer::$tracer) })+
+        }
+    };
+}

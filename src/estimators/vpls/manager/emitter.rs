@@ -1,7 +1,7 @@
 //! Emission sampling: the flux of each light, and the start of its paths.
 //!
 //! In: a light of the pose, or its environment. Out: its flux, and for a sample in [0, 1)^2 a ray or a point on its surface, with
-//! a density proportional to its emission (ARCHITECTURE.md, "Lights"; Keller 1997).
+//! a density proportional to its emission (docs/VPLS.md, "Lights"; Keller 1997).
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! Traces light paths through the scene, all rays of one bounce in one batch.
 //!
-//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; ARCHITECTURE.md, "Paths").
+//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths").
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;

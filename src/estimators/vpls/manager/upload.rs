@@ -2,7 +2,7 @@
 //!
 //! In: the slots and the current pose. Out: positions, normals and flux of the valid ones. The flux of a
 //! VPL is that of its light, over the number of slots of its light and bounce that are not invalid, times its
-//! throughput, so the others compensate for invalid slots (ARCHITECTURE.md, "Energy").
+//! throughput, so the others compensate for invalid slots (docs/VPLS.md, "Energy").
 
 use glam::Vec3;
 
