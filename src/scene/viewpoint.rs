@@ -9,7 +9,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::camera::Camera;
-use super::{LightKind, Scene, SurfacePoint, ray_offset};
+use super::{LightKind, Pose, Scene, Side, SidedSurface, SurfacePoint, ray_offset};
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::sampling::{Frame, cosine_hemisphere, sequence_point};
 
@@ -57,6 +57,8 @@ const WELL_LIT: f32 = 4.0;
 /// A model with its BVH and samples.
 pub(super) struct ModelSurvey<'a> {
     scene: &'a Scene,
+    /// At rest.
+    pose: Pose,
     bvh: TwoLevelBvh,
     radius: f32,
     samples: Vec<Sample>,
@@ -67,6 +69,12 @@ pub(super) struct ModelSurvey<'a> {
 struct Sample {
     position: Vec3,
     normal: Vec3,
+}
+
+impl Sample {
+    fn of(found: &SidedSurface) -> Self {
+        Self { position: found.surface.position, normal: found.surface.geometric_normal }
+    }
 }
 
 /// A point light that lights what a camera sees.
@@ -85,7 +93,8 @@ impl<'a> ModelSurvey<'a> {
         let pose = scene.pose(0.0);
         let bvh = TwoLevelBvh::build(scene, &pose.instances);
         let (min, max) = bvh.bounds();
-        Self { scene, bvh, radius: 0.5 * min.distance(max), samples: samples_of(scene) }
+        let samples = samples_of(scene, &pose);
+        Self { scene, pose, bvh, radius: 0.5 * min.distance(max), samples }
     }
 
     /// Fraction of the surface that a camera shows, back faces weighted less.
@@ -239,11 +248,9 @@ impl<'a> ModelSurvey<'a> {
             .collect();
         let hits = self.bvh.intersect_batch(&rays);
         let point = |(ray, hit): (&Ray, &crate::bvh::Hit)| {
-            let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh];
-            let corners = mesh.triangle_positions(hit.triangle);
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
-            let normal = if normal.dot(ray.direction) < 0.0 { normal } else { -normal };
-            Sample { position: ray.origin + ray.direction * hit.t, normal }
+            let at = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+            let side = Side::Facing(ray.direction);
+            Sample::of(&self.scene.surface_at(&self.pose, hit.instance, at, side))
         };
         rays.iter().zip(&hits).filter_map(|(ray, hit)| Some(point((ray, hit.as_ref()?)))).collect()
     }
@@ -324,13 +331,13 @@ impl<'a> ModelSurvey<'a> {
         let mut points = Vec::new();
         for light in &self.scene.lights {
             let LightKind::Area { instance, triangles } = &light.kind else { continue };
-            let mesh = &self.scene.meshes[self.scene.instances[*instance].mesh];
             for emitter in triangles.iter().step_by(triangles.len().div_ceil(MOST).max(1)) {
-                let [a, b, c] = mesh.triangle_positions(emitter.triangle);
-                let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
-                let position = (a + b + c) / 3.0;
-                let position = position + normal * ray_offset(position, self.radius);
-                points.push(Sample { position, normal });
+                let at = SurfacePoint { triangle: emitter.triangle, barycentrics: Vec2::splat(1.0 / 3.0) };
+                let found = self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(true));
+                points.push(Sample {
+                    position: found.surface.offset_position(self.radius),
+                    ..Sample::of(&found)
+                });
             }
         }
         points
@@ -339,9 +346,9 @@ impl<'a> ModelSurvey<'a> {
 
 /// Samples the surface of a model, each triangle in proportion to the square root of its area: neither a ground plane
 /// of two triangles nor a small object of a hundred thousand dominates.
-fn samples_of(scene: &Scene) -> Vec<Sample> {
+fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
     let mut samples = Vec::with_capacity(SAMPLES);
-    for instance in scene.instances.iter().filter(|instance| instance.visible) {
+    for (place, instance) in (0..).zip(&scene.instances).filter(|(_, instance)| instance.visible) {
         let mesh = &scene.meshes[instance.mesh];
         let mut sum = 0.0f64;
         let weight = |triangle| f64::from(mesh.triangle_area(triangle).sqrt());
@@ -352,16 +359,17 @@ fn samples_of(scene: &Scene) -> Vec<Sample> {
             })
             .collect();
         for index in 0..SAMPLES {
-            let place = (index as f64 + 0.5) / SAMPLES as f64 * sum;
-            let triangle = sums.partition_point(|&sum| sum < place).min(mesh.triangles.len() - 1);
+            let mark = (index as f64 + 0.5) / SAMPLES as f64 * sum;
+            let triangle = sums.partition_point(|&sum| sum < mark).min(mesh.triangles.len() - 1);
             // The low-discrepancy sequence R2 (Roberts 2018).
             let across = (index as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract();
             let point =
                 SurfacePoint { triangle: triangle as u32, barycentrics: crate::sampling::triangle(across) };
             let surface = mesh.interpolate(point);
             if scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes) {
-                let side = if surface.normal.dot(surface.geometric_normal) < 0.0 { -1.0 } else { 1.0 };
-                samples.push(Sample { position: surface.position, normal: surface.geometric_normal * side });
+                // Vertex normals tell the outside better than the order of corners.
+                let side = Side::Front(surface.normal.dot(surface.geometric_normal) >= 0.0);
+                samples.push(Sample::of(&scene.surface_at(pose, place, point, side)));
             }
         }
     }
@@ -374,4 +382,30 @@ fn fraction(yes: impl Iterator<Item = bool>, of: usize) -> f32 {
 
 fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
     crate::statistics::percentile(values, 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Quat};
+
+    use super::super::{Instance, Material, Mesh};
+    use super::*;
+
+    #[test]
+    fn a_box_is_open_to_the_sky_however_it_is_placed() {
+        for turn in
+            [Quat::IDENTITY, Quat::from_rotation_x(1.5), Quat::from_axis_angle(Vec3::ONE.normalize(), 2.0)]
+        {
+            let mut scene = Scene::new("box");
+            scene.materials.push(Material::grey("grey"));
+            scene.meshes.push(Mesh::cuboid("box", Vec3::new(1.0, 2.0, 3.0), 0));
+            let placed =
+                Affine3A::from_scale_rotation_translation(Vec3::splat(5.0), turn, Vec3::new(9.0, 1.0, 2.0));
+            scene.instances.push(Instance::fixed("box", 0, placed));
+            let middle = Vec3::new(9.0, 1.0, 2.0);
+            let camera = Camera::looking(middle + Vec3::new(20.0, 25.0, 40.0), middle);
+            let open = ModelSurvey::new(&scene).open_to_sky(&camera);
+            assert!(open > 0.99, "{open} with {turn}");
+        }
+    }
 }
