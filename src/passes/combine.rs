@@ -49,9 +49,9 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
-    luminance: Arc<ComputePipeline>,
-    exposure: Arc<ComputePipeline>,
-    combine: Arc<ComputePipeline>,
+    luminance: ComputePipeline,
+    exposure: ComputePipeline,
+    combine: ComputePipeline,
     display: Image,
     histogram: Buffer,
     factor: Buffer,
@@ -60,7 +60,7 @@ pub struct CombinePass {
 impl CombinePass {
     /// Makes the pipelines and the picture, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
+        let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
         Ok(Self {
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
@@ -74,9 +74,9 @@ impl CombinePass {
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            luminance: Arc::clone(&self.luminance),
-            exposure: Arc::clone(&self.exposure),
-            combine: Arc::clone(&self.combine),
+            luminance: self.luminance.clone(),
+            exposure: self.exposure.clone(),
+            combine: self.combine.clone(),
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,

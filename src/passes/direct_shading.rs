@@ -31,7 +31,7 @@ pub struct DirectShadingInputs<'a> {
 
 /// The pass.
 pub struct DirectShadingPass {
-    pipeline: Arc<ComputePipeline>,
+    pipeline: ComputePipeline,
     direct: Image,
     specular_albedo: Image,
     last: LastInputs<([Version; 2], Vec4)>,
@@ -41,19 +41,15 @@ impl DirectShadingPass {
     /// Makes the pipeline and the image, of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
-        Self::of(device, Arc::new(pipeline), extent)
+        Self::of(device, pipeline, extent)
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(device, Arc::clone(&self.pipeline), extent)
+        Self::of(device, self.pipeline.clone(), extent)
     }
 
-    fn of(
-        device: &Arc<Device>,
-        pipeline: Arc<ComputePipeline>,
-        extent: [u32; 2],
-    ) -> Result<Self, VulkanError> {
+    fn of(device: &Arc<Device>, pipeline: ComputePipeline, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let direct = storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?;
         let specular_albedo = storage_image(device, "specular_albedo", vk::Format::R8G8B8A8_UNORM, extent)?;
         Ok(Self { pipeline, direct, specular_albedo, last: LastInputs::default() })

@@ -44,7 +44,7 @@ struct Key {
 /// The pass.
 pub struct DirectShadowsPass {
     tracer: RayTracer,
-    pipeline: Arc<ComputePipeline>,
+    pipeline: ComputePipeline,
     /// Bit i of layer l: whether the pixel sees light 32 l + i.
     visibility: Image,
     last: LastInputs<Key>,
@@ -57,7 +57,7 @@ impl DirectShadowsPass {
         let spirv = tracer.of(shaders::DIRECT_SHADOWS_COMP);
         Ok(Self {
             tracer,
-            pipeline: Arc::new(ComputePipeline::new(device, "direct_shadows", spirv)?),
+            pipeline: ComputePipeline::new(device, "direct_shadows", spirv)?,
             visibility: visibility(device, extent, 1)?,
             last: LastInputs::default(),
             device: Arc::clone(device),
@@ -68,7 +68,7 @@ impl DirectShadowsPass {
     pub fn resized(&self, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
             tracer: self.tracer,
-            pipeline: Arc::clone(&self.pipeline),
+            pipeline: self.pipeline.clone(),
             visibility: visibility(&self.device, extent, self.visibility.layers())?,
             last: LastInputs::default(),
             device: Arc::clone(&self.device),

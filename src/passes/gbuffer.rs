@@ -28,6 +28,15 @@ const FORMATS: [vk::Format; 6] = [
     vk::Format::R16G16_SFLOAT,
 ];
 
+/// Formats and offsets of a vertex's attributes, by location.
+const ATTRIBUTES: [(vk::Format, u32); 5] = [
+    (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
+    (vk::Format::R16G16_SNORM, offset_of!(Vertex, normal) as u32),
+    (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+    (vk::Format::R32_UINT, offset_of!(Vertex, tangent) as u32),
+    (vk::Format::R8G8B8A8_UNORM, offset_of!(Vertex, colour) as u32),
+];
+
 /// What the pass writes.
 pub struct GBuffer {
     /// View depth, 0 where no surface is.
@@ -107,7 +116,7 @@ const MOVED: u32 = 2;
 
 /// The pass.
 pub struct GBufferPass {
-    pipeline: Arc<GraphicsPipeline>,
+    pipeline: GraphicsPipeline,
     materials: Arc<MaterialSets>,
     targets: GBuffer,
 }
@@ -115,13 +124,6 @@ pub struct GBufferPass {
 impl GBufferPass {
     /// Makes the pipeline and the images, of `extent` texels.
     pub fn new(device: &Arc<Device>, scene: &SceneBuffers, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let attributes = [
-            (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
-            (vk::Format::R16G16_SNORM, offset_of!(Vertex, normal) as u32),
-            (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
-            (vk::Format::R32_UINT, offset_of!(Vertex, tangent) as u32),
-            (vk::Format::R8G8B8A8_UNORM, offset_of!(Vertex, colour) as u32),
-        ];
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsDescription {
@@ -129,24 +131,20 @@ impl GBufferPass {
                 vertex: shaders::GBUFFER_VERT,
                 fragment: shaders::GBUFFER_FRAG,
                 vertex_stride: size_of::<Vertex>() as u32,
-                attributes: &attributes,
+                attributes: &ATTRIBUTES,
                 colors: &FORMATS,
                 blend: false,
                 variants: &[0, 1, 2, 3],
             },
         )?;
         let materials = scene.material_sets(device, &pipeline)?;
-        Ok(Self {
-            pipeline: Arc::new(pipeline),
-            materials: Arc::new(materials),
-            targets: GBuffer::new(device, extent)?,
-        })
+        Ok(Self { pipeline, materials: Arc::new(materials), targets: GBuffer::new(device, extent)? })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
-            pipeline: Arc::clone(&self.pipeline),
+            pipeline: self.pipeline.clone(),
             materials: Arc::clone(&self.materials),
             targets: GBuffer::new(device, extent)?,
         })

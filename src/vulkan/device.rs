@@ -9,6 +9,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use super::instance::creation_lock;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
+use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, Living};
 use super::ray_query::RayQueries;
 use super::{Instance, Surface, VulkanError};
 
@@ -19,6 +20,8 @@ pub struct Device {
     ray_queries: Option<RayQueries>,
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     memory: MemoryMeter,
+    compute_pipelines: Living<ComputeKey, Compute>,
+    graphics_pipelines: Living<GraphicsDescription, Graphics>,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
     /// Queues need external synchronisation.
@@ -82,6 +85,8 @@ impl Device {
             ray_queries,
             allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
             memory: MemoryMeter::default(),
+            compute_pipelines: Living::default(),
+            graphics_pipelines: Living::default(),
             limits: properties.limits,
             physical,
             queue: Mutex::new(queue),
@@ -183,6 +188,14 @@ impl Device {
 
     pub(super) fn memory(&self) -> &MemoryMeter {
         &self.memory
+    }
+
+    pub(super) fn compute_pipelines(&self) -> &Living<ComputeKey, Compute> {
+        &self.compute_pipelines
+    }
+
+    pub(super) fn graphics_pipelines(&self) -> &Living<GraphicsDescription, Graphics> {
+        &self.graphics_pipelines
     }
 
     /// The allocator, to be shared; owners must drop it before the device.

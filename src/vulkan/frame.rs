@@ -8,7 +8,7 @@ use bytemuck::Pod;
 use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
-use super::pipeline::Layout;
+use super::layout::Layout;
 use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
 
 /// Frames in flight: the CPU records one while the device executes the other.

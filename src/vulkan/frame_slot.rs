@@ -8,7 +8,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::frame::FrameTimes;
-use super::pipeline::{Layout, PASS_SET};
+use super::layout::{Layout, PASS_SET};
 use super::upload::mapped;
 use super::{Buffer, Device, VulkanError};
 

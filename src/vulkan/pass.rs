@@ -8,7 +8,7 @@ use bytemuck::Pod;
 use super::access::{Access, Barrier};
 use super::draw::extent2d;
 use super::frame::Recorder;
-use super::pipeline::Layout;
+use super::layout::Layout;
 use super::reflect::BindingKind;
 use super::{
     BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
@@ -65,7 +65,7 @@ pub struct Pass<'f> {
 
 impl<'f> Pass<'f> {
     pub(super) fn compute(recorder: Recorder<'f>, name: &'static str, pipeline: &'f ComputePipeline) -> Self {
-        Self::new(recorder, name, std::slice::from_ref(&pipeline.raw), &pipeline.layout, true)
+        Self::new(recorder, name, std::slice::from_ref(&pipeline.0.raw), &pipeline.0.layout, true)
     }
 
     pub(super) fn graphics(
@@ -73,7 +73,7 @@ impl<'f> Pass<'f> {
         name: &'static str,
         pipeline: &'f GraphicsPipeline,
     ) -> Self {
-        Self::new(recorder, name, &pipeline.variants, &pipeline.layout, false)
+        Self::new(recorder, name, &pipeline.0.variants, &pipeline.0.layout, false)
     }
 
     fn new(

@@ -1,121 +1,32 @@
-//! Compute and graphics pipelines, with layouts from shader reflection.
+//! Compute and graphics pipelines.
+//!
+//! Each device remembers those that live, so that a renderer for another scene compiles no shader again.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use ash::vk;
 
-use super::reflect::{Binding, BindingKind};
-use super::{Buffer, Device, Image, Reflection, Sampler, VulkanError};
+use super::layout::Layout;
+use super::{Device, Reflection, VulkanError};
 
-/// Descriptor set that a pass binds by name.
-pub(super) const PASS_SET: u32 = 0;
-/// Descriptor set that changes per draw.
-const MATERIAL_SET: u32 = 1;
+/// A compute pipeline with its layout. Clones, and those that are made of the same shader while it lives, share it.
+#[derive(Clone)]
+pub struct ComputePipeline(pub(super) Arc<Compute>);
 
-impl BindingKind {
-    pub(super) fn descriptor_type(self) -> vk::DescriptorType {
-        match self {
-            Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
-            Self::StorageBuffer | Self::ReadOnlyStorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
-            Self::TexelBuffer => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
-            Self::SampledImage => vk::DescriptorType::SAMPLED_IMAGE,
-            Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
-            Self::CombinedImageSampler => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            Self::AccelerationStructure => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
-        }
-    }
+/// What a [`ComputePipeline`] owns.
+pub(super) struct Compute {
+    pub raw: vk::Pipeline,
+    pub layout: Layout,
 }
 
-/// Pipeline layout, descriptor set layouts and the reflection they come from.
-pub(super) struct Layout {
-    pub raw: vk::PipelineLayout,
-    pub sets: Vec<vk::DescriptorSetLayout>,
-    pub reflection: Reflection,
-    pub stages: vk::ShaderStageFlags,
-    device: Arc<Device>,
-}
-
-impl Layout {
-    fn new(
-        device: &Arc<Device>,
-        name: &str,
-        reflection: Reflection,
-        stages: vk::ShaderStageFlags,
-    ) -> Result<Self, VulkanError> {
-        let limit = device.limits().max_push_constants_size;
-        if reflection.push_size > limit {
-            let what = format!("pass {name} with {} bytes of push constants", reflection.push_size);
-            return Err(VulkanError::Limit { what, limit: u64::from(limit) });
-        }
-        let mut layout = Self {
-            raw: vk::PipelineLayout::null(),
-            sets: Vec::new(),
-            reflection,
-            stages,
-            device: Arc::clone(device),
-        };
-        for set in [PASS_SET, MATERIAL_SET] {
-            let bindings: Vec<_> = layout
-                .reflection
-                .bindings
-                .values()
-                .filter(|binding| binding.set == set)
-                .map(|binding| {
-                    vk::DescriptorSetLayoutBinding::default()
-                        .binding(binding.binding)
-                        .descriptor_type(binding.kind.descriptor_type())
-                        .descriptor_count(1)
-                        .stage_flags(stages)
-                })
-                .collect();
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-            // SAFETY: `info` is complete; the layout is destroyed in `drop`.
-            let raw = unsafe { device.raw().create_descriptor_set_layout(&info, None) }
-                .map_err(VulkanError::call("creation", format!("set layout of {name}")))?;
-            layout.sets.push(raw);
-        }
-        let push = [vk::PushConstantRange::default().stage_flags(stages).size(layout.reflection.push_size)];
-        let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layout.sets);
-        if layout.reflection.push_size > 0 {
-            info = info.push_constant_ranges(&push);
-        }
-        // SAFETY: the set layouts live as long as the pipeline layout.
-        layout.raw = unsafe { device.raw().create_pipeline_layout(&info, None) }
-            .map_err(VulkanError::call("creation", format!("layout of {name}")))?;
-        Ok(layout)
-    }
-
-    /// The bindings of the pass's set.
-    pub(super) fn pass_bindings(&self) -> impl Iterator<Item = (&str, &Binding)> {
-        self.reflection
-            .bindings
-            .iter()
-            .filter(|(_, binding)| binding.set == PASS_SET)
-            .map(|(name, binding)| (name.as_str(), binding))
-    }
-}
-
-impl Drop for Layout {
-    fn drop(&mut self) {
-        // SAFETY: the owner waits for the device before dropping a pipeline that a submitted frame uses.
-        unsafe {
-            self.device.raw().destroy_pipeline_layout(self.raw, None);
-            for set in &self.sets {
-                self.device.raw().destroy_descriptor_set_layout(*set, None);
-            }
-        }
-    }
-}
-
-/// A compute pipeline with its layout.
-pub struct ComputePipeline {
-    pub(super) raw: vk::Pipeline,
-    pub(super) layout: Layout,
-}
+/// Shader and specialisation constants.
+pub(super) type ComputeKey = (&'static [u8], Vec<u32>);
 
 impl ComputePipeline {
     /// Creates a pipeline from a compiled shader. `name` is for messages and debuggers.
-    pub fn new(device: &Arc<Device>, name: &str, spirv: &[u8]) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, name: &str, spirv: &'static [u8]) -> Result<Self, VulkanError> {
         Self::specialised(device, name, spirv, &[])
     }
 
@@ -123,9 +34,21 @@ impl ComputePipeline {
     pub fn specialised(
         device: &Arc<Device>,
         name: &str,
-        spirv: &[u8],
+        spirv: &'static [u8],
         constants: &[u32],
     ) -> Result<Self, VulkanError> {
+        let make = || Compute::new(device, name, spirv, constants);
+        device.compute_pipelines().share((spirv, constants.to_vec()), make).map(Self)
+    }
+
+    /// The shader's bindings, push constants and group size.
+    pub fn reflection(&self) -> &Reflection {
+        &self.0.layout.reflection
+    }
+}
+
+impl Compute {
+    fn new(device: &Arc<Device>, name: &str, spirv: &[u8], constants: &[u32]) -> Result<Self, VulkanError> {
         let reflection = Reflection::new(name, spirv)?;
         let layout = Layout::new(device, name, reflection, vk::ShaderStageFlags::COMPUTE)?;
         let module = ShaderModule::new(device, name, spirv)?;
@@ -140,14 +63,9 @@ impl ComputePipeline {
         device.set_name(raw, name);
         Ok(Self { raw, layout })
     }
-
-    /// The shader's bindings, push constants and group size.
-    pub fn reflection(&self) -> &Reflection {
-        &self.layout.reflection
-    }
 }
 
-impl Drop for ComputePipeline {
+impl Drop for Compute {
     fn drop(&mut self) {
         // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
         unsafe { self.layout.device.raw().destroy_pipeline(self.raw, None) };
@@ -155,35 +73,46 @@ impl Drop for ComputePipeline {
 }
 
 /// Parameters of a [`GraphicsPipeline`].
-pub struct GraphicsDescription<'a> {
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct GraphicsDescription {
     /// For messages and debuggers.
-    pub name: &'a str,
+    pub name: &'static str,
     /// Compiled vertex shader.
-    pub vertex: &'a [u8],
+    pub vertex: &'static [u8],
     /// Compiled fragment shader.
-    pub fragment: &'a [u8],
+    pub fragment: &'static [u8],
     /// Vertex stride, bytes.
     pub vertex_stride: u32,
     /// Format and offset of each vertex attribute, by location.
-    pub attributes: &'a [(vk::Format, u32)],
+    pub attributes: &'static [(vk::Format, u32)],
     /// Formats of the colour targets.
-    pub colors: &'a [vk::Format],
+    pub colors: &'static [vk::Format],
     /// Alpha blending over the loaded target, without a depth buffer.
     pub blend: bool,
     /// Values of the shaders' specialisation constant 0, one per variant; draws select one.
-    pub variants: &'a [u32],
+    pub variants: &'static [u32],
 }
 
 /// Vertex and fragment shader with fixed state: triangles, no culling, reversed depth (greater is nearer) or
-/// none.
-pub struct GraphicsPipeline {
-    pub(super) variants: Vec<vk::Pipeline>,
-    pub(super) layout: Layout,
+/// none. Clones, and those that are made of the same description while it lives, share it.
+#[derive(Clone)]
+pub struct GraphicsPipeline(pub(super) Arc<Graphics>);
+
+/// What a [`GraphicsPipeline`] owns.
+pub(super) struct Graphics {
+    pub variants: Vec<vk::Pipeline>,
+    pub layout: Layout,
 }
 
 impl GraphicsPipeline {
     /// Creates a pipeline that renders to `colors` and, unless it blends, a 32-bit depth buffer.
-    pub fn new(device: &Arc<Device>, description: &GraphicsDescription<'_>) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, description: &GraphicsDescription) -> Result<Self, VulkanError> {
+        device.graphics_pipelines().share(*description, || Graphics::new(device, description)).map(Self)
+    }
+}
+
+impl Graphics {
+    fn new(device: &Arc<Device>, description: &GraphicsDescription) -> Result<Self, VulkanError> {
         let name = description.name;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         let reflection =
@@ -208,7 +137,7 @@ impl GraphicsPipeline {
     }
 }
 
-impl Drop for GraphicsPipeline {
+impl Drop for Graphics {
     fn drop(&mut self) {
         for variant in &self.variants {
             // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
@@ -219,7 +148,7 @@ impl Drop for GraphicsPipeline {
 
 fn create_graphics(
     device: &Device,
-    description: &GraphicsDescription<'_>,
+    description: &GraphicsDescription,
     shaders: &[vk::PipelineShaderStageCreateInfo<'_>],
     layout: vk::PipelineLayout,
 ) -> Result<vk::Pipeline, vk::Result> {
@@ -348,77 +277,47 @@ impl Drop for ShaderModule {
     }
 }
 
-/// One descriptor set per material: its textures.
-pub struct MaterialSets {
-    pool: vk::DescriptorPool,
-    pub(super) sets: Vec<vk::DescriptorSet>,
-    device: Arc<Device>,
+/// What lives of a kind, by what it was made of.
+pub(super) struct Living<Key, Made>(Mutex<HashMap<Key, Weak<Made>>>);
+
+impl<Key, Made> Default for Living<Key, Made> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
 }
 
-impl MaterialSets {
-    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers, then a uniform block:
-    /// one element of the buffer, each of which has the given size, a multiple of 256.
-    pub fn new<const N: usize>(
-        device: &Arc<Device>,
-        pipeline: &GraphicsPipeline,
-        images: &[[(&Image, &Sampler); N]],
-        (data, size): (&Buffer, u64),
-    ) -> Result<Self, VulkanError> {
-        let count = u32::try_from(images.len()).unwrap_or(u32::MAX).max(1);
-        assert!(size.is_multiple_of(256), "blocks of {size} bytes do not fit every device's alignment");
-        let pool_size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: count * each };
-        let sizes = [
-            pool_size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, N as u32),
-            pool_size(vk::DescriptorType::UNIFORM_BUFFER, 1),
-        ];
-        let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
-        // SAFETY: `info` is complete; the pool is destroyed in `drop`.
-        let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
-            .map_err(VulkanError::call("creation", "material descriptors"))?;
-        let mut made = Self { pool, sets: Vec::new(), device: Arc::clone(device) };
-        let layout = pipeline.layout.sets[MATERIAL_SET as usize];
-        for (index, textures) in (0..).zip(images) {
-            let layouts = [layout];
-            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let buffer_info =
-                [vk::DescriptorBufferInfo { buffer: data.raw, offset: index * size, range: size }];
-            let image_infos = textures.map(|(image, sampler)| {
-                [vk::DescriptorImageInfo {
-                    sampler: sampler.raw,
-                    image_view: image.view,
-                    image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
-                }]
-            });
-            // SAFETY: the pool was sized for these sets; images, samplers and buffer outlive their use.
-            unsafe {
-                let set = device
-                    .raw()
-                    .allocate_descriptor_sets(&info)
-                    .map_err(VulkanError::call("allocation", "material descriptors"))?[0];
-                let writes: [_; N] = std::array::from_fn(|binding| {
-                    vk::WriteDescriptorSet::default()
-                        .dst_set(set)
-                        .dst_binding(binding as u32)
-                        .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
-                        .image_info(&image_infos[binding])
-                });
-                let block = vk::WriteDescriptorSet::default()
-                    .dst_set(set)
-                    .dst_binding(N as u32)
-                    .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
-                    .buffer_info(&buffer_info);
-                device.raw().update_descriptor_sets(&writes, &[]);
-                device.raw().update_descriptor_sets(&[block], &[]);
-                made.sets.push(set);
-            }
+impl<Key: Hash + Eq, Made> Living<Key, Made> {
+    /// What lives of this key, or what `make` makes.
+    fn share(
+        &self,
+        key: Key,
+        make: impl FnOnce() -> Result<Made, VulkanError>,
+    ) -> Result<Arc<Made>, VulkanError> {
+        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let living = lock().get(&key).and_then(Weak::upgrade);
+        if let Some(made) = living {
+            return Ok(made);
         }
+        // Others may share what lives meanwhile.
+        let made = Arc::new(make()?);
+        let mut all = lock();
+        all.retain(|_, made| made.strong_count() > 0);
+        all.insert(key, Arc::downgrade(&made));
         Ok(made)
     }
 }
 
-impl Drop for MaterialSets {
-    fn drop(&mut self) {
-        // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
-        unsafe { self.device.raw().destroy_descriptor_pool(self.pool, None) };
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lives_is_shared_and_what_has_died_is_made_again() {
+        let living = Living::default();
+        let share = |key, made| living.share(key, || Ok(made)).unwrap();
+        let first = share("a", 1);
+        assert_eq!([*share("a", 2), *share("b", 3)], [1, 3]);
+        drop(first);
+        assert_eq!(*share("a", 4), 4);
     }
 }

@@ -17,9 +17,9 @@ const FILTER_STEPS: [i32; 3] = [1, 2, 4];
 
 /// The pass.
 pub struct IndirectReprojectionPass {
-    sum: Arc<ComputePipeline>,
-    filter: Arc<ComputePipeline>,
-    full: Arc<ComputePipeline>,
+    sum: ComputePipeline,
+    filter: ComputePipeline,
+    full: ComputePipeline,
     /// Irradiance and its variance, at half the resolution: before and after a step of the filter, in turns.
     coarse: [(Image, Image); 2],
     irradiance: Image,
@@ -28,7 +28,7 @@ pub struct IndirectReprojectionPass {
 impl IndirectReprojectionPass {
     /// Makes the pipelines, and the images for pictures of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = |name, spirv| Ok(Arc::new(ComputePipeline::new(device, name, spirv)?));
+        let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
         let sum = pipeline("coarse_reprojection", shaders::COARSE_REPROJECTION_COMP)?;
         let filter = pipeline("variance_filter", shaders::VARIANCE_FILTER_COMP)?;
         let full = pipeline("indirect_reprojection", shaders::INDIRECT_REPROJECTION_COMP)?;
@@ -37,12 +37,12 @@ impl IndirectReprojectionPass {
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(device, [&self.sum, &self.filter, &self.full].map(Arc::clone), extent)
+        Self::of(device, [&self.sum, &self.filter, &self.full].map(ComputePipeline::clone), extent)
     }
 
     fn of(
         device: &Arc<Device>,
-        [sum, filter, full]: [Arc<ComputePipeline>; 3],
+        [sum, filter, full]: [ComputePipeline; 3],
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
         let half = extent.map(|side| side.div_ceil(2));

@@ -40,10 +40,10 @@ struct DrawPush {
 
 /// The pass.
 pub struct IndirectShadowsPass {
-    visibility: Arc<ComputePipeline>,
-    weigh: Arc<ComputePipeline>,
-    draw: Arc<ComputePipeline>,
-    compensate: Arc<ComputePipeline>,
+    visibility: ComputePipeline,
+    weigh: ComputePipeline,
+    draw: ComputePipeline,
+    compensate: ComputePipeline,
     /// Of the light, that a set holds.
     set_share: f32,
     /// Whether there is a bound of the geometry term.
@@ -61,13 +61,13 @@ impl IndirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image.
     pub fn new(device: &Arc<Device>, tracer: RayTracer, settings: &Settings) -> Result<Self, VulkanError> {
         let draw = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
-        let draw = Arc::new(ComputePipeline::new(device, "indirect_shadows", draw)?);
+        let draw = ComputePipeline::new(device, "indirect_shadows", draw)?;
         let visibility = tracer.of(shaders::CLUSTER_VISIBILITY_COMP);
-        let visibility = Arc::new(ComputePipeline::new(device, "cluster_visibility", visibility)?);
+        let visibility = ComputePipeline::new(device, "cluster_visibility", visibility)?;
         let compensate = tracer.of(shaders::BIAS_COMPENSATION_COMP);
-        let compensate = Arc::new(ComputePipeline::new(device, "bias_compensation", compensate)?);
+        let compensate = ComputePipeline::new(device, "bias_compensation", compensate)?;
         let weigh = shaders::CLUSTER_WEIGHTS_COMP;
-        let weigh = Arc::new(ComputePipeline::new(device, "cluster_weights", weigh)?);
+        let weigh = ComputePipeline::new(device, "cluster_weights", weigh)?;
         Self::of(device, [visibility, weigh, draw, compensate], settings)
     }
 
@@ -75,14 +75,14 @@ impl IndirectShadowsPass {
     pub fn changed(&self, device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
         Self::of(
             device,
-            [&self.visibility, &self.weigh, &self.draw, &self.compensate].map(Arc::clone),
+            [&self.visibility, &self.weigh, &self.draw, &self.compensate].map(ComputePipeline::clone),
             settings,
         )
     }
 
     fn of(
         device: &Arc<Device>,
-        [visibility, weigh, draw, compensate]: [Arc<ComputePipeline>; 4],
+        [visibility, weigh, draw, compensate]: [ComputePipeline; 4],
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let step = set_step(&settings.vpl);

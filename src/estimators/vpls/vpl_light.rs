@@ -11,7 +11,7 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders,
 
 /// The pass.
 pub struct VplLightPass {
-    pipeline: Arc<ComputePipeline>,
+    pipeline: ComputePipeline,
     light: Image,
 }
 
@@ -19,12 +19,12 @@ impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = ComputePipeline::new(device, "vpl_light", tracer.of(shaders::VPL_LIGHT_COMP))?;
-        Ok(Self { pipeline: Arc::new(pipeline), light: light(device, extent)? })
+        Ok(Self { pipeline: pipeline, light: light(device, extent)? })
     }
 
     /// The same pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: Arc::clone(&self.pipeline), light: light(device, extent)? })
+        Ok(Self { pipeline: self.pipeline.clone(), light: light(device, extent)? })
     }
 
     /// Irradiance, weighted; a: 1 where the VPL sees the pixel.
