@@ -13,6 +13,7 @@
 //! - [`metrics`]: errors of a picture against its reference.
 //! - [`plot`]: charts as PNG files.
 //! - [`passes`]: the passes that all methods share, one file each.
+//! - [`denoise`]: denoisers; none knows where its signal comes from.
 //! - [`estimators`]: methods for indirect light; one folder each.
 //! - [`renderer`]: the frame itself.
 //! - [`mod@reference`]: the ground truth, by path tracing on the CPU.
@@ -28,6 +29,7 @@ pub mod bvh;
 pub mod cli;
 pub mod dataset;
 pub mod demo;
+pub mod denoise;
 pub mod estimators;
 pub mod export;
 mod memory;

@@ -14,6 +14,7 @@ pub mod gbuffer;
 pub mod geometry;
 pub mod hit_buffers;
 pub mod overlay;
+pub mod reprojection;
 pub mod scene_buffers;
 pub mod skip;
 pub mod structs;
