@@ -112,11 +112,7 @@ struct AtrousPush {
 
 impl Svgf {
     /// Makes the pipelines, and the images of `extent` texels.
-    pub fn new(
-        device: &Arc<Device>,
-        extent: [u32; 2],
-        settings: &SvgfSettings,
-    ) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, extent: [u32; 2], settings: &SvgfSettings) -> Result<Self, VulkanError> {
         let image = |name| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         let radii: &[[u32; 2]] = if settings.separable { &[[2, 0], [0, 2]] } else { &[[2, 2]] };
         let atrous = |radii: &[u32; 2]| {
@@ -148,6 +144,16 @@ impl Svgf {
     /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
         &self.moments[self.last.unwrap_or_default()]
+    }
+
+    /// What the last steps of the filter wrote, in turns, as [`Self::output`].
+    pub fn light(&self, index: usize) -> &Image {
+        &self.light[index]
+    }
+
+    /// What the next frame takes as history, as [`Self::output`].
+    pub fn history(&self) -> &Image {
+        &self.history
     }
 
     /// Denoises one frame.

@@ -1,0 +1,134 @@
+//! Each stage of SVGF against its CPU twin, on random signals and surfaces.
+
+use glam::{IVec2, Vec3, Vec4, Vec4Swizzles};
+use glowworm::denoise::svgf::SvgfSettings;
+
+use crate::lab::Lab;
+use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth};
+use crate::twin::{self, Before};
+
+/// Numbers in [0, 1), one after the other.
+pub struct Numbers(pub u32);
+
+impl Numbers {
+    pub fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
+        ((word >> 22 ^ word) >> 8) as f32 / (1u32 << 24) as f32
+    }
+
+    pub fn colour(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+/// Two planes, one behind the other, a gap without surfaces, and motion to wherever there was one.
+fn random_pixels(numbers: &mut Numbers) -> Vec<Pixel> {
+    let normals = [Vec3::new(0.2, 0.1, 1.0).normalize(), Vec3::new(-0.6, 0.3, 0.7).normalize()];
+    pixels(|at| {
+        let side = usize::from(at.x + at.y / 3 > 30);
+        let depth = plane_depth(at, Vec3::new(0.0, 0.0, -4.0 - 2.0 * side as f32), normals[side]);
+        let mut pixel =
+            Pixel::at_rest(numbers.colour() * 4.0 * numbers.next(), normals[side], depth.unwrap());
+        if at.y == 20 || numbers.next() < 0.02 {
+            pixel.depth = 0.0;
+        }
+        let moved = IVec2::new((numbers.next() * 5.0) as i32 - 2, (numbers.next() * 5.0) as i32 - 2);
+        let part = [0.25, 0.75].map(|part| if numbers.next() < 0.5 { part } else { 0.0 });
+        let motion = [moved.x as f32 + part[0], moved.y as f32 + part[1]];
+        let (four, nine) = ((numbers.next() * 16.0) as u32, (numbers.next() * 512.0) as u32);
+        // Only what lies in the picture may be read.
+        let corner = |bits: u32, first: IVec2, side: i32| {
+            (0..side * side).fold(0, |mask, tap| {
+                let there = first + IVec2::new(tap % side, tap / side);
+                let inside =
+                    there.cmpge(IVec2::ZERO).all() && there.x < WIDTH as i32 && there.y < HEIGHT as i32;
+                if inside { mask | bits & 1 << tap } else { mask }
+            })
+        };
+        let place = at.as_vec2() - glam::Vec2::from(motion);
+        let four = corner(four, place.floor().as_ivec2(), 2);
+        let nine = if four == 0 { corner(nine, (place + 0.5).floor().as_ivec2() - 1, 3) } else { 0 };
+        pixel.reprojected = [motion[0], motion[1], four as f32, nine as f32];
+        pixel
+    })
+}
+
+/// Within a thousandth, or what half floats round off beside 1.
+fn assert_near(stage: &str, found: &[Vec4], expected: impl Fn(usize) -> Vec4) {
+    for (pixel, found) in found.iter().enumerate() {
+        let expected = expected(pixel);
+        let tolerance = 1e-3 * expected.abs().max(Vec4::splat(0.02));
+        assert!(
+            (found - expected).abs().cmple(tolerance).all(),
+            "{stage}, pixel ({}, {}): {found}, not {expected}",
+            pixel % WIDTH,
+            pixel / WIDTH
+        );
+    }
+}
+
+fn compare(settings: &SvgfSettings) {
+    let Some(lab) = Lab::open() else { return };
+    let mut bench = Bench::new(&lab.device, settings);
+    let mut numbers = Numbers(5);
+    let mut before: Option<(Vec<Vec4>, Vec<Vec4>)> = None;
+    for frame in 0..7 {
+        let pixels = random_pixels(&mut numbers);
+        bench.denoise(&pixels);
+        // With one level and it as history, nothing is written twice.
+        let [light, estimated] = [0, 1].map(|index| bench.read(|svgf| svgf.light(index)));
+        let [history, moments] = [bench.read(|svgf| svgf.history()), bench.read(|svgf| svgf.moments())];
+        let then = || before.as_ref().map(|(history, moments)| Before { history, moments });
+        assert_near("light", &light, |pixel| twin::temporal(settings, &pixels, then(), pixel).0);
+        assert_near("moments", &moments, |pixel| twin::temporal(settings, &pixels, then(), pixel).1);
+        assert_near("variance", &estimated, |pixel| {
+            twin::variance(settings, &pixels, &light, &moments, pixel)
+        });
+        assert_near("a-trous", &history, |pixel| {
+            twin::atrous(settings, &pixels, &estimated, (1, [2, 2]), pixel)
+        });
+        assert!(history.iter().all(|texel| texel.is_finite()), "frame {frame}");
+        before = Some((history, moments));
+    }
+    let lengths = before.unwrap().1;
+    assert!(lengths.iter().any(|texel| texel.z == 7.0) && lengths.iter().any(|texel| texel.z == 1.0));
+}
+
+#[test]
+fn stages_are_those_of_the_twin() {
+    compare(&SvgfSettings { levels: 1, feedback: 1, ..SvgfSettings::default() });
+}
+
+#[test]
+fn stages_are_those_of_the_twin_with_the_clamp() {
+    compare(&SvgfSettings { levels: 1, feedback: 1, clamp: 1.0, ..SvgfSettings::default() });
+}
+
+#[test]
+fn later_levels_and_separate_axes_are_those_of_the_twin() {
+    let Some(lab) = Lab::open() else { return };
+    let mut numbers = Numbers(11);
+    let settings = SvgfSettings { levels: 2, feedback: 0, ..SvgfSettings::default() };
+    let mut bench = Bench::new(&lab.device, &settings);
+    let pixels = random_pixels(&mut numbers);
+    bench.denoise(&pixels);
+    let levels = [bench.read(|svgf| svgf.history()), bench.read(|svgf| svgf.light(0)), bench.output()];
+    for level in [0, 1] {
+        let step = (1 << level, [2, 2]);
+        assert_near("level", &levels[level + 1], |pixel| {
+            twin::atrous(&settings, &pixels, &levels[level], step, pixel)
+        });
+    }
+
+    let settings = SvgfSettings { levels: 1, feedback: 0, separable: true, ..settings };
+    let mut bench = Bench::new(&lab.device, &settings);
+    bench.denoise(&pixels);
+    let parts = [bench.read(|svgf| svgf.history()), bench.read(|svgf| svgf.light(0)), bench.output()];
+    for (part, radii) in [[2, 0], [0, 2]].into_iter().enumerate() {
+        assert_near("axis", &parts[part + 1], |pixel| {
+            twin::atrous(&settings, &pixels, &parts[part], (1, radii), pixel)
+        });
+    }
+    assert!(parts[2].iter().zip(&levels[1]).any(|(a, b)| a.xyz() != b.xyz()), "both ways differ somewhere");
+}

@@ -1,0 +1,179 @@
+//! Made-up signals and surfaces on a device, and a denoiser over them.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use exr::prelude::f16;
+use glam::{IVec2, Vec2, Vec3, Vec4};
+use glowworm::denoise::svgf::{Svgf, SvgfInputs, SvgfSettings};
+use glowworm::passes::structs::FrameUniforms;
+use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
+
+/// Odd, so that the last groups of threads are cut.
+pub const WIDTH: usize = 67;
+pub const HEIGHT: usize = 45;
+/// Tangents of half the field of view.
+const HALF_VIEW: Vec2 = Vec2::new(0.8, 0.8 * HEIGHT as f32 / WIDTH as f32);
+
+/// What the denoiser reads of a pixel. Twin of `DenoiserPixel` in shaders/test/fill_denoiser_inputs.comp.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Pixel {
+    pub noisy: [f32; 4],
+    pub normals: [f32; 4],
+    pub reprojected: [f32; 4],
+    pub depth: f32,
+    pub instance: u32,
+    pub pad: [u32; 2],
+}
+
+fn octahedral_encode(n: Vec3) -> Vec2 {
+    let p = Vec2::new(n.x, n.y) / (n.x.abs() + n.y.abs() + n.z.abs());
+    let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+    if n.z >= 0.0 { p } else { Vec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y)) }
+}
+
+fn octahedral_decode(p: Vec2) -> Vec3 {
+    let mut n = Vec3::new(p.x, p.y, 1.0 - p.x.abs() - p.y.abs());
+    if n.z < 0.0 {
+        let sign = |x: f32| if x >= 0.0 { 1.0 } else { -1.0 };
+        (n.x, n.y) = ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y));
+    }
+    n.normalize()
+}
+
+impl Pixel {
+    /// A surface with one normal, at rest: the history of a pixel is its own.
+    pub fn at_rest(light: Vec3, normal: Vec3, depth: f32) -> Self {
+        let place = octahedral_encode(normal).to_array().map(|part| f16::from_f32(part).to_f32());
+        let [x, y] = place;
+        Self {
+            noisy: light.extend(1.0).to_array().map(|part| f16::from_f32(part).to_f32()),
+            normals: [x, y, x, y],
+            reprojected: [0.0, 0.0, 15.0, 0.0],
+            depth,
+            instance: 1,
+            pad: [0; 2],
+        }
+    }
+
+    pub fn geometric(&self) -> Vec3 {
+        octahedral_decode(Vec2::new(self.normals[2], self.normals[3]))
+    }
+
+    /// The shading normal, with 10 bits a component.
+    pub fn packed_shading(&self) -> Vec3 {
+        let packed = |part: f32| ((part * 0.5 + 0.5) * 1023.0 + 0.5).floor() * (2.0 / 1023.0) - 1.0;
+        octahedral_decode(Vec2::new(packed(self.normals[0]), packed(self.normals[1])))
+    }
+}
+
+/// The eye is the origin, the view goes along -z.
+pub fn position_at(pixel: IVec2, depth: f32) -> Vec3 {
+    let at = (pixel.as_vec2() + 0.5) * 2.0 / Vec2::new(WIDTH as f32, HEIGHT as f32) - 1.0;
+    depth * Vec3::new(at.x * HALF_VIEW.x, -at.y * HALF_VIEW.y, -1.0)
+}
+
+/// Of a pixel.
+pub fn footprint(depth: f32) -> f32 {
+    depth * HALF_VIEW.y * 2.0 / HEIGHT as f32
+}
+
+/// Depth of a plane through `point` in each pixel's middle; none where the ray misses it.
+pub fn plane_depth(pixel: IVec2, point: Vec3, normal: Vec3) -> Option<f32> {
+    let depth = point.dot(normal) / position_at(pixel, 1.0).dot(normal);
+    (depth > 0.0 && depth.is_finite()).then_some(depth)
+}
+
+/// A pixel for each place of the picture.
+pub fn pixels(of: impl FnMut(IVec2) -> Pixel) -> Vec<Pixel> {
+    let places = (0..HEIGHT as i32).flat_map(|y| (0..WIDTH as i32).map(move |x| IVec2::new(x, y)));
+    places.map(of).collect()
+}
+
+/// The denoiser with its inputs.
+pub struct Bench {
+    device: Arc<Device>,
+    frames: Frames,
+    fill: ComputePipeline,
+    noisy: Image,
+    normal: Image,
+    reprojected: Image,
+    depth: Image,
+    surface: Image,
+    pub svgf: Svgf,
+}
+
+/// Texels of an image of four half floats.
+pub fn texels(device: &Arc<Device>, image: &Image) -> Vec<Vec4> {
+    let bytes = image.read_layer(device, 0, 8).unwrap();
+    let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&bytes);
+    let texel = |parts: &[u16]| Vec4::from_slice(&[0, 1, 2, 3].map(|i| f16::from_bits(parts[i]).to_f32()));
+    halves.chunks_exact(4).map(texel).collect()
+}
+
+impl Bench {
+    pub fn new(device: &Arc<Device>, settings: &SvgfSettings) -> Self {
+        let extent = [WIDTH as u32, HEIGHT as u32];
+        let image = |name, format| {
+            let usage = vk::ImageUsageFlags::STORAGE;
+            let description = ImageDescription { name, format, extent, layers: None, levels: 1, usage };
+            Image::new(device, &description).unwrap()
+        };
+        let halves = vk::Format::R16G16B16A16_SFLOAT;
+        Self {
+            frames: Frames::new(device).unwrap(),
+            fill: ComputePipeline::new(device, "fill", shaders::FILL_DENOISER_INPUTS_COMP).unwrap(),
+            noisy: image("noisy", halves),
+            normal: image("normal", halves),
+            reprojected: image("reprojected", halves),
+            depth: image("depth", vk::Format::R32_SFLOAT),
+            surface: image("surface", vk::Format::R16G16B16A16_UINT),
+            svgf: Svgf::new(device, extent, settings).unwrap(),
+            device: Arc::clone(device),
+        }
+    }
+
+    /// Denoises one frame.
+    pub fn denoise(&mut self, pixels: &[Pixel]) {
+        let uniforms = FrameUniforms {
+            ray: Vec4::new(0.0, 0.0, -1.0, 0.0),
+            ray_x: Vec4::new(HALF_VIEW.x, 0.0, 0.0, 0.0),
+            ray_y: Vec4::new(0.0, -HALF_VIEW.y, 0.0, 0.0),
+            size: [WIDTH as u32, HEIGHT as u32],
+            ..FrameUniforms::default()
+        };
+        let (mut frame, _) = self.frames.begin().unwrap();
+        let uniforms = frame.upload(&[uniforms]).unwrap();
+        let uploaded = frame.upload(pixels).unwrap();
+        frame
+            .pass("fill", &self.fill)
+            .read("frame_uniforms", &uniforms)
+            .read("pixels", &uploaded)
+            .write("noisy", &self.noisy)
+            .write("gbuffer_normal", &self.normal)
+            .write("reprojected", &self.reprojected)
+            .write("gbuffer_depth", &self.depth)
+            .write("surface", &self.surface)
+            .dispatch_over([WIDTH as u32, HEIGHT as u32])
+            .unwrap();
+        let inputs = SvgfInputs {
+            frame: &uniforms,
+            noisy: &self.noisy,
+            depth: &self.depth,
+            normal: &self.normal,
+            surface: &self.surface,
+            reprojected: &self.reprojected,
+        };
+        self.svgf.record(&mut frame, &inputs).unwrap();
+        frame.submit().unwrap();
+    }
+
+    pub fn read(&self, image: impl Fn(&Svgf) -> &Image) -> Vec<Vec4> {
+        texels(&self.device, image(&self.svgf))
+    }
+
+    pub fn output(&self) -> Vec<Vec4> {
+        self.read(Svgf::output)
+    }
+}

@@ -1,0 +1,175 @@
+//! What SVGF must do to signals whose answer is known (the checklist of its behaviour: constants, impulses, edges, grazing planes,
+//! variance, numbers that are none).
+
+use bytemuck::Zeroable;
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use glowworm::denoise::svgf::SvgfSettings;
+
+use crate::lab::Lab;
+use crate::stages::Numbers;
+use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth};
+
+/// A wall that faces the eye, lit by `light`.
+fn wall(mut light: impl FnMut(usize) -> Vec3) -> Vec<Pixel> {
+    let mut count = 0;
+    pixels(|_| {
+        count += 1;
+        Pixel::at_rest(light(count - 1), Vec3::Z, 4.0)
+    })
+}
+
+fn spread(texels: &[Vec4]) -> f32 {
+    let mean = texels.iter().map(|texel| texel.y).sum::<f32>() / texels.len() as f32;
+    (texels.iter().map(|texel| (texel.y - mean).powi(2)).sum::<f32>() / texels.len() as f32).sqrt()
+}
+
+#[test]
+fn a_constant_stays_as_it_is() {
+    let Some(lab) = Lab::open() else { return };
+    for separable in [false, true] {
+        let mut bench =
+            Bench::new(&lab.device, &SvgfSettings { separable, clamp: 1.0, ..SvgfSettings::default() });
+        let colour = Vec3::new(0.5, 3.0, 120.0);
+        for _ in 0..5 {
+            bench.denoise(&wall(|_| colour));
+        }
+        for texel in bench.output() {
+            assert!((texel.xyz() / colour - 1.0).abs().max_element() < 1e-3, "{texel}");
+        }
+    }
+}
+
+#[test]
+fn noise_goes_and_its_mean_stays() {
+    let Some(lab) = Lab::open() else { return };
+    let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+    let mut numbers = Numbers(3);
+    let mut noisy = || Vec3::splat(if numbers.next() < 0.5 { 0.0 } else { 2.0 });
+    bench.denoise(&wall(|_| noisy()));
+    let first = spread(&bench.output());
+    for _ in 0..31 {
+        bench.denoise(&wall(|_| noisy()));
+    }
+    let output = bench.output();
+    let mean = output.iter().map(|texel| texel.y).sum::<f32>() / output.len() as f32;
+    assert!((mean - 1.0).abs() < 0.03, "{mean}");
+    assert!(first < 0.3 && spread(&output) < 0.05, "{first}, then {}", spread(&output));
+}
+
+#[test]
+fn alpha_is_one_over_the_length_of_the_history() {
+    let Some(lab) = Lab::open() else { return };
+    let settings = SvgfSettings { levels: 1, feedback: 0, longest_history: 100, ..SvgfSettings::default() };
+    let mut bench = Bench::new(&lab.device, &settings);
+    // A history that was filtered is not the mean; from the fourth frame on it is not.
+    for frame in 0..12 {
+        bench.denoise(&wall(|_| Vec3::splat(frame as f32)));
+        let expected = 0.5 * frame as f32;
+        let found = bench.read(|svgf| svgf.history())[WIDTH * HEIGHT / 2];
+        assert!((found.x - expected).abs() <= 2e-3 * expected.max(1.0), "frame {frame}: {found}");
+        assert_eq!(bench.read(|svgf| svgf.moments())[0].z, frame as f32 + 1.0);
+    }
+    bench.svgf.forget();
+    bench.denoise(&wall(|_| Vec3::splat(7.0)));
+    assert_eq!(bench.read(|svgf| svgf.moments())[0].z, 1.0);
+    assert_eq!(bench.output()[0].x, 7.0);
+}
+
+#[test]
+fn variance_is_that_of_the_noise_and_guides_the_blur() {
+    let Some(lab) = Lab::open() else { return };
+    let settings = SvgfSettings { moments_alpha: 0.0, longest_history: 1000, ..SvgfSettings::default() };
+    let mut bench = Bench::new(&lab.device, &settings);
+    let mut numbers = Numbers(9);
+    for _ in 0..200 {
+        // Uniform on 1 +- 0.5: standard deviation 1 / sqrt(12).
+        bench.denoise(&wall(|_| Vec3::splat(0.5 + numbers.next())));
+    }
+    let moments = bench.read(|svgf| svgf.moments());
+    let mean = moments.iter().map(|texel| texel.y * texel.y).sum::<f32>() / moments.len() as f32;
+    assert!((mean * 12.0 - 1.0).abs() < 0.03, "{mean}");
+
+    // A step of light on one wall blurs where noise explains it, and does not where there is none.
+    let step = |index: usize| if index % WIDTH < WIDTH / 2 { 1.0 } else { 1.5 };
+    let edge = |noise: f32| {
+        let mut bench = Bench::new(&lab.device, &SvgfSettings { alpha: 0.0, ..settings });
+        let mut numbers = Numbers(1);
+        for _ in 0..32 {
+            bench.denoise(&wall(|index| Vec3::splat(step(index) + noise * (numbers.next() - 0.5))));
+        }
+        let output = bench.output();
+        let column = |x: usize| (0..HEIGHT).map(|y| output[y * WIDTH + x].x).sum::<f32>() / HEIGHT as f32;
+        column(WIDTH / 2) - column(WIDTH / 2 - 1)
+    };
+    let (sharp, blurred) = (edge(0.0), edge(4.0));
+    assert!((sharp - 0.5).abs() < 2e-3, "{sharp}");
+    assert!(blurred < 0.3, "{blurred}");
+}
+
+#[test]
+fn edges_of_surfaces_keep_light_apart() {
+    let Some(lab) = Lab::open() else { return };
+    // Normals in checks; depths in checks: each kind of square has its light, with noise on it.
+    for by_normal in [true, false] {
+        let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+        let mut numbers = Numbers(4);
+        let bright = |x: i32, y: i32| (x / 8 + y / 8) % 2 == 0;
+        for _ in 0..8 {
+            bench.denoise(&pixels(|at| {
+                let light = Vec3::splat(if bright(at.x, at.y) { 2.0 } else { 0.0 } * numbers.next());
+                match (bright(at.x, at.y), by_normal) {
+                    (true, true) => Pixel::at_rest(light, Vec3::new(0.6, 0.0, 0.8), 4.0),
+                    (true, false) => Pixel::at_rest(light, Vec3::Z, 8.0),
+                    (false, _) => Pixel::at_rest(light, Vec3::Z, 4.0),
+                }
+            }));
+        }
+        for (index, texel) in bench.output().iter().enumerate() {
+            let lit = bright((index % WIDTH) as i32, (index / WIDTH) as i32);
+            assert!(
+                if lit { texel.x > 0.3 } else { texel.x < 1e-3 },
+                "{index}: {texel}, by normal: {by_normal}"
+            );
+        }
+    }
+}
+
+#[test]
+fn grazing_planes_are_filtered() {
+    let Some(lab) = Lab::open() else { return };
+    let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+    let mut numbers = Numbers(8);
+    let normal = Vec3::new(0.0, 1.0, 0.06).normalize();
+    let floor = |numbers: &mut Numbers| {
+        pixels(|at| {
+            let depth = plane_depth(at, Vec3::new(0.0, -1.0, -3.0), normal).filter(|&depth| depth < 100.0);
+            let light = Vec3::splat(2.0 * numbers.next());
+            depth.map_or(Pixel::zeroed(), |depth| Pixel::at_rest(light, normal, depth))
+        })
+    };
+    let seen: Vec<bool> = floor(&mut numbers).iter().map(|pixel| pixel.depth > 0.0).collect();
+    bench.denoise(&floor(&mut numbers));
+    let lit: Vec<Vec4> =
+        bench.output().into_iter().zip(&seen).filter(|(_, seen)| **seen).map(|(texel, _)| texel).collect();
+    assert!(lit.len() > 500);
+    // Unfiltered: 1 / sqrt(3).
+    assert!(spread(&lit) < 0.15, "{}", spread(&lit));
+}
+
+#[test]
+fn what_is_not_a_number_and_fireflies_go() {
+    let Some(lab) = Lab::open() else { return };
+    for clamp in [0.0, 2.0] {
+        let mut bench = Bench::new(&lab.device, &SvgfSettings { clamp, ..SvgfSettings::default() });
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+            let mut pixels = wall(|_| Vec3::ONE);
+            for index in [0, 700, 701, WIDTH * HEIGHT - 1] {
+                pixels[index].noisy = [bad; 4];
+            }
+            bench.denoise(&pixels);
+            bench.denoise(&wall(|_| Vec3::ONE));
+            assert!(bench.output().iter().all(|texel| (texel.x - 1.0).abs() < 0.3), "{bad}, clamp {clamp}");
+            assert!(bench.read(|svgf| svgf.moments()).iter().all(|texel| texel.is_finite()));
+        }
+    }
+}
