@@ -8,7 +8,7 @@ mod support;
 
 use bvh_support::*;
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::passes::tracer::{RayTracer, Tracer};
@@ -22,8 +22,17 @@ struct TestAnswer {
     instance: u32,
     triangle: u32,
     t: f32,
-    occluded: u32,
+    pad: u32,
     barycentrics: Vec2,
+    pad2: Vec2,
+    /// w: 0.
+    transmittance: Vec4,
+}
+
+impl TestAnswer {
+    fn is_occluded(&self) -> bool {
+        self.transmittance == Vec4::ZERO
+    }
 }
 
 /// The shader's tracer over a BVH, and how its answers have compared with the CPU's so far.
@@ -65,7 +74,7 @@ impl Comparison {
             let ray = &rays[index];
             let agrees = match self.tracer.kind() {
                 RayTracer::Software => {
-                    same_hit(answer, expected[index].as_ref()) && occluded[index] == (answer.occluded == 1)
+                    same_hit(answer, expected[index].as_ref()) && occluded[index] == answer.is_occluded()
                 }
                 RayTracer::Hardware => same_place(ray, answer, expected[index].as_ref()),
             };
@@ -134,7 +143,7 @@ fn same_hit(answer: &TestAnswer, expected: Option<&Hit>) -> bool {
 fn same_place(ray: &Ray, answer: &TestAnswer, expected: Option<&Hit>) -> bool {
     let met = answer.instance != u32::MAX;
     match expected {
-        _ if met != (answer.occluded == 1) => false,
+        _ if met != answer.is_occluded() => false,
         None => !met,
         Some(hit) => {
             let same = (hit.instance, hit.triangle) == (answer.instance, answer.triangle);
@@ -249,7 +258,7 @@ fn answers_nothing_in_an_empty_scene(tracer: RayTracer) {
     let bvh = World::new(Vec::new()).build();
     let mut comparison = Comparison::new(lab, tracer, &bvh);
     let answers = comparison.trace(&bvh, &rays(&mut Random::new(24), &bvh, 100));
-    assert!(answers.iter().all(|answer| answer.instance == u32::MAX && answer.occluded == 0));
+    assert!(answers.iter().all(|answer| answer.instance == u32::MAX && !answer.is_occluded()));
 }
 
 for_both_tracers!(

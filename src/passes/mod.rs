@@ -15,6 +15,7 @@ pub mod geometry;
 pub mod hit_buffers;
 pub mod overlay;
 pub mod scene_buffers;
+pub mod sheets;
 pub mod skip;
 pub mod structs;
 pub mod tracer;
