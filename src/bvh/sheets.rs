@@ -76,7 +76,11 @@ impl GpuSheets {
             let (width, height, level) = &image.levels[0];
             let first = *firsts.entry(texture.texture).or_insert_with(|| {
                 let first = texels.len() as u32;
-                texels.extend(level.chunks_exact(4).map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]])));
+                texels.extend(
+                    level
+                        .chunks_exact(4)
+                        .map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]])),
+                );
                 first
             });
             let modes = sheet.modes | wrap_bits(texture.wrap) | if image.linear { LINEAR } else { 0 };
@@ -103,7 +107,9 @@ fn sheet(scene: &Scene, material: &Material) -> GpuSheet {
 
 /// The corners of triangle `id` of a mesh, of a sheet's material.
 pub(super) fn sheet_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuSheetTriangle {
-    let colour = |vertex: u32| mesh.colours.get(vertex as usize).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour));
+    let colour = |vertex: u32| {
+        mesh.colours.get(vertex as usize).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour))
+    };
     GpuSheetTriangle {
         uvs: mesh.mask_coordinates(id, material),
         colours: mesh.triangles[id as usize].map(colour),

@@ -102,7 +102,12 @@ impl RayCaster {
             Some(pipeline) => pipeline,
             missing => {
                 let (shader, constants) = (shaders::CAST_RAYS_COMP, [u32::from(any_hit)]);
-                missing.insert(self.tracer.variant().pipeline(&self.device, "cast_rays", shader, &constants)?)
+                missing.insert(self.tracer.variant().pipeline(
+                    &self.device,
+                    "cast_rays",
+                    shader,
+                    &constants,
+                )?)
             }
         };
         let (mut frame, _) = self.frames.begin()?;

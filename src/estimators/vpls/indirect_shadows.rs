@@ -59,7 +59,11 @@ pub struct IndirectShadowsPass {
 
 impl IndirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image.
-    pub fn new(device: &Arc<Device>, tracer: TracerVariant, settings: &Settings) -> Result<Self, VulkanError> {
+    pub fn new(
+        device: &Arc<Device>,
+        tracer: TracerVariant,
+        settings: &Settings,
+    ) -> Result<Self, VulkanError> {
         let traced = |name, shader| tracer.pipeline(device, name, shader, &[]).map(Arc::new);
         let draw = traced("indirect_shadows", shaders::INDIRECT_SHADOWS_COMP)?;
         let visibility = traced("cluster_visibility", shaders::CLUSTER_VISIBILITY_COMP)?;
