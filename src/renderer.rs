@@ -20,10 +20,11 @@ pub use tracer_choice::{remember_in, tracer_rates};
 
 use std::any::Any;
 use std::collections::VecDeque;
+use std::f32::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
@@ -32,15 +33,16 @@ use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
 use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass, lights_of};
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::sheets::{SheetsInputs, SheetsPass};
 use crate::passes::structs::{FrameUniforms, LightData};
 use crate::passes::to_u32;
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{
     CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
     TracerChoice,
 };
 use crate::scene::{Camera, Pose, Scene};
-use crate::settings::Settings;
+use crate::settings::{Indirect, Settings};
 use crate::vulkan::{Device, Frame, FrameTimes, Frames, VulkanError};
 use shared::SharedPasses;
 use view::{ViewFrame, ViewPasses};
@@ -77,6 +79,37 @@ fn light_directly(
             scene,
         },
     )
+}
+
+/// What thin sheets before the visible surfaces add, and what they let pass.
+fn show_sheets(
+    sheets: &mut SheetsPass,
+    frame: &mut Frame<'_>,
+    inputs: &EstimatorInputs<'_>,
+    (lights, ambient): (&[LightData], Vec3),
+    scene: &SceneBuffers,
+) -> Result<(), VulkanError> {
+    let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
+    sheets.record(
+        frame,
+        &SheetsInputs {
+            frame: uniforms,
+            gbuffer,
+            tracer,
+            instances,
+            scene,
+            lights,
+            uploaded_lights: inputs.lights,
+            camera: &inputs.pose.camera,
+            ambient,
+        },
+    )
+}
+
+/// Mean irradiance by the environment, W/m^2, for sheets with nothing behind them that knows better.
+fn ambient(settings: &Settings, pose: &Pose) -> Vec3 {
+    let environment = pose.environment.as_ref().filter(|_| settings.indirect != Indirect::None);
+    environment.map_or(Vec3::ZERO, |environment| environment.mean() * PI)
 }
 
 /// Why a picture could not be made.
@@ -148,7 +181,7 @@ impl PreparedScene {
     /// Builds the BVH; takes a second or so for a million triangles.
     pub fn new(scene: &Arc<Scene>) -> Self {
         let begun = Instant::now();
-        let bvh = TwoLevelBvh::build(scene, &scene.pose(0.0).instances);
+        let bvh = TwoLevelBvh::build_with_sheets(scene, &scene.pose(0.0).instances);
         let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
         log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self { scene: Arc::clone(scene), bvh, bvh_ms }
@@ -199,9 +232,10 @@ impl Renderer {
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
+        let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_sheets() };
         let estimator = make(&EstimatorContext {
             device,
-            tracer: tracer_choice.used,
+            tracer: variant,
             settings,
             world: World { scene: &scene, pose, bvh: &bvh },
             scene_radius: radius,
@@ -209,7 +243,7 @@ impl Renderer {
         let buffers = SceneBuffers::new(device, &scene)?;
         Ok(Self {
             tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
-            passes: SharedPasses::new(device, tracer_choice.used, &buffers, settings.size)?,
+            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings.size)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             settings: settings.clone(),
@@ -272,6 +306,10 @@ impl Renderer {
         };
         let direct_passes = (&mut self.passes.direct_shadows, &mut self.passes.direct_shading);
         light_directly(direct_passes, &mut frame, &inputs, (&lights, uniforms.background), buffers)?;
+        if let Some(sheets) = &mut self.passes.sheets {
+            let ambient = ambient(&self.settings, pose);
+            show_sheets(sheets, &mut frame, &inputs, (&lights, ambient), buffers)?;
+        }
         let (direct_shadows, direct_shading) = (&self.passes.direct_shadows, &self.passes.direct_shading);
         let direct = direct_shading.output();
 
@@ -286,6 +324,7 @@ impl Renderer {
                 irradiance,
                 albedo: &gbuffer.albedo,
                 specular_albedo: direct_shading.specular_albedo(),
+                sheets: self.passes.sheets.as_ref().map(SheetsPass::output),
                 exposure: self.settings.exposure,
             },
         )?;

@@ -20,10 +20,11 @@ pub struct PassInfo {
 /// The CPU's passes that all methods share; those of the method follow.
 pub const CPU_PASSES: [PassInfo; 1] = [PassInfo { name: "bvh_update", colour: [140, 86, 75] }];
 /// The device's passes that all methods share, before those of the method.
-pub const SHARED_PASSES: [PassInfo; 3] = [
+pub const SHARED_PASSES: [PassInfo; 4] = [
     PassInfo { name: "gbuffer", colour: [237, 201, 72] },
     PassInfo { name: "direct_shadows", colour: [182, 153, 45] },
     PassInfo { name: "direct_shading", colour: [89, 161, 79] },
+    PassInfo { name: "sheets", colour: [118, 183, 178] },
 ];
 /// The same after those of the method.
 pub const LAST_PASSES: [PassInfo; 1] = [PassInfo { name: "combine", colour: [227, 119, 194] }];

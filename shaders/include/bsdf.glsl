@@ -1,5 +1,10 @@
 // The reflection of surfaces: glTF 2.0's metallic-roughness model, a Lambertian and a GGX lobe with height-correlated Smith
-// masking, Schlick's Fresnel and compensation for multiple scattering. Twin, with the equations: src/bsdf.rs. Needs PI.
+// masking, Schlick's Fresnel and compensation for multiple scattering. Twin, with the equations: src/bsdf.rs.
+
+#ifndef BSDF_GLSL
+#define BSDF_GLSL
+
+#include "pi.glsl"
 
 // Surfaces smoother than this reflect as perfect mirrors.
 const float MIRROR_ROUGHNESS = 0.03;
@@ -134,3 +139,5 @@ Sampled sample_reflected(Reflection r, vec2 u) {
     vec3 direction = reflect(-r.to_eye, x * local.x + y * local.y + r.normal * local.z);
     return Sampled(direction, reflected_density(r, direction));
 }
+
+#endif

@@ -16,7 +16,7 @@ struct FrameUniforms {
 layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;
 FrameUniforms frame = frame_uniforms.data;
 
-const float PI = 3.14159265358979;
+#include "pi.glsl"
 
 // From the eye through a pixel's centre; 1 long along the view direction.
 vec3 pixel_ray(vec2 pixel) {

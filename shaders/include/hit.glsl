@@ -47,6 +47,7 @@ struct HitSurface {
     vec3 shading;   // by vertices and normal map
     Bsdf bsdf;
     vec3 emission;  // towards the ray's origin, W/m^2/sr
+    vec4 colour;    // of the base colour's texture and the vertices, with alpha
     bool front;     // whether the front side was hit
 };
 
@@ -91,12 +92,10 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     }
 
     // Reflection and emission.
-    vec4 colour = mat3x4(unpackUnorm4x8(a.colour), unpackUnorm4x8(b.colour), unpackUnorm4x8(c.colour)) * weights;
-    surface.bsdf = Bsdf(material.base.rgb * colour.rgb, material.base.w, material.reflectance.rgb, material.reflectance.w,
-        material.emission.w);
-    if (material.base_texture.image > 0u) {
-        surface.bsdf.base *= sample_texture(material.base_texture, uvs, lod).rgb;
-    }
+    surface.colour = mat3x4(unpackUnorm4x8(a.colour), unpackUnorm4x8(b.colour), unpackUnorm4x8(c.colour)) * weights;
+    if (material.base_texture.image > 0u) surface.colour *= sample_texture(material.base_texture, uvs, lod);
+    surface.bsdf = Bsdf(material.base.rgb * surface.colour.rgb, material.base.w, material.reflectance.rgb,
+        material.reflectance.w, material.emission.w);
     if (material.metallic_roughness_texture.image > 0u) {
         vec2 data = sample_texture(material.metallic_roughness_texture, uvs, lod).gb;
         surface.bsdf.roughness *= data.x;

@@ -1,14 +1,18 @@
-// The tracer that shaders use: trace_occluded and trace_closest, at the end. Whichever it is, it offers
-//   bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit)
-// which finds the closest hit or, with any_hit, any, on the segment t_min < t < t_max, t in units of the direction, which
-// may have any length.
+// The tracer that shaders use: trace_transmittance, trace_closest and trace_sheet, at the end. Whichever it is, it offers
+//   bool tracer_find(
+//       vec3 origin, vec3 direction, float t_min, float t_max, uint wanted, out TracerHit hit, out vec3 transmittance)
+// which finds what is wanted of the segment t_min < t < t_max, t in units of the direction, which may have any length; where
+// any hit is wanted and there is none, `transmittance` is what the sheets on the segment let pass.
 //
-// Define TRACER_BINDING, the first of seven bindings in set TRACER_SET (0 by default), before including. The build
+// Define TRACER_BINDING, the first of ten bindings in set TRACER_SET (0 by default), before including. The build
 // compiles what includes this file twice, once with TRACER_HARDWARE.
 
 #ifndef TRACER_GLSL
 #define TRACER_GLSL
 
+#include "bilinear.glsl"
+#include "bsdf.glsl"
+#include "has_sheets.glsl"
 #include "wrap.glsl"
 
 #ifndef TRACER_SET
@@ -22,13 +26,49 @@
 
 // Three words a triangle: corners with (id, masked, material).
 TRACER_TEXELS(0) bvh_triangles;
-// Two words a masked triangle: three pairs of texture coordinates, then the mask.
+// Two words a triangle with an alpha mask: three pairs of texture coordinates, then the mask.
 TRACER_BUFFER(1) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
 // (first word of bits, width, height, wrap modes).
 TRACER_BUFFER(2) bvh_masks_block { uvec4 masks[]; } bvh_masks;
 TRACER_BUFFER(3) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
 
+// The corners of a sheet's triangle. Twins of this and the next: src/bvh/sheets.rs.
+struct GpuSheetTriangle {
+    vec2 uvs[3];     // on the texture of the base colour
+    uint colours[3]; // linear, and alpha, 8 bits each
+    uint pad;
+};
+
+// The material of a thin sheet.
+struct GpuSheet {
+    vec4 passed;      // rgb: what it lets pass where its coat reflects nothing; w: opacity
+    vec4 base;        // rgb: base colour, w: metallic, of its coat, mean over textures
+    vec4 reflectance; // rgb: F0, w: F90
+    float roughness;  // mean likewise
+    uint first;       // texel of its texture
+    uint size;        // of that, width in the lower 16 bits, height above; 0: there is none
+    uint modes;       // wrap modes: see wrap.glsl; SHEET_LINEAR, SHEET_BLENDS
+};
+
+// The texture's colour is linear.
+const uint SHEET_LINEAR = 16u;
+// Alpha is the share of the surface that is there; otherwise all is.
+const uint SHEET_BLENDS = 32u;
+
+TRACER_BUFFER(4) bvh_sheet_triangles_block { GpuSheetTriangle data[]; } bvh_sheet_triangles;
+// One for each material.
+TRACER_BUFFER(5) bvh_sheets_block { GpuSheet data[]; } bvh_sheets;
+// RGBA8, level 0 of the textures of sheets.
+TRACER_BUFFER(6) bvh_sheet_texels_block { uint words[]; } bvh_sheet_texels;
+
 const uint TRACER_NONE = 0xffffffffu;
+// In `masked`: the triangle is one of a sheet, and the rest is its index.
+const uint TRACER_SHEET = 0x80000000u;
+
+// What is wanted of a segment. Sheets count as not there unless one is wanted.
+const uint TRACER_CLOSEST = 0u;
+const uint TRACER_ANY = 1u;
+const uint TRACER_CLOSEST_SHEET = 2u;
 
 // The closest surface along a ray.
 struct TracerHit {
@@ -57,21 +97,86 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
 }
 
+bool tracer_is_sheet(uint masked) { return HAS_SHEETS && (masked & TRACER_SHEET) != 0u; }
+
+// A point of a sheet. Twin: `Sheet` in src/scene/material.rs.
+struct SheetPoint {
+    float coverage; // the share of the surface that is there
+    vec3 passed;    // what that part lets pass of the light that its coat does not reflect
+};
+
+// `colour`: that of texture and vertices.
+SheetPoint sheet_point(uint material, vec4 colour) {
+    GpuSheet sheet = bvh_sheets.data[material];
+    float coverage = (sheet.modes & SHEET_BLENDS) != 0u ? sheet.passed.w * colour.a : 1.0;
+    return SheetPoint(coverage, sheet.passed.rgb * colour.rgb);
+}
+
+// What the sheet lets pass where its coat reflects this share at most.
+vec3 transmittance_of(SheetPoint sheet, vec3 reflected) {
+    float most = max(reflected.r, max(reflected.g, reflected.b));
+    return (1.0 - sheet.coverage) + sheet.passed * (sheet.coverage * (1.0 - most));
+}
+
+vec4 tracer_sheet_texel(GpuSheet sheet, uint texel) {
+    return decoded(unpackUnorm4x8(bvh_sheet_texels.words[sheet.first + texel]), (sheet.modes & SHEET_LINEAR) != 0u);
+}
+
+// What a triangle of a sheet lets pass: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
+vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object, vec3 direction) {
+    uvec4 a = texelFetch(bvh_triangles, int(triangle * 3u));
+    uvec4 b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
+    uvec4 c = texelFetch(bvh_triangles, int(triangle * 3u + 2u));
+    GpuSheetTriangle corners = bvh_sheet_triangles.data[b.w & ~TRACER_SHEET];
+    GpuSheet sheet = bvh_sheets.data[c.w];
+
+    // Colour of vertices and texture.
+    vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    vec4 colour = mat3x4(unpackUnorm4x8(corners.colours[0]), unpackUnorm4x8(corners.colours[1]),
+        unpackUnorm4x8(corners.colours[2])) * weights;
+    if (sheet.size != 0u) {
+        vec2 uv = mat3x2(corners.uvs[0], corners.uvs[1], corners.uvs[2]) * weights;
+        Footprint at = footprint_at(wrapped(uv, sheet.modes), uvec2(sheet.size & 0xffffu, sheet.size >> 16), sheet.modes);
+        colour *= interpolated(vec4[4](tracer_sheet_texel(sheet, at.texels.x), tracer_sheet_texel(sheet, at.texels.y),
+            tracer_sheet_texel(sheet, at.texels.z), tracer_sheet_texel(sheet, at.texels.w)), at.part);
+    }
+
+    // Reflection of the coat.
+    vec3 normal = cross(uintBitsToFloat(b.xyz) - uintBitsToFloat(a.xyz), uintBitsToFloat(c.xyz) - uintBitsToFloat(a.xyz));
+    normal = normalize(world_to_object * normal);
+    Bsdf coat = Bsdf(sheet.base.rgb, sheet.base.w, sheet.reflectance.rgb, sheet.reflectance.w, sheet.roughness);
+    vec3 to_eye = -normalize(direction);
+    vec3 reflected = seen(coat, dot(normal, to_eye) < 0.0 ? -normal : normal, to_eye).reflected;
+    return transmittance_of(sheet_point(c.w, colour), reflected);
+}
+
 #ifdef TRACER_HARDWARE
 #include "tracer_hardware.glsl"
 #else
 #include "tracer_software.glsl"
 #endif
 
-// Whether anything lies on the segment.
-bool trace_occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+// The next smaller and greater t: a ray from or to a hit does not meet it again.
+float just_before(float t) { return uintBitsToFloat(floatBitsToUint(t) - 1u); }
+float just_behind(float t) { return uintBitsToFloat(floatBitsToUint(t) + 1u); }
+
+// What of the light along the segment arrives: 0 where something opaque lies on it, else what all sheets there let pass.
+vec3 trace_transmittance(vec3 origin, vec3 direction, float t_min, float t_max) {
     TracerHit hit;
-    return tracer_find(origin, direction, t_min, t_max, true, hit);
+    vec3 transmittance;
+    return tracer_find(origin, direction, t_min, t_max, TRACER_ANY, hit, transmittance) ? vec3(0.0) : transmittance;
 }
 
-// The closest hit on the segment.
+// The closest hit on the segment behind any sheets, whose tint is trace_transmittance up to there.
 bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
-    return tracer_find(origin, direction, t_min, t_max, false, hit);
+    vec3 transmittance;
+    return tracer_find(origin, direction, t_min, t_max, TRACER_CLOSEST, hit, transmittance);
+}
+
+// The closest sheet on the segment, opaque surfaces before it or not.
+bool trace_sheet(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
+    vec3 transmittance;
+    return tracer_find(origin, direction, t_min, t_max, TRACER_CLOSEST_SHEET, hit, transmittance);
 }
 
 #endif

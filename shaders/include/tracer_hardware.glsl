@@ -6,30 +6,41 @@
 #ifndef TRACER_HARDWARE_GLSL
 #define TRACER_HARDWARE_GLSL
 
-layout(set = TRACER_SET, binding = TRACER_BINDING + 4) uniform accelerationStructureEXT bvh_top_level;
+layout(set = TRACER_SET, binding = TRACER_BINDING + 7) uniform accelerationStructureEXT bvh_top_level;
 // First triangle of run r (opaque, masked) of mesh m, at 2m + r.
-TRACER_BUFFER(5) bvh_runs_block { uint first_triangles[]; } bvh_runs;
+TRACER_BUFFER(8) bvh_runs_block { uint first_triangles[]; } bvh_runs;
 
 // Where a triangle lies in bvh_triangles. An instance's record offset is its mesh.
 uint tracer_triangle(int mesh, int run, int primitive) {
     return bvh_runs.first_triangles[mesh * 2 + run] + uint(primitive);
 }
 
-bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
+bool tracer_find(
+    vec3 origin, vec3 direction, float t_min, float t_max, uint wanted, out TracerHit hit, out vec3 transmittance
+) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, 0u, vec2(0.0));
-    uint flags = any_hit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT;
+    transmittance = vec3(1.0);
+    uint flags = wanted == TRACER_ANY ? gl_RayFlagsTerminateOnFirstHitEXT
+        : (wanted == TRACER_CLOSEST_SHEET ? gl_RayFlagsCullOpaqueEXT : gl_RayFlagsNoneEXT);
     rayQueryEXT query;
     rayQueryInitializeEXT(query, bvh_top_level, flags, 0xffu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query)) {
-        // Only triangles with an alpha mask ask.
+        // Only triangles with an alpha mask and sheets ask.
         uint triangle = tracer_triangle(
             int(rayQueryGetIntersectionInstanceShaderBindingTableRecordOffsetEXT(query, false)),
             rayQueryGetIntersectionGeometryIndexEXT(query, false),
             rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
         uint masked = texelFetch(bvh_triangles, int(triangle * 3u + 1u)).w;
-        if (tracer_is_opaque(masked, rayQueryGetIntersectionBarycentricsEXT(query, false))) {
-            rayQueryConfirmIntersectionEXT(query);
+        vec2 barycentrics = rayQueryGetIntersectionBarycentricsEXT(query, false);
+        bool is_wanted = wanted == TRACER_CLOSEST_SHEET;
+        if (!tracer_is_sheet(masked)) {
+            is_wanted = !is_wanted && tracer_is_opaque(masked, barycentrics);
+        } else if (wanted == TRACER_ANY) {
+            mat3 world_to_object = transpose(mat3(rayQueryGetIntersectionWorldToObjectEXT(query, false)));
+            transmittance *= tracer_transmittance(triangle, barycentrics, world_to_object, direction);
+            is_wanted = transmittance == vec3(0.0);
         }
+        if (is_wanted) rayQueryConfirmIntersectionEXT(query);
     }
     if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) {
         return false;

@@ -1,6 +1,6 @@
 // Rays through the two-level BVH in plain buffers: no extension, no bindless, no subgroups.
 //
-// In: the arrays of src/bvh/gpu.rs. Out: the closest hit or whether there is any, on the open segment
+// In: the arrays of src/bvh/gpu.rs. Out: what is wanted of the open segment
 // t_min < t < t_max, t in units of the direction, which may have any length. Compressed wide BVH after
 // Ylitie et al. 2017, triangle test after Woop et al. 2013; tests/bvh_support/twin.rs is the CPU twin.
 
@@ -8,11 +8,11 @@
 #define TRACER_SOFTWARE_GLSL
 
 // Five words a node.
-TRACER_TEXELS(4) bvh_nodes;
+TRACER_TEXELS(7) bvh_nodes;
 // Four words an instance: three rows of world to object, then (root, instance).
-TRACER_TEXELS(5) bvh_instances;
+TRACER_TEXELS(8) bvh_instances;
 // Groups to begin with, of the static and the dynamic instances: see tracer_find.
-TRACER_BUFFER(6) bvh_roots_block { uvec4 groups; } bvh_roots;
+TRACER_BUFFER(9) bvh_roots_block { uvec4 groups; } bvh_roots;
 
 // Both levels' greatest depth, and what entering an instance leaves behind.
 const int TRACER_STACK_SIZE = 40;
@@ -107,32 +107,41 @@ uint tracer_child_hits(uint node, uvec4 head, uvec2 meta, TracerRay ray, float t
     return hits;
 }
 
-// Whether the ray meets the triangle nearer than the hit, or as near with lower indices, alpha mask or not; hit.t is the
-// upper bound of t, and hit.instance is TRACER_NONE before the first hit.
-bool tracer_test_triangle(
-    uint triangle, uint instance, TracerRay ray, float t_min, TracerHit hit, out TracerHit met, out uint masked
-) {
-    // Move the corners into the frame of the ray.
-    uvec4 word_a = texelFetch(bvh_triangles, int(triangle * 3u));
-    uvec4 word_b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
-    uvec4 word_c = texelFetch(bvh_triangles, int(triangle * 3u + 2u));
+// The triangle in the frame of the ray, which runs along z there, and its three edge functions.
+struct TracerCrossing { mat3 corners; vec3 edges; };
+
+TracerCrossing tracer_cross(uvec4 word_a, uvec4 word_b, uvec4 word_c, TracerRay ray) {
     vec3 a = tracer_turn(uintBitsToFloat(word_a.xyz) - ray.origin, ray.main_axis);
     vec3 b = tracer_turn(uintBitsToFloat(word_b.xyz) - ray.origin, ray.main_axis);
     vec3 c = tracer_turn(uintBitsToFloat(word_c.xyz) - ray.origin, ray.main_axis);
     precise vec2 a2 = a.xy - ray.shear.xy * a.z;
     precise vec2 b2 = b.xy - ray.shear.xy * b.z;
     precise vec2 c2 = c.xy - ray.shear.xy * c.z;
-
-    // Evaluate the three edge functions; inclusive edges, either winding.
     precise float u = c2.x * b2.y - c2.y * b2.x;
     precise float v = a2.x * c2.y - a2.y * c2.x;
     precise float w = b2.x * a2.y - b2.y * a2.x;
+    return TracerCrossing(mat3(vec3(a2, a.z), vec3(b2, b.z), vec3(c2, c.z)), vec3(u, v, w));
+}
+
+// Whether the ray meets the triangle nearer than the hit, or as near with lower indices, alpha mask or not; hit.t is the
+// upper bound of t, and hit.instance is TRACER_NONE before the first hit.
+bool tracer_test_triangle(
+    uint triangle, uint instance, TracerRay ray, float t_min, TracerHit hit, out TracerHit met, out uint masked
+) {
+    // Evaluate the three edge functions; inclusive edges, either winding.
+    uvec4 word_a = texelFetch(bvh_triangles, int(triangle * 3u));
+    uvec4 word_b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
+    uvec4 word_c = texelFetch(bvh_triangles, int(triangle * 3u + 2u));
+    TracerCrossing crossing = tracer_cross(word_a, word_b, word_c, ray);
+    precise float u = crossing.edges.x;
+    precise float v = crossing.edges.y;
+    precise float w = crossing.edges.z;
     precise float det = u + v + w;
     bool inside = det != 0.0 && !(min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0);
 
     // Interpolate the distance along the main axis.
     precise float scale = 1.0 / det;
-    precise float t = (u * a.z + v * b.z + w * c.z) * scale * ray.shear.z;
+    precise float t = (u * crossing.corners[0].z + v * crossing.corners[1].z + w * crossing.corners[2].z) * scale * ray.shear.z;
     precise vec2 barycentrics = vec2(v, w) * scale;
     bool lower = hit.instance != TRACER_NONE
         && (instance < hit.instance || (instance == hit.instance && word_a.w < hit.triangle));
@@ -142,12 +151,28 @@ bool tracer_test_triangle(
     return inside && t > t_min && nearer;
 }
 
+// Whether rays on an edge of the triangle are its own: where two triangles of a sheet share one, the sheet counts once, for
+// one of the two (raster's top-left rule).
+bool tracer_owns_edges(uint triangle, TracerRay ray) {
+    TracerCrossing crossing = tracer_cross(texelFetch(bvh_triangles, int(triangle * 3u)),
+        texelFetch(bvh_triangles, int(triangle * 3u + 1u)), texelFetch(bvh_triangles, int(triangle * 3u + 2u)), ray);
+    float winding = sign(crossing.edges.x + crossing.edges.y + crossing.edges.z);
+    for (int i = 0; i < 3; i++) {
+        vec2 along = (crossing.corners[(i + 2) % 3].xy - crossing.corners[(i + 1) % 3].xy) * winding;
+        if (crossing.edges[i] == 0.0 && (along.y < 0.0 || (along.y == 0.0 && along.x < 0.0))) return false;
+    }
+    return true;
+}
+
+// A row of an instance's matrix from world to object.
+vec4 tracer_row(uint placed, uint row) { return uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u + row))); }
+
 // The ray in an instance's object space, not normalised, so that t stays the same; entered is (root
 // of its mesh, index into the scene's instances).
 TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 entered) {
-    vec4 row_x = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u)));
-    vec4 row_y = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u + 1u)));
-    vec4 row_z = uintBitsToFloat(texelFetch(bvh_instances, int(placed * 4u + 2u)));
+    vec4 row_x = tracer_row(placed, 0u);
+    vec4 row_y = tracer_row(placed, 1u);
+    vec4 row_z = tracer_row(placed, 2u);
     entered = texelFetch(bvh_instances, int(placed * 4u + 3u)).xy;
     vec3 column_x = vec3(row_x.x, row_y.x, row_z.x);
     vec3 column_y = vec3(row_x.y, row_y.y, row_z.y);
@@ -162,8 +187,11 @@ TracerRay tracer_enter(uint placed, vec3 origin, vec3 direction, out uvec2 enter
 // triangle. What happens seldom, to enter and leave instances and to look at alpha masks, is kept out of the inner loop, and
 // loops ask at their end whether to go on: drivers for CPUs spend time on both sides of every branch, and on the whole of a
 // turn in which every thread leaves the loop at its beginning.
-bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any_hit, out TracerHit hit) {
+bool tracer_find(
+    vec3 origin, vec3 direction, float t_min, float t_max, uint wanted, out TracerHit hit, out vec3 transmittance
+) {
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, 0u, vec2(0.0));
+    transmittance = vec3(1.0);
     uvec2 stack[TRACER_STACK_SIZE];
     int height = 0;
     // A group is (index of its first child, hit bits by visiting order << 24 | mask of inner children),
@@ -179,6 +207,7 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
     uvec2 primitives = uvec2(0u);
     TracerRay ray = tracer_prepare(origin, direction);
     uint instance = TRACER_NONE;
+    uint placed = 0u;
     // Height of the stack at which the instance, or everything, is done.
     int base = 0;
 
@@ -208,7 +237,8 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
                     stack[height++] = group;
                 }
                 uvec2 entered;
-                ray = tracer_enter(primitives.x + first, origin, direction, entered);
+                placed = primitives.x + first;
+                ray = tracer_enter(placed, origin, direction, entered);
                 instance = entered.y;
                 base = height;
                 group = uvec2(entered.x, 0x80000000u);
@@ -216,7 +246,7 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
             }
         }
 
-        // Hit on a triangle with a mask.
+        // Hit on a triangle with a mask, or of a sheet.
         TracerHit met;
         uint masked = 0u;
         do {
@@ -257,9 +287,9 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
                         uint mask;
                         if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit, met, mask)) {
                             masked = mask;
-                            if (mask == 0u) {
+                            if (mask == 0u && wanted != TRACER_CLOSEST_SHEET) {
                                 hit = met;
-                                if (any_hit) {
+                                if (wanted == TRACER_ANY) {
                                     primitives.y = 0u;
                                     group.y = 0u;
                                     height = 0;
@@ -272,9 +302,21 @@ bool tracer_find(vec3 origin, vec3 direction, float t_min, float t_max, bool any
             }
         } while (masked == 0u && primitives.y == 0u && (group.y != 0u || height != base));
 
-        if (masked != 0u && tracer_is_opaque(masked, met.barycentrics)) {
+        if (tracer_is_sheet(masked)) {
+            if (wanted == TRACER_CLOSEST_SHEET && tracer_owns_edges(met.place, ray)) {
+                hit = met;
+            }
+            if (wanted == TRACER_ANY && tracer_owns_edges(met.place, ray)) {
+                mat3 world_to_object =
+                    mat3(tracer_row(placed, 0u).xyz, tracer_row(placed, 1u).xyz, tracer_row(placed, 2u).xyz);
+                transmittance *= tracer_transmittance(met.place, met.barycentrics, world_to_object, direction);
+                if (transmittance == vec3(0.0)) {
+                    return true;
+                }
+            }
+        } else if (masked != 0u && wanted != TRACER_CLOSEST_SHEET && tracer_is_opaque(masked, met.barycentrics)) {
             hit = met;
-            if (any_hit) {
+            if (wanted == TRACER_ANY) {
                 return true;
             }
         }

@@ -64,13 +64,13 @@ vec3 number_colour(uint number) {
     return 0.55 + 0.45 * cos(2.0 * PI * (vec3(hue) + vec3(0.0, 1.0, 2.0) / 3.0));
 }
 
-// The share of the lights that a pixel sees.
-float visibility(ivec2 pixel) {
-    int seen = 0;
-    for (uint first = 0u; first < frame.light_count; first += LIGHTS_PER_LAYER) {
-        seen += bitCount(imageLoad(direct_shadows, ivec3(pixel, first / LIGHTS_PER_LAYER)).r);
+// What arrives of the lights at a pixel, on average.
+vec3 visibility(ivec2 pixel) {
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < frame.light_count; i++) {
+        sum += unpacked_arrival(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
     }
-    return float(seen) / float(max(frame.light_count, 1u));
+    return sum / float(max(frame.light_count, 1u));
 }
 
 vec3 surface_view(ivec2 pixel, uvec2 id) {
@@ -83,7 +83,7 @@ vec3 surface_view(ivec2 pixel, uvec2 id) {
     vec3 e = imageLoad(irradiance, pixel).rgb;
     switch (push.view) {
         case IRRADIANCE: return shown(e / PI * exposure.factor);
-        case DIRECT_SHADOWS: return vec3(visibility(pixel));
+        case DIRECT_SHADOWS: return visibility(pixel);
         case POSITION: return (surface.position - push.low.xyz) / push.extent.xyz;
         case DEPTH: return vec3((push.extent.w - surface.depth) / (push.extent.w - push.low.w));
         case NORMAL: return surface.shading * 0.5 + 0.5;

@@ -9,7 +9,7 @@
 layout(local_size_x = 64) in;
 
 // Whether any hit will do.
-layout(constant_id = 0) const uint ANY_HIT = 0u;
+layout(constant_id = 1) const uint ANY_HIT = 0u;
 
 layout(set = 0, binding = 0, std430) readonly buffer RayBlock { GpuRay data[]; } rays;
 layout(set = 0, binding = 1, std430) writeonly buffer AnswerBlock { float data[]; } answers;
@@ -27,7 +27,7 @@ void main() {
     GpuRay ray = rays.data[index];
     float answer;
     if (ANY_HIT != 0u) {
-        answer = trace_occluded(ray.origin, ray.direction, ray.t_min, ray.t_max) ? 0.0 : -1.0;
+        answer = trace_transmittance(ray.origin, ray.direction, ray.t_min, ray.t_max) == vec3(0.0) ? 0.0 : -1.0;
     } else {
         TracerHit hit;
         answer = trace_closest(ray.origin, ray.direction, ray.t_min, ray.t_max, hit) ? hit.t : -1.0;

@@ -40,10 +40,10 @@ vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
 
     vec3 radiance = unpack_emission(packed.y);
     for (uint i = 0u; i < frame.light_count; i++) {
-        uint visible = imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r;
-        if ((visible >> (i % LIGHTS_PER_LAYER) & 1u) == 0u) continue;
+        vec3 arriving = unpacked_arrival(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
+        if (arriving == vec3(0.0)) continue;
         vec3 to_light;
-        vec3 irradiance = unshadowed_irradiance(lights.data[i], surface, to_light);
+        vec3 irradiance = unshadowed_irradiance(lights.data[i], surface, to_light) * arriving;
         radiance += albedo / PI * irradiance;
         if (is_glossy) radiance += reflected_towards_eye(reflection, to_light) * irradiance;
     }

@@ -1,7 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // What bsdf.glsl answers, one question a thread, for tests/bsdf_gpu.rs.
-const float PI = 3.14159265358979;
 #include "bsdf.glsl"
 
 layout(local_size_x = 64) in;

@@ -9,7 +9,7 @@
 #include "ray.glsl"
 #define TRACER_BINDING 3
 #include "tracer.glsl"
-#define HIT_BINDING 10
+#define HIT_BINDING 13
 #define HIT_TEXTURES
 #include "hit.glsl"
 

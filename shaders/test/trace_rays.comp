@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What trace_closest and trace_occluded answer, one ray a thread, for tests/tracer_gpu.rs.
+// What trace_closest and trace_transmittance answer, one ray a thread, for tests/tracer_gpu.rs.
 #define TRACER_BINDING 2
 #include "ray.glsl"
 #include "tracer.glsl"
 
 layout(local_size_x = 64) in;
 
-struct TestAnswer { uint instance; uint triangle; float t; uint occluded; vec2 barycentrics; };
+struct TestAnswer { uint instance; uint triangle; float t; uint pad; vec2 barycentrics; vec2 pad2; vec4 transmittance; };
 
 layout(set = 0, binding = 0, std430) readonly buffer RayBlock { GpuRay data[]; } rays;
 layout(set = 0, binding = 1, std430) buffer AnswerBlock { TestAnswer data[]; } answers;
@@ -18,7 +18,8 @@ void main() {
     GpuRay ray = rays.data[index];
     TracerHit hit;
     bool met = trace_closest(ray.origin, ray.direction, ray.t_min, ray.t_max, hit);
-    bool occluded = trace_occluded(ray.origin, ray.direction, ray.t_min, ray.t_max);
+    vec3 transmittance = trace_transmittance(ray.origin, ray.direction, ray.t_min, ray.t_max);
     uint instance = met ? hit.instance : TRACER_NONE;
-    answers.data[index] = TestAnswer(instance, hit.triangle, hit.t, uint(occluded), hit.barycentrics);
+    answers.data[index] =
+        TestAnswer(instance, hit.triangle, hit.t, 0u, hit.barycentrics, vec2(0.0), vec4(transmittance, 0.0));
 }

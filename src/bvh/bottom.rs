@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::{
     gpu::{GpuMaskedTriangle, GpuTriangle},
     nodes::{Child, LeafCost, Node, WideTree, collapse},
+    sheets::{GpuSheetTriangle, SHEET, sheet_triangle},
     traverse,
     tree::{References, build_ploc, median_split},
     triangle::{LANES, TriangleBlock, is_degenerate},
@@ -55,6 +56,8 @@ pub(super) struct BottomLevels {
     /// In the order of the leaves of `gpu_nodes`.
     pub(super) gpu_triangles: Vec<GpuTriangle>,
     pub(super) masked: Vec<GpuMaskedTriangle>,
+    /// Corners of thin sheets.
+    pub(super) sheets: Vec<GpuSheetTriangle>,
     /// None for a mesh whose triangles are all degenerate.
     pub(super) roots: Vec<Option<MeshRoot>>,
 }
@@ -81,7 +84,7 @@ impl BottomLevels {
         let (first_node, first_block) = (nodes.len(), blocks.len());
         let gpu_root = self.gpu_nodes.len() as u32;
         let first_triangle = self.gpu_triangles.len() as u32;
-        let first_masked = self.masked.len() as u32;
+        let [first_masked, first_sheet] = [self.masked.len(), self.sheets.len()].map(|count| count as u32);
         for node in &mut mesh.tree.nodes {
             node.children = node.children.map(|child| child.offset(first_node, first_block));
         }
@@ -92,7 +95,7 @@ impl BottomLevels {
         let in_blocks = mesh.blocks.iter_mut().flat_map(|block| &mut block.masked);
         let in_triangles = mesh.gpu_triangles.iter_mut().map(|triangle| &mut triangle.masked);
         for masked in in_blocks.chain(in_triangles).filter(|masked| **masked != 0) {
-            *masked += first_masked;
+            *masked += if *masked & SHEET == 0 { first_masked } else { first_sheet };
         }
         self.roots.push(Some(MeshRoot {
             root: mesh.tree.root.offset(first_node, first_block),
@@ -105,6 +108,7 @@ impl BottomLevels {
         self.gpu_nodes.append(&mut mesh.gpu.nodes);
         self.gpu_triangles.append(&mut mesh.gpu_triangles);
         self.masked.append(&mut mesh.masked);
+        self.sheets.append(&mut mesh.sheets);
     }
 }
 
@@ -115,6 +119,7 @@ struct MeshBvh {
     gpu: CwBvh,
     gpu_triangles: Vec<GpuTriangle>,
     masked: Vec<GpuMaskedTriangle>,
+    sheets: Vec<GpuSheetTriangle>,
     bounds: Aabb,
 }
 
@@ -133,28 +138,26 @@ impl MeshBvh {
             return None;
         }
 
-        // Collect the data of alpha tests.
-        let mut masked = Vec::new();
+        // Collect the data of alpha tests and of sheets.
+        let (mut masked, mut of_sheets) = (Vec::new(), Vec::new());
         let triangles: Vec<GpuTriangle> = ids
             .iter()
             .map(|&id| {
-                let material = mesh.triangle_materials.get(id as usize).copied();
-                let mask = material
-                    .and_then(|material| materials.get(material as usize))
-                    .filter(|material| !(sheets && material.is_sheet()))
-                    .and_then(|material| Some((material, material.alpha_mask?)));
-                if let Some((material, mask)) = mask {
-                    masked.push(masked_triangle(mesh, id, material, mask));
-                }
+                let index = mesh.triangle_materials.get(id as usize).copied();
+                let material = index.and_then(|index| materials.get(index as usize));
+                let masked = match material {
+                    Some(material) if sheets && material.is_sheet() => {
+                        of_sheets.push(sheet_triangle(mesh, id, material));
+                        SHEET | (of_sheets.len() - 1) as u32
+                    }
+                    Some(material) => material.alpha_mask.map_or(0, |mask| {
+                        masked.push(masked_triangle(mesh, id, material, mask));
+                        masked.len() as u32
+                    }),
+                    None => 0,
+                };
                 let [v0, v1, v2]: [Vec3; 3] = corners(id);
-                GpuTriangle {
-                    v0,
-                    id,
-                    v1,
-                    masked: mask.map_or(0, |_| masked.len() as u32),
-                    v2,
-                    material: material.unwrap_or(0),
-                }
+                GpuTriangle { v0, id, v1, masked, v2, material: index.unwrap_or(0) }
             })
             .collect();
 
@@ -170,6 +173,7 @@ impl MeshBvh {
                     triangle
                 })
                 .collect::<Vec<_>>(),
+            |index| triangles[index as usize].masked & SHEET == 0,
         );
         let boxes = &references.boxes;
         let binary = build_ploc(boxes, &PARAMS);
@@ -182,7 +186,7 @@ impl MeshBvh {
         let in_leaf_order = gpu.primitive_indices.iter();
         let gpu_triangles =
             in_leaf_order.map(|&i| triangles[references.primitives[i as usize] as usize]).collect();
-        Some(Self { tree, blocks, gpu, gpu_triangles, masked, bounds })
+        Some(Self { tree, blocks, gpu, gpu_triangles, masked, sheets: of_sheets, bounds })
     }
 }
 

@@ -5,12 +5,15 @@
 //! regions, in the order of the leaves. All indices are absolute, so moving an instance rewrites the
 //! dynamic regions only.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use obvhs::cwbvh::node::CwBvhNode;
 
 use super::{
     TwoLevelBvh,
+    sheets::GpuSheets,
     top::{PlacedInstance, TopLevel},
 };
 use crate::scene::{AlphaMask, Wrap};
@@ -25,7 +28,7 @@ pub struct GpuTriangle {
     pub id: u32,
     /// Second corner.
     pub v1: Vec3,
-    /// 0, or 1 + index of its [`GpuMaskedTriangle`].
+    /// 0, or 1 + index of its [`GpuMaskedTriangle`], or [`SHEET`](super::sheets::SHEET) + index of its corners.
     pub masked: u32,
     /// Third corner.
     pub v2: Vec3,
@@ -122,6 +125,8 @@ pub struct GpuBvh {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
+    /// What those of sheets let pass.
+    pub sheets: Arc<GpuSheets>,
     /// Static, then dynamic instances.
     pub instances: Vec<GpuInstance>,
     /// Roots of traversal.
@@ -164,6 +169,7 @@ impl TwoLevelBvh {
             nodes,
             triangles: non_empty(self.bottom.gpu_triangles.clone()),
             alpha: self.gpu_alpha_masks(),
+            sheets: Arc::clone(&self.sheets),
             instances: vec![GpuInstance::default(); regions.instance_end.max(1)],
             roots: self.roots(&regions),
         };

@@ -2,13 +2,16 @@
 //! `shaders/include/tracer_hardware.glsl` reads.
 //!
 //! Out: the same triangles as in the two-level BVH, each once, mesh by mesh, in each mesh first those without an
-//! alpha mask; and the placed meshes.
+//! alpha mask that are no sheets'; and the placed meshes.
+
+use std::sync::Arc;
 
 use glam::Affine3A;
 
 use super::{
     TwoLevelBvh,
     gpu::{GpuAlphaMasks, GpuTriangle, non_empty},
+    sheets::GpuSheets,
 };
 
 /// A contiguous run of triangles: one geometry of a bottom level.
@@ -23,9 +26,9 @@ pub struct Run {
 /// The triangles of one mesh; both runs are empty for a mesh that cannot be hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRuns {
-    /// Those without an alpha mask.
+    /// Those without an alpha mask that are no sheets'.
     pub opaque: Run,
-    /// Those with one.
+    /// The others.
     pub masked: Run,
 }
 
@@ -43,6 +46,8 @@ pub struct HardwareLayout {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
+    /// What those of sheets let pass.
+    pub sheets: Arc<GpuSheets>,
     /// The runs of each mesh.
     pub meshes: Vec<MeshRuns>,
 }
@@ -72,7 +77,12 @@ impl TwoLevelBvh {
                 append_runs(&mut triangles, &self.bottom.gpu_triangles[first..end])
             })
             .collect();
-        HardwareLayout { triangles: non_empty(triangles), alpha: self.gpu_alpha_masks(), meshes }
+        HardwareLayout {
+            triangles: non_empty(triangles),
+            alpha: self.gpu_alpha_masks(),
+            sheets: Arc::clone(&self.sheets),
+            meshes,
+        }
     }
 
     /// The instances that can be hit, at their current transforms.

@@ -9,6 +9,7 @@ pub mod gpu;
 pub mod hardware;
 mod nodes;
 mod query;
+pub mod sheets;
 mod simd;
 mod top;
 mod traverse;
@@ -16,12 +17,15 @@ mod tree;
 mod triangle;
 mod wide;
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::scene::{AlphaMask, Scene};
 use bottom::{BottomLevels, MeshRoot};
 use query::{query, query_all};
+use sheets::GpuSheets;
 use top::TopLevel;
 
 /// Rays of one parallel task: fewer would not pay for its overhead.
@@ -65,6 +69,7 @@ pub struct TwoLevelBvh {
     avx2: Option<simd::Avx2>,
     bottom: BottomLevels,
     alpha_masks: Vec<AlphaMask>,
+    sheets: Arc<GpuSheets>,
     instances: Vec<InstanceState>,
     static_level: TopLevel,
     dynamic_level: TopLevel,
@@ -112,10 +117,12 @@ impl TwoLevelBvh {
                 transform,
             })
             .collect();
+        let bottom = BottomLevels::build(scene, sheets);
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
             avx2: simd::Avx2::try_new(),
-            bottom: BottomLevels::build(scene, sheets),
+            sheets: Arc::new(GpuSheets::new(scene, &bottom.sheets)),
+            bottom,
             alpha_masks: scene.alpha_masks.clone(),
             instances,
             static_level: TopLevel::build(std::iter::empty()),
@@ -217,6 +224,11 @@ impl TwoLevelBvh {
     /// [`Self::occluded_all`] over all cores.
     pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
         rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.occluded_all(rays)).collect()
+    }
+
+    /// Whether there are thin sheets.
+    pub fn has_sheets(&self) -> bool {
+        !self.bottom.sheets.is_empty()
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.

@@ -25,15 +25,24 @@ pub(super) struct References {
 }
 
 impl References {
-    /// One box for each triangle, and several for large triangles that fill their box poorly. Each box is padded by
-    /// the rounding error of a hit on its triangle.
-    pub(super) fn from_triangles(triangles: &[Triangle]) -> Self {
+    /// One box for each triangle, and several for large triangles that fill their box poorly and that rays may meet more than
+    /// once. Each box is padded by the rounding error of a hit on its triangle.
+    pub(super) fn from_triangles(triangles: &[Triangle], may_split: impl Fn(u32) -> bool) -> Self {
         let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
         let mut primitives: Vec<u32> = (0..triangles.len() as u32).collect();
         let areas = || boxes.iter().map(Aabb::half_area);
         let (sum, largest) = (areas().sum::<f32>(), areas().fold(0.0, f32::max));
         let mean = sum / triangles.len() as f32;
         split_aabbs_preset(&mut boxes, &mut primitives, triangles, mean, largest);
+        // The first box of each keeps its place.
+        let whole = |(place, (bounds, primitive)): (usize, (Aabb, u32))| {
+            if may_split(primitive) {
+                return Some((bounds, primitive));
+            }
+            (place < triangles.len()).then(|| (triangles[primitive as usize].aabb(), primitive))
+        };
+        let all = boxes.into_iter().zip(primitives).enumerate();
+        let (mut boxes, primitives): (Vec<Aabb>, Vec<u32>) = all.filter_map(whole).unzip();
         for (bounds, &primitive) in boxes.iter_mut().zip(&primitives) {
             // The triangle test runs on the whole triangle, not only on its part in the box.
             let Triangle { v0, v1, v2 } = triangles[primitive as usize];

@@ -8,6 +8,7 @@
 use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::gpu::GpuTriangle;
+use super::sheets::SHEET;
 
 /// Triangles per test.
 pub(super) const LANES: usize = 4;
@@ -46,7 +47,8 @@ impl TriangleBlock {
             }
         }
         self.ids[lane] = triangle.id;
-        self.masked[lane] = triangle.masked;
+        // Rays on the CPU hit sheets like any surface.
+        self.masked[lane] = if triangle.masked & SHEET == 0 { triangle.masked } else { 0 };
     }
 }
 

@@ -17,7 +17,7 @@ use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::overlay::Line;
 use crate::passes::scene_buffers::Instances;
-use crate::passes::tracer::{RayTracer, Tracer};
+use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Indirect, Settings};
@@ -39,8 +39,8 @@ pub struct World<'a> {
 pub struct EstimatorContext<'a> {
     /// The device.
     pub device: &'a Arc<Device>,
-    /// Which tracer its shaders are for.
-    pub tracer: RayTracer,
+    /// What its shaders are made for.
+    pub tracer: TracerVariant,
     /// The settings, which were checked.
     pub settings: &'a Settings,
     /// The world as it stands now.

@@ -45,7 +45,7 @@ pub const VIEWS: [View; 18] = [
     View {
         name: "direct-shadows",
         label: "Direct shadows",
-        about: "The share of the lights that each pixel sees: white sees all",
+        about: "What arrives of the lights at each pixel, on average: white sees all, thin sheets tint",
     },
     View {
         name: "position",
@@ -91,7 +91,7 @@ pub struct BufferViewInputs<'a> {
     pub gbuffer: &'a GBuffer,
     /// Materials of the scene.
     pub materials: &'a Buffer,
-    /// Which lights each pixel sees.
+    /// What arrives of each light at each pixel.
     pub direct_shadows: &'a Image,
     /// Direct radiance.
     pub direct: &'a Image,
@@ -120,9 +120,10 @@ pub struct BufferViewPass {
 }
 
 impl BufferViewPass {
-    /// Makes the pipeline.
-    pub fn new(device: &Arc<Device>) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: ComputePipeline::new(device, "buffer_view", shaders::BUFFER_VIEW_COMP)? })
+    /// Makes the pipeline, for a scene with thin sheets or without.
+    pub fn new(device: &Arc<Device>, sheets: bool) -> Result<Self, VulkanError> {
+        let (shader, constants) = (shaders::BUFFER_VIEW_COMP, [u32::from(sheets)]);
+        Ok(Self { pipeline: ComputePipeline::specialised(device, "buffer_view", shader, &constants)? })
     }
 
     /// Writes the view with this number over `display`.

@@ -101,9 +101,13 @@ impl RayCaster {
         let pipeline = match &mut self.pipelines[usize::from(any_hit)] {
             Some(pipeline) => pipeline,
             missing => {
-                let shader = self.tracer.kind().of(shaders::CAST_RAYS_COMP);
-                let constants = [u32::from(any_hit)];
-                missing.insert(ComputePipeline::specialised(&self.device, "cast_rays", shader, &constants)?)
+                let (shader, constants) = (shaders::CAST_RAYS_COMP, [u32::from(any_hit)]);
+                missing.insert(self.tracer.variant().pipeline(
+                    &self.device,
+                    "cast_rays",
+                    shader,
+                    &constants,
+                )?)
             }
         };
         let (mut frame, _) = self.frames.begin()?;

@@ -1,9 +1,11 @@
-//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, exposure, filmic tone map, sRGB.
+//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind sheets; exposure, filmic
+//! tone map, sRGB.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::sheets::SheetImages;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -25,6 +27,8 @@ pub struct CombineInputs<'a> {
     pub albedo: &'a Image,
     /// Directional albedo of the GGX lobe.
     pub specular_albedo: &'a Image,
+    /// What is seen of sheets, in scenes that have them.
+    pub sheets: Option<&'a SheetImages>,
     /// Stops, or none for automatic exposure.
     pub exposure: Option<f32>,
 }
@@ -32,11 +36,19 @@ pub struct CombineInputs<'a> {
 impl CombineInputs<'_> {
     /// Binds everything that shaders/include/radiance.glsl names.
     fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        // Without sheets images of the same formats are bound, and not read.
+        let [light, albedo, transmittance] = match self.sheets {
+            Some(sheets) => [&sheets.light, &sheets.albedo, &sheets.transmittance],
+            None => [self.direct, self.albedo, self.albedo],
+        };
         pass.read("frame_uniforms", self.frame)
             .read("direct", self.direct)
             .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
             .read("specular_albedo", self.specular_albedo)
+            .read("sheet_light", light)
+            .read("sheet_albedo", albedo)
+            .read("sheet_transmittance", transmittance)
     }
 }
 
@@ -58,9 +70,10 @@ pub struct CombinePass {
 }
 
 impl CombinePass {
-    /// Makes the pipelines and the picture, of `extent` texels.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
+    /// Makes the pipelines, for a scene with thin sheets or without, and the picture, of `extent` texels.
+    pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let constants = [u32::from(sheets)];
+        let pipeline = |name, spirv| ComputePipeline::specialised(device, name, spirv, &constants);
         Ok(Self {
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,

@@ -19,7 +19,7 @@ pub struct DirectShadingInputs<'a> {
     pub gbuffer: &'a GBuffer,
     /// The lights.
     pub lights: &'a Upload,
-    /// Which of them each pixel sees: see `DirectShadowsPass::record`.
+    /// What arrives of them at each pixel: see `DirectShadowsPass::record`.
     pub visibility: &'a Image,
     /// Of that, and so of the lights.
     pub visibility_version: Version,
@@ -38,9 +38,10 @@ pub struct DirectShadingPass {
 }
 
 impl DirectShadingPass {
-    /// Makes the pipeline and the image, of `extent` texels.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = ComputePipeline::new(device, "direct_shading", shaders::DIRECT_SHADING_COMP)?;
+    /// Makes the pipeline, for a scene with thin sheets or without, and the image, of `extent` texels.
+    pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [u32::from(sheets)]);
+        let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
         Self::of(device, pipeline, extent)
     }
 

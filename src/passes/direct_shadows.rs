@@ -1,6 +1,6 @@
-//! `direct_shadows`: which lights each pixel sees, by one occlusion ray for each light that it faces.
+//! `direct_shadows`: what arrives of each light at each pixel, by one ray for each light that it faces.
 //!
-//! In: the visible surfaces and the lights. Out: a bit for each light. Exact where shadow maps would need a bias: neither leaks
+//! In: the visible surfaces and the lights. Out: a bit for each light or, in scenes with thin sheets, the colour that these let pass. Exact where shadow maps would need a bias: neither leaks
 //! through walls without thickness nor loses shadows under a grazing light.
 
 use std::sync::Arc;
@@ -10,12 +10,14 @@ use super::skip::{LastInputs, Version};
 use super::storage_image_array;
 use super::structs::LightData;
 use super::to_u32;
-use super::tracer::{RayTracer, Tracer};
+use super::tracer::{Tracer, TracerVariant};
 use crate::scene::{Light, LightKind, Pose};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
-/// Lights whose visibility a texel of one layer holds. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
-const LIGHTS_PER_LAYER: usize = 32;
+/// Lights of which a texel of one layer tells. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
+fn lights_per_layer(sheets: bool) -> usize {
+    if sheets { 1 } else { 32 }
+}
 
 /// What the pass reads.
 pub struct DirectShadowsInputs<'a> {
@@ -43,9 +45,9 @@ struct Key {
 
 /// The pass.
 pub struct DirectShadowsPass {
-    tracer: RayTracer,
+    tracer: TracerVariant,
     pipeline: ComputePipeline,
-    /// Bit i of layer l: whether the pixel sees light 32 l + i.
+    /// Bit i of layer l: whether the pixel sees light 32 l + i; with sheets, layer i: what arrives of light i, packed.
     visibility: Image,
     last: LastInputs<Key>,
     device: Arc<Device>,
@@ -53,11 +55,11 @@ pub struct DirectShadowsPass {
 
 impl DirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image of `extent` texels.
-    pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let spirv = tracer.of(shaders::DIRECT_SHADOWS_COMP);
+    pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = tracer.pipeline(device, "direct_shadows", shaders::DIRECT_SHADOWS_COMP, &[])?;
         Ok(Self {
             tracer,
-            pipeline: ComputePipeline::new(device, "direct_shadows", spirv)?,
+            pipeline,
             visibility: visibility(device, extent, 1)?,
             last: LastInputs::default(),
             device: Arc::clone(device),
@@ -73,11 +75,6 @@ impl DirectShadowsPass {
             last: LastInputs::default(),
             device: Arc::clone(&self.device),
         })
-    }
-
-    /// Which tracer it is for.
-    pub fn tracer(&self) -> RayTracer {
-        self.tracer
     }
 
     /// What the last frame wrote.
@@ -114,7 +111,7 @@ impl DirectShadowsPass {
     }
 
     fn make_room(&mut self, lights: usize) -> Result<(), VulkanError> {
-        let layers = to_u32(lights.div_ceil(LIGHTS_PER_LAYER));
+        let layers = to_u32(lights.div_ceil(lights_per_layer(self.tracer.sheets)));
         if layers > self.visibility.layers() {
             // Frames on their way still read the old image.
             self.device.wait_idle()?;

@@ -16,6 +16,7 @@ pub mod hit_buffers;
 pub mod overlay;
 pub mod reprojection;
 pub mod scene_buffers;
+pub mod sheets;
 pub mod skip;
 pub mod structs;
 pub mod tracer;

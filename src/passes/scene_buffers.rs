@@ -36,7 +36,7 @@ pub struct SceneBuffers {
     material_textures: Vec<[(usize, [Wrap; 2]); 4]>,
     /// The environment's map.
     pub environment: EnvironmentTexture,
-    /// All clusters of all visible instances, by material: what the G-buffer may draw.
+    /// All clusters of all visible instances but those of thin sheets, by material: what the G-buffer may draw.
     pub draws: Vec<Draw>,
     /// What of the G-buffer's shader each material needs: 1 for an alpha mask, 2 for more than one set of plain texture
     /// coordinates.
@@ -64,6 +64,7 @@ impl SceneBuffers {
     pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
         let geometry = Geometry::of(scene);
         let mut draws = geometry.draws(scene);
+        draws.retain(|draw| !scene.materials[draw.material as usize].is_sheet());
         draws.sort_by_key(|draw| (draw.material, draw.instance));
         let colours = vertex_colours(scene);
         let coloured = || scene.materials.iter().zip(&colours);

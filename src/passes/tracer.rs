@@ -8,8 +8,9 @@ use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuAlphaMasks;
+use crate::bvh::sheets::GpuSheets;
 use crate::vulkan::shaders::PerTracer;
-use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Pass, VulkanError};
 
 /// One of the tracers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -36,12 +37,42 @@ impl RayTracer {
     }
 }
 
+/// What shaders that trace rays, or read what these found, are made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TracerVariant {
+    /// What traces the rays.
+    pub tracer: RayTracer,
+    /// Whether the scene has thin sheets: `HAS_SHEETS` in shaders.
+    pub sheets: bool,
+}
+
+impl TracerVariant {
+    /// A pipeline of a shader that traces rays; `constants` are its own, from the specialisation constant 1 on.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn pipeline(
+        self,
+        device: &Arc<Device>,
+        name: &str,
+        shader: PerTracer,
+        constants: &[u32],
+    ) -> Result<ComputePipeline, VulkanError> {
+        let constants = [&[u32::from(self.sheets)], constants].concat();
+        ComputePipeline::specialised(device, name, self.tracer.of(shader), &constants)
+    }
+}
+
 /// A scene in device memory, as rays meet it.
 pub struct Tracer {
     structure: Structure,
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
+    sheet_triangles: Buffer,
+    sheets: Buffer,
+    sheet_texels: Buffer,
+    has_sheets: bool,
 }
 
 enum Structure {
@@ -52,26 +83,36 @@ enum Structure {
 impl Tracer {
     /// Uploads everything and, for the hardware tracer, builds what does not move.
     pub fn new(device: &Arc<Device>, tracer: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
-        let (structure, alpha) = match tracer {
+        let (structure, alpha, sheets) = match tracer {
             RayTracer::Software => {
                 let layout = bvh.gpu_layout();
-                (Structure::Software(SoftwareTracer::new(device, bvh, &layout)?), layout.alpha)
+                (Structure::Software(SoftwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
             }
             RayTracer::Hardware => {
                 let layout = bvh.hardware_layout();
-                (Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?), layout.alpha)
+                (Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
             }
         };
         let GpuAlphaMasks { triangle_uvs, masks, mask_bits } = alpha;
+        let GpuSheets { triangles: sheet_triangles, sheets, texels } = &*sheets;
         Ok(Self {
             structure,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &mask_bits)?,
+            sheet_triangles: Buffer::with_data(device, "bvh_sheet_triangles", sheet_triangles)?,
+            sheets: Buffer::with_data(device, "bvh_sheets", sheets)?,
+            sheet_texels: Buffer::with_data(device, "bvh_sheet_texels", texels)?,
+            has_sheets: bvh.has_sheets(),
         })
     }
 
-    /// Which tracer it is for: pipelines must be made of the shader that goes with it.
+    /// Which shaders it is for: pipelines must be made of them.
+    pub fn variant(&self) -> TracerVariant {
+        TracerVariant { tracer: self.kind(), sheets: self.has_sheets }
+    }
+
+    /// Which tracer it is.
     pub fn kind(&self) -> RayTracer {
         match self.structure {
             Structure::Software(_) => RayTracer::Software,
@@ -89,7 +130,12 @@ impl Tracer {
 
     /// Binds everything that the include names.
     pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        let pass = self.bind_masks(pass).read("bvh_triangle_uvs", &self.triangle_uvs);
+        let pass = self
+            .bind_masks(pass)
+            .read("bvh_triangle_uvs", &self.triangle_uvs)
+            .read("bvh_sheet_triangles", &self.sheet_triangles)
+            .read("bvh_sheets", &self.sheets)
+            .read("bvh_sheet_texels", &self.sheet_texels);
         match &self.structure {
             Structure::Software(tracer) => tracer.bind(pass),
             Structure::Hardware(tracer) => tracer.bind(pass),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::estimators::{self, EstimatorContext, World};
 use crate::passes::direct_shadows::DirectShadowsPass;
-use crate::passes::tracer::Tracer;
+use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::scene::Pose;
 use crate::settings::Settings;
 
@@ -22,6 +22,7 @@ impl Renderer {
         let device = Arc::clone(&self.device);
         let choice = tracer_choice::choose(&device, settings.tracer)?;
         let retraced = choice.used != self.tracer.kind();
+        let variant = TracerVariant { tracer: choice.used, ..self.tracer.variant() };
         self.bvh.update(&pose.instances);
 
         // Make what is to be another one.
@@ -29,10 +30,14 @@ impl Renderer {
         let resized = settings.size != self.settings.size;
         let passes = if resized { Some(self.passes.resized(&device, settings.size)?) } else { None };
         let direct_shadows =
-            if retraced { Some(DirectShadowsPass::new(&device, choice.used, settings.size)?) } else { None };
+            if retraced { Some(DirectShadowsPass::new(&device, variant, settings.size)?) } else { None };
+        let sheets = match &self.passes.sheets {
+            Some(sheets) if retraced => Some(sheets.retraced(variant, settings.size)?),
+            _ => None,
+        };
         let context = EstimatorContext {
             device: &device,
-            tracer: choice.used,
+            tracer: variant,
             settings,
             world: World { scene: &self.scene, pose, bvh: &self.bvh },
             scene_radius: self.radius,
@@ -56,6 +61,9 @@ impl Renderer {
         }
         if let Some(direct_shadows) = direct_shadows {
             self.passes.direct_shadows = direct_shadows;
+        }
+        if sheets.is_some() {
+            self.passes.sheets = sheets;
         }
         if let Some(tracer) = tracer {
             self.tracer = tracer;

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::{RenderError, Renderer};
 use crate::output::{Layer, Picture};
+use crate::passes::sheets::SheetsPass;
 use crate::vulkan::Image;
 
 /// Twin of MATERIAL in shaders/include/gbuffer.glsl.
@@ -19,7 +20,34 @@ struct Light {
     specular_albedo: Vec<[f32; 4]>,
 }
 
+/// What sheets add to the light of each pixel, and let pass of it.
+struct SheetLight {
+    light: Vec<[f32; 4]>,
+    albedo: Vec<[f32; 4]>,
+    transmittance: Vec<[f32; 4]>,
+}
+
 impl Light {
+    /// As it is seen through sheets. Roughness, the alpha of the albedo, stays that of the surface.
+    fn behind(self, sheets: &SheetLight) -> Self {
+        let passed = |light: Vec<[f32; 4]>, added: Option<&Vec<[f32; 4]>>| {
+            let pass = |(pixel, mut light): (usize, [f32; 4])| {
+                for channel in 0..3 {
+                    let added = added.map_or(0.0, |added| added[pixel][channel]);
+                    light[channel] = light[channel] * sheets.transmittance[pixel][channel] + added;
+                }
+                light
+            };
+            light.into_iter().enumerate().map(pass).collect()
+        };
+        Self {
+            direct: passed(self.direct, Some(&sheets.light)),
+            albedo: passed(self.albedo, Some(&sheets.albedo)),
+            specular_albedo: passed(self.specular_albedo, None),
+            irradiance: self.irradiance,
+        }
+    }
+
     /// What the GGX lobe of each pixel makes of irradiance.
     fn reflected(&self) -> Vec<[f32; 4]> {
         let pixels = self.specular_albedo.iter().zip(&self.irradiance);
@@ -58,12 +86,18 @@ impl Renderer {
     }
 
     fn read_light(&self) -> Result<Light, RenderError> {
-        Ok(Light {
+        let light = Light {
             direct: self.read_floats(self.passes.direct_shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
             albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
             specular_albedo: self.read_bytes(self.passes.direct_shading.specular_albedo())?,
-        })
+        };
+        let Some(sheets) = self.passes.sheets.as_ref().map(SheetsPass::output) else { return Ok(light) };
+        Ok(light.behind(&SheetLight {
+            light: self.read_floats(&sheets.light)?,
+            albedo: self.read_halves(&sheets.albedo, 4)?,
+            transmittance: self.read_halves(&sheets.transmittance, 4)?,
+        }))
     }
 
     /// What the estimator knows of each pixel of the last frame besides irradiance.

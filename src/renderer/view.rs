@@ -83,7 +83,7 @@ impl Renderer {
         self.estimator.look_at(view)?;
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
-                self.views.buffer = Some(BufferViewPass::new(&self.device)?);
+                self.views.buffer = Some(BufferViewPass::new(&self.device, self.tracer.variant().sheets)?);
             }
             if self.views.overlay.is_none() {
                 self.views.overlay = Some(OverlayPass::new(&self.device)?);

@@ -57,8 +57,7 @@ pub struct Material {
     pub transmission: f32,
     /// Whether the file shows both sides. Surfaces always have two here.
     pub double_sided: bool,
-    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out, and for a thin sheet that lets most
-    /// light pass, for raster and for rays that know no sheets. What is cut out does not emit.
+    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. What is cut out does not emit.
     pub alpha_mask: Option<usize>,
 }
 
@@ -229,8 +228,12 @@ impl Material {
         });
         let colour = texel * at.colour;
         let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };
-        let passed = self.base_colour * colour.truncate() * (self.transmission * (1.0 - self.metallic));
-        Sheet { coverage, passed }
+        Sheet { coverage, passed: self.passed() * colour.truncate() }
+    }
+
+    /// What a sheet lets pass where its coat reflects nothing, to be multiplied with its texture.
+    pub(crate) fn passed(&self) -> Vec3 {
+        self.base_colour * (self.transmission * (1.0 - self.metallic))
     }
 
     /// Whether it emits light.

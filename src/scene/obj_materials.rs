@@ -116,14 +116,12 @@ pub(super) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
     for material in materials {
         let maps = Maps::of(material);
         let surface = surface(material);
-        // What lets most light pass is cut out for all that know no sheets.
-        let passes = surface.base_colour.max_element() * surface.transmission;
-        let opacity = if passes >= 0.5 { 0.0 } else { surface.opacity };
-        let alpha_mask = *masks.entry((maps.colour, maps.opacity, opacity.to_bits())).or_insert_with(|| {
-            let mask = mask_of(maps, opacity, &images)?;
-            scene.alpha_masks.push(mask);
-            Some(scene.alpha_masks.len() - 1)
-        });
+        let alpha_mask =
+            *masks.entry((maps.colour, maps.opacity, surface.opacity.to_bits())).or_insert_with(|| {
+                let mask = mask_of(maps, surface.opacity, &images)?;
+                scene.alpha_masks.push(mask);
+                Some(scene.alpha_masks.len() - 1)
+            });
         // Maps of opacity cut out; only `d` makes sheets.
         let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_sheet());
         let texture = |source: Option<Source<'_>>| {

@@ -15,13 +15,15 @@ pub struct World {
     pub tolerance: f64,
 }
 
-/// The intersection of a ray with a triangle, in double precision.
-struct Crossing {
-    t: f64,
+/// The intersection of a ray with the plane of a triangle, in double precision.
+pub struct Crossing {
+    pub t: f64,
+    /// Weights of the second and third corner.
+    pub barycentrics: [f64; 2],
     /// Smallest barycentric weight: below zero outside.
-    inside: f64,
-    instance: u32,
-    triangle: u32,
+    pub inside: f64,
+    pub instance: u32,
+    pub triangle: u32,
 }
 
 impl World {
@@ -73,7 +75,7 @@ impl World {
     }
 
     /// All triangles whose planes the ray crosses.
-    fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
+    pub fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
         let mut crossings = Vec::new();
         for (instance, placed) in self.scene.instances.iter().enumerate() {
             let mesh = &self.scene.meshes[placed.mesh];
@@ -85,10 +87,11 @@ impl World {
             let translation = placed.transform.translation.as_dvec3();
             for (triangle, corners) in mesh.triangles.iter().enumerate() {
                 let world = corners.map(|v| rotation * mesh.positions[v as usize].as_dvec3() + translation);
-                if let Some((t, inside)) = cross(world, ray) {
+                if let Some((t, [u, v])) = cross(world, ray) {
                     crossings.push(Crossing {
                         t,
-                        inside,
+                        barycentrics: [u, v],
+                        inside: u.min(v).min(1.0 - u - v),
                         instance: instance as u32,
                         triangle: triangle as u32,
                     });
@@ -99,16 +102,15 @@ impl World {
     }
 }
 
-/// Solves for t and the smallest barycentric weight by Cramer's rule.
-fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, f64)> {
+/// Solves for t and the weights of the second and third corner.
+fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, [f64; 2])> {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let system = DMat3::from_cols(b - a, c - a, -direction);
     if system.determinant() == 0.0 {
         return None;
     }
     let solution = system.inverse() * (origin - a);
-    let (u, v) = (solution.x, solution.y);
-    Some((solution.z, u.min(v).min(1.0 - u - v)))
+    Some((solution.z, [solution.x, solution.y]))
 }
 
 pub fn material(alpha_mask: Option<usize>) -> Material {

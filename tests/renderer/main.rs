@@ -2,6 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[macro_use]
+#[path = "../support/mod.rs"]
+mod support;
+
 mod direct;
 mod environment;
 mod estimators;
@@ -17,9 +21,8 @@ mod pictures;
 mod reference;
 mod rooms;
 mod shadows;
+mod sheets;
 mod sphere;
-#[path = "../support/mod.rs"]
-mod support;
 mod temporal;
 mod thin_features;
 mod tracers;

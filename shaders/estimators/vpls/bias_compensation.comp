@@ -30,10 +30,8 @@ layout(set = 0, binding = 7, rgba32f) uniform image2D drawn_irradiance;
 #define CLUSTER_WEIGHTS_BINDING 6
 #include "draw_vpl.glsl"
 #include "lights.glsl"
+#include "light_rays.glsl"
 layout(set = 0, binding = 9, std430) readonly buffer LightBlock { LightData data[]; } lights;
-
-// Beyond every scene, for rays to lights that are infinitely far away.
-const float FAR = 1e30;
 
 // About a normal, in proportion to the cosine.
 vec3 cosine_hemisphere(vec3 n, vec2 u) {
@@ -53,11 +51,8 @@ vec3 direct_light(Surface at, float random, inout uint rays) {
     if (choice.weight <= 0.0) return vec3(0.0);
     LightData light = lights.data[choice.kept];
     vec3 brought = unshadowed_irradiance(light, at, to_light) * (choice.sum / choice.weight);
-    vec3 origin = ray_origin(at);
-    bool directional = light.kind == LIGHT_DIRECTIONAL;
-    vec3 direction = directional ? to_light : light.position.xyz - origin;
     rays++;
-    return trace_occluded(origin, direction, 0.0, directional ? FAR : 1.0) ? vec3(0.0) : brought;
+    return brought * arrival(light, at, to_light);
 }
 
 // Irradiance from one VPL of an earlier bounce.
@@ -85,7 +80,8 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     float cut_off = 1.0 - vpl.geometry_bound * squared;
     Surface at = Surface(met.position, met.normal, met.normal, 1.0);
     vec3 irradiance = direct_light(at, u.z, rays) + vpl_light(at, texel / BLOCK, u.w, rays);
-    return PI * emission_cut_off * met.emission + cut_off * met.albedo * irradiance;
+    vec3 brought = PI * emission_cut_off * met.emission + cut_off * met.albedo * irradiance;
+    return HAS_SHEETS ? brought * trace_transmittance(origin, direction, 0.0, just_before(hit.t)) : brought;
 }
 
 void main() {

@@ -43,7 +43,8 @@ void main() {
         vec3 origin = ray_origin(surface);
         rays += 1.0;
         vec4 ray = ray_to(vpls.data[vpl.first_vpl + drawn.index], origin);
-        if (!trace_occluded(origin, ray.xyz, 0.0, ray.w)) seen += 1.0;
+        vec3 transmittance = trace_transmittance(origin, ray.xyz, 0.0, ray.w);
+        seen += max(transmittance.r, max(transmittance.g, transmittance.b));
     }
     count_rays(uint(rays));
     // So few rays tell little: the mean of what is likely, from an uninformed guess (Jeffreys 1946).

@@ -28,8 +28,10 @@ void main() {
         GpuVpl one = vpls.data[0];
         vec3 origin = ray_origin(surface);
         vec4 ray = ray_to(one, origin);
-        if (!trace_occluded(origin, ray.xyz, 0.0, ray.w)) {
-            light = vec4(unshadowed_irradiance(one, surface.position, surface.shading) * push.weight, 1.0);
+        vec3 transmittance = trace_transmittance(origin, ray.xyz, 0.0, ray.w);
+        if (transmittance != vec3(0.0)) {
+            vec3 irradiance = unshadowed_irradiance(one, surface.position, surface.shading);
+            light = vec4(irradiance * transmittance * push.weight, 1.0);
         }
     }
     imageStore(vpl_light, pixel, light);

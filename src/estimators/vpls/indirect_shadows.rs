@@ -10,7 +10,7 @@ use super::set_buffers::set_step;
 use super::vpl_buffer::UploadedSet;
 use crate::estimators::EstimatorInputs;
 use crate::passes::storage_image;
-use crate::passes::tracer::RayTracer;
+use crate::passes::tracer::TracerVariant;
 use crate::settings::{Settings, VplSettings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
@@ -59,13 +59,15 @@ pub struct IndirectShadowsPass {
 
 impl IndirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image.
-    pub fn new(device: &Arc<Device>, tracer: RayTracer, settings: &Settings) -> Result<Self, VulkanError> {
-        let draw = tracer.of(shaders::INDIRECT_SHADOWS_COMP);
-        let draw = ComputePipeline::new(device, "indirect_shadows", draw)?;
-        let visibility = tracer.of(shaders::CLUSTER_VISIBILITY_COMP);
-        let visibility = ComputePipeline::new(device, "cluster_visibility", visibility)?;
-        let compensate = tracer.of(shaders::BIAS_COMPENSATION_COMP);
-        let compensate = ComputePipeline::new(device, "bias_compensation", compensate)?;
+    pub fn new(
+        device: &Arc<Device>,
+        tracer: TracerVariant,
+        settings: &Settings,
+    ) -> Result<Self, VulkanError> {
+        let traced = |name, shader| tracer.pipeline(device, name, shader, &[]);
+        let draw = traced("indirect_shadows", shaders::INDIRECT_SHADOWS_COMP)?;
+        let visibility = traced("cluster_visibility", shaders::CLUSTER_VISIBILITY_COMP)?;
+        let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
         let weigh = shaders::CLUSTER_WEIGHTS_COMP;
         let weigh = ComputePipeline::new(device, "cluster_weights", weigh)?;
         Self::of(device, [visibility, weigh, draw, compensate], settings)

@@ -36,7 +36,7 @@ use super::{
     DebugView, Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses, ViewInputs, World,
 };
 use crate::passes::overlay::Line;
-use crate::passes::tracer::RayTracer;
+use crate::passes::tracer::TracerVariant;
 use crate::report::{Counters, PassInfo};
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
@@ -106,7 +106,7 @@ pub struct Vpls {
     uploaded: Option<UploadedSet>,
     look: VplLook,
     views: ViewPasses,
-    tracer: RayTracer,
+    tracer: TracerVariant,
     device: Arc<Device>,
 }
 
@@ -187,7 +187,7 @@ impl Vpls {
 impl Passes {
     fn new(
         device: &Arc<Device>,
-        tracer: RayTracer,
+        tracer: TracerVariant,
         settings: &Settings,
         instances: usize,
     ) -> Result<Self, VulkanError> {

@@ -6,7 +6,7 @@ use super::manager::GpuVpl;
 use super::vpl_buffer::UploadedSet;
 use crate::estimators::EstimatorInputs;
 use crate::passes::storage_image;
-use crate::passes::tracer::RayTracer;
+use crate::passes::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// The pass.
@@ -17,8 +17,8 @@ pub struct VplLightPass {
 
 impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
-    pub fn new(device: &Arc<Device>, tracer: RayTracer, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let pipeline = ComputePipeline::new(device, "vpl_light", tracer.of(shaders::VPL_LIGHT_COMP))?;
+    pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let pipeline = tracer.pipeline(device, "vpl_light", shaders::VPL_LIGHT_COMP, &[])?;
         Ok(Self { pipeline: pipeline, light: light(device, extent)? })
     }
 

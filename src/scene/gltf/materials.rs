@@ -209,7 +209,7 @@ fn material_of(
     let base_texture = texture_use(pbr.base_color_texture(), false, source, images, scene)?;
     let transmission = material.transmission().map_or(0.0, |t| t.transmission_factor().clamp(0.0, 1.0));
     let wrap = base_texture.map_or(Wrap::REPEAT, |texture| texture.wrap);
-    let (alpha, alpha_mask) = alpha_of(material, images, scene, (transmission * base.max_element(), wrap));
+    let (alpha, alpha_mask) = alpha_of(material, images, scene, wrap);
     if material.unlit() {
         let unlit = Material {
             emission: base,
@@ -260,13 +260,12 @@ fn dielectric_of(material: &::gltf::Material<'_>) -> (Vec3, f32) {
     ((f0 * colour).min(Vec3::ONE) * factor, factor)
 }
 
-/// How alpha is used, and the mask of what is cut out; `passes`: the share that passes what is there, and the wrap modes of
-/// the mask.
+/// How alpha is used, and the mask of what is cut out, with its wrap modes.
 fn alpha_of(
     material: &::gltf::Material<'_>,
     images: &Images,
     scene: &mut Scene,
-    (passes, wrap): (f32, [Wrap; 2]),
+    wrap: [Wrap; 2],
 ) -> (Alpha, Option<usize>) {
     let pbr = material.pbr_metallic_roughness();
     let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
@@ -285,9 +284,8 @@ fn alpha_of(
             (Alpha::Mask(cutoff), add(factor * 0.5 / cutoff))
         }
         AlphaMode::Blend if factor < 1.0 || opacity.iter().any(|&alpha| alpha < 255) => {
-            (Alpha::Blend, add(if passes >= 0.5 { 0.0 } else { factor }))
+            (Alpha::Blend, add(factor))
         }
-        _ if passes >= 0.5 => (Alpha::Opaque, add(0.0)),
         _ => (Alpha::Opaque, None),
     }
 }

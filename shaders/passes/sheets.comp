@@ -1,0 +1,90 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Thin sheets between the eye and what a pixel sees, from front to back: with T what the sheets before one let pass, c its share
+// that is there, and its BSDF's directional albedos, each adds
+//   T c (emission + BSDF of lamps) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
+// Out: both sums, and what all sheets let pass of the light behind. Irradiance is that of the surface behind; before the open sky
+// it is the environment's mean, and that light is in the first sum.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#include "bsdf.glsl"
+#define TRACER_BINDING 7
+#include "tracer.glsl"
+#define HIT_BINDING 17
+#define HIT_TEXTURES
+#include "hit.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+#include "surface.glsl"
+#include "lights.glsl"
+#include "light_rays.glsl"
+layout(set = 0, binding = 3, std430) readonly buffer LightBlock { LightData data[]; } lights;
+layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D sheet_light;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D sheet_albedo;
+layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D sheet_transmittance;
+
+// Twin: SheetsPush in src/passes/sheets.rs.
+layout(push_constant) uniform Push {
+    vec3 ambient; // irradiance where there is nothing behind, W/m^2
+    float spread; // of a pixel, over a distance of 1
+    float near;   // view depth of the first and last sheet
+    float far;
+} push;
+
+// Sheets that are seen one behind the other, at most.
+const int MOST_SHEETS = 8;
+
+// What the lamps send to the eye by both lobes.
+vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
+    vec3 radiance = vec3(0.0);
+    for (uint i = 0u; i < frame.light_count; i++) {
+        LightData light = lights.data[i];
+        vec3 to_light;
+        vec3 irradiance = unshadowed_irradiance(light, at, to_light);
+        if (irradiance == vec3(0.0)) continue;
+        vec3 bsdf = reflection.diffuse / PI;
+        if (is_glossy) bsdf += reflected_towards_eye(reflection, to_light);
+        radiance += bsdf * irradiance * arrival(light, at, to_light);
+    }
+    return radiance;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    float depth = imageLoad(gbuffer_depth, pixel).r;
+    // One long along the view: t is view depth.
+    vec3 direction = pixel_ray(vec2(pixel));
+    vec3 to_eye = -normalize(direction);
+    float start = push.near;
+    float end = depth > 0.0 ? depth : push.far;
+
+    vec3 light = vec3(0.0);
+    vec3 albedo = vec3(0.0);
+    vec3 transmittance = vec3(1.0);
+    TracerHit hit;
+    for (int i = 0; i < MOST_SHEETS && transmittance != vec3(0.0); i++) {
+        if (!trace_sheet(frame.eye.xyz, direction, start, end, hit)) break;
+        HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread));
+        Reflection reflection = seen(met.bsdf, met.shading, to_eye);
+        SheetPoint sheet = sheet_point(hit.material, met.colour);
+        vec3 weight = transmittance * sheet.coverage;
+        Surface at = Surface(met.position, met.shading, met.geometric, hit.t);
+        light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
+        albedo += weight * (reflection.diffuse + reflection.reflected);
+        transmittance *= transmittance_of(sheet, reflection.reflected);
+        start = just_behind(hit.t);
+    }
+    if (depth == 0.0) {
+        light += albedo / PI * push.ambient;
+        albedo = vec3(0.0);
+    }
+    imageStore(sheet_light, pixel, vec4(light, 0.0));
+    imageStore(sheet_albedo, pixel, vec4(albedo, 0.0));
+    imageStore(sheet_transmittance, pixel, vec4(transmittance, 0.0));
+}

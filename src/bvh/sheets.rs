@@ -1,0 +1,141 @@
+//! Thin sheets as `shaders/include/tracer.glsl` reads them, for both tracers.
+//!
+//! In: a scene. Out: what its sheets let pass: a record for each material, and the texels of their base colours.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec4};
+
+use super::gpu::{non_empty, wrap_bits};
+use crate::scene::{Alpha, Material, Mesh, Scene, Wrap};
+
+/// In [`GpuTriangle::masked`](super::gpu::GpuTriangle::masked): the triangle is one of a sheet, and the rest is the index of its
+/// [`GpuSheetTriangle`].
+pub const SHEET: u32 = 1 << 31;
+
+/// In [`GpuSheet::modes`]: the texture's colour is linear.
+const LINEAR: u32 = 16;
+/// In [`GpuSheet::modes`]: alpha is the share of the surface that is there; otherwise all is.
+const BLENDS: u32 = 32;
+
+/// The corners of a sheet's triangle. 40 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuSheetTriangle {
+    /// Coordinates on the texture of the base colour.
+    pub uvs: [Vec2; 3],
+    /// Linear colour and alpha, 8 bits each.
+    pub colours: [u32; 3],
+    /// Unused.
+    pub pad: u32,
+}
+
+/// The material of a thin sheet. 64 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuSheet {
+    /// rgb: what it lets pass where its coat reflects nothing, to be multiplied with texture and vertices; w: opacity.
+    pub passed: Vec4,
+    /// rgb: base colour of its coat, mean over textures; w: metallic, likewise.
+    pub base: Vec4,
+    /// rgb: F0; w: F90.
+    pub reflectance: Vec4,
+    /// Perceptual, mean over textures.
+    pub roughness: f32,
+    /// Texel of its texture in [`GpuSheets::texels`].
+    pub first: u32,
+    /// Size of that, width in the lower 16 bits, height above; 0: there is none.
+    pub size: u32,
+    /// Wrap modes of the texture, whether its colour is linear, whether the sheet blends.
+    pub modes: u32,
+}
+
+/// The sheets of a scene; no array is empty.
+#[derive(Clone, Debug)]
+pub struct GpuSheets {
+    /// Corners of their triangles.
+    pub triangles: Vec<GpuSheetTriangle>,
+    /// One for each material, of which only those of sheets mean anything.
+    pub sheets: Vec<GpuSheet>,
+    /// RGBA8, level 0 of the textures of their base colours.
+    pub texels: Vec<u32>,
+}
+
+impl GpuSheets {
+    /// The sheets of `scene`, whose triangles are `triangles`: nothing if there are none.
+    pub(super) fn new(scene: &Scene, triangles: &[GpuSheetTriangle]) -> Self {
+        let mut texels = Vec::new();
+        let mut firsts = HashMap::new();
+        let materials = if triangles.is_empty() { &[][..] } else { &scene.materials };
+        let sheets = materials.iter().map(|material| {
+            let texture = material.base_colour_texture.filter(|_| material.is_sheet());
+            let sheet = sheet(scene, material);
+            let Some(texture) = texture else { return sheet };
+            let image = &scene.textures[texture.texture];
+            let (width, height, level) = &image.levels[0];
+            let first = *firsts.entry(texture.texture).or_insert_with(|| {
+                let first = texels.len() as u32;
+                texels.extend(
+                    level
+                        .chunks_exact(4)
+                        .map(|texel| u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]])),
+                );
+                first
+            });
+            let modes = sheet.modes | wrap_bits(texture.wrap) | if image.linear { LINEAR } else { 0 };
+            GpuSheet { first, size: width | height << 16, modes, ..sheet }
+        });
+        let sheets = non_empty(sheets.collect());
+        Self { triangles: non_empty(triangles.to_vec()), sheets, texels: non_empty(texels) }
+    }
+}
+
+/// A sheet without texture.
+fn sheet(scene: &Scene, material: &Material) -> GpuSheet {
+    let coat = material.mean_bsdf(scene);
+    let blends = material.alpha == Alpha::Blend;
+    GpuSheet {
+        passed: material.passed().extend(material.opacity),
+        base: coat.base.extend(coat.metallic),
+        reflectance: coat.f0.extend(coat.f90),
+        roughness: coat.roughness,
+        modes: wrap_bits(Wrap::REPEAT) | if blends { BLENDS } else { 0 },
+        ..GpuSheet::default()
+    }
+}
+
+/// The corners of triangle `id` of a mesh, of a sheet's material.
+pub(super) fn sheet_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuSheetTriangle {
+    let colour = |vertex: u32| {
+        mesh.colours.get(vertex as usize).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour))
+    };
+    GpuSheetTriangle {
+        uvs: mesh.mask_coordinates(id, material),
+        colours: mesh.triangles[id as usize].map(colour),
+        pad: 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::structs::tests::same_layout;
+    use crate::vulkan::shaders;
+
+    #[test]
+    fn structs_have_the_layout_of_the_shaders() {
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuSheetTriangle, uvs, colours, pad);
+        same_layout!(
+            shaders::CAST_RAYS_COMP.software,
+            GpuSheet,
+            passed,
+            base,
+            reflectance,
+            roughness,
+            first,
+            size,
+            modes
+        );
+    }
+}
