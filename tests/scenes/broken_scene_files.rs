@@ -69,16 +69,17 @@ fn broken_models_name_themselves() {
 
 #[test]
 fn broken_materials_name_themselves() {
-    let model = "[[models]]\nname = \"m\"\npath = \"m.obj\"\n[[instances]]\nmodel = \"m\"\n[[materials]]\n";
+    let model =
+        "[[models]]\nname = \"m\"\nprimitive = \"quad\"\n[[instances]]\nmodel = \"m\"\n[[materials]]\n";
     for (keys, parts) in [
         ("name = \"chalk\"\nroughness = 0.5", &["s.toml:6", "material \"chalk\"", "no model"][..]),
         ("roughness = 0.5", &["s.toml:6", "name"]),
-        ("name = \"a\"\nroughness = 1.5", &["material \"a\"", "roughness", "0 to 1"]),
-        ("name = \"a\"\nbase_colour = [0, 2, 0]", &["base_colour", "above 1"]),
-        ("name = \"a\"\nemission = [0, -2, 0]", &["emission", "negative"]),
-        ("name = \"a\"\nnormal_scale = inf", &["normal_scale", "finite"]),
-        ("name = \"a\"\n[[materials]]\nname = \"a\"", &["s.toml:8", "another entry"]),
-        ("name = \"a\"\nshine = 1", &["s.toml:8", "shine"]),
+        ("name = \"m\"\nroughness = 1.5", &["material \"m\"", "roughness", "0 to 1"]),
+        ("name = \"m\"\nbase_colour = [0, 2, 0]", &["base_colour", "above 1"]),
+        ("name = \"m\"\nemission = [0, -2, 0]", &["emission", "negative"]),
+        ("name = \"m\"\nnormal_scale = inf", &["normal_scale", "finite"]),
+        ("name = \"m\"\n[[materials]]\nname = \"m\"", &["s.toml:8", "another entry"]),
+        ("name = \"m\"\nshine = 1", &["s.toml:8", "shine"]),
     ] {
         expect_error("s.toml", format!("{model}{keys}\n"), parts);
     }
