@@ -178,11 +178,12 @@ fn noise(name: &str, [width, height]: [u32; 2], linear: bool) -> Texture {
 /// Quads that use all there is: wrap modes, both sets of coordinates, transforms, colours, normal maps, mirroring.
 fn made() -> Scene {
     let mut scene = Scene::new("made");
-    scene.textures = vec![noise("a", [5, 3], false), noise("b", [8, 16], true), noise("c", [1, 7], false)];
+    let textures = [noise("a", [5, 3], false), noise("b", [8, 16], true), noise("c", [1, 7], false)];
+    scene.textures.extend(textures.map(Arc::new));
     // Normals lean up to 45 degrees.
     let mut normals = noise("d", [6, 6], true);
     normals.levels[0].2.chunks_mut(4).for_each(|texel| texel[2] = 255);
-    scene.textures.push(normals);
+    scene.textures.push(normals.into());
     let mut random = Random::new(7);
     let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
     for index in 0..9 {
@@ -210,7 +211,7 @@ fn made() -> Scene {
         let side = if index % 2 == 0 { 1.0 } else { -1.0 };
         mesh.tangents = vec![Vec3::new(0.6, 0.8, 0.0).extend(side); 4];
         mesh.colours = vec![[255, 128, 0, 255], [20, 200, 90, 255], [255; 4], [77, 33, 250, 255]];
-        scene.meshes.push(mesh);
+        scene.meshes.push(mesh.into());
         let turned = Quat::from_euler(glam::EulerRot::XYZ, random.unit(), random.unit() * 6.0, random.unit());
         let scale = Vec3::new(side * 1.5, 0.8, 1.0 + 0.2 * index as f32);
         let place = random.point(Vec3::splat(-2.0), Vec3::splat(2.0));
@@ -229,12 +230,12 @@ fn cones_choose_the_level(tracer: RayTracer) {
     let Some(lab) = Lab::open() else { return };
     let mut scene = Scene::new("levels");
     let stripes = (0..64 * 64).flat_map(|i| if i % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
-    scene.textures.push(Texture::from_rgba8("stripes", 64, 64, stripes.collect()));
+    scene.textures.push(Texture::from_rgba8("stripes", 64, 64, stripes.collect()).into());
     scene
         .materials
         .push(Material { base_colour_texture: Some(0.into()), ..Material::lambertian("stripes", Vec3::ONE) });
     let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
-    scene.meshes.push(Mesh::polygon("quad", &corners, 0));
+    scene.meshes.push(Mesh::polygon("quad", &corners, 0).into());
     scene.instances.push(Instance::fixed("quad", 0, Affine3A::from_scale(Vec3::splat(8.0))));
     // At the middle of a white texel, at a distance of 2.
     let at = Vec3::new(8.0 * 20.5 / 64.0, 8.0 * 30.5 / 64.0, 2.0);

@@ -266,7 +266,7 @@ fn answers_nothing_in_an_empty_scene(tracer: RayTracer) {
 fn sheet_world(random: &mut Random) -> World {
     let mut world = masked_world(random);
     let texels = (0..4 * 5 * 3).map(|_| (random.unit() * 255.0) as u8).collect();
-    world.scene.textures.push(Texture::from_rgba8("colours", 5, 3, texels));
+    world.scene.textures.push(Texture::from_rgba8("colours", 5, 3, texels).into());
     let base_colour_texture = Some(TextureUse {
         matrix: Mat2::from_angle(0.7),
         offset: Vec2::new(0.3, -0.2),

@@ -75,5 +75,5 @@ void main() {
             weights += weight;
         }
     }
-    imageStore(filtered, pixel, vec4(sum.rgb / weights, sqrt(sum.a) / weights));
+    imageStore(filtered, pixel, rounded(vec4(sum.rgb / weights, sqrt(sum.a) / weights)));
 }

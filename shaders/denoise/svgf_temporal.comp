@@ -98,11 +98,11 @@ void main() {
     float alpha = max(push.least_alpha, 1.0 / frames);
     float moments_alpha = max(push.least_moments_alpha, 1.0 / frames);
     float now_luminance = luminance(now);
-    float mean = mix(then.moments.x, now_luminance, moments_alpha);
+    float mean = then.moments.x + (now_luminance - then.moments.x) * moments_alpha;
     // Of both together: the variance of each, and that of their means.
     float between = (now_luminance - then.moments.x) * (now_luminance - then.moments.x);
     float variance = (1.0 - moments_alpha) * (then.moments.y * then.moments.y + moments_alpha * between);
     float deviation = sqrt(variance);
-    imageStore(light, pixel, vec4(mix(then.light, now, alpha), deviation));
-    imageStore(moments, pixel, vec4(mean, deviation, frames, 0.0));
+    imageStore(light, pixel, rounded(vec4(then.light + (now - then.light) * alpha, deviation)));
+    imageStore(moments, pixel, rounded(vec4(mean, deviation, frames, 0.0)));
 }

@@ -54,5 +54,5 @@ void main() {
         float variance = max(mean.y - mean.x * mean.x, 0.0) * ENOUGH_FRAMES / frames;
         result = vec4(sum / weights, sqrt(variance));
     }
-    imageStore(filtered, pixel, result);
+    imageStore(filtered, pixel, rounded(result));
 }

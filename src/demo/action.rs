@@ -7,7 +7,7 @@ use winit::keyboard::{KeyCode, ModifiersState};
 
 use super::stage::Selected;
 use crate::renderer::DebugView;
-use crate::scene::{InstanceEntry, LightEntry, LightType};
+use crate::scene::{EnvironmentEntry, InstanceEntry, LightEntry, LightType, MaterialEdit};
 use crate::settings::Settings;
 use crate::vulkan::PresentMode;
 
@@ -63,6 +63,14 @@ pub enum Action {
     EditLight(usize, Box<LightEntry>),
     /// Changes an instance.
     EditInstance(usize, Box<InstanceEntry>),
+    /// Changes the materials of a name.
+    EditMaterial(Box<MaterialEdit>),
+    /// Changes the environment, or takes it away.
+    EditEnvironment(Option<Box<EnvironmentEntry>>),
+    /// Uses an `.hdr` or `.exr` as the map of the environment.
+    OpenMap(PathBuf),
+    /// Opens the file dialog to choose that.
+    AskMap,
     /// Adds a light in view of the camera.
     AddLight(LightType),
     /// Duplicates the selected light.
@@ -121,9 +129,13 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind(".", "isolate the next VPL", KeyCode::Period, NONE, || Action::StepVpl(1)),
     bind(",", "isolate the previous VPL", KeyCode::Comma, NONE, || Action::StepVpl(-1)),
     bind("/", "show all VPLs", KeyCode::Slash, NONE, || Action::AllVpls),
-    bind("I", "inspector: list the VPLs that light the clicked point", KeyCode::KeyI, NONE, || {
-        Action::ToggleInspector
-    }),
+    bind(
+        "I",
+        "inspector: material of the clicked point, and the VPLs that light it",
+        KeyCode::KeyI,
+        NONE,
+        || Action::ToggleInspector,
+    ),
     bind("T", "switch between move and rotate handles", KeyCode::KeyT, NONE, || Action::ToggleHandles),
     bind("Esc", "clear the selection", KeyCode::Escape, NONE, || Action::Select(None)),
     bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),

@@ -1,5 +1,6 @@
 //! The window's event loop.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -19,7 +20,7 @@ use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
-use super::panel::{PanelState, Places};
+use super::panel::{PanelState, Places, is_map};
 use super::pointer::Pointer;
 use super::recorder::Recorder;
 use super::screenshot::Saving;
@@ -196,6 +197,11 @@ impl App {
     }
 }
 
+/// What a dropped file is for.
+fn action_of_file(path: PathBuf) -> Action {
+    if is_map(&path) { Action::OpenMap(path) } else { Action::Open(path.to_string_lossy().into_owned()) }
+}
+
 /// Default window pixels per picture pixel on a CPU driver, for this scale factor of the display.
 fn coarseness_at(scale: f64) -> u32 {
     (CPU_COARSENESS * scale).round().clamp(1.0, 8.0) as u32
@@ -260,7 +266,7 @@ impl ApplicationHandler for App {
                 });
             }
             WindowEvent::DroppedFile(path) => {
-                open.actions.push(Action::Open(path.to_string_lossy().into_owned()));
+                open.actions.push(action_of_file(path));
             }
             _ => {}
         }

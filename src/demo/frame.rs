@@ -65,22 +65,25 @@ impl App {
         match open.loader.poll() {
             None => {}
             Some(Ok(built)) => {
-                self.log.event(
-                    "scene",
-                    json!({
-                        "name": built.name,
-                        "settings": built.settings,
-                        "same": built.same,
-                        "tracer": built.renderer.tracer(),
-                    }),
-                );
+                match &built.renderer {
+                    Some(renderer) => self.log.event(
+                        "scene",
+                        json!({
+                            "name": built.name,
+                            "settings": built.settings,
+                            "same": built.same,
+                            "tracer": renderer.tracer(),
+                        }),
+                    ),
+                    None => self.log.event("scene-edited", &built.name),
+                }
                 open.show(built)?;
             }
             // Without any scene this is fatal.
             Some(Err(error)) if open.stage.is_none() => return Err(error),
             Some(Err(error)) => {
                 self.log.event("scene-failed", error.to_string());
-                open.panel.error = Some(error.to_string());
+                open.refuse(error)?;
             }
         }
         Ok(())
@@ -115,7 +118,21 @@ impl Open {
             Some(stage) if built.same && stage.name == built.name => {
                 let view = stage.renderer.view().clone();
                 let wanted = stage.settings.clone();
-                let change = stage.renew(built)?;
+                let goes_on = built.renderer.is_none();
+                let change = match stage.renew(built) {
+                    Ok(change) => change,
+                    Err(error) => return self.refuse(error),
+                };
+                if goes_on {
+                    if let Recording::On(recorder) = &mut self.recording {
+                        recorder.edited(stage);
+                    }
+                    // Later edits may need another one.
+                    if change == Change::Rebuild {
+                        self.rebuild();
+                    }
+                    return Ok(());
+                }
                 stage.renderer.set_view(&view)?;
                 match &mut self.recording {
                     Recording::On(recorder) => recorder.renewed(stage),
@@ -131,7 +148,8 @@ impl Open {
                 }
             }
             _ => {
-                let mut stage = Stage::new(built);
+                // An edit of a scene that is no longer shown.
+                let Some(mut stage) = Stage::new(built) else { return Ok(()) };
                 if let Some(view) = self.saved_view.take() {
                     stage.renderer.set_view(&view)?;
                 } else {
@@ -147,6 +165,7 @@ impl Open {
                     self.clock.time = 0.0;
                 }
                 self.stage = Some(stage);
+                self.inspector.forget();
                 // A recording covers one scene.
                 if !matches!(self.recording, Recording::Off) {
                     self.actions.push(Action::ToggleRecording);
@@ -156,6 +175,16 @@ impl Open {
         self.history.clear();
         // The window may have been resized meanwhile.
         self.resized = Some(Instant::now());
+        Ok(())
+    }
+
+    /// Shows why a scene could not be built, and takes back the edits that wanted it.
+    fn refuse(&mut self, error: DemoError) -> Result<(), DemoError> {
+        if error.is_device_lost() {
+            return Err(error);
+        }
+        self.panel.error = Some(error.to_string());
+        self.stage.as_mut().map_or(Ok(()), Stage::take_back)?;
         Ok(())
     }
 

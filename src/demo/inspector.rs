@@ -1,4 +1,4 @@
-//! Inspector: the VPLs that light a point.
+//! Inspector: the material at a point, and the VPLs that light it.
 
 use glam::Vec2;
 
@@ -46,6 +46,16 @@ impl Inspector {
     /// Whether a point was clicked.
     pub fn has_point(&self) -> bool {
         self.point.is_some()
+    }
+
+    /// Forgets the point, which was one of another scene.
+    pub fn forget(&mut self) {
+        self.point = None;
+    }
+
+    /// The material at the point: index into the scene's.
+    pub fn material(&self) -> Option<usize> {
+        self.point.map(|point| point.material)
     }
 
     /// Inspects the surface at a position of the picture.

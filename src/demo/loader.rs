@@ -9,7 +9,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::{DemoError, Launch};
 use crate::renderer::Renderer;
-use crate::scene::{Scene, SceneDocument};
+use crate::scene::{ReadFiles, Scene, SceneDocument};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
@@ -17,13 +17,21 @@ use crate::vulkan::Device;
 pub(super) struct Order {
     /// Scene, by name or file.
     pub name: String,
-    /// The edited scene; none: read it from disk.
-    pub document: Option<SceneDocument>,
+    /// The edited scene; none: read it from disk, with the settings of the command line over its own.
+    pub edited: Option<Edited>,
     pub device: Arc<Device>,
-    /// Settings of the current scene; none: those of the command line over the scene's.
-    pub settings: Option<Settings>,
     /// Pixels of the window.
     pub size: [u32; 2],
+}
+
+/// The current scene as it is to be.
+pub(super) struct Edited {
+    pub document: SceneDocument,
+    /// What was read for it, so that it is not read again.
+    pub read: ReadFiles,
+    pub settings: Settings,
+    /// The scene of the current renderer, if that may go on with another one.
+    pub current: Option<Arc<Scene>>,
 }
 
 /// A loaded scene with its renderer.
@@ -32,7 +40,9 @@ pub(super) struct Built {
     pub document: SceneDocument,
     pub scene: Arc<Scene>,
     pub settings: Settings,
-    pub renderer: Renderer,
+    pub read: ReadFiles,
+    /// None if the current one can go on with the scene.
+    pub renderer: Option<Renderer>,
     /// Whether it is a rebuild of the current scene.
     pub same: bool,
 }
@@ -140,35 +150,39 @@ impl Loader {
 
 fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
     let assets = launch.assets.as_deref();
-    let (document, scene) = match order.document.clone() {
-        Some(document) => {
-            let scene = document.build(assets)?;
-            (document, scene)
+    let Order { name, edited, device, size } = order;
+    let same = edited.is_some();
+    let (document, scene, read, settings, current) = match edited {
+        Some(Edited { document, mut read, settings, current }) => {
+            let scene = document.build(assets, &mut read)?;
+            (document, scene, read, Settings { size, ..settings }, current)
         }
-        None => SceneDocument::open(&order.name, assets)?,
+        None => {
+            let (document, scene, read) = SceneDocument::open(&name, assets)?;
+            let settings = settings_for(&scene, &name, device.is_cpu(), launch)?;
+            (document, scene, read, Settings { size, ..settings }, None)
+        }
     };
     let scene = Arc::new(scene);
-    let same = order.settings.is_some();
-    let settings = match &order.settings {
-        Some(settings) => Settings { size: order.size, ..settings.clone() },
-        None => settings_for(&scene, &order, launch)?,
+    let goes_on = current.is_some_and(|current| scene.is_built_like(&current));
+    let renderer = if goes_on {
+        None
+    } else {
+        let _ = sender.send(Message::Step(Step::Building));
+        Some(Renderer::new(&device, &scene, &settings, &scene.pose(0.0))?)
     };
-    let _ = sender.send(Message::Step(Step::Building));
-    let renderer = Renderer::new(&order.device, &scene, &settings, &scene.pose(0.0))?;
-    Ok(Built { name: order.name, document, scene, settings, renderer, same })
+    Ok(Built { name, document, scene, read, settings, renderer, same })
 }
 
-/// The settings of the scene and the command line, for the window's size. CPU drivers get a smaller default of
-/// VPLs.
-fn settings_for(scene: &Scene, order: &Order, launch: &Launch) -> Result<Settings, DemoError> {
+/// The settings of the scene and the command line. CPU drivers get a smaller default of VPLs.
+fn settings_for(scene: &Scene, name: &str, is_cpu: bool, launch: &Launch) -> Result<Settings, DemoError> {
     let mut table = scene.settings.clone();
-    if order.device.is_cpu() {
+    if is_cpu {
         table.entry("vpls").or_insert(toml::Value::Integer(CPU_VPLS));
     }
     let given: Vec<&str> = launch.given.iter().map(String::as_str).collect();
     let resolved = Settings::resolve(&table, &launch.settings, &given);
-    let settings = resolved.map_err(|error| DemoError::Settings { scene: order.name.clone(), error })?;
-    Ok(Settings { size: order.size, ..settings })
+    resolved.map_err(|error| DemoError::Settings { scene: name.to_owned(), error })
 }
 
 /// Default VPL slots on a CPU driver.

@@ -10,14 +10,14 @@ use super::app::{App, Open, Recording, slow_click_context};
 use super::edit::new_light;
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_light};
-use super::loader::Order;
+use super::loader::{Edited, Order};
 use super::panel::Purpose;
 use super::screenshot::{self, Saving};
 use super::stage::{Change, Selected, Stage, carry};
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
 use crate::renderer::DebugView;
-use crate::scene::{LightEntry, SceneDocument, SceneError};
+use crate::scene::{LightEntry, SceneError};
 use crate::settings::Settings;
 
 impl App {
@@ -52,11 +52,11 @@ impl App {
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
                 open.panel.error = None;
-                open.order(name, None, None);
+                open.order(name, None);
             }
             Action::Reload => {
                 if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone()) {
-                    open.order(name, None, None);
+                    open.order(name, None);
                 }
             }
             Action::SetCoarseness(pixels) => {
@@ -105,9 +105,9 @@ impl App {
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(stage) = stage {
-            let settings = stage.settings.clone();
             open.saved_view = Some(stage.renderer.view().clone());
-            open.order(stage.name, Some(stage.document), Some(settings));
+            let edited = stage.to_build(true);
+            open.order(stage.name, Some(edited));
         }
         Ok(())
     }
@@ -127,6 +127,15 @@ impl Open {
             }
             Action::EditLight(index, entry) => self.edit(|stage| stage.set_light(index, *entry)),
             Action::EditInstance(index, entry) => self.edit(|stage| stage.set_instance(index, *entry)),
+            Action::EditMaterial(edit) => self.edit(|stage| stage.set_material(*edit)),
+            Action::EditEnvironment(entry) => {
+                self.edit(|stage| stage.set_environment(entry.map(|entry| *entry)))
+            }
+            Action::OpenMap(path) => {
+                self.panel.error = None;
+                self.edit(|stage| stage.set_map(path));
+            }
+            Action::AskMap => self.panel.scene.ask_for(Purpose::Map, ""),
             Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
             Action::Duplicate => self.duplicate(),
             Action::Delete => {
@@ -146,12 +155,11 @@ impl Open {
         }
     }
 
-    /// Requests a scene, with these settings or its own.
-    fn order(&mut self, name: String, document: Option<SceneDocument>, settings: Option<Settings>) {
+    /// Requests a scene, as edited or from disk.
+    fn order(&mut self, name: String, edited: Option<Edited>) {
         let order = Order {
             name,
-            document,
-            settings,
+            edited,
             device: std::sync::Arc::clone(&self.gpu.device),
             size: self.picture_size(),
         };
@@ -168,12 +176,12 @@ impl Open {
         }
     }
 
-    /// Rebuilds the renderer for the current document.
+    /// Builds the scene of the current document, with a renderer of its own if the current one cannot go on with it, or if a
+    /// recording waits for one.
     pub(super) fn rebuild(&mut self) {
         let Some(stage) = &self.stage else { return };
-        let (name, document) = (stage.name.clone(), stage.document.clone());
-        let settings = stage.settings.clone();
-        self.order(name, Some(document), Some(settings));
+        let edited = stage.to_build(matches!(self.recording, Recording::Waiting));
+        self.order(stage.name.clone(), Some(edited));
     }
 
     /// Starts a recording with a new renderer, since the picture depends on its history; or saves the current

@@ -16,6 +16,8 @@ pub(super) struct Recorder {
     last_settings: Settings,
     /// Scene file of a rebuilt renderer, for the next frame.
     new_scene: Option<String>,
+    /// Scene file of an edited scene with which the renderer goes on, for the next frame.
+    edited: Option<String>,
 }
 
 impl Recorder {
@@ -28,12 +30,20 @@ impl Recorder {
             last_pose: None,
             last_settings: stage.settings.clone(),
             new_scene: None,
+            edited: None,
         }
     }
 
     /// Notes that the stage's renderer was rebuilt.
     pub fn renewed(&mut self, stage: &Stage) {
         self.new_scene = Some(stage.made_document().text());
+        self.edited = None;
+        self.last_pose = None;
+    }
+
+    /// Notes that the stage's renderer goes on with an edited scene.
+    pub fn edited(&mut self, stage: &Stage) {
+        self.edited = Some(stage.made_document().text());
         self.last_pose = None;
     }
 
@@ -41,6 +51,7 @@ impl Recorder {
     pub fn frame(&mut self, stage: &Stage) {
         let mut frame = RecordedFrame::between(self.next, self.last_pose.as_ref(), &stage.pose);
         frame.scene = self.new_scene.take();
+        frame.edited = self.edited.take();
         if frame.scene.is_some() || self.last_settings != stage.settings {
             frame.settings = Some(stage.settings.clone());
             self.last_settings.clone_from(&stage.settings);

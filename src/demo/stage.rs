@@ -1,16 +1,19 @@
 //! The current scene: document, renderer, and the edits applied without a rebuild.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
 use serde::Serialize;
 
-use super::loader::Built;
+use super::DemoError;
+use super::loader::{Built, Edited};
 use crate::bvh::Ray;
 use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
 use crate::scene::{
-    Camera, InstanceEntry, LightEntry, LightKind, LightType, Pose, Scene, SceneDocument, SceneError,
+    Camera, EnvironmentEntry, InstanceEntry, LightEntry, LightKind, LightType, MaterialEdit, Pose, ReadFiles,
+    Scene, SceneDocument, SceneError,
 };
 use crate::settings::Settings;
 
@@ -34,9 +37,11 @@ pub(super) struct Stage {
     pub document: SceneDocument,
     /// The document that `scene` was built from.
     made: SceneDocument,
+    /// What was read for it.
+    pub read: ReadFiles,
     /// The scene of the renderer.
     pub scene: Arc<Scene>,
-    /// The edited scene at rest, without meshes.
+    /// The edited scene at rest.
     pub rest: Scene,
     /// Radius of the scene's bounding sphere.
     pub radius: f32,
@@ -61,17 +66,20 @@ pub(super) enum Change {
 }
 
 impl Stage {
-    pub fn new(built: Built) -> Self {
-        let Built { name, document, scene, settings, renderer, .. } = built;
-        let rest = scene.without_meshes();
+    /// None if the built scene has no renderer of its own.
+    pub fn new(built: Built) -> Option<Self> {
+        let Built { name, document, scene, read, settings, renderer, .. } = built;
+        let renderer = renderer?;
+        let rest = Scene::clone(&scene);
         let pose = rest.pose(0.0);
         let (low, high) = renderer.bvh().bounds();
-        Self {
+        Some(Self {
             name,
             settings,
             renderer,
             made: document.clone(),
             document,
+            read,
             scene,
             rest,
             radius: 0.5 * low.distance(high),
@@ -80,19 +88,48 @@ impl Stage {
             edited: false,
             pose,
             report: FrameReport::default(),
+        })
+    }
+
+    /// Takes the edited scene, perhaps with a renderer of its own; keeps later edits.
+    pub fn renew(&mut self, built: Built) -> Result<Change, DemoError> {
+        let Built { document, scene, read, settings, renderer, .. } = built;
+        let pose = scene.pose(0.0);
+        match renderer {
+            Some(renderer) => (self.renderer, self.settings) = (renderer, settings),
+            None => self.renderer.set_scene(&scene, &pose)?,
+        }
+        (self.made, self.scene, self.read, self.pose) = (document, scene, read, pose);
+        self.rest = Scene::clone(&self.scene);
+        Ok(self.apply()?)
+    }
+
+    /// What to build for the document as it is. With `anew` the whole of it with a renderer of its own; else, where that is
+    /// enough, only with other materials and environment, so that the renderer goes on with the rest in the pose.
+    pub fn to_build(&self, anew: bool) -> Edited {
+        let document = if !anew && is_arranged_alike(&self.made, &self.document) {
+            self.made.with_appearance_of(&self.document)
+        } else {
+            self.document.clone()
+        };
+        Edited {
+            document,
+            read: self.read.clone(),
+            settings: self.settings.clone(),
+            current: (!anew).then(|| Arc::clone(&self.scene)),
         }
     }
 
-    /// Takes a rebuilt renderer of this scene; keeps later edits.
-    pub fn renew(&mut self, built: Built) -> Result<Change, SceneError> {
-        let Built { document, scene, settings, renderer, .. } = built;
-        self.settings = settings;
-        self.renderer = renderer;
-        self.made = document;
-        self.scene = scene;
-        // A new renderer has no report yet.
-        self.pose = self.scene.pose(0.0);
-        self.apply()
+    /// Takes back the edits that could not be built.
+    pub fn take_back(&mut self) -> Result<(), SceneError> {
+        if self.apply()? == Change::Rebuild {
+            self.document = self.document.with_appearance_of(&self.made);
+        }
+        if self.apply()? == Change::Rebuild {
+            self.document = self.made.clone();
+            self.apply()?;
+        }
+        Ok(())
     }
 
     /// The document that the renderer was built from, with its settings.
@@ -132,6 +169,7 @@ impl Stage {
             if let Some(light) = document.light_mut(index) {
                 *light = entry;
             }
+            Ok(())
         })
     }
 
@@ -145,13 +183,43 @@ impl Stage {
             if let Some(instance) = document.instance_mut(index) {
                 *instance = entry;
             }
+            Ok(())
         })
+    }
+
+    /// Changes the materials of a name.
+    ///
+    /// # Errors
+    /// If the edit is invalid; then nothing changes.
+    pub fn set_material(&mut self, edit: MaterialEdit) -> Result<Change, SceneError> {
+        self.edit(|document| document.set_material(edit))
+    }
+
+    /// Changes the environment, or takes it away.
+    ///
+    /// # Errors
+    /// If the entry is invalid; then nothing changes.
+    pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
+        self.edit(|document| document.set_environment(environment))
+    }
+
+    /// Uses a file as the map of the environment; brightness and rotation stay.
+    ///
+    /// # Errors
+    /// Never, but like every edit.
+    pub fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
+        let now = self.document.environment().filter(|now| now.has_map()).cloned().unwrap_or_default();
+        let map = EnvironmentEntry { asset: None, download: None, builtin: None, map: Some(map), ..now };
+        self.set_environment(Some(map))
     }
 
     /// Adds a light and selects it.
     pub fn add_light(&mut self, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
-        let change = self.edit(|document| document.add_light(entry))?;
+        let change = self.edit(|document| {
+            document.add_light(entry);
+            Ok(())
+        })?;
         self.selected = Some(Selected::Light(self.document.lights().len() - 1));
         Ok(change)
     }
@@ -164,13 +232,18 @@ impl Stage {
             Some(lamp) if lamp > index => Some(lamp - 1),
             lamp => lamp,
         };
-        self.edit(|document| document.remove_light(index))
+        self.edit(|document| {
+            document.remove_light(index);
+            Ok(())
+        })
     }
 
-    fn edit(&mut self, edit: impl FnOnce(&mut SceneDocument)) -> Result<Change, SceneError> {
+    fn edit(
+        &mut self,
+        edit: impl FnOnce(&mut SceneDocument) -> Result<(), SceneError>,
+    ) -> Result<Change, SceneError> {
         let before = self.document.clone();
-        edit(&mut self.document);
-        let change = self.apply();
+        let change = edit(&mut self.document).and_then(|()| self.apply());
         match change {
             Ok(_) => self.edited = true,
             Err(_) => self.document = before,
@@ -180,10 +253,11 @@ impl Stage {
 
     /// Applies the document to the rest pose, if that needs no rebuild.
     fn apply(&mut self) -> Result<Change, SceneError> {
-        if !differs_in_pose_only(&self.made, &self.document) {
+        let (made, now) = (&self.made, &self.document);
+        if !is_arranged_alike(made, now) || !made.has_appearance_of(now) {
             return Ok(Change::Rebuild);
         }
-        let mut rest = self.scene.without_meshes();
+        let mut rest = Scene::clone(&self.scene);
         let areas = rest.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
         let mut areas: std::collections::VecDeque<_> = areas.cloned().collect();
         rest.lights.clear();
@@ -208,6 +282,9 @@ impl Stage {
             if let Some(instance) = instance {
                 (instance.transform, instance.animation) = (placement.transform, placement.animation);
             }
+        }
+        if let (Some(environment), Some(entry)) = (&mut rest.environment, self.document.environment()) {
+            (environment.radiance, environment.rotation) = self.document.environment_numbers(entry)?;
         }
         self.rest = rest;
         Ok(Change::Live)
@@ -294,8 +371,8 @@ pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
     }
 }
 
-/// Whether two documents differ only in what the pose holds, so that no rebuild is needed.
-fn differs_in_pose_only(made: &SceneDocument, now: &SceneDocument) -> bool {
+/// Whether lights and instances of two documents differ only in what the pose holds, so that no rebuild is needed.
+fn is_arranged_alike(made: &SceneDocument, now: &SceneDocument) -> bool {
     let areas = |document: &SceneDocument| -> Vec<_> {
         let areas = document.lights().filter(|light| light.kind == LightType::Area);
         areas

@@ -114,6 +114,10 @@ pub trait Estimator: Any + Send {
     /// Where the device cannot do with them; it then goes on with the old ones.
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError>;
 
+    /// Goes on with a scene that [is built like](Scene::is_built_like) the last one, with other materials, lights or environment.
+    /// No frame is on its way.
+    fn change_scene(&mut self, _world: World<'_>) {}
+
     /// Looks at `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
     /// need for it.
     ///

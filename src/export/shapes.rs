@@ -70,7 +70,7 @@ impl Export<'_> {
     /// The shapes of all instances.
     pub(super) fn shapes(&mut self) -> Vec<Element> {
         let scene = self.scene;
-        let materials: Vec<_> = scene.meshes.iter().map(materials_of).collect();
+        let materials: Vec<_> = scene.meshes.iter().map(|mesh| materials_of(mesh)).collect();
         let mut copies = vec![0; scene.meshes.len()];
         for instance in scene.instances.iter().filter(|instance| instance.visible) {
             copies[instance.mesh] += 1;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::scene::{Environment, Pose, Scene};
+use crate::scene::{Environment, EnvironmentMap, Pose, Scene};
 use crate::vulkan::{Device, Image, VulkanError, vk};
 
 /// Largest value of `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`.
@@ -16,6 +16,7 @@ const LARGEST: f32 = 65_408.0;
 pub struct EnvironmentTexture {
     /// One white texel where there is no map.
     pub image: Image,
+    map: Option<Arc<EnvironmentMap>>,
     /// Texels hold radiance over this power of two.
     scale: f32,
 }
@@ -23,14 +24,23 @@ pub struct EnvironmentTexture {
 impl EnvironmentTexture {
     /// Uploads the map.
     pub fn new(device: &Arc<Device>, environment: Option<&Environment>) -> Result<Self, VulkanError> {
-        let map = environment.and_then(|environment| environment.map.as_deref());
-        let (width, height, texels) = map.map_or((1, 1, &[Vec3::ONE][..]), |map| map.texels());
+        let map = environment.and_then(|environment| environment.map.clone());
+        let (width, height, texels) = map.as_ref().map_or((1, 1, &[Vec3::ONE][..]), |map| map.texels());
         let brightest = texels.iter().map(|texel| texel.max_element()).fold(0.0, f32::max);
         let scale = (brightest / LARGEST).max(f32::MIN_POSITIVE).log2().ceil().max(0.0).exp2();
         let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();
         let level = (width as u32, height as u32, bytemuck::cast_slice(&packed).to_vec());
         let format = vk::Format::E5B9G9R9_UFLOAT_PACK32;
-        Ok(Self { image: Image::with_levels(device, "environment", format, &[level])?, scale })
+        Ok(Self { image: Image::with_levels(device, "environment", format, &[level])?, map, scale })
+    }
+
+    /// Whether this is the map of an environment.
+    pub fn is_of(&self, environment: Option<&Environment>) -> bool {
+        match (&self.map, environment.and_then(|environment| environment.map.as_ref())) {
+            (Some(map), Some(other)) => Arc::ptr_eq(map, other),
+            (None, None) => true,
+            _ => false,
+        }
     }
 
     /// For `FrameUniforms::background`.

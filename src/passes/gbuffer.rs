@@ -14,8 +14,8 @@ use super::structs::InstanceData;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
-    Upload, VulkanError, shaders, vk,
+    Buffer, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets,
+    Targets, Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -53,8 +53,8 @@ pub struct GBuffer {
     pub motion: Image,
     /// What raster compares by.
     nearest: Image,
-    /// Views now and one frame ago, and instances that the images show.
-    last: LastInputs<([Mat4; 2], Version)>,
+    /// Views now and one frame ago, and the instances and materials that the images show.
+    last: LastInputs<([Mat4; 2], [Version; 2])>,
 }
 
 impl GBuffer {
@@ -137,8 +137,23 @@ impl GBufferPass {
                 variants: &[0, 1, 2, 3],
             },
         )?;
-        let materials = scene.material_sets(device, &pipeline)?;
+        let materials = scene.material_sets(device, &pipeline, &scene.materials)?;
         Ok(Self { pipeline, materials: Arc::new(materials), targets: GBuffer::new(device, extent)? })
+    }
+
+    /// The sets of other materials of the same scene.
+    pub fn material_sets(
+        &self,
+        device: &Arc<Device>,
+        scene: &SceneBuffers,
+        materials: &Buffer,
+    ) -> Result<MaterialSets, VulkanError> {
+        scene.material_sets(device, &self.pipeline, materials)
+    }
+
+    /// Goes on with them. No frame is on its way.
+    pub fn set_materials(&mut self, materials: MaterialSets) {
+        self.materials = Arc::new(materials);
     }
 
     /// The same pass for pictures of `extent` texels.
@@ -161,7 +176,7 @@ impl GBufferPass {
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
     ) -> Result<&GBuffer, VulkanError> {
-        let key = (inputs.view_projections, inputs.instances.version);
+        let key = (inputs.view_projections, [inputs.instances.version, inputs.scene.version]);
         if self.targets.last.differ(key) {
             self.draw(frame, inputs)?;
         }

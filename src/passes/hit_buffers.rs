@@ -74,7 +74,7 @@ impl Texels {
             u64::from(texture.levels[first].0) * u64::from(texture.levels[first].1)
         };
         let total = |firsts: &[usize]| -> u64 {
-            let of = |(texture, &first): (&Texture, &usize)| -> u64 {
+            let of = |(texture, &first): (&Arc<Texture>, &usize)| -> u64 {
                 (first..texture.levels.len()).map(|level| size(texture, level)).sum()
             };
             scene.textures.iter().zip(firsts).map(of).sum()
@@ -109,7 +109,8 @@ mod tests {
     fn the_largest_levels_are_left_out_where_a_device_has_no_room() {
         let mut scene = Scene::new("textures");
         for (name, side) in [("small", 4), ("large", 16)] {
-            scene.textures.push(Texture::from_rgba8(name, side, side, vec![7; 4 * (side * side) as usize]));
+            let texture = Texture::from_rgba8(name, side, side, vec![7; 4 * (side * side) as usize]);
+            scene.textures.push(texture.into());
         }
         // 16 + 4 + 1 and 256 + 64 + 16 + 4 + 1.
         let all = Texels::of(&scene, 1 << 20);

@@ -28,6 +28,10 @@ pub struct SceneBuffers {
     pub second_uvs: Buffer,
     /// [`MaterialData`] of all materials.
     pub materials: Buffer,
+    /// The mean colour of each material's vertices; none where all are white.
+    colours: Vec<Option<Vec3>>,
+    /// Of materials and environment.
+    pub version: Version,
     /// One texture for each of the scene's, and a white one at the end.
     textures: Vec<Image>,
     samplers: HashMap<[Wrap; 2], Sampler>,
@@ -67,10 +71,6 @@ impl SceneBuffers {
         draws.retain(|draw| !scene.materials[draw.material as usize].is_sheet());
         draws.sort_by_key(|draw| (draw.material, draw.instance));
         let colours = vertex_colours(scene);
-        let coloured = || scene.materials.iter().zip(&colours);
-        let materials: Vec<MaterialData> = coloured()
-            .map(|(material, colour)| material_data(scene, material, colour.unwrap_or(Vec3::ONE)))
-            .collect();
         let mut textures = scene
             .textures
             .iter()
@@ -86,7 +86,8 @@ impl SceneBuffers {
             vertices: Buffer::with_data(device, "vertices", &geometry.vertices)?,
             second_uvs: Buffer::with_data(device, "second_uvs", &geometry.second_uvs)?,
             indices: Buffer::with_data(device, "indices", &geometry.indices)?,
-            materials: Buffer::with_data(device, "materials", &materials)?,
+            materials: materials(device, scene, &colours)?,
+            version: Version::default(),
             material_textures: scene
                 .materials
                 .iter()
@@ -96,7 +97,8 @@ impl SceneBuffers {
             environment: EnvironmentTexture::new(device, scene.environment.as_ref())?,
             samplers: samplers(device, scene)?,
             draws,
-            variants: coloured().map(|(material, colour)| variant(material, *colour)).collect(),
+            variants: scene.materials.iter().zip(&colours).map(|(m, colour)| variant(m, *colour)).collect(),
+            colours,
             first_triangles: scene.instances.iter().map(|instance| first_triangles[instance.mesh]).collect(),
             instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
             uploaded: LastInputs::default(),
@@ -104,15 +106,41 @@ impl SceneBuffers {
         })
     }
 
+    /// What differs for a scene that [is built like](Scene::is_built_like) this one: the materials, and the environment if its map
+    /// is another one.
+    pub fn for_scene(
+        &self,
+        device: &Arc<Device>,
+        scene: &Scene,
+    ) -> Result<(Buffer, Option<EnvironmentTexture>), VulkanError> {
+        let environment = scene.environment.as_ref();
+        let environment = if self.environment.is_of(environment) {
+            None
+        } else {
+            Some(EnvironmentTexture::new(device, environment)?)
+        };
+        Ok((materials(device, scene, &self.colours)?, environment))
+    }
+
+    /// Goes on with them. No frame is on its way.
+    pub fn replace(&mut self, materials: Buffer, environment: Option<EnvironmentTexture>) {
+        self.materials = materials;
+        if let Some(environment) = environment {
+            self.environment = environment;
+        }
+        self.version = self.version.next();
+    }
+
     /// Textures and data of each material, for the G-buffer's pipeline.
     pub fn material_sets(
         &self,
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
+        materials: &Buffer,
     ) -> Result<MaterialSets, VulkanError> {
         let sampled = |(texture, wrap): (usize, [Wrap; 2])| (&self.textures[texture], &self.samplers[&wrap]);
         let textures: Vec<_> = self.material_textures.iter().map(|textures| textures.map(sampled)).collect();
-        MaterialSets::new(device, pipeline, &textures, (&self.materials, size_of::<MaterialData>() as u64))
+        MaterialSets::new(device, pipeline, &textures, (materials, size_of::<MaterialData>() as u64))
     }
 
     /// Uploads those instances that are not as they were.
@@ -152,6 +180,15 @@ impl SceneBuffers {
     pub fn uploaded_instances(&self) -> &[InstanceData] {
         self.uploaded.inputs().map_or(&[], Vec::as_slice)
     }
+}
+
+/// [`MaterialData`] of all materials.
+fn materials(device: &Arc<Device>, scene: &Scene, colours: &[Option<Vec3>]) -> Result<Buffer, VulkanError> {
+    let coloured = scene.materials.iter().zip(colours);
+    let data: Vec<MaterialData> = coloured
+        .map(|(material, colour)| material_data(scene, material, colour.unwrap_or(Vec3::ONE)))
+        .collect();
+    Buffer::with_data(device, "materials", &data)
 }
 
 fn material_data(scene: &Scene, material: &Material, colour: Vec3) -> MaterialData {

@@ -4,6 +4,13 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Version(u64);
 
+impl Version {
+    /// The next one.
+    pub fn next(self) -> Self {
+        Self(self.0 + 1)
+    }
+}
+
 /// The inputs of a pass's last run, by value or by the [`Version`] of what they hold.
 pub struct LastInputs<Inputs> {
     inputs: Option<Inputs>,
@@ -24,7 +31,7 @@ impl<Inputs: PartialEq> LastInputs<Inputs> {
         let differ = self.inputs.as_ref() != Some(&inputs);
         if differ {
             self.inputs = Some(inputs);
-            self.version.0 += 1;
+            self.version = self.version.next();
         }
         differ
     }

@@ -389,7 +389,7 @@ impl Reference<'_> {
         let material = &self.scene.materials[material];
         // The texels are read only after all paths of the group advanced, so prefetch them.
         let texels = material.base_colour_texture.map(|image| {
-            let texture = &self.scene.textures[image.texture];
+            let texture = &*self.scene.textures[image.texture];
             (texture, texture.prefetch(image.coordinates(attributes.uvs), image.wrap))
         });
         Interaction { surface, front, attributes, material, texels }

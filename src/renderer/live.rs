@@ -1,4 +1,4 @@
-//! Changes while the renderer runs: other settings, without a restart and without a flash.
+//! Changes while the renderer runs: other settings, another scene, without a restart and without a flash.
 //!
 //! What the change does not concern is kept: pipelines, images, the estimator and its history.
 
@@ -8,7 +8,7 @@ use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::estimators::{self, EstimatorContext, World};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::tracer::{Tracer, TracerVariant};
-use crate::scene::Pose;
+use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
 
 impl Renderer {
@@ -73,7 +73,38 @@ impl Renderer {
         Ok(())
     }
 
-    /// Goes on with another scene, or with an edited one, as a renderer made for it would, but keeps the view and
+    /// Goes on with an edited scene from the next frame on; `pose` is where everything stands now. Where it
+    /// [is built like](Scene::is_built_like) the last one, only the numbers of the materials, and the environment's map if it is
+    /// another one, go to the device. Once nothing moves and the estimator has forgotten its past, the picture is that of a renderer that was made with
+    /// the scene.
+    ///
+    /// # Errors
+    /// Where the device cannot do with it; the renderer then goes on with the old one.
+    pub fn set_scene(&mut self, scene: &Arc<Scene>, pose: &Pose) -> Result<(), RenderError> {
+        if !scene.is_built_like(&self.scene) {
+            let settings = self.settings.clone();
+            return self.replace_scene(PreparedScene::new(scene), &settings, pose);
+        }
+        let (materials, environment) = self.buffers.for_scene(&self.device, scene)?;
+        let sets = self.passes.gbuffer.material_sets(&self.device, &self.buffers, &materials)?;
+        // Frames on their way still use what is to be replaced.
+        self.device.wait_idle()?;
+
+        // From here on nothing fails.
+        self.passes.gbuffer.set_materials(sets);
+        self.buffers.replace(materials, environment);
+        self.scene = Arc::clone(scene);
+        self.bvh.update(&pose.instances);
+        self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
+        Ok(())
+    }
+
+    /// The scene in use.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Goes on with another scene, as a renderer made for it would, but keeps the view and
     /// the count of frames.
     ///
     /// # Errors

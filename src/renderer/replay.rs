@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{RenderError, Renderer};
-use crate::scene::{Pose, RecordedFrame, Scene, scene_of_text};
+use crate::scene::{Pose, ReadFiles, RecordedFrame, Scene};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
@@ -17,6 +17,8 @@ pub struct Replay {
     recording: Arc<Vec<RecordedFrame>>,
     frame: u64,
     assets: Option<PathBuf>,
+    /// What was read for scenes within the recording.
+    read: ReadFiles,
     device: Arc<Device>,
 }
 
@@ -37,6 +39,7 @@ impl Replay {
             recording: Arc::clone(&scene.recording),
             frame: 0,
             assets,
+            read: ReadFiles::default(),
             device: Arc::clone(device),
         })
     }
@@ -62,7 +65,7 @@ impl Replay {
     /// Brings everything to where it was recorded.
     fn take(&mut self, recorded: &RecordedFrame) -> Result<(), RenderError> {
         if let Some(text) = &recorded.scene {
-            let scene = scene_of_text(text, self.assets.as_deref());
+            let scene = self.read.scene_of_text(text, self.assets.as_deref());
             self.scene = Arc::new(scene.map_err(|error| RenderError::Recording(error.to_string()))?);
             self.settings = recorded.settings.clone().unwrap_or_else(|| self.settings.clone());
             self.pose = self.scene.pose(0.0);
@@ -73,6 +76,12 @@ impl Replay {
             settings.check().map_err(|error| RenderError::Recording(error.to_string()))?;
             self.renderer.set_settings(settings, &self.pose)?;
             self.settings.clone_from(settings);
+        }
+        if let Some(text) = &recorded.edited {
+            let scene = self.read.scene_of_text(text, self.assets.as_deref());
+            self.scene = Arc::new(scene.map_err(|error| RenderError::Recording(error.to_string()))?);
+            self.pose = self.scene.pose(0.0);
+            self.renderer.set_scene(&self.scene, &self.pose)?;
         }
         recorded.apply(&mut self.pose, &self.scene).map_err(RenderError::Recording)
     }

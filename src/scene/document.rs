@@ -10,7 +10,10 @@ use toml::Spanned;
 
 use super::error::SceneError;
 use super::load::{self, Source};
+use super::material_edit::MaterialEdit;
+use super::read_files::ReadFiles;
 use super::scene_build::{Builder, animation_of, transform_of};
+use super::scene_environment::numbers_of;
 use super::scene_file::{CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, LightType, SceneFile};
 use super::scene_lights::single_light;
 use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene, gltf};
@@ -44,12 +47,13 @@ pub struct Placement {
 }
 
 impl SceneDocument {
-    /// Opens a scene and builds it. `assets` is the folder of the downloadable models.
+    /// Opens a scene and builds it; returns what was read for it, too. `assets` is the folder of the downloadable models.
     ///
     /// # Errors
     /// Those of [`super::load_scene`].
-    pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene), SceneError> {
-        let mut scene = load::load_scene(name, assets)?;
+    pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene, ReadFiles), SceneError> {
+        let mut read = ReadFiles::default();
+        let mut scene = load::load_with(name, assets, &mut read)?;
         let mut is_gltf = false;
         let (path, text) = match load::find(name)? {
             Source::File(path, text) => (path, text),
@@ -68,17 +72,18 @@ impl SceneDocument {
         document.complete(&scene);
         if is_gltf {
             // As a model of a scene file it is one mesh at rest.
-            scene = document.build(assets)?;
+            scene = document.build(assets, &mut read)?;
         }
-        Ok((document, scene))
+        let read = read.named(&document.file, &scene);
+        Ok((document, scene, read))
     }
 
-    /// Builds the scene.
+    /// Builds the scene; reads what is not in `read`, and adds it there.
     ///
     /// # Errors
     /// Those of a scene file.
-    pub fn build(&self, assets: Option<&Path>) -> Result<Scene, SceneError> {
-        load::load_toml(&self.path, &self.text(), assets)
+    pub fn build(&self, assets: Option<&Path>, read: &mut ReadFiles) -> Result<Scene, SceneError> {
+        load::load_toml(&self.path, &self.text(), assets, read)
     }
 
     /// The text of a scene file for this scene. Its paths are absolute, so it may be saved anywhere.
@@ -121,6 +126,78 @@ impl SceneDocument {
         if index < self.file.lights.len() {
             self.file.lights.remove(index);
         }
+    }
+
+    /// The edit of the materials of this name, if there is one.
+    pub fn material_edit(&self, name: &str) -> Option<&MaterialEdit> {
+        self.file.materials.iter().map(Spanned::get_ref).find(|edit| edit.name == name)
+    }
+
+    /// Sets the edit of the materials of its name.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry.
+    pub fn set_material(&mut self, edit: MaterialEdit) -> Result<(), SceneError> {
+        edit.check_alone(&self.path)?;
+        let edits = &mut self.file.materials;
+        let place = edits.iter().position(|known| known.get_ref().name == edit.name);
+        match place {
+            Some(place) if edit.is_empty() => drop(edits.remove(place)),
+            Some(place) => *edits[place].get_mut() = edit,
+            None if edit.is_empty() => {}
+            None => edits.push(Spanned::new(0..0, edit)),
+        }
+        Ok(())
+    }
+
+    /// The environment's entry, if there is one.
+    pub fn environment(&self) -> Option<&EnvironmentEntry> {
+        self.file.environment.as_ref().map(Spanned::get_ref)
+    }
+
+    /// Sets the environment, which takes the place of a background. A map's path is relative to the current folder.
+    ///
+    /// # Errors
+    /// Those of a scene file, for the numbers of the entry.
+    pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<(), SceneError> {
+        let Some(mut environment) = environment else {
+            self.file.environment = None;
+            return Ok(());
+        };
+        self.environment_numbers(&environment)?;
+        if let Some(path) = &mut environment.map {
+            *path = std::fs::canonicalize(&*path).unwrap_or_else(|_| path.clone());
+        }
+        self.file.environment = Some(Spanned::new(0..0, environment));
+        self.file.background = None;
+        Ok(())
+    }
+
+    /// Radiance, W/m^2/sr, or with a map its factor, and rotation, radians, of an environment.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry.
+    pub fn environment_numbers(&self, environment: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
+        let builder = Builder::of_entries(&self.path);
+        numbers_of(&builder.entry(&(0..0), "environment"), environment)
+    }
+
+    /// This document with the materials and the environment of another.
+    #[must_use]
+    pub fn with_appearance_of(&self, other: &Self) -> Self {
+        let file = SceneFile {
+            materials: other.file.materials.clone(),
+            environment: other.file.environment.clone(),
+            background: other.file.background,
+            ..self.file.clone()
+        };
+        Self { file, ..self.clone() }
+    }
+
+    /// Whether materials and the environment are those of another document, but for the environment's numbers.
+    pub fn has_appearance_of(&self, other: &Self) -> bool {
+        let map = |document: &Self| document.environment().map(EnvironmentEntry::without_numbers);
+        self.file.materials == other.file.materials && map(self) == map(other)
     }
 
     /// Index of the scene's light for entry `index`; none for a black area light.

@@ -6,6 +6,7 @@ use std::time::Instant;
 use glam::Affine3A;
 
 use super::error::SceneError;
+use super::read_files::ReadFiles;
 use super::scene_file::SceneFile;
 use super::{Instance, Scene, bare_obj, builtin, gltf, obj, scene_build};
 
@@ -15,9 +16,18 @@ use super::{Instance, Scene, bare_obj, builtin, gltf, obj, scene_build};
 /// # Errors
 /// One line that names the file, the line or key if known, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+    load_with(name, assets, &mut ReadFiles::default())
+}
+
+/// The same; `read` receives what was read for a scene file.
+pub(super) fn load_with(
+    name: &str,
+    assets: Option<&Path>,
+    read: &mut ReadFiles,
+) -> Result<Scene, SceneError> {
     let begun = Instant::now();
     let scene = match find(name)? {
-        Source::File(path, text) => load_toml(&path, &text, assets)?,
+        Source::File(path, text) => load_toml(&path, &text, assets, read)?,
         Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path)?,
         Source::Model(path) => load_bare_obj(&path)?,
         Source::CornellBox => builtin::cornell_box(),
@@ -66,12 +76,17 @@ pub(super) fn find(name: &str) -> Result<Source, SceneError> {
 /// # Errors
 /// Those of a scene file.
 pub fn scene_of_text(text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-    load_toml(Path::new("recorded scene"), text, assets)
+    ReadFiles::default().scene_of_text(text, assets)
 }
 
-pub(super) fn load_toml(path: &Path, text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
+pub(super) fn load_toml(
+    path: &Path,
+    text: &str,
+    assets: Option<&Path>,
+    read: &mut ReadFiles,
+) -> Result<Scene, SceneError> {
     let file = SceneFile::parse(path, text)?;
-    scene_build::build(path, text, file, assets)
+    scene_build::build(path, text, file, assets, read)
 }
 
 fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {

@@ -16,6 +16,7 @@ mod gltf;
 mod light;
 mod load;
 mod material;
+mod material_edit;
 mod mesh;
 mod mtl;
 mod mtl_surface;
@@ -26,6 +27,7 @@ mod obj_materials;
 mod obj_text;
 mod polygon;
 mod primitives;
+mod read_files;
 mod recording;
 mod scene_build;
 mod scene_environment;
@@ -47,11 +49,13 @@ pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use load::{load_scene, scene_of_text};
 pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
+pub use material_edit::MaterialEdit;
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
-pub use recording::{RecordedCamera, RecordedFrame, RecordedInstance, RecordedLight};
+pub use read_files::ReadFiles;
+pub use recording::{RecordedCamera, RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub use scene_file::{
-    AnimationEntry, AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, LightType, RotationEntry,
-    ScaleEntry, SpinEntry,
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
+    RotationEntry, ScaleEntry, SpinEntry,
 };
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
@@ -100,12 +104,12 @@ impl Instance {
 pub struct Scene {
     /// Name for reports.
     pub name: String,
-    /// Triangle meshes, in object space.
-    pub meshes: Vec<Mesh>,
+    /// Triangle meshes, in object space. Copies of the scene share them, and the textures.
+    pub meshes: Vec<Arc<Mesh>>,
     /// Materials, indexed by [`Mesh::triangle_materials`].
     pub materials: Vec<Material>,
     /// Textures, indexed by [`Material::base_colour_texture`] and its like.
-    pub textures: Vec<Texture>,
+    pub textures: Vec<Arc<Texture>>,
     /// Alpha masks, indexed by [`Material::alpha_mask`].
     pub alpha_masks: Vec<AlphaMask>,
     /// Instances.
@@ -179,22 +183,6 @@ impl Scene {
         }
     }
 
-    /// A copy without meshes and textures, sufficient for [`Self::pose`].
-    pub fn without_meshes(&self) -> Self {
-        Self {
-            name: self.name.clone(),
-            instances: self.instances.clone(),
-            lights: self.lights.clone(),
-            camera: self.camera,
-            camera_animation: self.camera_animation.clone(),
-            background: self.background,
-            environment: self.environment.clone(),
-            settings: self.settings.clone(),
-            warnings: self.warnings.clone(),
-            ..Self::new("")
-        }
-    }
-
     /// The pose at `time`, seconds.
     pub fn pose(&self, time: f64) -> Pose {
         let transform = |instance: &Instance| match &instance.animation {
@@ -242,6 +230,28 @@ impl Scene {
     /// Total triangle count of all instances.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|instance| self.meshes[instance.mesh].triangles.len()).sum()
+    }
+
+    /// Whether a renderer of `other` can go on with this scene: what is built from meshes, textures and instances is the same.
+    /// Numbers of materials, lights, camera and environment may differ.
+    pub fn is_built_like(&self, other: &Self) -> bool {
+        let same_meshes = self.meshes.len() == other.meshes.len()
+            && self.meshes.iter().zip(&other.meshes).all(|(a, b)| Arc::ptr_eq(a, b) || a == b);
+        let same_textures = self.textures.len() == other.textures.len()
+            && self.textures.iter().zip(&other.textures).all(|(a, b)| Arc::ptr_eq(a, b) || a == b);
+        let places = |scene: &Self| -> Vec<_> {
+            let place = |i: &Instance| (i.mesh, i.transform, i.dynamic, i.visible);
+            scene.instances.iter().map(place).collect()
+        };
+        let materials = |scene: &Self| -> Vec<_> {
+            let of = |m: &Material| (m.texture_uses(), m.alpha, m.is_sheet(), m.alpha_mask);
+            scene.materials.iter().map(of).collect()
+        };
+        same_meshes
+            && same_textures
+            && self.alpha_masks == other.alpha_masks
+            && places(self) == places(other)
+            && materials(self) == materials(other)
     }
 
     /// Whether any triangle of mesh `mesh` emits light.

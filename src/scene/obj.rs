@@ -46,7 +46,7 @@ pub(super) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneErro
     if !mesh.triangle_materials.contains(&(grey as u32)) {
         scene.materials.pop();
     }
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     Ok(scene.meshes.len() - 1)
 }
 

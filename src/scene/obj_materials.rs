@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
 use image::DynamicImage;
 use rayon::prelude::*;
@@ -211,7 +212,7 @@ fn add_textures<'a>(
         },
     };
     let first = scene.textures.len();
-    scene.textures.par_extend(sources.par_iter().map(build));
+    scene.textures.par_extend(sources.par_iter().map(build).map(Arc::new));
     sources.into_iter().enumerate().map(|(i, source)| (source, first + i)).collect()
 }
 

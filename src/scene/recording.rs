@@ -18,12 +18,16 @@ pub struct RecordedFrame {
     pub frame: u64,
     /// The text of the scene file from this frame on, shown by a new renderer.
     pub scene: Option<String>,
+    /// The text of the scene file from this frame on, with which the renderer goes on.
+    pub edited: Option<String>,
     /// The settings from this frame on.
     pub settings: Option<Settings>,
     /// The camera from this frame on.
     pub camera: Option<RecordedCamera>,
     /// All lights from this frame on.
     pub lights: Option<Vec<RecordedLight>>,
+    /// Brightness and rotation of the environment from this frame on.
+    pub environment: Option<RecordedEnvironment>,
     /// The instances that moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<RecordedInstance>,
@@ -61,6 +65,16 @@ pub struct RecordedLight {
     pub angles: [f32; 2],
 }
 
+/// Of the scene's environment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedEnvironment {
+    /// Radiance, W/m^2/sr; with a map, its factor.
+    pub radiance: Vec3,
+    /// Radians about +y.
+    pub rotation: f32,
+}
+
 /// An instance that moved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,13 +93,16 @@ impl RecordedFrame {
         let moved = instances.filter(|(index, transform)| was(*index) != Some(transform));
         let lights: Vec<_> = now.lights.iter().map(recorded_light).collect();
         let lights_before = before.map(|pose| pose.lights.iter().map(recorded_light).collect::<Vec<_>>());
+        let environment = recorded_environment(now);
         Self {
             frame,
             scene: None,
+            edited: None,
             settings: None,
             camera: (before.map(|pose| pose.camera) != Some(now.camera))
                 .then(|| recorded_camera(&now.camera)),
             lights: (lights_before.as_ref() != Some(&lights)).then_some(lights),
+            environment: environment.filter(|_| before.and_then(recorded_environment) != environment),
             instances: moved
                 .map(|(index, transform)| RecordedInstance { index, transform: transform.to_cols_array() })
                 .collect(),
@@ -114,6 +131,9 @@ impl RecordedFrame {
                 format!("recording: frame {} has more area lights than the scene", self.frame)
             })?;
         }
+        if let (Some(recorded), Some(environment)) = (self.environment, &mut pose.environment) {
+            (environment.radiance, environment.rotation) = (recorded.radiance, recorded.rotation);
+        }
         for moved in &self.instances {
             let count = pose.instances.len();
             let instance = pose.instances.get_mut(moved.index).ok_or_else(|| {
@@ -131,6 +151,11 @@ impl RecordedFrame {
 pub(super) fn recorded_camera(camera: &Camera) -> RecordedCamera {
     let Camera { eye, target, up, vertical_fov, near, far } = *camera;
     RecordedCamera { eye, target, up, vertical_fov, near, far }
+}
+
+fn recorded_environment(pose: &Pose) -> Option<RecordedEnvironment> {
+    let environment = pose.environment.as_ref()?;
+    Some(RecordedEnvironment { radiance: environment.radiance, rotation: environment.rotation })
 }
 
 fn recorded_light(light: &Light) -> RecordedLight {

@@ -10,6 +10,8 @@ use std::path::Path;
 use glam::{Affine3A, BVec3, EulerRot, Quat, Vec3};
 
 use super::error::SceneError;
+use super::material_edit::edit_materials;
+use super::read_files::{ReadFiles, ReadModels};
 use super::scene_file::{
     AnimationEntry, CameraEntry, InstanceEntry, RotationEntry, ScaleEntry, SceneFile, line_of,
 };
@@ -21,12 +23,13 @@ use super::{
 /// Largest magnitude of a keyframe's time, seconds: about 30 years.
 const MAX_TIME: f64 = 1e9;
 
-/// Builds the scene of `file`, whose content was `text`.
+/// Builds the scene of `file`, whose content was `text`; reads what is not in `read`, and adds it there.
 pub(super) fn build(
     path: &Path,
     text: &str,
     file: SceneFile,
     assets: Option<&Path>,
+    read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let mut builder = Builder {
         path,
@@ -35,9 +38,11 @@ pub(super) fn build(
         scene: Scene::new(&file.name.clone().unwrap_or_else(|| obj::stem(path))),
         models: HashMap::new(),
         instances: HashMap::new(),
+        read: std::mem::take(read),
     };
-    builder.build(&file)?;
-    Ok(builder.scene)
+    let built = builder.build(&file);
+    *read = builder.read;
+    built.map(|()| builder.scene)
 }
 
 /// A scene under construction.
@@ -50,6 +55,8 @@ pub(super) struct Builder<'a> {
     pub models: HashMap<String, usize>,
     /// Index of each instance, by name.
     pub instances: HashMap<String, usize>,
+    /// What was read of files.
+    pub read: ReadFiles,
 }
 
 /// A table of the file, as error messages name it.
@@ -107,6 +114,20 @@ impl Entry<'_> {
         Ok(colour)
     }
 
+    /// A number from 0 to 1.
+    pub fn share(&self, key: &str, value: f32) -> Result<f32, SceneError> {
+        let share = self.number(key, value)?;
+        let fits = (0.0..=1.0).contains(&share);
+        if fits { Ok(share) } else { Err(self.error(format!("{key} must be from 0 to 1, is {share}"))) }
+    }
+
+    /// A colour; each channel must be from 0 to 1.
+    pub fn reflectance(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
+        let colour = self.power(key, value)?;
+        let fits = colour.max_element() <= 1.0;
+        if fits { Ok(colour) } else { Err(self.error(format!("{key} must not be above 1, is {colour}"))) }
+    }
+
     /// A direction, normalised; must be finite and not zero.
     pub fn direction(&self, key: &str, value: [f32; 3]) -> Result<Vec3, SceneError> {
         let vector = self.vector(key, value)?.as_dvec3();
@@ -128,6 +149,8 @@ impl<'a> Builder<'a> {
 
     fn build(&mut self, file: &SceneFile) -> Result<(), SceneError> {
         let top = self.entry(&(0..0), "scene");
+        self.add_models(file)?;
+        edit_materials(self, &file.materials)?;
         if let Some(background) = file.background {
             self.scene.background = top.power("background", background)?;
         }
@@ -138,9 +161,6 @@ impl<'a> Builder<'a> {
             }
             let environment = scene_environment::environment_of(self, &entry, environment.as_ref())?;
             self.scene.environment = Some(environment);
-        }
-        for model in &file.models {
-            scene_models::add_model(self, model)?;
         }
         for instance in &file.instances {
             let name = instance.as_ref().name.as_ref().unwrap_or(&instance.as_ref().model);
@@ -164,6 +184,19 @@ impl<'a> Builder<'a> {
             return Err(top.error("the frames of [[recording]] must be in ascending order"));
         }
         self.scene.recording = std::sync::Arc::new(file.recording.clone());
+        Ok(())
+    }
+
+    fn add_models(&mut self, file: &SceneFile) -> Result<(), SceneError> {
+        if let Some(known) = self.read.models_of(file) {
+            self.scene = Scene { name: self.scene.name.clone(), ..known.scene.clone() };
+            self.models.clone_from(&known.meshes);
+            return Ok(());
+        }
+        for model in &file.models {
+            scene_models::add_model(self, model)?;
+        }
+        self.read.models = Some(ReadModels::new(file, &self.scene, &self.models));
         Ok(())
     }
 
@@ -200,8 +233,15 @@ impl<'a> Builder<'a> {
 
     /// A builder that validates single entries without a file.
     pub fn of_entries(path: &'a Path) -> Self {
-        let scene = Scene::new("");
-        Self { path, text: "", assets: None, scene, models: HashMap::new(), instances: HashMap::new() }
+        Self {
+            path,
+            text: "",
+            assets: None,
+            scene: Scene::new(""),
+            models: HashMap::new(),
+            instances: HashMap::new(),
+            read: ReadFiles::default(),
+        }
     }
 
     fn add_instance(&mut self, entry: &Entry, instance: &InstanceEntry) -> Result<(), SceneError> {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::error::SceneError;
+use super::material_edit::MaterialEdit;
 use super::recording::RecordedFrame;
 use super::scene_environment::SKY;
 use crate::settings::Settings;
@@ -26,6 +27,9 @@ pub(super) struct SceneFile {
     pub camera: Option<Spanned<CameraEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub models: Vec<Spanned<ModelEntry>>,
+    /// What is other than in the models' files.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<Spanned<MaterialEdit>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<Spanned<InstanceEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -39,9 +43,9 @@ pub(super) struct SceneFile {
 }
 
 /// Light from everywhere around the scene; it is seen, too.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct EnvironmentEntry {
+pub struct EnvironmentEntry {
     /// Radiance, W/m^2/sr; with a map its factor, 1 if missing.
     pub colour: Option<[f32; 3]>,
     /// Factor of the colour; 1 if missing.
@@ -61,15 +65,27 @@ pub(super) struct EnvironmentEntry {
 impl EnvironmentEntry {
     /// The map made by code.
     pub fn sky() -> Self {
-        Self {
-            colour: None,
-            strength: None,
-            map: None,
-            asset: None,
-            download: None,
-            builtin: Some(SKY.to_owned()),
-            rotation_deg: None,
-        }
+        Self { builtin: Some(SKY.to_owned()), ..Self::default() }
+    }
+
+    /// The same radiance from everywhere, W/m^2/sr.
+    pub fn constant(colour: [f32; 3]) -> Self {
+        Self { colour: Some(colour), ..Self::default() }
+    }
+
+    /// The map of a file.
+    pub fn of_map(map: PathBuf) -> Self {
+        Self { map: Some(map), ..Self::default() }
+    }
+
+    /// Whether it has a map.
+    pub fn has_map(&self) -> bool {
+        self.map.is_some() || self.asset.is_some() || self.builtin.is_some()
+    }
+
+    /// What its map is, without its brightness and rotation.
+    pub fn without_numbers(&self) -> Self {
+        Self { colour: None, strength: None, rotation_deg: None, ..self.clone() }
     }
 }
 

@@ -154,7 +154,8 @@ fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str
     let scene = &mut builder.scene;
     let material = scene.materials.len() as u32;
     scene.materials.push(Material::emitter(name, radiance));
-    scene.meshes.push(Mesh::polygon(name, &corners.map(|corner| corner - centre), material));
+    let mesh = Mesh::polygon(name, &corners.map(|corner| corner - centre), material);
+    scene.meshes.push(mesh.into());
     scene.instances.push(Instance {
         dynamic: animation.is_some(),
         animation,
@@ -191,7 +192,7 @@ fn light_instance(
     let radiance = entry.power("radiance", entry.required("radiance", light.radiance)?)?;
     let scene = &mut builder.scene;
     check_not_mirrored(entry, &scene.instances[index].transform, true)?;
-    let mut mesh = scene.meshes[scene.instances[index].mesh].clone();
+    let mut mesh = Mesh::clone(&scene.meshes[scene.instances[index].mesh]);
     let mut emissive = std::collections::HashMap::new();
     for material in &mut mesh.triangle_materials {
         *material = *emissive.entry(*material).or_insert_with(|| {
@@ -204,7 +205,7 @@ fn light_instance(
         });
     }
     scene.instances[index].mesh = scene.meshes.len();
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     let before = scene.lights.len();
     scene.add_area_light(index);
     if let (Some(name), Some(added)) = (&light.name, scene.lights.get_mut(before)) {

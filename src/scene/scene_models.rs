@@ -3,6 +3,7 @@
 //! In: one entry. Out: a mesh with its materials in the scene under construction.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Vec3;
 use toml::Spanned;
@@ -51,7 +52,7 @@ pub(super) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> R
         push(&mut builder.scene, mesh)
     };
     remove_excluded(&entry, model, &mut builder.scene, mesh)?;
-    builder.scene.meshes[mesh].name.clone_from(&model.name);
+    Arc::make_mut(&mut builder.scene.meshes[mesh]).name.clone_from(&model.name);
     builder.models.insert(model.name.clone(), mesh);
     Ok(())
 }
@@ -62,7 +63,7 @@ fn add_file(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
 }
 
 fn push(scene: &mut Scene, mesh: Mesh) -> usize {
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.meshes.len() - 1
 }
 
@@ -146,30 +147,16 @@ fn material_of(entry: &Entry, name: &str, material: Option<&MaterialEntry>) -> R
     let Some(material) = material else {
         return Ok(grey);
     };
-    let reflectance = |key: &str, value: Option<[f32; 3]>, default: Vec3| match value {
-        None => Ok(default),
-        Some(value) => {
-            let colour = entry.power(key, value)?;
-            let fits = colour.max_element() <= 1.0;
-            if fits {
-                Ok(colour)
-            } else {
-                Err(entry.error(format!("{key} must not be above 1, is {colour}")))
-            }
-        }
-    };
     let emission = entry.power("material.emission", material.emission.unwrap_or_default())?;
-    let share = |key: &str, value: f32| {
-        let share = entry.number(key, value)?;
-        let fits = (0.0..=1.0).contains(&share);
-        if fits { Ok(share) } else { Err(entry.error(format!("{key} must be from 0 to 1, is {share}"))) }
-    };
-    let metallic = share("material.metallic", material.metallic.unwrap_or(0.0))?;
-    let roughness = share("material.roughness", material.roughness.unwrap_or(1.0))?;
+    let metallic = entry.share("material.metallic", material.metallic.unwrap_or(0.0))?;
+    let roughness = entry.share("material.roughness", material.roughness.unwrap_or(1.0))?;
     if metallic > 0.0 && material.roughness.is_none() {
         return Err(entry.error("material.metallic needs material.roughness"));
     }
-    let base_colour = reflectance("material.albedo", material.albedo, grey.base_colour)?;
+    let base_colour = match material.albedo {
+        Some(albedo) => entry.reflectance("material.albedo", albedo)?,
+        None => grey.base_colour,
+    };
     let plain = Material { base_colour, emission, ..grey };
     Ok(match material.roughness {
         None => plain,
@@ -184,7 +171,7 @@ fn remove_excluded(
     scene: &mut Scene,
     mesh: usize,
 ) -> Result<(), SceneError> {
-    let mesh = &mut scene.meshes[mesh];
+    let mesh = Arc::make_mut(&mut scene.meshes[mesh]);
     for name in &model.without_materials {
         let named = |material: u32| scene.materials[material as usize].name == *name;
         let before = mesh.triangles.len();

@@ -398,7 +398,7 @@ mod tests {
         {
             let mut scene = Scene::new("box");
             scene.materials.push(Material::grey("grey"));
-            scene.meshes.push(Mesh::cuboid("box", Vec3::new(1.0, 2.0, 3.0), 0));
+            scene.meshes.push(Mesh::cuboid("box", Vec3::new(1.0, 2.0, 3.0), 0).into());
             let placed =
                 Affine3A::from_scale_rotation_translation(Vec3::splat(5.0), turn, Vec3::new(9.0, 1.0, 2.0));
             scene.instances.push(Instance::fixed("box", 0, placed));

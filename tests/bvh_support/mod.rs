@@ -4,6 +4,8 @@
 
 pub mod twin;
 
+use std::sync::Arc;
+
 use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::scene::{AlphaMask, Instance, Material, Mesh, Scene};
@@ -28,6 +30,7 @@ pub struct Crossing {
 
 impl World {
     pub fn new(meshes: Vec<Mesh>) -> Self {
+        let meshes = meshes.into_iter().map(Arc::new).collect();
         let scene = Scene { meshes, materials: vec![material(None)], ..Scene::new("test") };
         Self { scene, tolerance: 1e-3 }
     }

@@ -101,9 +101,11 @@ pub fn temporal(
     let alpha = settings.alpha.max(1.0 / frames);
     let moments_alpha = settings.moments_alpha.max(1.0 / frames);
     // By the second moment, as the paper has it.
-    let first = mean + (luminance(now) - mean) * moments_alpha;
-    let second = (mean * mean + variance) * (1.0 - moments_alpha) + luminance(now).powi(2) * moments_alpha;
-    let deviation = (second - first * first).max(0.0).sqrt();
+    let [mean, variance, now_luminance, share] =
+        [mean, variance, luminance(now), moments_alpha].map(f64::from);
+    let first = mean + (now_luminance - mean) * share;
+    let second = (mean * mean + variance) * (1.0 - share) + now_luminance.powi(2) * share;
+    let [first, deviation] = [first, (second - first * first).max(0.0).sqrt()].map(|moment| moment as f32);
     ((light + (now - light) * alpha).extend(deviation), Vec4::new(first, deviation, frames, 0.0))
 }
 

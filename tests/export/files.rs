@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use glowworm::export::{ExportError, ExportFolder, export_mitsuba};
 use glowworm::scene::{Scene, load_scene};
@@ -61,7 +62,7 @@ fn any_name_is_safe() {
     let name = "-->\"<&'../../x -- \u{1}\u{ffff}\u{e4}/\\..\n";
     let mut scene = cornell_box();
     scene.name = name.to_owned();
-    scene.meshes[0].name = name.to_owned();
+    Arc::make_mut(&mut scene.meshes[0]).name = name.to_owned();
     scene.instances[0].name = name.to_owned();
     for material in &mut scene.materials {
         material.name = name.repeat(50);

@@ -1,5 +1,7 @@
 //! BSDFs, textures and masks.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
 use glowworm::scene::{Alpha, Instance, Material, Mesh, Scene, Texture, TextureUse, Wrap, srgb_to_linear};
 
@@ -80,8 +82,8 @@ fn masks_are_black_where_nothing_is() {
 fn shiny(material: Material, textures: Vec<Texture>) -> Exported {
     let mut scene = Scene::new("shiny");
     scene.materials.push(material);
-    scene.textures = textures;
-    scene.meshes.push(Mesh::cuboid("box", Vec3::ONE, 0));
+    scene.textures.extend(textures.into_iter().map(Arc::new));
+    scene.meshes.push(Mesh::cuboid("box", Vec3::ONE, 0).into());
     scene.instances.push(Instance::fixed("box", 0, glam::Affine3A::IDENTITY));
     export(&scene)
 }
@@ -228,7 +230,7 @@ fn textured_emission_is_a_linear_image() {
 #[test]
 fn normal_maps_and_vertex_colours_come_with_what_they_need() {
     let mut scene = Scene::new("mapped");
-    scene.textures.push(Texture::linear_from_rgba8("bumps", 1, 1, vec![128, 128, 255, 255]));
+    scene.textures.push(Texture::linear_from_rgba8("bumps", 1, 1, vec![128, 128, 255, 255]).into());
     scene.materials.push(Material {
         normal_texture: Some(TextureUse { offset: Vec2::new(0.5, 0.25), wrap: [Wrap::Clamp; 2], ..0.into() }),
         normal_scale: 0.5,
@@ -239,7 +241,7 @@ fn normal_maps_and_vertex_colours_come_with_what_they_need() {
     mesh.tangents = vec![glam::Vec4::new(1.0, 0.0, 0.0, -1.0); 4];
     mesh.colours = vec![[255, 51, 0, 255]; 4];
     let first_uv = mesh.uvs[0];
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     // Twice as large, and mirrored.
     let transform = glam::Affine3A::from_scale(Vec3::new(-2.0, 2.0, 2.0));
     scene.instances.push(Instance::fixed("quad", 0, transform));

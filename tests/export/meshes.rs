@@ -44,7 +44,7 @@ fn lamps_shine_on_their_front_side_and_are_flat_unless_they_reflect() {
         scene
             .materials
             .push(Material { base_colour: Vec3::splat(base), ..Material::emitter("glow", Vec3::ONE) });
-        scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0));
+        scene.meshes.push(Mesh::sphere("ball", 1.0, 1, 0).into());
         let places = [
             Affine3A::from_translation(Vec3::new(5.0, 0.0, 0.0)),
             Affine3A::from_scale_rotation_translation(

@@ -1,5 +1,7 @@
 //! Furnace tests: closed rooms with analytic radiance.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Instance, Material, Mesh, Scene, Texture};
 
@@ -11,7 +13,7 @@ fn furnace(albedo: f32) -> Scene {
     scene
         .materials
         .push(Material { emission: Vec3::ONE, ..Material::lambertian("wall", Vec3::splat(albedo)) });
-    scene.meshes.push(Mesh::cuboid("box", Vec3::new(2.0, 1.0, 3.0), 0).turned_inside_out());
+    scene.meshes.push(Mesh::cuboid("box", Vec3::new(2.0, 1.0, 3.0), 0).turned_inside_out().into());
     scene.instances.push(Instance::fixed("box", 0, Affine3A::IDENTITY));
     scene.add_area_light(0);
     scene.camera = Camera { vertical_fov: 1.5, ..Camera::looking(Vec3::new(0.5, 0.1, 1.0), Vec3::ZERO) };
@@ -46,10 +48,10 @@ fn leaning_normals_neither_make_light_nor_let_it_through() {
     for (texel, metallic) in [([128u8, 128, 255], 0.0), ([217, 128, 217], 0.0), ([217, 128, 217], 1.0)] {
         let mut scene = furnace(0.8);
         let [r, g, b] = texel;
-        scene.textures.push(Texture::linear_from_rgba8("lean", 1, 1, vec![r, g, b, 255]));
+        scene.textures.push(Texture::linear_from_rgba8("lean", 1, 1, vec![r, g, b, 255]).into());
         let wall = &mut scene.materials[0];
         (wall.normal_texture, wall.metallic, wall.roughness) = (Some(0.into()), metallic, 0.5);
-        let mesh = &mut scene.meshes[0];
+        let mesh = Arc::make_mut(&mut scene.meshes[0]);
         mesh.tangents =
             mesh.normals.iter().map(|normal| normal.any_orthonormal_vector().extend(1.0)).collect();
         let found = colour(&picture(&scene, &settings(16, Some(0)), 256));

@@ -1,6 +1,7 @@
 //! Each type of light against its equation, and all types together.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec3;
 use glowworm::bsdf::Bsdf;
@@ -187,7 +188,7 @@ fn holes_in_an_area_light_emit_nothing() {
     };
     let mut masked = lamp(-1.0, 1.0);
     masked.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Default::default() });
-    let mesh = masked.meshes.last_mut().unwrap();
+    let mesh = Arc::make_mut(masked.meshes.last_mut().unwrap());
     for (uv, position) in mesh.uvs.iter_mut().zip(&mesh.positions) {
         uv.x = (0.5 * (position.x + 1.0)).clamp(0.0, 0.999);
     }

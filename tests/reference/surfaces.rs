@@ -10,7 +10,7 @@ use super::support::{assert_near, colour, layer, mean, picture, settings};
 fn sphere(material: Material) -> Scene {
     let mut scene = Scene::new("sphere");
     scene.materials.push(material);
-    scene.meshes.push(Mesh::sphere("sphere", 1.0, 6, 0));
+    scene.meshes.push(Mesh::sphere("sphere", 1.0, 6, 0).into());
     scene.instances.push(Instance::fixed("sphere", 0, Affine3A::IDENTITY));
     scene.camera = Camera { vertical_fov: 0.75, ..Camera::looking(Vec3::Z * 3.0, Vec3::ZERO) };
     scene
@@ -53,7 +53,7 @@ fn lit_floor(material: Material) -> Scene {
     let mut scene = Scene::new("floor");
     scene.materials.push(material);
     let corners = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
-    scene.meshes.push(Mesh::polygon("floor", &corners, 0));
+    scene.meshes.push(Mesh::polygon("floor", &corners, 0).into());
     scene.instances.push(Instance::fixed("floor", 0, Affine3A::IDENTITY));
     let camera = Camera::looking(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO);
     scene.camera = Camera { vertical_fov: 0.02, ..camera };
@@ -72,7 +72,7 @@ fn add_sheet(scene: &mut Scene, material: Material, y: f32) {
     scene.materials.push(material);
     let material = scene.materials.len() as u32 - 1;
     let corners = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, y, z));
-    scene.meshes.push(Mesh::polygon("sheet", &corners, material));
+    scene.meshes.push(Mesh::polygon("sheet", &corners, material).into());
     let mesh = scene.meshes.len() - 1;
     scene.instances.push(Instance::fixed("sheet", mesh, Affine3A::IDENTITY));
 }
@@ -89,7 +89,7 @@ fn a_mirror_shows_what_it_faces() {
     scene.materials.push(Material::emitter("glow", Vec3::splat(2.0)));
     let corners =
         [[-99.0, -99.0], [99.0, -99.0], [99.0, 99.0], [-99.0, 99.0]].map(|[x, z]| Vec3::new(x, 5.0, z));
-    scene.meshes.push(Mesh::polygon("ceiling", &corners, 1));
+    scene.meshes.push(Mesh::polygon("ceiling", &corners, 1).into());
     scene.instances.push(Instance::fixed("ceiling", 1, Affine3A::IDENTITY));
     scene.add_area_light(1);
     scene.camera.vertical_fov = 0.002;
@@ -111,7 +111,7 @@ fn glossy_surfaces_reflect_glossy_surfaces() {
     for roughness in [0.0, 0.4] {
         let mut scene = Scene::new("plates");
         scene.materials.push(Material { emission: Vec3::ONE, ..plate(roughness) });
-        scene.meshes.push(Mesh::cuboid("box", Vec3::new(2.0, 1.0, 3.0), 0).turned_inside_out());
+        scene.meshes.push(Mesh::cuboid("box", Vec3::new(2.0, 1.0, 3.0), 0).turned_inside_out().into());
         scene.instances.push(Instance::fixed("box", 0, Affine3A::IDENTITY));
         scene.add_area_light(0);
         scene.camera = Camera { vertical_fov: 1.2, ..Camera::looking(Vec3::new(0.5, 0.1, 1.0), Vec3::ZERO) };

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use glowworm::output::Picture;
 use glowworm::renderer::{PreparedScene, RenderError, Renderer};
-use glowworm::scene::{LightKind, Scene};
+use glowworm::scene::{Environment, EnvironmentMap, LightKind, Material, Scene};
 use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
 use super::support::{Lab, indirect, layer, luminance, mean, named_scene, scene};
@@ -155,6 +156,81 @@ fn another_scene_is_drawn_as_by_a_fresh_renderer() {
     assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &second, &start()));
     let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
     assert!(frames.into_iter().eq(0..13), "every frame is reported once");
+}
+
+/// The scene with another material, whose index is given.
+fn edited(scene: &Scene, index: usize, edit: impl Fn(&mut Material)) -> Arc<Scene> {
+    let mut edited = scene.clone();
+    edit(&mut edited.materials[index]);
+    edited.lights.retain(|light| !matches!(light.kind, LightKind::Area { .. }));
+    for instance in 0..edited.instances.len() {
+        edited.add_area_light(instance);
+    }
+    Arc::new(edited)
+}
+
+fn map(colour: Vec3) -> Option<Arc<EnvironmentMap>> {
+    let texel = |i: usize| colour * if i < 16 { 4.0 } else { 0.5 };
+    Some(Arc::new(EnvironmentMap::new(8, 4, (0..32).map(texel).collect())))
+}
+
+#[test]
+fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
+    let Some(lab) = Lab::open() else { return };
+    // Fewer paths a frame than there are, so that some await their turn.
+    let settings = Settings { vpl: VplSettings { budget: 16, ..start().vpl }, ..start() };
+    let cornell = named_scene("cornell-box", None);
+    let red = cornell.materials.iter().position(|material| material.name == "red").unwrap();
+    let grey = edited(&cornell, red, |wall| wall.base_colour = Vec3::splat(0.3));
+    let metal = edited(&grey, red, |wall| {
+        (wall.metallic, wall.roughness, wall.f0, wall.f90) = (1.0, 0.3, Vec3::splat(0.04), 1.0);
+    });
+    let glowing = edited(&metal, red, |wall| wall.emission = Vec3::new(0.0, 2.0, 3.0));
+    let brighter = edited(&glowing, red, |wall| wall.emission *= 5.0);
+    let dark = edited(&brighter, red, |wall| wall.emission = Vec3::ZERO);
+    let sky = |colour: Vec3| Environment { radiance: Vec3::ONE, map: map(colour), rotation: 0.5 };
+    let under = |environment| Arc::new(Scene { environment, ..(*dark).clone() });
+    let scenes = [
+        ("base colour", grey),
+        ("metal", metal),
+        ("becomes emissive", glowing),
+        ("more emissive", brighter),
+        ("no longer emissive", dark.clone()),
+        ("a map", under(Some(sky(Vec3::new(0.2, 0.4, 1.0))))),
+        ("another map", under(Some(sky(Vec3::new(1.0, 0.4, 0.1))))),
+        ("one colour", under(Some(Environment::constant(Vec3::ONE)))),
+        ("no environment", under(None)),
+    ];
+    let mut renderer = lab.rendered(&cornell, &settings, 5);
+    let mut before = renderer.read_picture(true).unwrap();
+    for (what, scene) in scenes {
+        let pose = scene.pose(0.0);
+        assert!(scene.is_built_like(renderer.scene()), "{what}");
+        renderer.set_scene(&scene, &pose).unwrap();
+        renderer.render(&pose).unwrap();
+        assert!(renderer.read_picture(true).unwrap() != before, "{what}: not seen in the next frame");
+        for _ in 0..settings.vpl.slots / settings.vpl.budget + 2 * settings.vpl.temporal_sets {
+            renderer.render(&pose).unwrap();
+        }
+        let picture = renderer.read_picture(true).unwrap();
+        assert!(picture == fresh(&lab, &scene, &settings), "{what}");
+        before = picture;
+    }
+    let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
+    assert!(frames.is_sorted() && frames.first() == Some(&0), "the renderer has gone on");
+}
+
+#[test]
+fn a_scene_of_other_meshes_is_built_anew() {
+    let Some(lab) = Lab::open() else { return };
+    let (first, second) = (scene(STUDIO), named_scene("cornell-box", None));
+    assert!(!second.is_built_like(&first));
+    let mut renderer = lab.rendered(&first, &start(), 4);
+    renderer.set_scene(&second, &second.pose(0.0)).unwrap();
+    for _ in 0..8 {
+        renderer.render(&second.pose(0.0)).unwrap();
+    }
+    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &second, &start()));
 }
 
 #[test]

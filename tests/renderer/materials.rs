@@ -24,9 +24,10 @@ fn texture(name: &str, linear: bool, colour: impl Fn(Vec2) -> Vec3) -> Texture {
 /// A floor whose roughness rises to the right, metallic to the back, and which glows in a corner, under a lamp.
 fn floor() -> Scene {
     let mut scene = Scene::new("floor");
-    scene.textures.push(texture("base", false, |at| Vec3::new(0.9, 0.3 + 0.6 * at.x, 0.9 - 0.7 * at.y)));
-    scene.textures.push(texture("data", true, |at| Vec3::new(1.0, 0.2 + 0.7 * at.x, at.y)));
-    scene.textures.push(texture("glow", false, |at| Vec3::splat((at.x + at.y - 1.6).max(0.0))));
+    let base = texture("base", false, |at| Vec3::new(0.9, 0.3 + 0.6 * at.x, 0.9 - 0.7 * at.y));
+    scene.textures.push(base.into());
+    scene.textures.push(texture("data", true, |at| Vec3::new(1.0, 0.2 + 0.7 * at.x, at.y)).into());
+    scene.textures.push(texture("glow", false, |at| Vec3::splat((at.x + at.y - 1.6).max(0.0))).into());
     scene.materials.push(Material {
         base_colour_texture: Some(0.into()),
         metallic: 0.9,
@@ -40,15 +41,18 @@ fn floor() -> Scene {
     });
     let corners = [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::X, Vec2::ZERO];
     let uv = |at: Vec2| at * 0.9 + 0.05;
-    scene.meshes.push(Mesh {
-        name: "floor".into(),
-        positions: corners.map(|at| Vec3::new(at.x * 4.0 - 2.0, 0.0, at.y * 4.0 - 2.0)).to_vec(),
-        normals: vec![Vec3::Y; 4],
-        uvs: corners.map(uv).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        triangle_materials: vec![0, 0],
-        ..Mesh::default()
-    });
+    scene.meshes.push(
+        Mesh {
+            name: "floor".into(),
+            positions: corners.map(|at| Vec3::new(at.x * 4.0 - 2.0, 0.0, at.y * 4.0 - 2.0)).to_vec(),
+            normals: vec![Vec3::Y; 4],
+            uvs: corners.map(uv).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            triangle_materials: vec![0, 0],
+            ..Mesh::default()
+        }
+        .into(),
+    );
     scene.instances.push(Instance::fixed("floor", 0, Affine3A::IDENTITY));
     scene.add_area_light(0);
     scene.lights.push(Light {

@@ -68,6 +68,24 @@ fn broken_models_name_themselves() {
 }
 
 #[test]
+fn broken_materials_name_themselves() {
+    let model =
+        "[[models]]\nname = \"m\"\nprimitive = \"quad\"\n[[instances]]\nmodel = \"m\"\n[[materials]]\n";
+    for (keys, parts) in [
+        ("name = \"chalk\"\nroughness = 0.5", &["s.toml:6", "material \"chalk\"", "no model"][..]),
+        ("roughness = 0.5", &["s.toml:6", "name"]),
+        ("name = \"m\"\nroughness = 1.5", &["material \"m\"", "roughness", "0 to 1"]),
+        ("name = \"m\"\nbase_colour = [0, 2, 0]", &["base_colour", "above 1"]),
+        ("name = \"m\"\nemission = [0, -2, 0]", &["emission", "negative"]),
+        ("name = \"m\"\nnormal_scale = inf", &["normal_scale", "finite"]),
+        ("name = \"m\"\n[[materials]]\nname = \"m\"", &["s.toml:8", "another entry"]),
+        ("name = \"m\"\nshine = 1", &["s.toml:8", "shine"]),
+    ] {
+        expect_error("s.toml", format!("{model}{keys}\n"), parts);
+    }
+}
+
+#[test]
 fn broken_instances_name_themselves() {
     for (rest, parts) in [
         ("scale = 0", &["instance \"m\"", "scale"][..]),

@@ -1,7 +1,10 @@
 //! Opening a scene for editing, saving and loading it gives the same scene.
 
-use glam::Vec3;
-use glowworm::scene::{SceneDocument, load_scene, scene_of_text};
+use std::sync::Arc;
+
+use glowworm::scene::{EnvironmentEntry, MaterialEdit, SceneDocument, scene_of_text};
+
+use super::*;
 
 #[test]
 fn a_document_makes_the_scene_that_it_was_opened_from() {
@@ -9,7 +12,7 @@ fn a_document_makes_the_scene_that_it_was_opened_from() {
     let files = ["all-kinds.toml", "wedge.obj"].map(|file| format!("{folder}{file}"));
     for name in ["playroom", "cornell-box", &files[0], &files[1]] {
         let loaded = load_scene(name, None).unwrap();
-        let (document, opened) = SceneDocument::open(name, None).unwrap();
+        let (document, opened, _) = SceneDocument::open(name, None).unwrap();
         let again = scene_of_text(&document.text(), None).unwrap();
         for time in [0.0, 0.37, 12.5] {
             assert_eq!(opened.pose(time), loaded.pose(time), "{name}");
@@ -22,7 +25,7 @@ fn a_document_makes_the_scene_that_it_was_opened_from() {
 
 #[test]
 fn a_camera_and_an_edit_are_saved_to_the_bit() {
-    let (mut document, scene) = SceneDocument::open("playroom", None).unwrap();
+    let (mut document, scene, _) = SceneDocument::open("playroom", None).unwrap();
     let mut camera = scene.camera;
     camera.eye += Vec3::new(0.1, 1.0 / 3.0, -0.7);
     camera.vertical_fov = 0.987_654_3;
@@ -34,4 +37,100 @@ fn a_camera_and_an_edit_are_saved_to_the_bit() {
     assert_eq!(again.camera.eye, camera.eye);
     assert!((again.camera.vertical_fov - camera.vertical_fov).abs() <= f32::EPSILON);
     assert_eq!(again.instances[3].transform, placement.transform);
+}
+
+/// A folder of a model and a map, which may be deleted.
+fn model_and_map() -> (Folder, [PathBuf; 2]) {
+    let folder = Folder::new();
+    for name in ["wedge.obj", "wedge.mtl"] {
+        let original = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/");
+        std::fs::copy(format!("{original}{name}"), folder.path().join(name)).unwrap();
+    }
+    let files = ["wedge.obj", "sky.exr"].map(|name| folder.path().join(name));
+    image::Rgb32FImage::from_pixel(4, 2, image::Rgb([0.5, 0.25, 1.0])).save(&files[1]).unwrap();
+    (folder, files)
+}
+
+/// Every key of an edit, for a material.
+fn edit(scene: &Scene) -> MaterialEdit {
+    MaterialEdit {
+        name: scene.materials[0].name.clone(),
+        base_colour: Some([0.1, 0.2, 1.0 / 3.0]),
+        metallic: Some(0.3),
+        roughness: Some(0.7),
+        emission: Some([2.0, 1.0, 0.5]),
+        opacity: Some(0.9),
+        transmission: Some(0.0),
+        normal_scale: Some(-0.5),
+    }
+}
+
+#[test]
+fn edited_materials_and_environment_are_saved_and_loaded_again() {
+    let (folder, [model, map]) = model_and_map();
+    let (mut document, file, _) = SceneDocument::open(model.to_str().unwrap(), None).unwrap();
+    let edit = edit(&file);
+    document.set_material(edit.clone()).unwrap();
+    let strength = Some(2.0);
+    let rotation_deg = Some(30.0);
+    let sky = EnvironmentEntry { strength, rotation_deg, ..EnvironmentEntry::of_map(map) };
+    document.set_environment(Some(sky)).unwrap();
+    let saved = folder.path().join("saved.toml");
+    std::fs::write(&saved, document.text()).unwrap();
+
+    let (again, scene, _) = SceneDocument::open(saved.to_str().unwrap(), None).unwrap();
+    assert_eq!(again.material_edit(&edit.name), Some(&edit));
+    let mut edited = file.materials[0].clone();
+    edit.apply(&mut edited);
+    assert_ne!(edited, file.materials[0]);
+    assert_eq!(scene.materials[0], edited);
+    // An edit has no keys but those that differ.
+    assert_eq!(
+        MaterialEdit::between(&file.materials[0], &edited),
+        MaterialEdit { transmission: None, ..edit.clone() }
+    );
+    let environment = scene.environment.as_ref().unwrap();
+    assert_eq!((environment.radiance, environment.rotation), (Vec3::splat(2.0), 30f32.to_radians()));
+    assert!(environment.map.is_some());
+    // What emits now is a light, as in a scene that was made so.
+    assert_eq!(scene.lights.len(), file.lights.len() + 1);
+    // Taken back, nothing of it is left.
+    let mut reset = again;
+    reset.set_material(MaterialEdit { name: edit.name.clone(), ..MaterialEdit::default() }).unwrap();
+    assert!(!reset.text().contains("[[materials]]"));
+}
+
+#[test]
+fn an_edited_scene_is_built_without_reading_files_again() {
+    let (_folder, [model, map]) = model_and_map();
+    let (mut document, opened, mut read) = SceneDocument::open(model.to_str().unwrap(), None).unwrap();
+    std::fs::remove_file(model).unwrap();
+    document.set_material(edit(&opened)).unwrap();
+    let edited = document.build(None, &mut read).unwrap();
+    assert!(Arc::ptr_eq(&edited.meshes[0], &opened.meshes[0]));
+    assert_eq!(edited.materials[0].metallic, 0.3);
+    assert!(edited.is_built_like(&opened));
+    assert_eq!(read.materials(), opened.materials);
+
+    // A map is read once, and kept while its numbers change.
+    let at =
+        |strength| EnvironmentEntry { strength: Some(strength), ..EnvironmentEntry::of_map(map.clone()) };
+    document.set_environment(Some(at(1.0))).unwrap();
+    let first = document.build(None, &mut read).unwrap().environment.unwrap();
+    std::fs::remove_file(&map).unwrap();
+    document.set_environment(Some(at(3.0))).unwrap();
+    let second = document.build(None, &mut read).unwrap().environment.unwrap();
+    assert!(Arc::ptr_eq(&first.map.unwrap(), &second.map.unwrap()));
+    assert_eq!(second.radiance, Vec3::splat(3.0));
+}
+
+#[test]
+fn a_sheet_that_is_none_any_more_is_built_otherwise() {
+    let scene = |transmission: f32| {
+        let mut scene = load_scene("cornell-box", None).unwrap();
+        scene.materials[0].transmission = transmission;
+        scene
+    };
+    assert!(scene(0.4).is_built_like(&scene(0.5)));
+    assert!(!scene(0.0).is_built_like(&scene(0.5)));
 }

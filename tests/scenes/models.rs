@@ -171,7 +171,7 @@ fn what_emits_stays_visible_whatever_d_says() {
 #[test]
 fn albedo_is_the_product_of_colour_and_texture() {
     let mut scene = Scene::new("test");
-    scene.textures.push(Texture::from_rgba8("grey", 1, 1, vec![188, 188, 188, 255]));
+    scene.textures.push(Texture::from_rgba8("grey", 1, 1, vec![188, 188, 188, 255]).into());
     let material = Material {
         base_colour_texture: Some(0.into()),
         ..Material::lambertian("m", Vec3::new(1.0, 0.5, 0.0))

@@ -85,7 +85,7 @@ pub fn grey_scene(albedo: f32) -> Scene {
 pub fn place(scene: &mut Scene, mesh: Mesh, at: Vec3, dynamic: bool) -> usize {
     let mut instance = Instance::fixed(&mesh.name, scene.meshes.len(), Affine3A::from_translation(at));
     instance.dynamic = dynamic;
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.instances.push(instance);
     scene.instances.len() - 1
 }

@@ -1,7 +1,9 @@
 //! The panel, one file per section. Sections show state and return actions; they change nothing themselves.
 
+mod environment;
 mod help;
 mod inspector;
+mod material;
 mod objects;
 mod plots;
 mod scene;
@@ -10,6 +12,7 @@ mod time;
 mod views;
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use egui::{Frame, Response, RichText, ScrollArea, Ui};
 
@@ -23,8 +26,10 @@ use super::inspector::Inspector;
 use super::loader::Loader;
 use super::stage::Stage;
 
-pub(super) use scene::Purpose;
+pub(super) use scene::{Purpose, is_map};
 
+/// What is loaded sooner needs no word, which would move the panel under the pointer.
+const SOON: Duration = Duration::from_millis(500);
 /// Width of the panel in points.
 const WIDTH: f32 = 250.0;
 
@@ -84,6 +89,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
                 scene::show(ui, state, shown, &mut inner, &mut actions);
             });
             header(ui, "Scene", scene);
+            let environment = section(ui, "Environment", false, |ui| {
+                environment::show(ui, state, shown, &mut inner, &mut actions);
+            });
+            header(ui, "Environment", environment);
             let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, &mut actions));
             header(ui, "Time", time);
             let objects = section(ui, "Lights and objects", false, |ui| {
@@ -103,6 +112,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         });
     });
     if shown.inspector.is_on() {
+        material::show(ui, shown, &mut state.places, &mut actions);
         inspector::show(ui, shown, &mut actions);
     }
     actions
@@ -136,7 +146,8 @@ fn head(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) {
         ui.small("CPU driver: smaller picture and fewer VPLs by default.")
             .on_hover_text(&shown.gpu.device.info().name);
     }
-    if let Some((name, step, elapsed)) = shown.loader.progress() {
+    let progress = shown.loader.progress();
+    if let Some((name, step, elapsed)) = progress.filter(|progress| progress.2 > SOON) {
         ui.horizontal(|ui| {
             ui.spinner();
             ui.label(format!("{name}: {} ({:.0} s)", step.label(), elapsed.as_secs_f32()));

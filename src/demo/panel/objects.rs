@@ -168,7 +168,7 @@ fn vector(ui: &mut Ui, name: &str, value: Option<&mut [f32; 3]>, speed: f32) {
 }
 
 /// A colour and a scale, its largest channel.
-fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, least: f32) {
+pub(super) fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, least: f32) {
     let Some(value) = value else { return };
     let now = Vec3::from_array(*value);
     let mut strength = now.max_element();

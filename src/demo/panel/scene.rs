@@ -14,6 +14,8 @@ use crate::scene::BUILTIN_SCENES;
 #[derive(Default)]
 pub(in crate::demo) struct SceneState {
     path: String,
+    /// Typed name of an environment's map.
+    pub(super) map: String,
     dialog: Option<(FileDialog, Purpose)>,
 }
 
@@ -22,21 +24,33 @@ pub(in crate::demo) struct SceneState {
 pub(in crate::demo) enum Purpose {
     Open,
     Save,
+    /// Of an environment.
+    Map,
+}
+
+/// Whether a file is the map of an environment, by its ending.
+pub(in crate::demo) fn is_map(path: &Path) -> bool {
+    has_ending(path, &["hdr", "exr"])
+}
+
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    endings.contains(&extension.as_str())
 }
 
 impl SceneState {
     /// Opens the dialog; `name` is the default name of a new file.
     pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
-        let scenes: Filter<Path> = Filter::new(|path: &Path| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            ["toml", "obj", "gltf", "glb"].contains(&extension.as_str())
-        });
+        let scenes: Filter<Path> =
+            Filter::new(|path: &Path| has_ending(path, &["toml", "obj", "gltf", "glb"]));
+        let shown = if matches!(purpose, Purpose::Map) { "maps" } else { "scenes" };
         let mut dialog = FileDialog::new()
             .add_file_filter("scenes", scenes)
-            .default_file_filter("scenes")
+            .add_file_filter("maps", Filter::new(is_map))
+            .default_file_filter(shown)
             .default_file_name(&format!("{name}.toml"));
         match purpose {
-            Purpose::Open => dialog.pick_file(),
+            Purpose::Open | Purpose::Map => dialog.pick_file(),
             Purpose::Save => dialog.save_file(),
         }
         self.dialog = Some((dialog, purpose));
@@ -51,6 +65,7 @@ impl SceneState {
         actions.extend(picked.map(|path| match purpose {
             Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
             Purpose::Save => Action::Save(path),
+            Purpose::Map => Action::OpenMap(path),
         }));
         if done {
             self.dialog = None;
@@ -120,7 +135,7 @@ pub(super) fn show(
 }
 
 /// A path without its folder.
-fn short(name: &str) -> &str {
+pub(super) fn short(name: &str) -> &str {
     Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
 }
 

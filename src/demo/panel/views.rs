@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let mut inspecting = shown.inspector.is_on();
     if ui
         .checkbox(&mut inspecting, "inspector")
-        .on_hover_text("Click a surface to list the VPLs that light it (I).")
+        .on_hover_text("Click a surface to edit its material and to list the VPLs that light it (I).")
         .changed()
     {
         actions.push(Action::ToggleInspector);

@@ -20,6 +20,7 @@ mod view;
 mod vpl_buffer;
 mod vpl_light;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -295,6 +296,11 @@ impl Estimator for Vpls {
         self.change_settings(context)
     }
 
+    fn change_scene(&mut self, world: World<'_>) {
+        self.transport = transport_length(world).unwrap_or(self.scene_radius);
+        self.manager.change_scene();
+    }
+
     fn look_at(&mut self, view: &DebugView) -> Result<(), VulkanError> {
         let draws_view = VIEWS.iter().any(|known| known.name == view.buffer);
         if draws_view && self.views.vpl_view.is_none() {
@@ -364,8 +370,10 @@ fn power_of_two_near(value: f32) -> f32 {
 /// large ground plane does not change. None where no VPL has a parent on a surface.
 fn transport_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
-    let mut bvh = world.bvh.clone();
-    bvh.update(&pose.instances);
+    let mut bvh = Cow::Borrowed(world.bvh);
+    if pose.instances != world.pose.instances {
+        bvh.to_mut().update(&pose.instances);
+    }
     let vpl =
         VplSettings { slots: 1024, pool: 1024, candidates: 1, temporal_sets: 1, ..VplSettings::default() };
     let settings = Settings { bounces: 2, vpl, ..Settings::default() };

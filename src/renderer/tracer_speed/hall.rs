@@ -25,7 +25,7 @@ const STEP: f32 = 0.003;
 /// The hall, one mesh.
 pub(super) fn scene() -> Scene {
     Scene {
-        meshes: vec![mesh()],
+        meshes: vec![mesh().into()],
         materials: vec![Material::grey("")],
         instances: vec![Instance::fixed("", 0, Affine3A::IDENTITY)],
         ..Scene::new("")

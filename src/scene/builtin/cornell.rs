@@ -72,7 +72,7 @@ pub(in crate::scene) fn cornell_model() -> (Mesh, Vec<Material>) {
 pub(in crate::scene) fn cornell_box() -> Scene {
     let mut scene = Scene::new("cornell-box");
     let (mesh, materials) = cornell_model();
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     scene.materials = materials;
     scene.instances.push(Instance::fixed("cornell-box", 0, Affine3A::IDENTITY));
     scene.add_area_light(0);

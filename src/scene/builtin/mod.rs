@@ -38,6 +38,8 @@ mod wood;
 pub(super) use cornell::cornell_box;
 pub(super) use sky::sky;
 
+use std::sync::Arc;
+
 use super::Scene;
 use super::material::{AlphaMask, Material, Texture};
 use super::mesh::Mesh;
@@ -165,9 +167,9 @@ impl Model {
             material.alpha_mask = material.alpha_mask.map(|mask| mask + masks);
         }
         scene.materials.extend(self.materials);
-        scene.textures.extend(self.textures);
+        scene.textures.extend(self.textures.into_iter().map(Arc::new));
         scene.alpha_masks.extend(self.alpha_masks);
-        scene.meshes.push(self.mesh);
+        scene.meshes.push(self.mesh.into());
         scene.meshes.len() - 1
     }
 }

@@ -108,10 +108,11 @@ impl Images {
             let name = texture.source().name().map_or_else(|| format!("image {index}"), str::to_owned);
             let texels = texture::to_srgb8(image);
             let (width, height) = texels.dimensions();
-            scene.textures.push(match linear {
+            let texture = match linear {
                 true => Texture::linear_from_rgba8(&name, width, height, texels.into_raw()),
                 false => Texture::from_rgba8(&name, width, height, texels.into_raw()),
-            });
+            };
+            scene.textures.push(texture.into());
             scene.textures.len() - 1
         }))
     }

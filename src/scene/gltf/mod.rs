@@ -97,7 +97,7 @@ pub(super) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
         return Err(file.source.error("has no triangles; export a model with meshes"));
     }
     file.warn(scene);
-    scene.meshes.push(whole);
+    scene.meshes.push(whole.into());
     Ok(scene.meshes.len() - 1)
 }
 
@@ -139,7 +139,7 @@ impl File {
             None => {
                 let made = mesh_of(&mut self.source, &mesh, &self.materials, scene)?;
                 let index = made.map(|made| {
-                    scene.meshes.push(made);
+                    scene.meshes.push(made.into());
                     scene.meshes.len() - 1
                 });
                 self.meshes.insert(mesh.index(), index);
@@ -151,7 +151,7 @@ impl File {
         let mut animation = animation;
         if transform.matrix3.determinant() < 0.0 && scene.is_emissive(index) {
             // Which side emits depends on the winding, so a mirrored light gets a mesh of its own.
-            scene.meshes.push(baked(&scene.meshes[index], &transform));
+            scene.meshes.push(baked(&scene.meshes[index], &transform).into());
             index = scene.meshes.len() - 1;
             transform = Affine3A::IDENTITY;
             if animation.take().is_some() {

@@ -56,12 +56,12 @@ impl VplManager {
         let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
         let light_changed = |light: usize| renewed || self.changes.light_changed[light];
         self.placement.try_lights(world, &self.changes, light_changed);
-        if renewed {
-            self.choose_anew();
-        }
         let mut invalidated = 0;
         if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
             invalidated += self.reassign_slots();
+        }
+        if renewed {
+            self.choose_anew();
         }
         if self.changes.anything_changed() || self.any_pending() {
             // Enter the thread pool once: each entry costs as much as testing many slots.

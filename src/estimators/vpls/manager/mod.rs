@@ -212,6 +212,13 @@ impl VplManager {
         self.placement.set_aspect(aspect(size));
     }
 
+    /// Goes on with other materials, lights or environment: all slots are stale.
+    pub fn change_scene(&mut self) {
+        self.placement.outdate();
+        self.slots.iter_mut().for_each(|slot| slot.fresh = false);
+        self.changed_in = Some(self.frame);
+    }
+
     /// Algorithm 2: invalidates slots that no longer match the scene; returns how many.
     pub fn invalidate(&mut self, world: World<'_>) -> u32 {
         self.frame += 1;

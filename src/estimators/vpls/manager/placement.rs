@@ -68,6 +68,11 @@ impl Placement {
         self.aspect = aspect;
     }
 
+    /// The importance is of an earlier world.
+    pub(super) fn outdate(&mut self) {
+        self.outdated = true;
+    }
+
     /// Follows the world: at once where a motion begins or has ended, now and then while the camera's lasts. Returns whether the
     /// importance is another one.
     pub(super) fn follow(&mut self, world: World<'_>, geometry_moved: bool, bounds: &BoundingSphere) -> bool {

@@ -1,0 +1,102 @@
+//! The environment: none, one colour, or a map.
+
+use std::path::PathBuf;
+
+use egui::{ComboBox, Slider, SliderClamping, TextEdit, Ui};
+
+use super::objects::power;
+use super::scene::short;
+use super::{PanelState, Places, Shown, place};
+use crate::demo::action::Action;
+use crate::scene::EnvironmentEntry;
+
+/// What the first colour is, W/m^2/sr.
+const COLOUR: [f32; 3] = [0.5; 3];
+/// Strength of a map: the most, and the least above 0.
+const STRENGTH: [f32; 2] = [100.0, 0.01];
+
+pub(super) fn show(
+    ui: &mut Ui,
+    state: &mut PanelState,
+    shown: &Shown<'_>,
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
+    let Some(stage) = shown.stage else { return };
+    let now = stage.document.environment();
+    kind(ui, now, actions);
+    ui.horizontal(|ui| {
+        let typed = &mut state.scene.map;
+        let field = ui.add(TextEdit::singleline(typed).hint_text("map.hdr or map.exr").desired_width(150.0));
+        place(ui, places, "map", &field);
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if (ui.button("Use").clicked() || entered) && !typed.trim().is_empty() {
+            actions.push(Action::OpenMap(PathBuf::from(typed.trim())));
+        }
+    });
+    let Some(now) = now else { return };
+    let mut entry = now.clone();
+    if entry.has_map() {
+        map(ui, &mut entry, places);
+    } else {
+        let strength = entry.strength.unwrap_or(1.0);
+        let mut radiance = entry.colour.unwrap_or_default().map(|channel| channel * strength);
+        let before = radiance;
+        power(ui, "radiance", "W/m²/sr", Some(&mut radiance), 0.0);
+        if radiance != before {
+            entry = EnvironmentEntry::constant(radiance);
+        }
+    }
+    if entry != *now {
+        actions.push(Action::EditEnvironment(Some(Box::new(entry))));
+    }
+}
+
+/// The choice of what it is.
+fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Vec<Action>) {
+    let label = match now {
+        None => "none",
+        Some(EnvironmentEntry { builtin: Some(name), .. }) => name,
+        Some(EnvironmentEntry { map: Some(file), .. } | EnvironmentEntry { asset: Some(file), .. }) => {
+            short(file.to_str().unwrap_or("map"))
+        }
+        Some(_) => "colour",
+    };
+    ComboBox::from_id_salt("environment").selected_text(label).width(210.0).truncate().show_ui(ui, |ui| {
+        for (name, entry) in [
+            ("none", None),
+            ("colour", Some(EnvironmentEntry::constant(COLOUR))),
+            ("sky", Some(EnvironmentEntry::sky())),
+        ] {
+            if ui.selectable_label(name == label, name).clicked() && name != label {
+                actions.push(Action::EditEnvironment(entry.map(Box::new)));
+            }
+        }
+        if ui.selectable_label(false, "map …").on_hover_text("or drop it on the window").clicked() {
+            actions.push(Action::AskMap);
+        }
+    });
+}
+
+/// Brightness and rotation of a map.
+fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
+    let mut strength = entry.strength.unwrap_or(1.0);
+    let slider =
+        Slider::new(&mut strength, 0.0..=STRENGTH[0]).logarithmic(true).clamping(SliderClamping::Edits);
+    let slider = ui.add(slider.smallest_positive(f64::from(STRENGTH[1])).text("strength"));
+    place(ui, places, "strength", &slider);
+    if slider.changed() {
+        entry.strength = Some(strength);
+    }
+    let mut degrees = entry.rotation_deg.unwrap_or(0.0);
+    let slider = ui.add(
+        Slider::new(&mut degrees, -180.0..=180.0)
+            .clamping(SliderClamping::Edits)
+            .suffix("°")
+            .text("rotation"),
+    );
+    place(ui, places, "rotation", &slider);
+    if slider.changed() {
+        entry.rotation_deg = Some(degrees);
+    }
+}

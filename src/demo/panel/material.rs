@@ -1,0 +1,83 @@
+//! The material at the inspector's point, with its sliders.
+
+use egui::{Align2, Response, Slider, SliderClamping, Ui, Window};
+
+use super::objects::power;
+use super::{Places, Shown, WIDTH, place};
+use crate::demo::action::Action;
+use crate::demo::stage::Stage;
+use crate::scene::{Alpha, Material, MaterialEdit};
+
+/// Most that the slopes of a normal map are multiplied by.
+const NORMAL_SCALE: f32 = 4.0;
+
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+    let (Some(stage), Some(index)) = (shown.stage, shown.inspector.material()) else { return };
+    let Some(material) = stage.scene.materials.get(index) else { return };
+    let window = Window::new("Material")
+        .anchor(Align2::LEFT_TOP, [8.0, 8.0])
+        .max_width((ui.available_width() - WIDTH).max(200.0))
+        .max_height(ui.available_height() * 0.5)
+        .resizable(false)
+        .vscroll(true);
+    window.show(ui.ctx(), |ui| {
+        ui.strong(if material.name.is_empty() { "(no name)" } else { &material.name });
+        let files = stage.read.materials();
+        let own = files.get(index);
+        let Some(file) = own.or_else(|| files.iter().find(|file| file.name == material.name)) else {
+            ui.label("A light: edit it under Lights and objects.");
+            return;
+        };
+        // What an entry of [[lights]] makes emit has its radiance from there.
+        let edit = edited(ui, stage, file, own.is_some(), places);
+        actions.extend(edit.map(|edit| Action::EditMaterial(Box::new(edit))));
+    });
+}
+
+/// The widgets; returns another edit, if there is one.
+fn edited(
+    ui: &mut Ui,
+    stage: &Stage,
+    file: &Material,
+    own_emission: bool,
+    places: &mut Places,
+) -> Option<MaterialEdit> {
+    let mut now = file.clone();
+    let edit = stage.document.material_edit(&file.name);
+    if let Some(edit) = edit {
+        edit.apply(&mut now);
+    }
+    let before = now.clone();
+    let mut note = |ui: &Ui, name: &str, response: &Response| place(ui, places, name, response);
+    let mut base = now.base_colour.to_array();
+    ui.horizontal(|ui| {
+        if ui.color_edit_button_rgb(&mut base).changed() {
+            now.base_colour = base.map(|channel| channel.clamp(0.0, 1.0)).into();
+        }
+        ui.label("base colour");
+    });
+    let is_blended = file.alpha == Alpha::Blend;
+    for (name, value, most, is_there) in [
+        ("metallic", &mut now.metallic, 1.0, true),
+        ("roughness", &mut now.roughness, 1.0, true),
+        ("opacity", &mut now.opacity, 1.0, is_blended),
+        ("transmission", &mut now.transmission, 1.0, file.is_sheet()),
+        ("normal scale", &mut now.normal_scale, NORMAL_SCALE, file.normal_texture.is_some()),
+    ] {
+        if is_there {
+            let slider = ui.add(Slider::new(value, 0.0..=most).clamping(SliderClamping::Edits).text(name));
+            note(ui, name, &slider);
+        }
+    }
+    if own_emission {
+        let mut emission = now.emission.to_array();
+        power(ui, "emission", "W/m²/sr", Some(&mut emission), 0.0);
+        now.emission = emission.into();
+    }
+    let reset = ui.add_enabled(edit.is_some(), egui::Button::new("Reset to the file's"));
+    note(ui, "reset material", &reset);
+    if reset.clicked() {
+        return Some(MaterialEdit { name: file.name.clone(), ..MaterialEdit::default() });
+    }
+    (now != before).then(|| MaterialEdit::between(file, &now))
+}
