@@ -281,7 +281,7 @@ fn sheet_world(random: &mut Random) -> World {
     let sheets = [glass, coated, veil, stained];
     let count = sheets.len() as u32;
     world.scene.materials.extend(sheets);
-    let soup = &mut world.scene.meshes[0];
+    let soup = std::sync::Arc::make_mut(&mut world.scene.meshes[0]);
     for material in &mut soup.triangle_materials {
         *material = if random.below(12) == 0 { 0 } else { first + random.below(count) };
     }
