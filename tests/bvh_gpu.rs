@@ -5,9 +5,10 @@ mod bvh_support;
 use bvh_support::{twin::Tracer, *};
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::bvh::{
-    TwoLevelBvh,
+    Ray, TwoLevelBvh,
     gpu::{GpuBvh, GpuGroup},
 };
+use glowworm::scene::Material;
 
 /// Compares closest-hit and any-hit results of many rays, bit for bit.
 fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) -> usize {
@@ -22,7 +23,7 @@ fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) 
             hit.map(|h| (h.t, h.instance, h.triangle, h.barycentrics)),
             expected.map(|h| (h.t, h.instance, h.triangle, h.barycentrics)),
         );
-        assert_eq!(tracer.trace_occluded(&ray), bvh.occluded(&ray));
+        assert_eq!(tracer.trace_any(&ray, |_| panic!("there are no sheets")), bvh.occluded(&ray));
         hits += usize::from(hit.is_some());
     }
     hits
@@ -82,6 +83,57 @@ fn twin_agrees_on_flat_boxes_and_deep_trees() {
     }
     let bvh = world.build();
     check(&bvh, &bvh.gpu_layout(), &mut random, 1000);
+}
+
+/// A grid of squares of glass, whose triangles share edges and are large, before an opaque wall, and other glass.
+#[test]
+fn twin_meets_each_sheet_once() {
+    let mut random = Random::new(9);
+    let mut world = World::new(vec![grid(2, 8), soup(&mut random, 40), grid(2, 8)]);
+    world.scene.materials.push(Material { transmission: 1.0, ..Material::lambertian("glass", Vec3::ONE) });
+    world.scene.meshes[0].triangle_materials.fill(1);
+    // Of different sizes, so that the largest would be split.
+    world.scene.meshes[1].triangle_materials.fill(1);
+    world.scene.meshes[1].positions[0] *= 30.0;
+    world.place(0, Affine3A::IDENTITY, false);
+    world.place(1, Affine3A::from_translation(Vec3::new(4.0, 4.0, 1.0)), true);
+    world.place(2, Affine3A::from_translation(Vec3::NEG_Z), false);
+    let bvh = TwoLevelBvh::build_with_sheets(&world.scene, &world.transforms());
+    let layout = bvh.gpu_layout();
+    let tracer = Tracer::new(&layout);
+
+    // Down through corners, edges and diagonals of the first grid, which then count once.
+    for (x, y) in (1..16).flat_map(|x| (1..16).map(move |y| (0.5 * x as f32, 0.5 * y as f32))) {
+        let down = Ray { t_max: 0.9, ..ray(Vec3::new(x, y, 0.5), Vec3::NEG_Z) };
+        let mut met = 0;
+        assert!(!tracer.trace_any(&down, |hit| met += usize::from(hit.instance == 0)));
+        assert_eq!(met, 1, "at {x}, {y}");
+    }
+
+    // Random rays meet the same sheets one by one and all at once, and the wall behind them.
+    let (min, max) = bvh.bounds();
+    let mut sheets = 0;
+    for _ in 0..3000 {
+        let ray = Ray { t_max: 1.0, ..random.ray(min, max) };
+        let mut met = Vec::new();
+        let mut open = ray;
+        while let Some(hit) = tracer.trace_sheet(&open) {
+            met.push((hit.t, hit.instance, hit.triangle));
+            open.t_min = hit.t;
+        }
+        let mut all = Vec::new();
+        let is_blocked = tracer.trace_any(&ray, |hit| all.push((hit.t, hit.instance, hit.triangle)));
+        let wall = tracer.trace_closest(&ray);
+        assert_eq!(is_blocked, wall.is_some());
+        assert!(wall.is_none_or(|wall| wall.instance == 2));
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert!(is_blocked || all == met, "{all:?} is not {met:?}");
+        // The CPU meets the closest of all.
+        let first = met.first().map(|hit| hit.0).into_iter().chain(wall.map(|hit| hit.t)).reduce(f32::min);
+        assert_eq!(bvh.intersect(&ray).map(|hit| hit.t), first);
+        sheets += met.len();
+    }
+    assert!(sheets > 1000, "{sheets}");
 }
 
 #[test]

@@ -228,7 +228,10 @@ fn passes_are_listed_without_a_device() {
     let of = |method: &str| {
         listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
     };
-    assert_eq!(of("shared"), ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "combine"]);
+    assert_eq!(
+        of("shared"),
+        ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "sheets", "combine"]
+    );
     assert_eq!(of("vpls").len(), 5);
     let report = json(&run, "passes.json");
     let passes = report["passes"].as_array().unwrap();

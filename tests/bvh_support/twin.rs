@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
-use glowworm::bvh::{Ray, gpu::GpuBvh};
+use glowworm::bvh::{Ray, gpu::GpuBvh, sheets::SHEET};
 
 const NONE: u32 = u32::MAX;
 const STACK_SIZE: usize = 40;
@@ -17,6 +17,14 @@ pub struct TracerHit {
     pub triangle: u32,
     pub material: u32,
     pub barycentrics: Vec2,
+}
+
+/// What is wanted of a segment, as in the shader.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    Closest,
+    Any,
+    ClosestSheet,
 }
 
 /// The buffers as the shader sees them.
@@ -68,16 +76,22 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    pub fn trace_occluded(&self, ray: &Ray) -> bool {
-        self.traverse(ray, true).instance != NONE
+    /// Whether anything opaque lies on the segment; calls `sheet` with each sheet that was met until then.
+    pub fn trace_any(&self, ray: &Ray, mut sheet: impl FnMut(TracerHit)) -> bool {
+        self.traverse(ray, Wanted::Any, &mut sheet).instance != NONE
     }
 
     pub fn trace_closest(&self, ray: &Ray) -> Option<TracerHit> {
-        let hit = self.traverse(ray, false);
+        let hit = self.traverse(ray, Wanted::Closest, &mut |_| {});
         (hit.instance != NONE).then_some(hit)
     }
 
-    fn traverse(&self, world: &Ray, any_hit: bool) -> TracerHit {
+    pub fn trace_sheet(&self, ray: &Ray) -> Option<TracerHit> {
+        let hit = self.traverse(ray, Wanted::ClosestSheet, &mut |_| {});
+        (hit.instance != NONE).then_some(hit)
+    }
+
+    fn traverse(&self, world: &Ray, wanted: Wanted, sheet: &mut dyn FnMut(TracerHit)) -> TracerHit {
         let mut hit = TracerHit {
             t: world.t_max,
             instance: NONE,
@@ -155,8 +169,24 @@ impl<'a> Tracer<'a> {
                     let first = 31 - primitives.y.leading_zeros();
                     primitives.y &= !(1 << first);
                     let triangle = primitives.x + first;
-                    if self.test_triangle(triangle, instance, &ray, world.t_min, &mut hit) && any_hit {
-                        return hit;
+                    let Some(met) = self.test_triangle(triangle, instance, &ray, world.t_min, &hit) else {
+                        continue;
+                    };
+                    let masked = self.triangles[triangle as usize * 3 + 1].w;
+                    if masked & SHEET != 0 {
+                        match wanted {
+                            Wanted::Closest => {}
+                            Wanted::Any if self.owns_edges(triangle, &ray) => sheet(met),
+                            Wanted::ClosestSheet if self.owns_edges(triangle, &ray) => hit = met,
+                            Wanted::Any | Wanted::ClosestSheet => {}
+                        }
+                    } else if wanted != Wanted::ClosestSheet
+                        && (masked == 0 || self.is_opaque(masked, met.barycentrics))
+                    {
+                        hit = met;
+                        if wanted == Wanted::Any {
+                            return hit;
+                        }
                     }
                 }
             }
@@ -203,26 +233,41 @@ impl<'a> Tracer<'a> {
         (ray, words[3].x, words[3].y)
     }
 
+    /// The corners in the frame of the ray, and the edge functions.
+    fn cross(&self, triangle: u32, ray: &TracerRay) -> ([Vec3; 3], Vec3) {
+        let words = &self.triangles[triangle as usize * 3..][..3];
+        let corners = [0, 1, 2].map(|i| {
+            let corner = turn(floats(words[i]).truncate() - ray.origin, ray.main_axis);
+            (corner.truncate() - ray.shear.truncate() * corner.z).extend(corner.z)
+        });
+        let [a, b, c] = corners;
+        let edges = Vec3::new(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
+        (corners, edges)
+    }
+
+    fn owns_edges(&self, triangle: u32, ray: &TracerRay) -> bool {
+        let (corners, edges) = self.cross(triangle, ray);
+        let winding = edges.element_sum().signum();
+        (0..3).all(|i| {
+            let along = (corners[(i + 2) % 3] - corners[(i + 1) % 3]) * winding;
+            edges[i] != 0.0 || along.y > 0.0 || (along.y == 0.0 && along.x >= 0.0)
+        })
+    }
+
     fn test_triangle(
         &self,
         triangle: u32,
         instance: u32,
         ray: &TracerRay,
         t_min: f32,
-        hit: &mut TracerHit,
-    ) -> bool {
+        hit: &TracerHit,
+    ) -> Option<TracerHit> {
         let words = &self.triangles[triangle as usize * 3..][..3];
-        let corner = |i: usize| turn(floats(words[i]).truncate() - ray.origin, ray.main_axis);
-        let (a, b, c) = (corner(0), corner(1), corner(2));
-        let sheared = |v: Vec3| v.truncate() - ray.shear.truncate() * v.z;
-        let (a2, b2, c2) = (sheared(a), sheared(b), sheared(c));
-        let u = c2.x * b2.y - c2.y * b2.x;
-        let v = a2.x * c2.y - a2.y * c2.x;
-        let w = b2.x * a2.y - b2.y * a2.x;
+        let ([a, b, c], Vec3 { x: u, y: v, z: w }) = self.cross(triangle, ray);
         let det = u + v + w;
         let outside = u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0;
         if outside || det == 0.0 {
-            return false;
+            return None;
         }
         let scale = 1.0 / det;
         let t = (u * a.z + v * b.z + w * c.z) * scale * ray.shear.z;
@@ -230,11 +275,7 @@ impl<'a> Tracer<'a> {
         let id = words[0].w;
         let lower = hit.instance != NONE && (instance, id) < (hit.instance, hit.triangle);
         let accepted = t > t_min && (t < hit.t || t == hit.t && lower);
-        if !accepted || (words[1].w != 0 && !self.is_opaque(words[1].w, barycentrics)) {
-            return false;
-        }
-        *hit = TracerHit { t, instance, triangle: id, material: words[2].w, barycentrics };
-        true
+        accepted.then(|| TracerHit { t, instance, triangle: id, material: words[2].w, barycentrics })
     }
 
     fn is_opaque(&self, masked: u32, barycentrics: Vec2) -> bool {

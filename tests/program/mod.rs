@@ -83,13 +83,14 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
 }
 
 /// The passes of `--indirect vpls`, in the order of the frame.
-pub const PASS_NAMES: [&str; 10] = [
+pub const PASS_NAMES: [&str; 11] = [
     "bvh_update",
     "vpl_invalidation",
     "vpl_replacement",
     "gbuffer",
     "direct_shadows",
     "direct_shading",
+    "sheets",
     "indirect_shadows",
     "indirect_shading",
     "indirect_reprojection",

@@ -83,7 +83,7 @@ fn a_toy_estimator_is_shown_timed_counted_and_resized() {
         let names: Vec<&str> = figures.passes.keys().copied().collect();
         assert_eq!(
             names,
-            ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "ambient", "combine"]
+            ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "sheets", "ambient", "combine"]
         );
         assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("lamps") == 1);
     }
@@ -102,7 +102,7 @@ fn without_an_estimator_there_is_direct_light_only() {
     assert!(mean(layer(&picture, "direct").iter().map(luminance)) > 0.0);
     let figures = renderer.finish().unwrap().remove(0).figures;
     let names: Vec<&str> = figures.passes.keys().copied().collect();
-    assert_eq!(names, ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "combine"]);
+    assert_eq!(names, ["bvh_update", "gbuffer", "direct_shadows", "direct_shading", "sheets", "combine"]);
 
     // To another method and back it takes a frame for each set, and nothing is left of the other.
     renderer.set_settings(&vpls, &pose).unwrap();

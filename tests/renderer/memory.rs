@@ -1,6 +1,6 @@
 //! Device memory is what ARCHITECTURE.md says.
 
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::{Indirect, Settings, VplSettings};
 
 use super::support::{Lab, named_scene};
 
@@ -16,6 +16,40 @@ fn computed(settings: &Settings) -> u64 {
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
     pixels * 88 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
+}
+
+/// What thin sheets add with so many lamps.
+fn of_sheets(settings: &Settings, lamps: u64) -> u64 {
+    let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
+    pixels * (32 + 4 * lamps - 4 * lamps.div_ceil(32))
+}
+
+#[test]
+fn sheets_take_what_they_say() {
+    let Some(lab) = Lab::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("pane.obj", "mtllib pane.mtl\nusemtl pane\nv -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
+    let model = "[[models]]\nname = \"pane\"\npath = \"pane.obj\"\n[[instances]]\nmodel = \"pane\"\n";
+    write("scene.toml", &(model.to_owned() + &lamp.repeat(5)));
+    let settings = |size| Settings { size, indirect: Indirect::None, ..Settings::default() };
+    let grown = |material: &str| {
+        write("pane.mtl", &format!("newmtl pane\nKd 0.5 0.5 0.5\n{material}\n"));
+        let scene = named_scene(folder.path().join("scene.toml").to_str().unwrap(), None);
+        let [small, large] = [[8, 8], [640, 360]].map(|size| {
+            let renderer = lab.rendered(&scene, &settings(size), 1);
+            lab.device.restart_memory_peak();
+            let bytes = lab.device.memory_peak();
+            drop(renderer);
+            bytes
+        });
+        large - small
+    };
+    let [veil, opaque] = ["d 0.5", "d 1"].map(grown);
+    let expected = of_sheets(&settings([640, 360]), 5) - of_sheets(&settings([8, 8]), 5);
+    let (added, expected) = ((veil - opaque) as f64, expected as f64);
+    assert!((added / expected - 1.0).abs() < 0.01, "{added} of {expected} bytes");
 }
 
 #[test]
