@@ -15,7 +15,7 @@ use super::{
     nodes::{Child, LeafCost, Node, WideTree, collapse},
     traverse,
     tree::{References, build_ploc, median_split},
-    triangle::{LANES, TriangleBlock, is_degenerate},
+    triangle::{LANES, SHEET, TriangleBlock, is_degenerate},
     wide,
 };
 use crate::memory::Pages;
@@ -57,13 +57,15 @@ pub(super) struct BottomLevels {
     pub(super) masked: Vec<GpuMaskedTriangle>,
     /// None for a mesh whose triangles are all degenerate.
     pub(super) roots: Vec<Option<MeshRoot>>,
+    /// Whether any triangle is a thin sheet.
+    pub(super) has_sheets: bool,
 }
 
 impl BottomLevels {
-    /// Builds the BVHs of all meshes, in parallel. With `sheets`, rays hit thin sheets wherever these are.
-    pub(super) fn build(scene: &Scene, sheets: bool) -> Self {
+    /// Builds the BVHs of all meshes, in parallel.
+    pub(super) fn build(scene: &Scene) -> Self {
         let built: Vec<_> =
-            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials, sheets)).collect();
+            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
         let mut levels = Self::default();
         let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
         for mesh in built {
@@ -91,9 +93,10 @@ impl BottomLevels {
         }
         let in_blocks = mesh.blocks.iter_mut().flat_map(|block| &mut block.masked);
         let in_triangles = mesh.gpu_triangles.iter_mut().map(|triangle| &mut triangle.masked);
-        for masked in in_blocks.chain(in_triangles).filter(|masked| **masked != 0) {
+        for masked in in_blocks.chain(in_triangles).filter(|masked| ![0, SHEET].contains(*masked)) {
             *masked += first_masked;
         }
+        self.has_sheets |= mesh.blocks.iter().any(|block| block.masked.contains(&SHEET));
         self.roots.push(Some(MeshRoot {
             root: mesh.tree.root.offset(first_node, first_block),
             gpu_root,
@@ -120,7 +123,7 @@ struct MeshBvh {
 
 impl MeshBvh {
     /// None if all triangles are degenerate.
-    fn build(mesh: &Mesh, materials: &[Material], sheets: bool) -> Option<Self> {
+    fn build(mesh: &Mesh, materials: &[Material]) -> Option<Self> {
         // Drop degenerate triangles, which can never be hit.
         let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
@@ -134,15 +137,14 @@ impl MeshBvh {
         }
 
         // Collect the data of alpha tests.
+        let material_of = |id: u32| mesh.triangle_materials.get(id as usize).copied();
+        let surface_of = |id| material_of(id).and_then(|material| materials.get(material as usize));
         let mut masked = Vec::new();
         let triangles: Vec<GpuTriangle> = ids
             .iter()
             .map(|&id| {
-                let material = mesh.triangle_materials.get(id as usize).copied();
-                let mask = material
-                    .and_then(|material| materials.get(material as usize))
-                    .filter(|material| !(sheets && material.is_sheet()))
-                    .and_then(|material| Some((material, material.alpha_mask?)));
+                let material = material_of(id);
+                let mask = surface_of(id).and_then(|material| Some((material, material.alpha_mask?)));
                 if let Some((material, mask)) = mask {
                     masked.push(masked_triangle(mesh, id, material, mask));
                 }
@@ -173,9 +175,10 @@ impl MeshBvh {
         );
         let boxes = &references.boxes;
         let binary = build_ploc(boxes, &PARAMS);
-        let (mut tree, mut blocks) = blocks_of(&binary, &references, &triangles);
+        let is_sheet = |id| surface_of(id).is_some_and(Material::is_sheet);
+        let (mut tree, mut blocks) = blocks_of(&binary, &references, &triangles, is_sheet);
         if tree.depth > traverse::BOTTOM_DEPTH {
-            (tree, blocks) = blocks_of(&median_split(boxes), &references, &triangles);
+            (tree, blocks) = blocks_of(&median_split(boxes), &references, &triangles, is_sheet);
         }
         assert!(tree.depth <= traverse::BOTTOM_DEPTH, "a balanced tree is shallow");
         let gpu = wide::compress(&binary, boxes, PARAMS.max_prims_per_leaf, wide::BOTTOM_DEPTH);
@@ -186,11 +189,12 @@ impl MeshBvh {
     }
 }
 
-/// Collapses `binary` into a wide tree, and packs `triangles` into blocks in leaf order.
+/// Collapses `binary` into a wide tree, and packs `triangles` into blocks in leaf order; `is_sheet`: of a mesh's triangle.
 fn blocks_of(
     binary: &Bvh2,
     references: &References,
     triangles: &[GpuTriangle],
+    is_sheet: impl Fn(u32) -> bool,
 ) -> (WideTree, Vec<TriangleBlock>) {
     let mut blocks = Vec::new();
     let mut members = Vec::new();
@@ -203,7 +207,8 @@ fn blocks_of(
         blocks.extend(members.chunks(LANES).map(|members| {
             let mut block = TriangleBlock::empty(triangles[members[0] as usize].v0);
             for (lane, &member) in members.iter().enumerate() {
-                block.set(lane, &triangles[member as usize]);
+                let triangle = &triangles[member as usize];
+                block.set(lane, triangle, is_sheet(triangle.id));
             }
             block
         }));

@@ -1,7 +1,7 @@
 //! The two-level BVH: one bottom-level CWBVH per mesh (obvhs), a top level over instance bounds.
 //!
 //! In: a scene's meshes and instance transforms. Out: closest-hit and any-hit queries, single and in
-//! batches over all cores, and the same structure in the layout that shaders traverse
+//! batches over all cores; where rays go through thin sheets (`world`); and the same structure in the layout that shaders traverse
 //! (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
 
 mod bottom;
@@ -15,6 +15,7 @@ mod traverse;
 mod tree;
 mod triangle;
 mod wide;
+mod world;
 
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
@@ -23,6 +24,7 @@ use crate::scene::{AlphaMask, Scene};
 use bottom::{BottomLevels, MeshRoot};
 use query::{query, query_all};
 use top::TopLevel;
+pub use world::{Passage, World};
 
 /// Rays of one parallel task: fewer would not pay for its overhead.
 const RAYS_PER_TASK: usize = 256;
@@ -52,6 +54,17 @@ pub struct Hit {
     pub triangle: u32,
     /// Weights of the triangle's second and third vertex.
     pub barycentrics: Vec2,
+}
+
+/// What lies on a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occlusion {
+    /// Nothing.
+    Clear,
+    /// Thin sheets alone.
+    Sheets,
+    /// Something opaque.
+    Opaque,
 }
 
 /// Two-level BVH over the visible instances of a scene.
@@ -87,19 +100,6 @@ impl TwoLevelBvh {
     /// # Panics
     /// If `transforms` has not one element per instance.
     pub fn build(scene: &Scene, transforms: &[Affine3A]) -> Self {
-        Self::new(scene, transforms, false)
-    }
-
-    /// The same for rays that hit thin sheets (`Material::is_sheet`) wherever these are; otherwise they pass those that let
-    /// most light through.
-    ///
-    /// # Panics
-    /// As above.
-    pub fn build_with_sheets(scene: &Scene, transforms: &[Affine3A]) -> Self {
-        Self::new(scene, transforms, true)
-    }
-
-    fn new(scene: &Scene, transforms: &[Affine3A], sheets: bool) -> Self {
         assert_eq!(transforms.len(), scene.instances.len());
         let instances = scene
             .instances
@@ -115,7 +115,7 @@ impl TwoLevelBvh {
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
             avx2: simd::Avx2::try_new(),
-            bottom: BottomLevels::build(scene, sheets),
+            bottom: BottomLevels::build(scene),
             alpha_masks: scene.alpha_masks.clone(),
             instances,
             static_level: TopLevel::build(std::iter::empty()),
@@ -180,33 +180,43 @@ impl TwoLevelBvh {
         }
     }
 
-    /// The closest hit along `ray`. Ties in t go to the lowest instance, then to the lowest triangle.
+    /// Whether any surface is a thin sheet (`Material::is_sheet`).
+    pub fn has_sheets(&self) -> bool {
+        self.bottom.has_sheets
+    }
+
+    /// The closest hit along `ray`, be it a thin sheet. Ties in t go to the lowest instance, then to the lowest triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        query::<false>(self, &self.levels(), ray)
+        query::<false>(self, &self.levels(), ray).hit
     }
 
-    /// Whether anything occludes the segment.
+    /// What lies on the segment.
+    pub fn occlusion(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &self.levels(), ray).occlusion()
+    }
+
+    /// What dynamic instances do there.
+    pub fn occlusion_by_dynamic(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &[&self.dynamic_level], ray).occlusion()
+    }
+
+    /// Whether anything opaque occludes the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        query::<true>(self, &self.levels(), ray).is_some()
-    }
-
-    /// Whether a dynamic instance occludes the segment.
-    pub fn occluded_by_dynamic(&self, ray: &Ray) -> bool {
-        query::<true>(self, &[&self.dynamic_level], ray).is_some()
+        self.occlusion(ray) == Occlusion::Opaque
     }
 
     /// [`Self::intersect`] for many rays on this thread; results in the order of the rays.
     pub fn intersect_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let mut hits = vec![None; rays.len()];
-        query_all::<false>(self, rays, &mut |ray, hit| hits[ray] = hit);
+        query_all::<false>(self, rays, &mut |ray, found| hits[ray] = found.hit);
         hits
     }
 
-    /// [`Self::occluded`] for many rays on this thread; results in the order of the rays.
-    pub fn occluded_all(&self, rays: &[Ray]) -> Vec<bool> {
-        let mut occluded = vec![false; rays.len()];
-        query_all::<true>(self, rays, &mut |ray, hit| occluded[ray] = hit.is_some());
-        occluded
+    /// [`Self::occlusion`] for many rays on this thread; results in the order of the rays.
+    pub fn occlusion_all(&self, rays: &[Ray]) -> Vec<Occlusion> {
+        let mut occlusions = vec![Occlusion::Clear; rays.len()];
+        query_all::<true>(self, rays, &mut |ray, found| occlusions[ray] = found.occlusion());
+        occlusions
     }
 
     /// [`Self::intersect_all`] over all cores.
@@ -214,9 +224,10 @@ impl TwoLevelBvh {
         rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.intersect_all(rays)).collect()
     }
 
-    /// [`Self::occluded_all`] over all cores.
+    /// [`Self::occluded`] for many rays over all cores.
     pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
-        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.occluded_all(rays)).collect()
+        let occluded = |rays| self.occlusion_all(rays).into_iter().map(|found| found == Occlusion::Opaque);
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(occluded).collect()
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.

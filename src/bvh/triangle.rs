@@ -12,6 +12,9 @@ use super::gpu::GpuTriangle;
 /// Triangles per test.
 pub(super) const LANES: usize = 4;
 
+/// What [`TriangleBlock::masked`] holds for a thin sheet.
+pub(super) const SHEET: u32 = u32::MAX;
+
 /// Up to four triangles in SIMD layout.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
@@ -20,7 +23,7 @@ pub(super) struct TriangleBlock {
     corners: [[Vec4; 3]; 3],
     /// Indices into the mesh's triangles.
     pub(super) ids: [u32; LANES],
-    /// 0, or 1 + index of their [`GpuMaskedTriangle`](super::gpu::GpuMaskedTriangle).
+    /// 0; or [`SHEET`]; or 1 + index of their [`GpuMaskedTriangle`](super::gpu::GpuMaskedTriangle).
     pub(super) masked: [u32; LANES],
     /// Pads to three cache lines.
     padding: [u32; 4],
@@ -37,8 +40,8 @@ impl TriangleBlock {
         }
     }
 
-    /// Stores a triangle in a lane.
-    pub(super) fn set(&mut self, lane: usize, triangle: &GpuTriangle) {
+    /// Stores a triangle in a lane; `sheet`: whether it is a thin sheet.
+    pub(super) fn set(&mut self, lane: usize, triangle: &GpuTriangle, sheet: bool) {
         let corners = [triangle.v0, triangle.v1, triangle.v2];
         for (axis, planes) in self.corners.iter_mut().enumerate() {
             for (corner, plane) in planes.iter_mut().enumerate() {
@@ -46,7 +49,7 @@ impl TriangleBlock {
             }
         }
         self.ids[lane] = triangle.id;
-        self.masked[lane] = triangle.masked;
+        self.masked[lane] = if sheet { SHEET } else { triangle.masked };
     }
 }
 

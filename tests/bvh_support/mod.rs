@@ -16,12 +16,21 @@ pub struct World {
 }
 
 /// The intersection of a ray with a triangle, in double precision.
-struct Crossing {
-    t: f64,
+pub struct Crossing {
+    pub t: f64,
+    /// Barycentric weights of the three corners: one is below zero outside.
+    pub weights: [f64; 3],
+    /// Between the ray and the triangle's normal.
+    pub cosine: f64,
+    pub instance: u32,
+    pub triangle: u32,
+}
+
+impl Crossing {
     /// Smallest barycentric weight: below zero outside.
-    inside: f64,
-    instance: u32,
-    triangle: u32,
+    pub fn inside(&self) -> f64 {
+        self.weights.into_iter().fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl World {
@@ -53,7 +62,7 @@ impl World {
         let crossings = self.crossings(ray);
         let certain = crossings
             .iter()
-            .filter(|c| c.inside > tolerance)
+            .filter(|c| c.inside() > tolerance)
             .filter(|c| c.t > t_min + blur(c.t) && c.t < t_max - blur(c.t));
         let nearest = certain.map(|c| c.t).fold(f64::INFINITY, f64::min);
         let Some(hit) = hit else {
@@ -67,13 +76,13 @@ impl World {
             .iter()
             .find(|c| (c.instance, c.triangle) == (hit.instance, hit.triangle))
             .expect("the triangle lies across the ray");
-        assert!(matching.inside > -tolerance, "beside the triangle: {}", matching.inside);
+        assert!(matching.inside() > -tolerance, "beside the triangle: {}", matching.inside());
         assert!((matching.t - t).abs() <= blur(t), "{t} is not {}", matching.t);
         true
     }
 
     /// All triangles whose planes the ray crosses.
-    fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
+    pub fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
         let mut crossings = Vec::new();
         for (instance, placed) in self.scene.instances.iter().enumerate() {
             let mesh = &self.scene.meshes[placed.mesh];
@@ -85,22 +94,24 @@ impl World {
             let translation = placed.transform.translation.as_dvec3();
             for (triangle, corners) in mesh.triangles.iter().enumerate() {
                 let world = corners.map(|v| rotation * mesh.positions[v as usize].as_dvec3() + translation);
-                if let Some((t, inside)) = cross(world, ray) {
-                    crossings.push(Crossing {
-                        t,
-                        inside,
-                        instance: instance as u32,
-                        triangle: triangle as u32,
-                    });
-                }
+                let Some((t, weights)) = cross(world, ray) else { continue };
+                let [a, b, c] = world;
+                let normal = (b - a).cross(c - a).normalize();
+                crossings.push(Crossing {
+                    t,
+                    weights,
+                    cosine: normal.dot(ray.direction.as_dvec3().normalize()).abs(),
+                    instance: instance as u32,
+                    triangle: triangle as u32,
+                });
             }
         }
         crossings
     }
 }
 
-/// Solves for t and the smallest barycentric weight by Cramer's rule.
-fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, f64)> {
+/// Solves for t and the barycentric weights by Cramer's rule.
+fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, [f64; 3])> {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let system = DMat3::from_cols(b - a, c - a, -direction);
     if system.determinant() == 0.0 {
@@ -108,7 +119,7 @@ fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, f64)> {
     }
     let solution = system.inverse() * (origin - a);
     let (u, v) = (solution.x, solution.y);
-    Some((solution.z, u.min(v).min(1.0 - u - v)))
+    Some((solution.z, [1.0 - u - v, u, v]))
 }
 
 pub fn material(alpha_mask: Option<usize>) -> Material {

@@ -17,7 +17,7 @@ use super::quota::allocate_paths;
 use super::shoot::SLOTS_PER_TASK;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Ray, TwoLevelBvh};
+use crate::bvh::{Occlusion, Ray, TwoLevelBvh};
 use crate::scene::{Side, WorldSurface};
 use glam::Vec3;
 
@@ -220,7 +220,7 @@ impl VplManager {
         let occluded = if self.changes.static_moved || self.slots[index].unoccluded != Some(ray) {
             bvh.occluded(&ray)
         } else {
-            self.changes.geometry_moved && bvh.occluded_by_dynamic(&ray)
+            self.changes.geometry_moved && bvh.occlusion_by_dynamic(&ray) == Occlusion::Opaque
         };
         match occluded {
             true => TestResult { failure: Some(InvalidationReason::Occluded), unoccluded: None },
