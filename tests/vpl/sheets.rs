@@ -73,22 +73,20 @@ fn a_veil_stops_its_share_of_the_paths() {
     for (size, stopped, albedo) in [(0.5, 0.5, 0.6), (1.0, 0.5 * 0.25, 0.4), (4.0, 0.5 * 0.75, 0.7)] {
         let count = manager.slots().filter(|slot| on_box(slot, size)).count();
         let share = count as f64 / 4096.0;
-        assert!((share / stopped - 1.0).abs() < 0.05, "{share} instead of {stopped} on {size}");
+        assert!((share / stopped - 1.0).abs() < 0.1, "{share} instead of {stopped} on {size}");
         let found = flux(&manager, |slot| on_box(slot, size)).x / (12.0 * PI * albedo);
-        assert!((found / stopped - 1.0).abs() < 0.05, "{found} instead of {stopped} on {size}");
+        assert!((found / stopped - 1.0).abs() < 0.1, "{found} instead of {stopped} on {size}");
     }
     // They shine back to where they came from.
     assert!(manager.slots().all(|slot| slot.normal.dot(slot.position) < 0.0));
 }
 
-/// A floor below a wide pane, lit from above.
-fn floor_below(material: Material, light: impl Fn(&mut Scene)) -> Stage {
+/// A floor in a box of this material, lit from outside.
+fn floor_in_box(material: Material, light: impl Fn(&mut Scene)) -> Stage {
     let mut scene = grey_scene(0.5);
     scene.materials.push(material);
     place(&mut scene, square(4.0), Vec3::ZERO, false);
-    let mut above = square(12.0);
-    above.triangle_materials.fill(1);
-    place(&mut scene, above, Vec3::Y, false);
+    place(&mut scene, Mesh::cuboid("box", Vec3::splat(5.0), 1), Vec3::ZERO, false);
     light(&mut scene);
     Stage::new(scene)
 }
@@ -101,7 +99,7 @@ fn sun_and_sky_shine_through_a_pane() {
     for light in lights {
         let on_floor = |slot: &SlotView| slot.bounce == 1 && slot.normal.y > 0.9 && slot.position.y < 0.1;
         let of = |material| {
-            let stage = floor_below(material, light);
+            let stage = floor_in_box(material, light);
             flux(&VplManager::new(stage.world(), &without_choice(settings(16_384, 1))), on_floor)
         };
         let bare = of(pane(Vec3::ONE));

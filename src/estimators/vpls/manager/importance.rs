@@ -132,8 +132,8 @@ pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> 
 fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
     hits.map(|((hit, ray), index)| {
-        let number = |sheet| sampling::random_point(index, sheet, 0).x;
-        let hit = world.pass_sheets(ray, hit, number).0?;
+        let numbers = (0..).map(|sheet| sampling::random_point(index, sheet, 0).x);
+        let hit = world.pass_sheets(ray, hit, numbers).0?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
         Some((hit.t, world.scene.surface_at(world.pose, hit.instance, point, side).surface))

@@ -163,7 +163,7 @@ impl VplManager {
         hit: Option<Hit>,
     ) -> (Option<Hit>, Passage) {
         let address = &self.assignment.addresses[slot as usize];
-        world.pass_sheets(ray, hit, |sheet| self.layout.sheet_number(address, candidate, sheet))
+        world.pass_sheets(ray, hit, (0..).map(|sheet| self.layout.sheet_number(address, candidate, sheet)))
     }
 
     /// The slot as one of its candidates fills it, whose ray first hits `hit`.
@@ -224,7 +224,8 @@ impl VplManager {
             }
             (Start::Trace(..) | Start::Escape, _) => {
                 let unoccluded = if let Start::Trace(ray, _) = start { Some(*ray) } else { None };
-                return (Slot { unoccluded, ..Slot::escaped(fresh, self.frame) }, WorldSurface::default());
+                let escaped = Slot { unoccluded, passage, ..Slot::escaped(fresh, self.frame) };
+                return (escaped, WorldSurface::default());
             }
         };
         let filled = Slot {
