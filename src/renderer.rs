@@ -181,7 +181,7 @@ impl PreparedScene {
     /// Builds the BVH; takes a second or so for a million triangles.
     pub fn new(scene: &Arc<Scene>) -> Self {
         let begun = Instant::now();
-        let bvh = TwoLevelBvh::build_with_sheets(scene, &scene.pose(0.0).instances);
+        let bvh = TwoLevelBvh::build(scene, &scene.pose(0.0).instances);
         let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
         log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self { scene: Arc::clone(scene), bvh, bvh_ms }

@@ -91,14 +91,14 @@ fn twin_meets_each_sheet_once() {
     let mut random = Random::new(9);
     let mut world = World::new(vec![grid(2, 8), soup(&mut random, 40), grid(2, 8)]);
     world.scene.materials.push(Material { transmission: 1.0, ..Material::lambertian("glass", Vec3::ONE) });
-    world.scene.meshes[0].triangle_materials.fill(1);
+    std::sync::Arc::make_mut(&mut world.scene.meshes[0]).triangle_materials.fill(1);
     // Of different sizes, so that the largest would be split.
-    world.scene.meshes[1].triangle_materials.fill(1);
-    world.scene.meshes[1].positions[0] *= 30.0;
+    std::sync::Arc::make_mut(&mut world.scene.meshes[1]).triangle_materials.fill(1);
+    std::sync::Arc::make_mut(&mut world.scene.meshes[1]).positions[0] *= 30.0;
     world.place(0, Affine3A::IDENTITY, false);
     world.place(1, Affine3A::from_translation(Vec3::new(4.0, 4.0, 1.0)), true);
     world.place(2, Affine3A::from_translation(Vec3::NEG_Z), false);
-    let bvh = TwoLevelBvh::build_with_sheets(&world.scene, &world.transforms());
+    let bvh = TwoLevelBvh::build(&world.scene, &world.transforms());
     let layout = bvh.gpu_layout();
     let tracer = Tracer::new(&layout);
 

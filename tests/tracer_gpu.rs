@@ -297,14 +297,14 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
     for crossing in world.crossings(ray) {
         let blur = 1e-3 * (crossing.t.abs() + 0.1);
         let ends = [ray.t_min, ray.t_max].map(f64::from);
-        if crossing.inside < -1e-3 || crossing.t < ends[0] - blur || crossing.t > ends[1] + blur {
+        if crossing.inside() < -1e-3 || crossing.t < ends[0] - blur || crossing.t > ends[1] + blur {
             continue;
         }
-        if crossing.inside < 1e-3 || ends.iter().any(|end| (crossing.t - end).abs() < blur) {
+        if crossing.inside() < 1e-3 || ends.iter().any(|end| (crossing.t - end).abs() < blur) {
             return None;
         }
-        let barycentrics = crossing.barycentrics.map(|weight| weight as f32).into();
-        let point = SurfacePoint { triangle: crossing.triangle, barycentrics };
+        let [_, u, v] = crossing.weights.map(|weight| weight as f32);
+        let point = SurfacePoint { triangle: crossing.triangle, barycentrics: Vec2::new(u, v) };
         let met = scene.surface_at(pose, crossing.instance, point, Side::Facing(ray.direction));
         let mesh = &scene.meshes[scene.instances[crossing.instance as usize].mesh];
         let material = &scene.materials[mesh.triangle_materials[crossing.triangle as usize] as usize];
@@ -331,7 +331,7 @@ fn sheets_tint(tracer: RayTracer) {
         world.place(index % 3, random.transform(1.0, 1.5), index % 2 == 0);
     }
     let pose = world.scene.pose(0.0);
-    let bvh = TwoLevelBvh::build_with_sheets(&world.scene, &world.transforms());
+    let bvh = TwoLevelBvh::build(&world.scene, &world.transforms());
     let mut comparison = Comparison::new(lab, tracer, &bvh);
     let rays = rays(&mut random, &bvh, 20_000);
     let answers = comparison.trace(&bvh, &rays);

@@ -63,10 +63,10 @@ pub(super) struct BottomLevels {
 }
 
 impl BottomLevels {
-    /// Builds the BVHs of all meshes, in parallel. With `sheets`, rays hit thin sheets wherever these are.
-    pub(super) fn build(scene: &Scene, sheets: bool) -> Self {
+    /// Builds the BVHs of all meshes, in parallel.
+    pub(super) fn build(scene: &Scene) -> Self {
         let built: Vec<_> =
-            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials, sheets)).collect();
+            scene.meshes.par_iter().map(|mesh| MeshBvh::build(mesh, &scene.materials)).collect();
         let mut levels = Self::default();
         let (mut nodes, mut blocks) = (Vec::new(), Vec::new());
         for mesh in built {
@@ -125,7 +125,7 @@ struct MeshBvh {
 
 impl MeshBvh {
     /// None if all triangles are degenerate.
-    fn build(mesh: &Mesh, materials: &[Material], sheets: bool) -> Option<Self> {
+    fn build(mesh: &Mesh, materials: &[Material]) -> Option<Self> {
         // Drop degenerate triangles, which can never be hit.
         let corners = |id: u32| mesh.triangles[id as usize].map(|vertex| mesh.positions[vertex as usize]);
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
@@ -146,7 +146,7 @@ impl MeshBvh {
                 let index = mesh.triangle_materials.get(id as usize).copied();
                 let material = index.and_then(|index| materials.get(index as usize));
                 let masked = match material {
-                    Some(material) if sheets && material.is_sheet() => {
+                    Some(material) if material.is_sheet() => {
                         of_sheets.push(sheet_triangle(mesh, id, material));
                         SHEET | (of_sheets.len() - 1) as u32
                     }

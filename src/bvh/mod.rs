@@ -1,7 +1,7 @@
 //! The two-level BVH: one bottom-level CWBVH per mesh (obvhs), a top level over instance bounds.
 //!
 //! In: a scene's meshes and instance transforms. Out: closest-hit and any-hit queries, single and in
-//! batches over all cores, and the same structure in the layout that shaders traverse
+//! batches over all cores; where rays go through thin sheets (`world`); and the same structure in the layout that shaders traverse
 //! (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
 
 mod bottom;
@@ -16,6 +16,7 @@ mod traverse;
 mod tree;
 mod triangle;
 mod wide;
+mod world;
 
 use std::sync::Arc;
 
@@ -27,6 +28,7 @@ use bottom::{BottomLevels, MeshRoot};
 use query::{query, query_all};
 use sheets::GpuSheets;
 use top::TopLevel;
+pub use world::{Passage, World};
 
 /// Rays of one parallel task: fewer would not pay for its overhead.
 const RAYS_PER_TASK: usize = 256;
@@ -56,6 +58,17 @@ pub struct Hit {
     pub triangle: u32,
     /// Weights of the triangle's second and third vertex.
     pub barycentrics: Vec2,
+}
+
+/// What lies on a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occlusion {
+    /// Nothing.
+    Clear,
+    /// Thin sheets alone.
+    Sheets,
+    /// Something opaque.
+    Opaque,
 }
 
 /// Two-level BVH over the visible instances of a scene.
@@ -92,19 +105,6 @@ impl TwoLevelBvh {
     /// # Panics
     /// If `transforms` has not one element per instance.
     pub fn build(scene: &Scene, transforms: &[Affine3A]) -> Self {
-        Self::new(scene, transforms, false)
-    }
-
-    /// The same for rays that hit thin sheets (`Material::is_sheet`) wherever these are; otherwise they pass those that let
-    /// most light through.
-    ///
-    /// # Panics
-    /// As above.
-    pub fn build_with_sheets(scene: &Scene, transforms: &[Affine3A]) -> Self {
-        Self::new(scene, transforms, true)
-    }
-
-    fn new(scene: &Scene, transforms: &[Affine3A], sheets: bool) -> Self {
         assert_eq!(transforms.len(), scene.instances.len());
         let instances = scene
             .instances
@@ -117,7 +117,7 @@ impl TwoLevelBvh {
                 transform,
             })
             .collect();
-        let bottom = BottomLevels::build(scene, sheets);
+        let bottom = BottomLevels::build(scene);
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
             avx2: simd::Avx2::try_new(),
@@ -187,33 +187,43 @@ impl TwoLevelBvh {
         }
     }
 
-    /// The closest hit along `ray`. Ties in t go to the lowest instance, then to the lowest triangle.
+    /// Whether any surface is a thin sheet (`Material::is_sheet`).
+    pub fn has_sheets(&self) -> bool {
+        !self.bottom.sheets.is_empty()
+    }
+
+    /// The closest hit along `ray`, be it a thin sheet. Ties in t go to the lowest instance, then to the lowest triangle.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        query::<false>(self, &self.levels(), ray)
+        query::<false>(self, &self.levels(), ray).hit
     }
 
-    /// Whether anything occludes the segment.
+    /// What lies on the segment.
+    pub fn occlusion(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &self.levels(), ray).occlusion()
+    }
+
+    /// What dynamic instances do there.
+    pub fn occlusion_by_dynamic(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &[&self.dynamic_level], ray).occlusion()
+    }
+
+    /// Whether anything opaque occludes the segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        query::<true>(self, &self.levels(), ray).is_some()
-    }
-
-    /// Whether a dynamic instance occludes the segment.
-    pub fn occluded_by_dynamic(&self, ray: &Ray) -> bool {
-        query::<true>(self, &[&self.dynamic_level], ray).is_some()
+        self.occlusion(ray) == Occlusion::Opaque
     }
 
     /// [`Self::intersect`] for many rays on this thread; results in the order of the rays.
     pub fn intersect_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let mut hits = vec![None; rays.len()];
-        query_all::<false>(self, rays, &mut |ray, hit| hits[ray] = hit);
+        query_all::<false>(self, rays, &mut |ray, found| hits[ray] = found.hit);
         hits
     }
 
-    /// [`Self::occluded`] for many rays on this thread; results in the order of the rays.
-    pub fn occluded_all(&self, rays: &[Ray]) -> Vec<bool> {
-        let mut occluded = vec![false; rays.len()];
-        query_all::<true>(self, rays, &mut |ray, hit| occluded[ray] = hit.is_some());
-        occluded
+    /// [`Self::occlusion`] for many rays on this thread; results in the order of the rays.
+    pub fn occlusion_all(&self, rays: &[Ray]) -> Vec<Occlusion> {
+        let mut occlusions = vec![Occlusion::Clear; rays.len()];
+        query_all::<true>(self, rays, &mut |ray, found| occlusions[ray] = found.occlusion());
+        occlusions
     }
 
     /// [`Self::intersect_all`] over all cores.
@@ -221,14 +231,10 @@ impl TwoLevelBvh {
         rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.intersect_all(rays)).collect()
     }
 
-    /// [`Self::occluded_all`] over all cores.
+    /// [`Self::occluded`] for many rays over all cores.
     pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
-        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.occluded_all(rays)).collect()
-    }
-
-    /// Whether there are thin sheets.
-    pub fn has_sheets(&self) -> bool {
-        !self.bottom.sheets.is_empty()
+        let occluded = |rays| self.occlusion_all(rays).into_iter().map(|found| found == Occlusion::Opaque);
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(occluded).collect()
     }
 
     /// World-space bounds (min, max) of all visible instances; a unit box about the origin when there are none.

@@ -1,15 +1,16 @@
 //! Closest-hit and any-hit queries through both levels.
 //!
-//! In: the two-level BVH and a ray. Out: a hit. Rays are transformed into
-//! object space without normalising the direction, so t is the same in both spaces.
+//! In: the two-level BVH and a ray. Out: the closest hit, on thin sheets too; or whether anything opaque, or a sheet, occludes
+//! the ray. Rays are transformed into object space without normalising the direction, so t is the same in both spaces.
 
 use std::cell::RefCell;
 
 use glam::{Vec2, Vec3A, Vec4};
 
 use super::{
-    Hit, Ray, TwoLevelBvh,
+    Hit, Occlusion, Ray, TwoLevelBvh,
     nodes::Child,
+    sheets::SHEET,
     simd::{Portable, Simd},
     top::{PlacedInstance, TopLevel},
     traverse::{BoxRay, Stack, Visitor, traverse},
@@ -21,8 +22,27 @@ thread_local! {
     static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
 }
 
-/// The closest hit along `ray` in `levels` of `bvh`, or, with `ANY`, any hit.
-pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Option<Hit> {
+/// Outcome of a query.
+pub(super) struct Found {
+    /// The closest hit, or, with `ANY`, any opaque one.
+    pub(super) hit: Option<Hit>,
+    /// With `ANY`: whether the ray met a thin sheet on the way.
+    sheets: bool,
+}
+
+impl Found {
+    /// What an `ANY` query tells.
+    pub(super) fn occlusion(&self) -> Occlusion {
+        match (self.hit, self.sheets) {
+            (Some(_), _) => Occlusion::Opaque,
+            (None, true) => Occlusion::Sheets,
+            (None, false) => Occlusion::Clear,
+        }
+    }
+}
+
+/// The closest hit along `ray` in `levels` of `bvh`, or, with `ANY`, any opaque one.
+pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Found {
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = bvh.avx2 {
@@ -35,11 +55,11 @@ pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ra
     })
 }
 
-/// [`query`] in both levels for many rays; calls `found` with each ray's index and hit.
+/// [`query`] in both levels for many rays; calls `found` with each ray's index and outcome.
 pub(super) fn query_all<const ANY: bool>(
     bvh: &TwoLevelBvh,
     rays: &[Ray],
-    found: &mut impl FnMut(usize, Option<Hit>),
+    found: &mut impl FnMut(usize, Found),
 ) {
     let levels = &bvh.levels();
     STACK.with_borrow_mut(|stack| {
@@ -60,25 +80,26 @@ pub(super) fn query_all<const ANY: bool>(
     });
 }
 
-/// A query in progress; `ANY` stops at the first hit, whichever it is.
+/// A query in progress; `ANY` stops at the first opaque hit, whichever it is.
 struct Query<'a, S, const ANY: bool> {
     simd: S,
     bvh: &'a TwoLevelBvh,
     ray: Ray,
     /// The closest hit so far. Initially t is t_max and the indices are the lowest, so that no hit at t_max is closer.
     best: Hit,
+    sheets: bool,
 }
 
 impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
     #[inline(always)]
     fn new(simd: S, bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
         let best = Hit { t: ray.t_max, instance: 0, triangle: 0, barycentrics: Vec2::ZERO };
-        Self { simd, bvh, ray: *ray, best }
+        Self { simd, bvh, ray: *ray, best, sheets: false }
     }
 
-    /// Runs the query: the closest hit, or any hit with `ANY`.
+    /// Runs the query.
     #[inline(always)]
-    fn run(mut self, levels: &[&'a TopLevel], stack: &mut Stack) -> Option<Hit> {
+    fn run(mut self, levels: &[&'a TopLevel], stack: &mut Stack) -> Found {
         for &level in levels {
             let (simd, ray) = (self.simd, self.ray);
             let mut visitor = InstanceVisitor { query: &mut self, level };
@@ -93,7 +114,7 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
                 break;
             }
         }
-        (self.best.t < self.ray.t_max).then_some(self.best)
+        Found { hit: (self.best.t < self.ray.t_max).then_some(self.best), sheets: self.sheets }
     }
 
     /// Updates the closest hit with those of a block. True if the query is done.
@@ -110,7 +131,11 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
                 || t[lane] == best.t && (instance, triangle) < (best.instance, best.triangle);
             let barycentrics = Vec2::new(hits.barycentrics[0][lane], hits.barycentrics[1][lane]);
             let masked = block.masked[lane];
-            if nearer && (masked == 0 || is_opaque(self.bvh, masked, barycentrics)) {
+            if ANY && nearer && masked & SHEET != 0 {
+                self.sheets = true;
+                continue;
+            }
+            if nearer && (masked == 0 || masked & SHEET != 0 || is_opaque(self.bvh, masked, barycentrics)) {
                 self.best = Hit { t: t[lane], instance, triangle, barycentrics };
                 if ANY {
                     return true;

@@ -8,7 +8,6 @@
 use glam::{DVec3, Vec3, Vec3A, Vec4};
 
 use super::gpu::GpuTriangle;
-use super::sheets::SHEET;
 
 /// Triangles per test.
 pub(super) const LANES: usize = 4;
@@ -21,7 +20,7 @@ pub(super) struct TriangleBlock {
     corners: [[Vec4; 3]; 3],
     /// Indices into the mesh's triangles.
     pub(super) ids: [u32; LANES],
-    /// 0, or 1 + index of their [`GpuMaskedTriangle`](super::gpu::GpuMaskedTriangle).
+    /// As in [`GpuTriangle::masked`].
     pub(super) masked: [u32; LANES],
     /// Pads to three cache lines.
     padding: [u32; 4],
@@ -47,8 +46,7 @@ impl TriangleBlock {
             }
         }
         self.ids[lane] = triangle.id;
-        // Rays on the CPU hit sheets like any surface.
-        self.masked[lane] = if triangle.masked & SHEET == 0 { triangle.masked } else { 0 };
+        self.masked[lane] = triangle.masked;
     }
 }
 

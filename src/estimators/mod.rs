@@ -12,27 +12,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::bvh::TwoLevelBvh;
+pub use crate::bvh::World;
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::overlay::Line;
 use crate::passes::scene_buffers::Instances;
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
-use crate::scene::{Pose, Scene};
+use crate::scene::Pose;
 use crate::settings::{Indirect, Settings};
 use crate::vulkan::{Buffer, Device, Frame, Image, Upload, VulkanError};
-
-/// The world at one moment, on the CPU.
-#[derive(Clone, Copy)]
-pub struct World<'a> {
-    /// What the world is.
-    pub scene: &'a Scene,
-    /// Where everything stands now.
-    pub pose: &'a Pose,
-    /// Its BVH, already updated to `pose`.
-    pub bvh: &'a TwoLevelBvh,
-}
 
 /// What an estimator is made with.
 #[derive(Clone)]

@@ -21,7 +21,6 @@ mod lights;
 mod path;
 mod resume;
 mod sampler;
-mod sheets;
 mod surfaces;
 
 pub use film::Film;
@@ -33,8 +32,8 @@ use std::time::Instant;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::bvh::{Ray, TwoLevelBvh};
-use crate::scene::{Material, Pose, Scene};
+use crate::bvh::{Ray, TwoLevelBvh, World};
+use crate::scene::{Pose, Scene};
 use lights::Lights;
 use sampler::Sampler;
 use surfaces::Surfaces;
@@ -80,7 +79,6 @@ pub struct Reference<'a> {
     lights: Lights,
     /// Whether rays can meet light: area lights, the environment.
     any_light_hittable: bool,
-    has_sheets: bool,
     /// The scene's bounding radius, for ray offsets.
     radius: f32,
     size: UVec2,
@@ -98,7 +96,7 @@ impl<'a> Reference<'a> {
         let lights = Lights::new(scene, pose, radius);
         let size = UVec2::from(settings.size);
         let begun = Instant::now();
-        let bvh = TwoLevelBvh::build_with_sheets(scene, &pose.instances);
+        let bvh = TwoLevelBvh::build(scene, &pose.instances);
         let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
         log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self {
@@ -108,7 +106,6 @@ impl<'a> Reference<'a> {
             bvh_ms,
             surfaces: Surfaces::new(scene, pose),
             any_light_hittable: lights.any_hittable() || scene.environment.is_some(),
-            has_sheets: scene.materials.iter().any(Material::is_sheet),
             lights,
             radius,
             size,
@@ -118,6 +115,10 @@ impl<'a> Reference<'a> {
             filter: settings.filter,
             layers: settings.layers,
         }
+    }
+
+    fn world(&self) -> World<'_> {
+        World { scene: self.scene, pose: self.pose, bvh: &self.bvh }
     }
 
     /// Build time of the BVH, milliseconds.

@@ -109,11 +109,11 @@ enum Estimates {
 
 /// The intersection of a ray with a surface.
 #[derive(Clone, Copy)]
-pub(super) struct Interaction<'a> {
+struct Interaction<'a> {
     surface: WorldSurface,
     front: bool,
-    pub(super) attributes: Attributes,
-    pub(super) material: &'a Material,
+    attributes: Attributes,
+    material: &'a Material,
     /// The texels of its base colour, if it is textured.
     texels: Option<(&'a Texture, Footprint)>,
 }
@@ -291,6 +291,19 @@ impl Reference<'_> {
         }
     }
 
+    /// The surface where the light along each ray stops, if any, and its weight. `number` gives a random number in [0, 1) for
+    /// a ray at each thin sheet.
+    fn intersect(&self, rays: &[Ray], mut number: impl FnMut(usize) -> f32) -> Vec<(Option<Hit>, Vec3)> {
+        let hits = self.bvh.intersect_all(rays);
+        hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
+        let pass = |(index, hit): (usize, Option<Hit>)| {
+            let (hit, passage) =
+                self.world().pass_sheets(&rays[index], hit, std::iter::repeat_with(|| number(index)));
+            (hit, passage.weight)
+        };
+        hits.into_iter().enumerate().map(pass).collect()
+    }
+
     /// Samples the next ray of a path; none if it points into the surface, which absorbs it, or nothing is reflected.
     fn scatter(&self, path: &mut Path<'_>, bounce: u32, u: Vec2) -> Option<Ray> {
         let surface = &path.vertex.surface;
@@ -383,7 +396,7 @@ impl Reference<'_> {
     }
 
     /// The surface that a ray of `direction` hit, on the side facing the ray.
-    pub(super) fn interaction(&self, hit: &Hit, direction: Vec3) -> Interaction<'_> {
+    fn interaction(&self, hit: &Hit, direction: Vec3) -> Interaction<'_> {
         let (found, material) = self.surfaces.at(self.scene, hit, direction);
         let SidedSurface { front, surface, attributes } = found;
         let material = &self.scene.materials[material];
@@ -396,7 +409,7 @@ impl Reference<'_> {
     }
 
     /// How a surface reflects light along a ray of `direction` backwards.
-    pub(super) fn seen(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
+    fn seen(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
         let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
         let bsdf = vertex.material.bsdf(self.scene, texel, &vertex.attributes);
         bsdf.seen(vertex.surface.normal, -direction.normalize())
@@ -412,7 +425,7 @@ impl ShadowRays {
     /// Calls `add` with path and contribution of each ray on which light arrives.
     fn trace(&self, reference: &Reference<'_>, mut add: impl FnMut(usize, Vec3)) {
         for (share, &(path, contribution)) in
-            reference.unoccluded(&self.rays).into_iter().zip(&self.contributions)
+            reference.world().transmittance_all(&self.rays).into_iter().zip(&self.contributions)
         {
             if share != Vec3::ZERO {
                 add(path, contribution * share);

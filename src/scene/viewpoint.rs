@@ -9,8 +9,8 @@ use std::f32::consts::{PI, TAU};
 use glam::{Vec2, Vec3};
 
 use super::camera::Camera;
-use super::{LightKind, Pose, Scene, Side, SidedSurface, SurfacePoint, ray_offset};
-use crate::bvh::{Ray, TwoLevelBvh};
+use super::{LightKind, Pose, Scene, Side, SidedSurface, SurfacePoint, luminance, ray_offset};
+use crate::bvh::{Ray, TwoLevelBvh, World};
 use crate::sampling::{Frame, cosine_hemisphere, sequence_point};
 
 /// Sample points on the surface.
@@ -95,6 +95,10 @@ impl<'a> ModelSurvey<'a> {
         let (min, max) = bvh.bounds();
         let samples = samples_of(scene, &pose);
         Self { scene, pose, bvh, radius: 0.5 * min.distance(max), samples }
+    }
+
+    fn world(&self) -> World<'_> {
+        World { scene: self.scene, pose: &self.pose, bvh: &self.bvh }
     }
 
     /// Fraction of the surface that a camera shows, back faces weighted less.
@@ -220,14 +224,14 @@ impl<'a> ModelSurvey<'a> {
     /// Irradiance at each of `points` by a point light of 1 W/sr at `light`.
     fn irradiances(&self, light: Vec3, points: &[Sample]) -> Vec<f32> {
         let rays: Vec<Ray> = points.iter().map(|point| self.segment(light, point)).collect();
-        let hidden = self.bvh.occluded_batch(&rays);
-        let irradiance = |(point, hidden): (&Sample, bool)| {
+        let arrives = self.world().transmittance_batch(&rays);
+        let irradiance = |(point, arrives): (&Sample, Vec3)| {
             let to_light = light - point.position;
             let squared = to_light.length_squared();
             let cosine = point.normal.dot(to_light) / squared.sqrt();
-            if !hidden && cosine > 0.0 { cosine / squared } else { 0.0 }
+            if cosine > 0.0 { luminance(arrives) * cosine / squared } else { 0.0 }
         };
-        points.iter().zip(hidden).map(irradiance).collect()
+        points.iter().zip(arrives).map(irradiance).collect()
     }
 
     /// The surface points visible to `camera`, with normals towards it.
@@ -246,7 +250,7 @@ impl<'a> ModelSurvey<'a> {
                 }
             })
             .collect();
-        let hits = self.bvh.intersect_batch(&rays);
+        let hits = self.world().visible_batch(&rays);
         let point = |(ray, hit): (&Ray, &crate::bvh::Hit)| {
             let at = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
             let side = Side::Facing(ray.direction);
@@ -310,12 +314,12 @@ impl<'a> ModelSurvey<'a> {
             .collect()
     }
 
-    /// Distance to the first hit from each point in a unit direction.
+    /// Distance to what shows first from each point in a unit direction.
     fn distances(&self, starts: &[(Vec3, Vec3)]) -> Vec<Option<f32>> {
         let ray =
             |&(origin, direction): &(Vec3, Vec3)| Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         let rays: Vec<Ray> = starts.iter().map(ray).collect();
-        self.bvh.intersect_batch(&rays).into_iter().map(|hit| hit.map(|hit| hit.t)).collect()
+        self.world().visible_batch(&rays).into_iter().map(|hit| hit.map(|hit| hit.t)).collect()
     }
 
     /// A shadow ray from `from` to the surface at `to`, offset on the side facing `from`.

@@ -17,15 +17,22 @@ pub struct World {
     pub tolerance: f64,
 }
 
-/// The intersection of a ray with the plane of a triangle, in double precision.
+/// The intersection of a ray with a triangle, in double precision.
 pub struct Crossing {
     pub t: f64,
-    /// Weights of the second and third corner.
-    pub barycentrics: [f64; 2],
-    /// Smallest barycentric weight: below zero outside.
-    pub inside: f64,
+    /// Barycentric weights of the three corners: one is below zero outside.
+    pub weights: [f64; 3],
+    /// Between the ray and the triangle's normal.
+    pub cosine: f64,
     pub instance: u32,
     pub triangle: u32,
+}
+
+impl Crossing {
+    /// Smallest barycentric weight: below zero outside.
+    pub fn inside(&self) -> f64 {
+        self.weights.into_iter().fold(f64::INFINITY, f64::min)
+    }
 }
 
 impl World {
@@ -58,7 +65,7 @@ impl World {
         let crossings = self.crossings(ray);
         let certain = crossings
             .iter()
-            .filter(|c| c.inside > tolerance)
+            .filter(|c| c.inside() > tolerance)
             .filter(|c| c.t > t_min + blur(c.t) && c.t < t_max - blur(c.t));
         let nearest = certain.map(|c| c.t).fold(f64::INFINITY, f64::min);
         let Some(hit) = hit else {
@@ -72,7 +79,7 @@ impl World {
             .iter()
             .find(|c| (c.instance, c.triangle) == (hit.instance, hit.triangle))
             .expect("the triangle lies across the ray");
-        assert!(matching.inside > -tolerance, "beside the triangle: {}", matching.inside);
+        assert!(matching.inside() > -tolerance, "beside the triangle: {}", matching.inside());
         assert!((matching.t - t).abs() <= blur(t), "{t} is not {}", matching.t);
         true
     }
@@ -90,30 +97,32 @@ impl World {
             let translation = placed.transform.translation.as_dvec3();
             for (triangle, corners) in mesh.triangles.iter().enumerate() {
                 let world = corners.map(|v| rotation * mesh.positions[v as usize].as_dvec3() + translation);
-                if let Some((t, [u, v])) = cross(world, ray) {
-                    crossings.push(Crossing {
-                        t,
-                        barycentrics: [u, v],
-                        inside: u.min(v).min(1.0 - u - v),
-                        instance: instance as u32,
-                        triangle: triangle as u32,
-                    });
-                }
+                let Some((t, weights)) = cross(world, ray) else { continue };
+                let [a, b, c] = world;
+                let normal = (b - a).cross(c - a).normalize();
+                crossings.push(Crossing {
+                    t,
+                    weights,
+                    cosine: normal.dot(ray.direction.as_dvec3().normalize()).abs(),
+                    instance: instance as u32,
+                    triangle: triangle as u32,
+                });
             }
         }
         crossings
     }
 }
 
-/// Solves for t and the weights of the second and third corner.
-fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, [f64; 2])> {
+/// Solves for t and the barycentric weights by Cramer's rule.
+fn cross([a, b, c]: [DVec3; 3], ray: &Ray) -> Option<(f64, [f64; 3])> {
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let system = DMat3::from_cols(b - a, c - a, -direction);
     if system.determinant() == 0.0 {
         return None;
     }
     let solution = system.inverse() * (origin - a);
-    Some((solution.z, [solution.x, solution.y]))
+    let (u, v) = (solution.x, solution.y);
+    Some((solution.z, [1.0 - u - v, u, v]))
 }
 
 pub fn material(alpha_mask: Option<usize>) -> Material {

@@ -56,7 +56,7 @@ fn lamp(position: Vec3) -> Light {
 fn wall() -> Scene {
     let mut scene = Scene::new("wall");
     scene.materials.push(Material::lambertian("wall", Vec3::splat(0.5)));
-    scene.meshes.push(square(0));
+    scene.meshes.push(square(0).into());
     scene.instances.push(Instance::fixed("wall", 0, Affine3A::from_scale(Vec3::splat(5.0))));
     scene.lights.push(lamp(LAMP));
     scene.camera = Camera { vertical_fov: 0.8, ..Camera::looking(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO) };
@@ -68,7 +68,7 @@ fn add_pane(scene: &mut Scene, material: Material, place: Affine3A) {
     let index = scene.materials.len() as u32;
     scene.materials.push(material);
     scene.instances.push(Instance { dynamic: true, ..Instance::fixed("pane", scene.meshes.len(), place) });
-    scene.meshes.push(square(index));
+    scene.meshes.push(square(index).into());
 }
 
 /// Between the lamp and all that is seen of the wall, out of sight.
@@ -102,7 +102,7 @@ fn add_texture(scene: &mut Scene) -> usize {
     let texel = |i: u32| {
         [(i * 31 % 256) as u8, 255 - (i * 3) as u8, (i * 89 % 200 + 55) as u8, (i * 57 % 200 + 55) as u8]
     };
-    scene.textures.push(Texture::from_rgba8("pane", 8, 8, (0..64).flat_map(texel).collect()));
+    scene.textures.push(Texture::from_rgba8("pane", 8, 8, (0..64).flat_map(texel).collect()).into());
     scene.textures.len() - 1
 }
 
@@ -163,7 +163,7 @@ fn check_lamp(tracer: RayTracer, panes: impl FnOnce(&mut Scene)) -> Option<Vec<V
     let mut scene = wall();
     panes(&mut scene);
     let pose = scene.pose(0.0);
-    let bvh = TwoLevelBvh::build_with_sheets(&scene, &pose.instances);
+    let bvh = TwoLevelBvh::build(&scene, &pose.instances);
     let picture = drawn(&lab, scene.clone(), tracer);
     let shares: Vec<Vec3> =
         pixels(&picture, "position").into_iter().map(|p| passed_on_the_cpu(&scene, &bvh, &pose, p)).collect();
@@ -235,7 +235,7 @@ fn vertices_tint(tracer: RayTracer) {
         let pane = Material { alpha: Alpha::Blend, opacity: 0.9, ..glass(Vec3::splat(0.9)) };
         add_pane(scene, pane, before_the_lamp(3.0));
         let colours = [[255, 60, 60, 255], [60, 255, 160, 200], [60, 255, 60, 255], [255, 60, 90, 120]];
-        scene.meshes.last_mut().unwrap().colours = colours.to_vec();
+        std::sync::Arc::make_mut(scene.meshes.last_mut().unwrap()).colours = colours.to_vec();
     });
     let Some(shares) = shares else { return };
     assert!(
@@ -346,7 +346,7 @@ fn cabinet() -> Scene {
         roughness: 0.4,
         ..Material::lambertian("floor", Vec3::new(0.7, 0.5, 0.3))
     });
-    scene.meshes.push(square(index));
+    scene.meshes.push(square(index).into());
     scene.instances.push(Instance::fixed("floor", 1, floor * Affine3A::from_scale(Vec3::splat(4.0))));
     let texture = add_texture(&mut scene);
     let coat = |material: Material| Material { f0: Vec3::splat(0.06), f90: 1.0, roughness: 0.35, ..material };

@@ -13,7 +13,7 @@ use super::super::BenchError;
 use super::contender::{Cast, Contender, Query};
 use super::rays::RaySet;
 use crate::bvh::{Ray, TwoLevelBvh};
-use crate::scene::{Pose, Scene};
+use crate::scene::{Material, Pose, Scene};
 
 /// Rays per task, for tracers without batches of their own.
 pub(super) const RAYS_PER_TASK: usize = 256;
@@ -44,9 +44,9 @@ impl Contender for OwnTracer<'_> {
     }
 }
 
-/// The triangles of all visible instances, world space; none if the scene has alpha masks.
+/// The triangles of all visible instances, world space; none if the scene has alpha masks or thin sheets.
 pub(super) fn world_triangles(scene: &Scene, pose: &Pose) -> Option<Vec<[Vec3A; 3]>> {
-    if !scene.alpha_masks.is_empty() {
+    if !scene.alpha_masks.is_empty() || scene.materials.iter().any(Material::is_sheet) {
         return None;
     }
     let placed = scene.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);

@@ -28,7 +28,7 @@ pub struct VplContribution {
     pub slot: u32,
     /// World position of the VPL, the end of its visibility ray.
     pub position: Vec3,
-    /// Irradiance if it is visible, W/m^2.
+    /// Irradiance if it is visible, W/m^2, as far as thin sheets between let it pass.
     pub irradiance: Vec3,
     /// Whether it is unoccluded.
     pub visible: bool,
@@ -50,7 +50,9 @@ impl VplManager {
             .map(|vpl| (vpl, contribution(&vpl, at, gathering.clamp)))
             .filter(|(_, irradiance)| *irradiance != Vec3::ZERO)
             .map(|(vpl, irradiance)| {
-                let visible = !world.bvh.occluded(&ray_to(&vpl, start, radius));
+                let arrives = world.transmittance(&ray_to(&vpl, start, radius));
+                let visible = arrives != Vec3::ZERO;
+                let irradiance = if visible { irradiance * arrives } else { irradiance };
                 // Where a VPL at infinity is shown.
                 let surface = &self.surfaces[vpl.slot as usize];
                 let position = if vpl.at_infinity == 0 { vpl.position } else { surface.position };

@@ -6,7 +6,8 @@
 //! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
 //! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
 //! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was unoccluded in the last
-//! frame is tested against moving instances only.
+//! frame is tested against moving instances only. What thin sheets do to a ray may change, too: then a fresh slot is stale, or, where
+//! much more or less light passes, invalid.
 
 use rayon::prelude::*;
 
@@ -17,12 +18,12 @@ use super::quota::allocate_paths;
 use super::shoot::SLOTS_PER_TASK;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Ray, TwoLevelBvh};
-use crate::scene::{Side, WorldSurface};
+use crate::bvh::{Hit, Occlusion, Passage, Ray};
+use crate::scene::{Side, SurfacePoint, WorldSurface};
 use glam::Vec3;
 
 /// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
-/// would be too many or too few until they are shot again.
+/// would be too many or too few until they are shot again. So would those to which sheets let pass this much more or less.
 const MOST_CHANGE: f32 = 2.0;
 
 /// Minimum number of tests per task.
@@ -34,7 +35,7 @@ enum Test {
     Keep,
     /// None: it is invalid for this reason.
     Fail(InvalidationReason),
-    /// It stays valid if this ray is unoccluded.
+    /// It stays valid if nothing opaque occludes this ray, and sheets let about as much pass as before.
     Trace(Ray),
 }
 
@@ -42,8 +43,18 @@ enum Test {
 struct TestResult {
     /// Why it is invalid; none if it passed.
     failure: Option<InvalidationReason>,
-    /// The ray that was traced, if it is unoccluded.
+    /// Whether a passed ray fares otherwise among sheets than when it was shot.
+    changed: bool,
+    /// The ray that was traced, if it passed.
     unoccluded: Option<Ray>,
+}
+
+impl TestResult {
+    const KEPT: Self = Self { failure: None, changed: false, unoccluded: None };
+
+    fn failed(reason: InvalidationReason) -> Self {
+        Self { failure: Some(reason), ..Self::KEPT }
+    }
 }
 
 impl VplManager {
@@ -157,7 +168,7 @@ impl VplManager {
         let results: Vec<TestResult> = (0..this.slots.len())
             .into_par_iter()
             .with_min_len(TESTS_PER_TASK)
-            .map(|index| this.test(world.bvh, index))
+            .map(|index| this.test(world, index))
             .collect();
         // Apply the results in slot order, so that invalidation propagates from parents to children.
         let mut invalidated = 0;
@@ -168,7 +179,8 @@ impl VplManager {
     }
 
     /// Applies the result of one slot, after that of its parent. Returns whether the slot became invalid.
-    fn apply_result(&mut self, index: usize, TestResult { failure, unoccluded }: TestResult) -> bool {
+    fn apply_result(&mut self, index: usize, result: TestResult) -> bool {
+        let TestResult { failure, changed, unoccluded } = result;
         let parent = self.assignment.addresses[index].parent;
         let has_choice = self.candidates(index as u32) > 1;
         let (parent_state, parent_fresh) = match parent {
@@ -196,7 +208,7 @@ impl VplManager {
             Some(reason) => self.invalidate_slot(index, reason),
             // The tested ray is all that a new shot would trace, and it escapes.
             None if before == SlotState::Escaped && !has_choice => slot.fresh = parent_fresh,
-            None => {}
+            None => slot.fresh &= parent_fresh && !changed,
         }
         failure.is_some()
     }
@@ -211,20 +223,52 @@ impl VplManager {
         self.slots[index] = Slot::INVALID;
     }
 
-    fn test(&self, bvh: &TwoLevelBvh, index: usize) -> TestResult {
+    fn test(&self, world: World<'_>, index: usize) -> TestResult {
         let ray = match self.select_test(index) {
-            Test::Keep => return TestResult { failure: None, unoccluded: None },
-            Test::Fail(reason) => return TestResult { failure: Some(reason), unoccluded: None },
+            Test::Keep => return TestResult::KEPT,
+            Test::Fail(reason) => return TestResult::failed(reason),
             Test::Trace(ray) => ray,
         };
-        let occluded = if self.changes.static_moved || self.slots[index].unoccluded != Some(ray) {
-            bvh.occluded(&ray)
+        let slot = &self.slots[index];
+        let passed = TestResult { unoccluded: Some(ray), ..TestResult::KEPT };
+        let occlusion = if self.changes.static_moved || slot.unoccluded != Some(ray) {
+            world.bvh.occlusion(&ray)
+        } else if self.changes.geometry_moved {
+            world.bvh.occlusion_by_dynamic(&ray)
         } else {
-            self.changes.geometry_moved && bvh.occluded_by_dynamic(&ray)
+            return passed;
         };
-        match occluded {
-            true => TestResult { failure: Some(InvalidationReason::Occluded), unoccluded: None },
-            false => TestResult { failure: None, unoccluded: Some(ray) },
+        match occlusion {
+            Occlusion::Opaque => TestResult::failed(InvalidationReason::Occluded),
+            Occlusion::Clear if slot.passage == Passage::CLEAR => passed,
+            _ => self.test_sheets(world, index, passed, &ray),
+        }
+    }
+
+    /// Test of a ray that meets sheets, or met some when it was shot; `passed` is what it gives where nothing has changed.
+    fn test_sheets(&self, world: World<'_>, index: usize, passed: TestResult, ray: &Ray) -> TestResult {
+        let slot = &self.slots[index];
+        if slot.fresh || slot.state == SlotState::Escaped {
+            // Shoot it again.
+            let ray = Ray { t_max: f32::INFINITY, ..*ray };
+            let candidate = (index as u32, slot.candidate);
+            let (hit, passage) = self.pass_sheets(world, candidate, &ray, world.bvh.intersect(&ray));
+            let same_place = |hit: Hit| {
+                let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+                (hit.instance, point) == (slot.instance, slot.point)
+            };
+            match (slot.state, hit) {
+                (SlotState::Escaped, None) => return passed,
+                (SlotState::Escaped, Some(_)) => return TestResult::failed(InvalidationReason::Occluded),
+                (_, Some(hit)) if same_place(hit) && passage == slot.passage => return passed,
+                _ => {}
+            }
+        }
+        let (now, then) = (world.transmittance(ray), slot.passage.transmittance);
+        let jumped = now.cmpgt(then * MOST_CHANGE) | then.cmpgt(now * MOST_CHANGE);
+        match jumped.any() {
+            true => TestResult::failed(InvalidationReason::Occluded),
+            false => TestResult { changed: true, ..passed },
         }
     }
 
@@ -258,7 +302,7 @@ impl VplManager {
     }
 
     /// Test of the segment from the slot's parent to its surface: the two sides must face each other, the light
-    /// must emit in that direction, and the segment must be unoccluded.
+    /// must emit in that direction, and nothing opaque may occlude the segment.
     fn test_segment(&self, surface: &WorldSurface, address: &Address, last: Option<Ray>) -> Test {
         let radius = self.changes.bounds.radius;
         let end = surface.offset_position(radius);
@@ -337,6 +381,7 @@ pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address, emitters:
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::bvh::TwoLevelBvh;
     use crate::scene::{Instance, load_scene};
     use crate::settings::{Settings, VplSettings};
 

@@ -1,0 +1,143 @@
+//! The world at one moment, and rays through its thin sheets, which tint light without refracting it.
+//!
+//! In: rays. Out: where the light of each stops, with the weight of that; or the share of the light that arrives at its end. Light
+//! that meets a sheet passes it or stops there at random, in proportion to what passes.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{Hit, Occlusion, RAYS_PER_TASK, Ray, TwoLevelBvh};
+use crate::scene::{Pose, Scene, Side, SurfacePoint};
+
+/// Sheets that one ray passes at most; further ones are opaque.
+const MAX_SHEETS: u32 = 64;
+
+/// The world at one moment, on the CPU.
+#[derive(Clone, Copy, Debug)]
+pub struct World<'a> {
+    /// What the world is.
+    pub scene: &'a Scene,
+    /// Where everything stands now.
+    pub pose: &'a Pose,
+    /// Its BVH, already updated to `pose`.
+    pub bvh: &'a TwoLevelBvh,
+}
+
+/// What thin sheets have made of a ray's light, by channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// The share that the sheets let pass in which it has not stopped.
+    pub transmittance: Vec3,
+    /// The weight of where it stopped, which was chosen at random: what arrives there over the probability.
+    pub weight: Vec3,
+}
+
+impl Passage {
+    /// Of a ray that has met no sheet.
+    pub const CLEAR: Self = Self { transmittance: Vec3::ONE, weight: Vec3::ONE };
+}
+
+impl World<'_> {
+    /// Where the light along a ray stops, whose closest hit is `hit`, and how it came there. `numbers`:
+    /// random ones in [0, 1), for each sheet that may stop it.
+    pub fn pass_sheets(
+        &self,
+        ray: &Ray,
+        hit: Option<Hit>,
+        mut numbers: impl Iterator<Item = f32>,
+    ) -> (Option<Hit>, Passage) {
+        let (mut hit, mut passage) = (hit, Passage::CLEAR);
+        if !self.bvh.has_sheets() {
+            return (hit, passage);
+        }
+        for _ in 0..MAX_SHEETS {
+            let Some(met) = hit else { break };
+            let Some((coverage, passed)) = self.sheet(&met, ray.direction) else { break };
+            let passes = passed.max_element();
+            // What lets all light of a channel pass takes no number, so that what cannot be seen changes nothing.
+            if passes < 1.0 && numbers.next().is_some_and(|number| number >= passes) {
+                passage.weight *= coverage / (1.0 - passes);
+                break;
+            }
+            passage.weight *= passed / passes;
+            passage.transmittance *= passed;
+            hit = self.bvh.intersect(&beyond(ray, &met));
+        }
+        (hit, passage)
+    }
+
+    /// What a ray shows: its closest hit behind all sheets that let more than half of the light pass.
+    pub fn visible(&self, ray: &Ray) -> Option<Hit> {
+        self.behind_clear_sheets(ray, self.bvh.intersect(ray))
+    }
+
+    /// [`Self::visible`] for many rays over all cores.
+    pub fn visible_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let hits = self.bvh.intersect_batch(rays).into_iter().zip(rays);
+        hits.map(|(hit, ray)| self.behind_clear_sheets(ray, hit)).collect()
+    }
+
+    fn behind_clear_sheets(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+        self.pass_sheets(ray, hit, std::iter::repeat(0.5)).0
+    }
+
+    /// The share of light that arrives along the segment, by channel: 0 where something opaque lies on it.
+    pub fn transmittance(&self, ray: &Ray) -> Vec3 {
+        self.tint(ray, self.bvh.occlusion(ray))
+    }
+
+    /// [`Self::transmittance`] for many rays on this thread; results in the order of the rays.
+    pub fn transmittance_all(&self, rays: &[Ray]) -> Vec<Vec3> {
+        let occlusions = self.bvh.occlusion_all(rays);
+        rays.iter().zip(occlusions).map(|(ray, occlusion)| self.tint(ray, occlusion)).collect()
+    }
+
+    /// [`Self::transmittance_all`] over all cores.
+    pub fn transmittance_batch(&self, rays: &[Ray]) -> Vec<Vec3> {
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.transmittance_all(rays)).collect()
+    }
+
+    fn tint(&self, ray: &Ray, occlusion: Occlusion) -> Vec3 {
+        match occlusion {
+            Occlusion::Clear => Vec3::ONE,
+            Occlusion::Opaque => Vec3::ZERO,
+            Occlusion::Sheets => self.tint_of_sheets(ray),
+        }
+    }
+
+    /// The product of all sheets on a segment.
+    fn tint_of_sheets(&self, ray: &Ray) -> Vec3 {
+        let (mut tint, mut rest) = (Vec3::ONE, *ray);
+        for _ in 0..=MAX_SHEETS {
+            let Some(hit) = self.bvh.intersect(&rest) else { return tint };
+            let Some((_, passed)) = self.sheet(&hit, ray.direction) else { break };
+            tint *= passed;
+            if tint == Vec3::ZERO {
+                break;
+            }
+            rest = beyond(ray, &hit);
+        }
+        Vec3::ZERO
+    }
+
+    /// If the surface is a sheet: how much of it is there, and what it lets pass of light in this direction.
+    fn sheet(&self, hit: &Hit, direction: Vec3) -> Option<(f32, Vec3)> {
+        let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh];
+        let material = mesh.triangle_materials[hit.triangle as usize];
+        let material = &self.scene.materials[material as usize];
+        if !material.is_sheet() {
+            return None;
+        }
+        let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
+        let found = self.scene.surface_at(self.pose, hit.instance, point, Side::Facing(direction));
+        let bsdf = material.bsdf_at(self.scene, found.attributes);
+        let seen = bsdf.seen(found.surface.normal, -direction.normalize());
+        let sheet = material.sheet_at(self.scene, found.attributes);
+        Some((sheet.coverage, sheet.transmittance(seen.reflected_albedo().max_element())))
+    }
+}
+
+/// The rest of a ray behind what it hit.
+fn beyond(ray: &Ray, hit: &Hit) -> Ray {
+    Ray { t_min: hit.t.next_up(), ..*ray }
+}
