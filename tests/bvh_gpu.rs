@@ -93,8 +93,9 @@ fn twin_meets_each_sheet_once() {
     world.scene.materials.push(Material { transmission: 1.0, ..Material::lambertian("glass", Vec3::ONE) });
     std::sync::Arc::make_mut(&mut world.scene.meshes[0]).triangle_materials.fill(1);
     // Of different sizes, so that the largest would be split.
-    std::sync::Arc::make_mut(&mut world.scene.meshes[1]).triangle_materials.fill(1);
-    std::sync::Arc::make_mut(&mut world.scene.meshes[1]).positions[0] *= 30.0;
+    let soup = std::sync::Arc::make_mut(&mut world.scene.meshes[1]);
+    soup.triangle_materials.fill(1);
+    soup.positions[0] *= 10.0;
     world.place(0, Affine3A::IDENTITY, false);
     world.place(1, Affine3A::from_translation(Vec3::new(4.0, 4.0, 1.0)), true);
     world.place(2, Affine3A::from_translation(Vec3::NEG_Z), false);
@@ -114,7 +115,7 @@ fn twin_meets_each_sheet_once() {
     let (min, max) = bvh.bounds();
     let mut sheets = 0;
     for _ in 0..3000 {
-        let ray = Ray { t_max: 1.0, ..random.ray(min, max) };
+        let ray = random.ray(min, max);
         let mut met = Vec::new();
         let mut open = ray;
         while let Some(hit) = tracer.trace_sheet(&open) {
@@ -133,7 +134,7 @@ fn twin_meets_each_sheet_once() {
         assert_eq!(bvh.intersect(&ray).map(|hit| hit.t), first);
         sheets += met.len();
     }
-    assert!(sheets > 1000, "{sheets}");
+    assert!(sheets > 300, "{sheets}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
+// Whether the scene has thin sheets: elsewhere nobody pays for them. Twin: `TracerVariant` in src/passes/tracer.rs.
+
 #ifndef HAS_SHEETS_GLSL
 #define HAS_SHEETS_GLSL
 
-// Whether the scene has thin sheets: elsewhere nobody pays for them. Twin: `TracerVariant` in src/passes/tracer.rs.
 layout(constant_id = 0) const bool HAS_SHEETS = true;
 
 #endif

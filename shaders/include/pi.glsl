@@ -1,3 +1,5 @@
+// Half the circumference of the unit circle.
+
 #ifndef PI_GLSL
 #define PI_GLSL
 

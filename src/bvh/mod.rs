@@ -187,6 +187,16 @@ impl TwoLevelBvh {
         }
     }
 
+    /// What the thin sheets of a scene let pass that [is built like](Scene::is_built_like) that of the BVH.
+    pub fn sheets_of(&self, scene: &Scene) -> GpuSheets {
+        GpuSheets::new(scene, &self.bottom.sheets)
+    }
+
+    /// Goes on with them.
+    pub fn replace_sheets(&mut self, sheets: GpuSheets) {
+        self.sheets = Arc::new(sheets);
+    }
+
     /// Whether any surface is a thin sheet (`Material::is_sheet`).
     pub fn has_sheets(&self) -> bool {
         !self.bottom.sheets.is_empty()

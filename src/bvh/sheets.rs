@@ -116,26 +116,3 @@ pub(super) fn sheet_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuSh
         pad: 0,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::passes::structs::tests::same_layout;
-    use crate::vulkan::shaders;
-
-    #[test]
-    fn structs_have_the_layout_of_the_shaders() {
-        same_layout!(shaders::CAST_RAYS_COMP.software, GpuSheetTriangle, uvs, colours, pad);
-        same_layout!(
-            shaders::CAST_RAYS_COMP.software,
-            GpuSheet,
-            passed,
-            base,
-            reflectance,
-            roughness,
-            first,
-            size,
-            modes
-        );
-    }
-}

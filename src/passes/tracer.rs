@@ -107,6 +107,12 @@ impl Tracer {
         })
     }
 
+    /// Goes on with sheets of other materials. No frame is on its way.
+    pub fn replace_sheets(&mut self, device: &Arc<Device>, sheets: &GpuSheets) -> Result<(), VulkanError> {
+        self.sheets = Buffer::with_data(device, "bvh_sheets", &sheets.sheets)?;
+        Ok(())
+    }
+
     /// Which shaders it is for: pipelines must be made of them.
     pub fn variant(&self) -> TracerVariant {
         TracerVariant { tracer: self.kind(), sheets: self.has_sheets }

@@ -89,8 +89,11 @@ impl Renderer {
         let sets = self.passes.gbuffer.material_sets(&self.device, &self.buffers, &materials)?;
         // Frames on their way still use what is to be replaced.
         self.device.wait_idle()?;
+        let sheets = self.bvh.sheets_of(scene);
+        self.tracer.replace_sheets(&self.device, &sheets)?;
 
         // From here on nothing fails.
+        self.bvh.replace_sheets(sheets);
         self.passes.gbuffer.set_materials(sets);
         self.buffers.replace(materials, environment);
         self.scene = Arc::clone(scene);
