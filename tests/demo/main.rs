@@ -7,6 +7,7 @@ mod support;
 
 mod desk;
 mod drop;
+mod edits;
 mod log;
 mod opening;
 mod replay;

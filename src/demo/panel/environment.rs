@@ -6,7 +6,7 @@ use egui::{ComboBox, Slider, SliderClamping, TextEdit, Ui};
 
 use super::objects::power;
 use super::scene::short;
-use super::{PanelState, Places, Shown, place};
+use super::{PanelState, Places, Shown, place, place_track};
 use crate::demo::action::Action;
 use crate::scene::EnvironmentEntry;
 
@@ -84,7 +84,7 @@ fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
     let slider =
         Slider::new(&mut strength, 0.0..=STRENGTH[0]).logarithmic(true).clamping(SliderClamping::Edits);
     let slider = ui.add(slider.smallest_positive(f64::from(STRENGTH[1])).text("strength"));
-    place(ui, places, "strength", &slider);
+    place_track(ui, places, "strength", &slider);
     if slider.changed() {
         entry.strength = Some(strength);
     }
@@ -95,7 +95,7 @@ fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
             .suffix("°")
             .text("rotation"),
     );
-    place(ui, places, "rotation", &slider);
+    place_track(ui, places, "rotation", &slider);
     if slider.changed() {
         entry.rotation_deg = Some(degrees);
     }

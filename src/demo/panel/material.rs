@@ -1,9 +1,9 @@
 //! The material at the inspector's point, with its sliders.
 
-use egui::{Align2, Response, Slider, SliderClamping, Ui, Window};
+use egui::{Align2, ScrollArea, Slider, SliderClamping, Ui, Window};
 
 use super::objects::power;
-use super::{Places, Shown, WIDTH, place};
+use super::{Places, Shown, place, place_track};
 use crate::demo::action::Action;
 use crate::demo::stage::Stage;
 use crate::scene::{Alpha, Material, MaterialEdit};
@@ -14,13 +14,9 @@ const NORMAL_SCALE: f32 = 4.0;
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     let (Some(stage), Some(index)) = (shown.stage, shown.inspector.material()) else { return };
     let Some(material) = stage.scene.materials.get(index) else { return };
-    let window = Window::new("Material")
-        .anchor(Align2::LEFT_TOP, [8.0, 8.0])
-        .max_width((ui.available_width() - WIDTH).max(200.0))
-        .max_height(ui.available_height() * 0.5)
-        .resizable(false)
-        .vscroll(true);
-    window.show(ui.ctx(), |ui| {
+    let window = Window::new("Material").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false);
+    let height = ui.available_height() * 0.5;
+    let content = |ui: &mut Ui| {
         ui.strong(if material.name.is_empty() { "(no name)" } else { &material.name });
         let files = stage.read.materials();
         let own = files.get(index);
@@ -31,7 +27,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
         // What an entry of [[lights]] makes emit has its radiance from there.
         let edit = edited(ui, stage, file, own.is_some(), places);
         actions.extend(edit.map(|edit| Action::EditMaterial(Box::new(edit))));
-    });
+    };
+    window.show(ui.ctx(), |ui| ScrollArea::vertical().max_height(height).show(ui, content));
 }
 
 /// The widgets; returns another edit, if there is one.
@@ -48,7 +45,6 @@ fn edited(
         edit.apply(&mut now);
     }
     let before = now.clone();
-    let mut note = |ui: &Ui, name: &str, response: &Response| place(ui, places, name, response);
     let mut base = now.base_colour.to_array();
     ui.horizontal(|ui| {
         if ui.color_edit_button_rgb(&mut base).changed() {
@@ -66,7 +62,7 @@ fn edited(
     ] {
         if is_there {
             let slider = ui.add(Slider::new(value, 0.0..=most).clamping(SliderClamping::Edits).text(name));
-            note(ui, name, &slider);
+            place_track(ui, places, name, &slider);
         }
     }
     if own_emission {
@@ -75,7 +71,7 @@ fn edited(
         now.emission = emission.into();
     }
     let reset = ui.add_enabled(edit.is_some(), egui::Button::new("Reset to the file's"));
-    note(ui, "reset material", &reset);
+    place(ui, places, "reset material", &reset);
     if reset.clicked() {
         return Some(MaterialEdit { name: file.name.clone(), ..MaterialEdit::default() });
     }

@@ -129,6 +129,13 @@ fn place(ui: &Ui, places: &mut Places, name: &str, response: &Response) {
     }
 }
 
+/// The same of a slider's track, without the value and the text beside it.
+fn place_track(ui: &Ui, places: &mut Places, name: &str, slider: &Response) {
+    let width = ui.spacing().slider_width.min(slider.rect.width());
+    let rect = slider.rect.with_max_x(slider.rect.min.x + width);
+    place(ui, places, name, &slider.clone().with_new_rect(rect));
+}
+
 fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) -> Response {
     let header = egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open);
     header.show(ui, content).header_response

@@ -1,0 +1,165 @@
+//! Materials and the environment are edited while the scene is shown, recorded and saved.
+
+use std::fs;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::ONE_AT_A_TIME;
+use crate::desk::Desk;
+use crate::screen::Screen;
+use crate::window::{CACHE, Demo, is_action};
+
+const SMALL: [&str; 6] = ["--size", "640x400", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
+/// Frames after which the picture of a stationary scene is stationary.
+const SETTLED: u64 = 12;
+
+fn is_edited(event: &Value) -> bool {
+    event["event"] == "scene-edited"
+}
+
+/// The picture alone, once it stands still.
+fn settled(demo: &mut Demo<'_>) -> Screen {
+    demo.key_for("Tab", "toggle-panel");
+    demo.frames(SETTLED);
+    let screen = demo.screen();
+    demo.key_for("Tab", "toggle-panel");
+    screen
+}
+
+/// The scene file that is saved for a command line.
+fn saved(demo: &mut Demo<'_>) -> String {
+    let seen = demo.now();
+    demo.key_for("F4", "copy-command");
+    let saved = demo.wait_after(seen, "a scene file", |event| event["event"] == "saved");
+    saved["details"].as_str().unwrap().to_owned()
+}
+
+/// Renders a scene file to what is on screen.
+fn assert_renders_to(demo: &Demo<'_>, arguments: &[&str], screen: &Screen) {
+    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
+        .args(["render", "--out", "rendered.png"])
+        .args(arguments)
+        .current_dir(demo.folder.path())
+        .env("XDG_CACHE_HOME", CACHE)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rendered = image::open(demo.path("rendered.png")).unwrap().to_rgb8();
+    let same = rendered.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
+    assert_eq!(same, screen.pixels.len(), "{arguments:?}: pixels that are the same, of all");
+}
+
+#[test]
+fn a_material_is_picked_edited_recorded_and_saved() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    let seen = demo.now();
+    demo.key_for("ctrl+r", "toggle-recording");
+    demo.wait_after(seen, "recording", |event| event["event"] == "scene");
+    let before = settled(&mut demo);
+    before.keep("12-material");
+
+    // The wall at the back turns into metal, live.
+    demo.key_for("i", "toggle-inspector");
+    demo.click([330, 120]);
+    let seen = demo.now();
+    demo.drag_thing("metallic", 60);
+    let edit = demo.wait_after(seen, "edit", |event| is_action(event, "edit-material"));
+    assert_eq!(edit["details"]["edit-material"]["name"], "white");
+    demo.wait_after(seen, "the edited scene", is_edited);
+    demo.screen().keep("13-material-edited");
+    let metal = settled(&mut demo);
+    metal.keep("14-material-metal");
+    let difference = metal.difference(&before);
+    assert!(difference > 3.0, "the picture has changed by {difference} only");
+
+    // The saved scene is the one on screen.
+    let file = saved(&mut demo);
+    let text = fs::read_to_string(demo.path(&file)).unwrap();
+    assert!(text.contains("[[materials]]") && text.contains("metallic"), "{text}");
+    assert_renders_to(&demo, &["--frames=24", &file], &metal);
+
+    // Taken back, nothing of it is left.
+    let seen = demo.now();
+    demo.click_thing("reset material");
+    demo.wait_after(seen, "the scene of the file", is_edited);
+    demo.frames(16);
+    assert!(settled(&mut demo) == before, "the picture has not come back");
+
+    // So does the recording.
+    let seen = demo.now();
+    demo.drag_thing("metallic", 60);
+    demo.wait_after(seen, "the edited scene", is_edited);
+    demo.key_for("Tab", "toggle-panel");
+    let end = settled(&mut demo);
+    let seen = demo.now();
+    demo.input(&["key", "ctrl+r"]);
+    let recording = demo.wait_after(seen, "recording", |event| event["event"] == "saved");
+    assert_renders_to(&demo, &[recording["details"].as_str().unwrap()], &end);
+    demo.close();
+}
+
+#[test]
+fn a_map_is_dropped_chosen_dimmed_and_saved() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let scene = "[[models]]\nname = \"ball\"\nprimitive = \"sphere\"\n[[instances]]\nmodel = \"ball\"\n\
+                 [[lights]]\ntype = \"point\"\nposition = [3, 3, 3]\nintensity = [20, 20, 20]\n";
+    fs::write(file("ball.toml"), scene).unwrap();
+    for (name, colour) in [("blue.exr", [0.1, 0.2, 1.0]), ("red.exr", [1.0, 0.2, 0.1])] {
+        image::Rgb32FImage::from_pixel(8, 4, image::Rgb(colour)).save(file(name)).unwrap();
+    }
+    fs::write(file("broken.hdr"), "#?RADIANCE\nnothing\n").unwrap();
+    let ball = file("ball.toml");
+    let mut demo = Demo::start(&desk, &[&[ball.to_str().unwrap(), "--exposure=0"][..], &SMALL].concat());
+    let black = settled(&mut demo);
+
+    let seen = demo.now();
+    demo.drop_file(&file("blue.exr"));
+    demo.wait_after(seen, "the map", is_edited);
+    let blue = settled(&mut demo);
+    blue.keep("15-map-dropped");
+    assert!(blue.mean()[2] > black.mean()[2] + 50.0, "{:?} after {:?}", blue.mean(), black.mean());
+
+    // A broken one says so in one line, and changes nothing.
+    let seen = demo.now();
+    demo.drop_file(&file("broken.hdr"));
+    let failed = demo.wait_after(seen, "failure", |event| event["event"] == "scene-failed");
+    let said = failed["details"].as_str().unwrap();
+    assert!(said.contains("broken.hdr") && said.contains("decoded") && !said.contains('\n'), "{said}");
+    demo.screen().keep("16-map-broken");
+    assert!(settled(&mut demo) == blue, "a broken map changes the picture");
+
+    // Another by its name.
+    demo.click_thing("Scene");
+    demo.click_thing("Environment");
+    demo.click_thing("map");
+    let seen = demo.now();
+    demo.input(&["type", file("red.exr").to_str().unwrap()]);
+    demo.input(&["key", "Return"]);
+    demo.wait_after(seen, "the map", is_edited);
+    let red = settled(&mut demo);
+    assert!(red.mean()[0] > blue.mean()[0] + 50.0, "{:?} after {:?}", red.mean(), blue.mean());
+
+    // Its slider dims it, without another scene.
+    let seen = demo.now();
+    demo.drag_thing("strength", -40);
+    demo.wait_after(seen, "dimming", |event| is_action(event, "edit-environment"));
+    let dim = settled(&mut demo);
+    dim.keep("17-map-dimmed");
+    assert!(dim.mean()[0] < red.mean()[0] - 20.0, "{:?} after {:?}", dim.mean(), red.mean());
+    assert!(!demo.events()[seen..].iter().any(is_edited), "a scene was built for a number");
+
+    let saved_file = saved(&mut demo);
+    let text = fs::read_to_string(demo.path(&saved_file)).unwrap();
+    for part in ["[environment]", "red.exr", "strength"] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(!text.contains("blue") && !text.contains("broken"), "{text}");
+    assert_renders_to(&demo, &["--frames=24", &saved_file], &dim);
+    demo.close();
+}
