@@ -140,3 +140,20 @@ fn lamp_that_moves_behind_panes_is_forgotten() {
         stage.move_instance(PANE, Vec3::X * -0.02 * frame as f32);
     });
 }
+
+#[test]
+fn panes_that_move_at_random_are_forgotten() {
+    for seed in 0..4 {
+        let mut random = Random(seed);
+        assert_forgets(glazed_room(), |_, stage| {
+            for pane in PANE..PANE + 4 {
+                let rest = stage.scene.instances[pane].transform.translation;
+                let place = Vec3::new(random.unit(), random.unit(), random.unit());
+                let place = Vec3::new(-2.0, 0.9, -2.0) + place * Vec3::new(4.0, 2.2, 4.0);
+                if random.unit() < 0.3 {
+                    stage.move_instance(pane, place - Vec3::from(rest));
+                }
+            }
+        });
+    }
+}
