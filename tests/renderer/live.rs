@@ -9,7 +9,8 @@ use glowworm::renderer::{PreparedScene, RenderError, Renderer};
 use glowworm::scene::{Environment, EnvironmentMap, LightKind, Material, Scene};
 use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
-use super::support::{Lab, indirect, layer, luminance, mean, named_scene, scene};
+use super::materials::floor;
+use super::support::{Lab, assets, indirect, layer, luminance, mean, named_scene, scene};
 use super::views::STUDIO;
 
 fn start() -> Settings {
@@ -218,6 +219,28 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
     }
     let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
     assert!(frames.is_sorted() && frames.first() == Some(&0), "the renderer has gone on");
+}
+
+#[test]
+fn textured_materials_are_edited_without_their_textures() {
+    let Some(lab) = Lab::open() else { return };
+    let mut scenes = vec![Arc::new(floor())];
+    scenes.extend(assets().map(|assets| named_scene("damaged-helmet", Some(&assets))));
+    for scene in scenes {
+        let edited = edited(&scene, 0, |material| {
+            (material.metallic, material.roughness, material.normal_scale) = (0.2, 0.9, 0.3);
+            (material.base_colour, material.emission) = (Vec3::new(0.9, 0.5, 0.4), material.emission * 3.0);
+        });
+        let (pose, settings) = (edited.pose(0.0), start());
+        let mut renderer = lab.rendered(&scene, &settings, 5);
+        renderer.set_scene(&edited, &pose).unwrap();
+        for _ in 0..settings.vpl.slots / settings.vpl.budget + 2 * settings.vpl.temporal_sets {
+            renderer.render(&pose).unwrap();
+        }
+        let picture = renderer.read_picture(true).unwrap();
+        assert!(picture == fresh(&lab, &edited, &settings), "{}", scene.name);
+        assert!(picture != fresh(&lab, &scene, &settings), "{}", scene.name);
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ fn texture(name: &str, linear: bool, colour: impl Fn(Vec2) -> Vec3) -> Texture {
 }
 
 /// A floor whose roughness rises to the right, metallic to the back, and which glows in a corner, under a lamp.
-fn floor() -> Scene {
+pub fn floor() -> Scene {
     let mut scene = Scene::new("floor");
     let base = texture("base", false, |at| Vec3::new(0.9, 0.3 + 0.6 * at.x, 0.9 - 0.7 * at.y));
     scene.textures.push(base.into());
