@@ -439,7 +439,7 @@ fn light_passes_sheets_or_stops_at_random() {
         let behind = opaque_hit(&bvh, &ray);
         let mut arrived = Vec3::ZERO;
         for _ in 0..TRIES {
-            let (end, passage) = moment.pass_sheets(&ray, hit, |_| random.unit());
+            let (end, passage) = moment.pass_sheets(&ray, hit, std::iter::repeat_with(|| random.unit()));
             let way = Ray { t_max: end.map_or(f32::INFINITY, |end| end.t), ..ray };
             assert!(moment.transmittance(&way).distance(passage.transmittance) < 1e-5);
             if end == behind {

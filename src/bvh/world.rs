@@ -38,23 +38,24 @@ impl Passage {
 }
 
 impl World<'_> {
-    /// Where the light along a ray stops, whose closest hit is `hit`, and how it came there. `number` gives the random number
-    /// in [0, 1) for each sheet that it meets, counted from 0.
+    /// Where the light along a ray stops, whose closest hit is `hit`, and how it came there. `numbers`:
+    /// random ones in [0, 1), for each sheet that may stop it.
     pub fn pass_sheets(
         &self,
         ray: &Ray,
         hit: Option<Hit>,
-        mut number: impl FnMut(u32) -> f32,
+        mut numbers: impl Iterator<Item = f32>,
     ) -> (Option<Hit>, Passage) {
         let (mut hit, mut passage) = (hit, Passage::CLEAR);
         if !self.bvh.has_sheets() {
             return (hit, passage);
         }
-        for sheet in 0..MAX_SHEETS {
+        for _ in 0..MAX_SHEETS {
             let Some(met) = hit else { break };
             let Some((coverage, passed)) = self.sheet(&met, ray.direction) else { break };
             let passes = passed.max_element();
-            if number(sheet) >= passes {
+            // What lets all light of a channel pass takes no number, so that what cannot be seen changes nothing.
+            if passes < 1.0 && numbers.next().is_some_and(|number| number >= passes) {
                 passage.weight *= coverage / (1.0 - passes);
                 break;
             }
@@ -77,7 +78,7 @@ impl World<'_> {
     }
 
     fn behind_clear_sheets(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        self.pass_sheets(ray, hit, |_| 0.5).0
+        self.pass_sheets(ray, hit, std::iter::repeat(0.5)).0
     }
 
     /// The share of light that arrives along the segment, by channel: 0 where something opaque lies on it.

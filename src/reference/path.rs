@@ -297,7 +297,8 @@ impl Reference<'_> {
         let hits = self.bvh.intersect_all(rays);
         hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
         let pass = |(index, hit): (usize, Option<Hit>)| {
-            let (hit, passage) = self.world().pass_sheets(&rays[index], hit, |_| number(index));
+            let (hit, passage) =
+                self.world().pass_sheets(&rays[index], hit, std::iter::repeat_with(|| number(index)));
             (hit, passage.weight)
         };
         hits.into_iter().enumerate().map(pass).collect()

@@ -12,7 +12,7 @@ const LAMP: usize = 2;
 const PILLAR: usize = 3;
 
 /// A room without its ceiling: a moving box and lamp, a pillar, and lights of all four kinds.
-fn open_room() -> Stage {
+pub fn open_room() -> Stage {
     let mut scene = grey_scene(0.7);
     let mut walls = square(6.0);
     for turn in 0..3 {
@@ -34,11 +34,13 @@ fn open_room() -> Stage {
 }
 
 /// Plays `change` for 20 frames, waits for the guaranteed number of frames, and compares with a fresh start.
-fn assert_forgets(mut stage: Stage, mut change: impl FnMut(u32, &mut Stage)) {
+pub fn assert_forgets(mut stage: Stage, mut change: impl FnMut(u32, &mut Stage)) {
     let mut touched = 0;
-    for (vpls, bounces, budget) in [(300, 2, 32), (301, 4, 7), (64, 16, 1)] {
+    for (vpls, bounces, budget, candidates) in
+        [(300, 2, 32, 32), (301, 4, 7, 32), (64, 16, 1, 32), (400, 3, 25, 1)]
+    {
         let settings = Settings {
-            vpl: VplSettings { budget, ..settings(vpls, bounces).vpl },
+            vpl: VplSettings { budget, candidates, ..settings(vpls, bounces).vpl },
             ..settings(vpls, bounces)
         };
         let rest = stage.pose.clone();

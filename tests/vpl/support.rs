@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::bvh::TwoLevelBvh;
 use glowworm::estimators::World;
 use glowworm::estimators::vpls::{GpuVpl, SlotState, SlotView, VplCounters, VplManager};
-use glowworm::scene::{AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene};
+use glowworm::scene::{Alpha, AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
 /// A scene with its current pose.
@@ -79,6 +79,17 @@ pub fn grey_scene(albedo: f32) -> Scene {
     let mut scene = Scene::new("test");
     scene.materials.push(Material::lambertian("grey", Vec3::splat(albedo)));
     scene
+}
+
+/// A pane without reflection that lets `tint` pass.
+pub fn pane(tint: Vec3) -> Material {
+    Material { transmission: 1.0, ..Material::lambertian("pane", tint) }
+}
+
+/// A grey veil of which so much is there.
+pub fn veil(opacity: f32, albedo: f32) -> Material {
+    let grey = Material::lambertian("veil", Vec3::splat(albedo));
+    Material { alpha: Alpha::Blend, opacity, ..grey }
 }
 
 /// Adds a mesh with an instance of it; returns the instance.

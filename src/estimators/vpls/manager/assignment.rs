@@ -6,6 +6,7 @@
 
 use glam::Vec2;
 
+use super::MAX_BOUNCES;
 use super::quota::{Quota, SlotBudget};
 use crate::sampling::{self, hash};
 use crate::settings::Sequence;
@@ -53,12 +54,30 @@ impl Layout {
     /// Sample in [0, 1)^2 for the `step`-th ray, or point on a light, of a slot's path: that of one of its candidates. Each
     /// candidate has a sequence of its own.
     pub(super) fn point(&self, address: &Address, step: u32, candidate: u32) -> Vec2 {
-        let seed = hash(self.seed, address.light);
-        let seed = if candidate == 0 { seed } else { hash(seed, candidate) };
+        let seed = self.sequence_seed(address, candidate);
         match self.sequence {
             Sequence::Sobol => sampling::sequence_point(address.sequence, step, seed),
             Sequence::Random => sampling::random_point(address.sequence, step, seed),
         }
+    }
+
+    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `sheet`-th thin sheet on its way: for
+    /// the first one a further dimension of the sequence.
+    pub(super) fn sheet_number(&self, address: &Address, candidate: u32, sheet: u32) -> f32 {
+        // Rays have the first dimensions.
+        let step = (MAX_BOUNCES as u32 + 1) * (sheet + 1) + address.bounce;
+        match sheet {
+            0 => self.point(address, step, candidate).x,
+            _ => {
+                let seed = self.sequence_seed(address, candidate);
+                sampling::random_point(address.sequence, step, seed).x
+            }
+        }
+    }
+
+    fn sequence_seed(&self, address: &Address, candidate: u32) -> u32 {
+        let seed = hash(self.seed, address.light);
+        if candidate == 0 { seed } else { hash(seed, candidate) }
     }
 
     /// Random number in [0, 1) that chooses among the candidates of a slot.

@@ -123,16 +123,17 @@ fn visible_points(world: World<'_>, aspect: f32) -> Vec<WorldSurface> {
     surfaces_hit(world, &rays)
 }
 
-/// The surfaces that rays hit; none for rays that leave the scene.
+/// The surfaces where rays stop; none for rays that leave the scene.
 pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> {
     hits(world, rays).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
-/// What each ray hits, with its distance.
+/// Where each ray stops, passing thin sheets at random, with its distance.
 fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
-    let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays);
-    hits.map(|(hit, ray)| {
-        let hit = hit?;
+    let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
+    hits.map(|((hit, ray), index)| {
+        let numbers = (0..).map(|sheet| sampling::random_point(index, sheet, 0).x);
+        let hit = world.pass_sheets(ray, hit, numbers).0?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
         Some((hit.t, world.scene.surface_at(world.pose, hit.instance, point, side).surface))

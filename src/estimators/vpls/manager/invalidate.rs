@@ -6,7 +6,8 @@
 //! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
 //! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
 //! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was unoccluded in the last
-//! frame is tested against moving instances only.
+//! frame is tested against moving instances only. What thin sheets do to a ray may change, too: then a fresh slot is stale, or, where
+//! much more or less light passes, invalid.
 
 use rayon::prelude::*;
 
@@ -15,36 +16,13 @@ use super::emitter::{Emitter, Source};
 use super::invalidation::{Invalidation, InvalidationReason};
 use super::quota::allocate_paths;
 use super::shoot::SLOTS_PER_TASK;
+use super::slot_test::TestResult;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Occlusion, Ray, TwoLevelBvh};
 use crate::scene::{Side, WorldSurface};
-use glam::Vec3;
-
-/// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
-/// would be too many or too few until they are shot again.
-const MOST_CHANGE: f32 = 2.0;
 
 /// Minimum number of tests per task.
 const TESTS_PER_TASK: usize = 64;
-
-/// The test that a slot needs.
-enum Test {
-    /// None: it stays as it is.
-    Keep,
-    /// None: it is invalid for this reason.
-    Fail(InvalidationReason),
-    /// It stays valid if this ray is unoccluded.
-    Trace(Ray),
-}
-
-/// Outcome of a slot's test.
-struct TestResult {
-    /// Why it is invalid; none if it passed.
-    failure: Option<InvalidationReason>,
-    /// The ray that was traced, if it is unoccluded.
-    unoccluded: Option<Ray>,
-}
 
 impl VplManager {
     /// Updates all slots for the current world; returns how many became invalid.
@@ -157,7 +135,7 @@ impl VplManager {
         let results: Vec<TestResult> = (0..this.slots.len())
             .into_par_iter()
             .with_min_len(TESTS_PER_TASK)
-            .map(|index| this.test(world.bvh, index))
+            .map(|index| this.test(world, index))
             .collect();
         // Apply the results in slot order, so that invalidation propagates from parents to children.
         let mut invalidated = 0;
@@ -168,7 +146,8 @@ impl VplManager {
     }
 
     /// Applies the result of one slot, after that of its parent. Returns whether the slot became invalid.
-    fn apply_result(&mut self, index: usize, TestResult { failure, unoccluded }: TestResult) -> bool {
+    fn apply_result(&mut self, index: usize, result: TestResult) -> bool {
+        let TestResult { failure, changed, unoccluded } = result;
         let parent = self.assignment.addresses[index].parent;
         let has_choice = self.candidates(index as u32) > 1;
         let (parent_state, parent_fresh) = match parent {
@@ -196,7 +175,7 @@ impl VplManager {
             Some(reason) => self.invalidate_slot(index, reason),
             // The tested ray is all that a new shot would trace, and it escapes.
             None if before == SlotState::Escaped && !has_choice => slot.fresh = parent_fresh,
-            None => {}
+            None => slot.fresh &= parent_fresh && !changed,
         }
         failure.is_some()
     }
@@ -210,111 +189,6 @@ impl VplManager {
         }
         self.slots[index] = Slot::INVALID;
     }
-
-    fn test(&self, bvh: &TwoLevelBvh, index: usize) -> TestResult {
-        let ray = match self.select_test(index) {
-            Test::Keep => return TestResult { failure: None, unoccluded: None },
-            Test::Fail(reason) => return TestResult { failure: Some(reason), unoccluded: None },
-            Test::Trace(ray) => ray,
-        };
-        let occluded = if self.changes.static_moved || self.slots[index].unoccluded != Some(ray) {
-            bvh.occluded(&ray)
-        } else {
-            self.changes.geometry_moved && bvh.occlusion_by_dynamic(&ray) == Occlusion::Opaque
-        };
-        match occluded {
-            true => TestResult { failure: Some(InvalidationReason::Occluded), unoccluded: None },
-            false => TestResult { failure: None, unoccluded: Some(ray) },
-        }
-    }
-
-    fn select_test(&self, index: usize) -> Test {
-        let (slot, address) = (&self.slots[index], &self.assignment.addresses[index]);
-        if slot.state == SlotState::Invalid {
-            return Test::Keep;
-        }
-        if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
-            // It takes the state of its parent.
-            return Test::Keep;
-        }
-        match slot.state {
-            _ if slot.fresh => slot.unoccluded.map_or(Test::Keep, Test::Trace),
-            SlotState::Escaped => {
-                self.sample_ray(index as u32, 0).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
-            }
-            _ if slot.is_at_infinity() => Test::Keep,
-            _ if address.bounce == 0 => self.test_primary(slot, address),
-            _ => self.test_segment(&self.surfaces[index], address, slot.unoccluded),
-        }
-    }
-
-    fn test_primary(&self, slot: &Slot, address: &Address) -> Test {
-        match &self.changes.emitters[address.light as usize].source {
-            Source::Area(table) if table.instance == slot.instance && table.contains(slot.point.triangle) => {
-                Test::Keep
-            }
-            _ => Test::Fail(InvalidationReason::LightChanged),
-        }
-    }
-
-    /// Test of the segment from the slot's parent to its surface: the two sides must face each other, the light
-    /// must emit in that direction, and the segment must be unoccluded.
-    fn test_segment(&self, surface: &WorldSurface, address: &Address, last: Option<Ray>) -> Test {
-        let radius = self.changes.bounds.radius;
-        let end = surface.offset_position(radius);
-        let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
-        if address.parent != NONE {
-            let parent = &self.surfaces[address.parent as usize];
-            if self.slots[address.parent as usize].is_at_infinity() {
-                return test_towards_infinity(surface, end, parent.normal);
-            }
-            let along = surface.position - parent.position;
-            let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
-            let arrives = surface.geometric_normal.dot(along) < 0.0;
-            return match leaves && arrives {
-                true => Test::Trace(towards(parent.offset_position(radius))),
-                false => Test::Fail(InvalidationReason::FacesAway),
-            };
-        }
-        let source = &self.changes.emitters[address.light as usize].source;
-        let ray = match source {
-            Source::Point { position } | Source::Spot { position, .. } => towards(*position),
-            Source::Directional { frame, .. } => return test_towards_infinity(surface, end, frame.normal),
-            Source::Area(_) | Source::Environment(_) => return Test::Fail(InvalidationReason::LightChanged),
-        };
-        let jumped = match (source, last) {
-            (Source::Point { position } | Source::Spot { position, .. }, Some(last)) => {
-                !(1.0 / MOST_CHANGE..=MOST_CHANGE).contains(&density_change(surface, last.origin, *position))
-            }
-            _ => false,
-        };
-        if jumped {
-            return Test::Fail(InvalidationReason::LightChanged);
-        }
-        let arrives = surface.geometric_normal.dot(surface.position - ray.origin) < 0.0;
-        match (arrives, source.emits_towards(surface.position)) {
-            (true, true) => Test::Trace(ray),
-            (false, _) => Test::Fail(InvalidationReason::FacesAway),
-            (true, false) => Test::Fail(InvalidationReason::LightTurnedAway),
-        }
-    }
-}
-
-/// Test of the ray from a surface, which starts at `origin`, against the direction in which its light travels.
-fn test_towards_infinity(surface: &WorldSurface, origin: Vec3, direction: Vec3) -> Test {
-    match surface.geometric_normal.dot(direction) < 0.0 {
-        true => Test::Trace(Ray { origin, direction: -direction, t_min: 0.0, t_max: f32::INFINITY }),
-        false => Test::Fail(InvalidationReason::FacesAway),
-    }
-}
-
-/// How much more densely a point light at `to` shoots at a surface than one at `from`.
-fn density_change(surface: &WorldSurface, from: Vec3, to: Vec3) -> f32 {
-    let density = |light: Vec3| {
-        let d = light - surface.position;
-        surface.geometric_normal.dot(d).max(0.0) / d.length().powi(3)
-    };
-    density(to) / density(from)
 }
 
 /// Current surface of a valid slot's VPL, world space.
@@ -337,6 +211,7 @@ pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address, emitters:
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::bvh::TwoLevelBvh;
     use crate::scene::{Instance, load_scene};
     use crate::settings::{Settings, VplSettings};
 

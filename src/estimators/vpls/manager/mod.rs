@@ -5,7 +5,7 @@
 //! - `quota`, `assignment`: paths per light; slots per path and bounce.
 //! - `emitter`, `focus`: emission sampling.
 //! - `placement`, `importance`: of several candidates for a slot, which one; what a VPL brings to the picture.
-//! - `changes`: what changed in the world; `invalidate`: algorithm 2; `replace`, `shoot`: algorithm 3.
+//! - `changes`: what changed in the world; `invalidate`, `slot_test`: algorithm 2; `replace`, `shoot`: algorithm 3.
 //! - `upload`: the VPLs of a set for the shaders.
 //! - `invalidation`, `inspect`: for debug views; `warning`: when most slots carry no light.
 
@@ -21,6 +21,7 @@ mod placement;
 mod quota;
 mod replace;
 mod shoot;
+mod slot_test;
 mod slots;
 mod upload;
 mod warning;

@@ -171,7 +171,9 @@ impl Placement {
                 break;
             }
         }
-        let (mut slot, surface) = candidates[chosen.unwrap_or(0)];
+        let candidate = chosen.unwrap_or(0);
+        let (mut slot, surface) = candidates[candidate];
+        slot.candidate = candidate as u32;
         if let (Some(chosen), true) = (chosen, count > 1) {
             slot.throughput *= total / (count as f32 * worths[chosen]);
         }

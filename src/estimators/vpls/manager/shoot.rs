@@ -1,6 +1,7 @@
 //! Traces light paths through the scene, all rays of one bounce in one batch.
 //!
-//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths").
+//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths"). Rays pass thin sheets or
+//! stop there at random, in proportion to what passes.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,14 +11,14 @@ use super::emitter::Source;
 use super::invalidate::locate;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Hit, Ray};
+use crate::bvh::{Hit, Passage, Ray};
 use crate::sampling::{self, Frame};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// Minimum number of slots per task.
 pub(super) const SLOTS_PER_TASK: usize = 256;
 
-/// Fraction of the hit distance up to which a shot ray is unoccluded; excludes the hit itself.
+/// Fraction of the hit distance up to which nothing opaque occludes a shot ray; excludes the hit itself.
 const HIT_MARGIN: f32 = 1.0 - 1e-5;
 
 /// Slots `start..end` of a path, counted from its first.
@@ -82,7 +83,7 @@ impl VplManager {
         let shots: Vec<(Slot, WorldSurface)> = (&candidates, &starts, &traced)
             .into_par_iter()
             .with_min_len(SLOTS_PER_TASK)
-            .map(|(&(slot, _), start, hit)| this.store_hit(world, slot, start, *hit))
+            .map(|(&candidate, start, hit)| this.store_hit(world, candidate, start, *hit))
             .collect();
         let mut rest = &shots[..];
         let mut filled = Vec::with_capacity(slots.len());
@@ -152,10 +153,24 @@ impl VplManager {
         (ray.direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
     }
 
+    /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
+    /// the candidate, so the same ray stops at the same sheet again.
+    pub(super) fn pass_sheets(
+        &self,
+        world: World<'_>,
+        (slot, candidate): (u32, u32),
+        ray: &Ray,
+        hit: Option<Hit>,
+    ) -> (Option<Hit>, Passage) {
+        let address = &self.assignment.addresses[slot as usize];
+        world.pass_sheets(ray, hit, (0..).map(|sheet| self.layout.sheet_number(address, candidate, sheet)))
+    }
+
+    /// The slot as one of its candidates fills it, whose ray first hits `hit`.
     fn store_hit(
         &self,
         world: World<'_>,
-        slot: u32,
+        (slot, candidate): (u32, u32),
         start: &Start,
         hit: Option<Hit>,
     ) -> (Slot, WorldSurface) {
@@ -166,6 +181,10 @@ impl VplManager {
                 let parent = &self.slots[address.parent as usize];
                 (parent.fresh, parent.throughput)
             }
+        };
+        let (hit, passage) = match start {
+            Start::Trace(ray, _) => self.pass_sheets(world, (slot, candidate), ray, hit),
+            _ => (None, Passage::CLEAR),
         };
         let found_at = |instance, point, side| world.scene.surface_at(world.pose, instance, point, side);
         let (instance, point, found, throughput, unoccluded) = match (start, hit) {
@@ -201,11 +220,12 @@ impl VplManager {
                 let albedo =
                     world.scene.materials[material as usize].albedo_at(world.scene, found.attributes);
                 let unoccluded = Ray { t_max: hit.t * HIT_MARGIN, ..ray };
-                (hit.instance, point, found, throughput * weight * albedo, Some(unoccluded))
+                (hit.instance, point, found, throughput * weight * passage.weight * albedo, Some(unoccluded))
             }
             (Start::Trace(..) | Start::Escape, _) => {
                 let unoccluded = if let Start::Trace(ray, _) = start { Some(*ray) } else { None };
-                return (Slot { unoccluded, ..Slot::escaped(fresh, self.frame) }, WorldSurface::default());
+                let escaped = Slot { unoccluded, passage, ..Slot::escaped(fresh, self.frame) };
+                return (escaped, WorldSurface::default());
             }
         };
         let filled = Slot {
@@ -215,9 +235,11 @@ impl VplManager {
             useful: false,
             candidates: 1,
             hits: 1,
+            candidate,
             instance,
             point,
             throughput,
+            passage,
             shot: self.frame,
             unoccluded,
         };

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::assignment::NONE;
 use super::invalidation::Invalidation;
-use crate::bvh::Ray;
+use crate::bvh::{Passage, Ray};
 use crate::scene::SurfacePoint;
 
 /// State of a slot.
@@ -33,15 +33,19 @@ pub(super) struct Slot {
     /// Candidates that it was chosen from, and how many of these hit something.
     pub(super) candidates: u32,
     pub(super) hits: u32,
+    /// Which of them it is.
+    pub(super) candidate: u32,
     /// Index into `Scene::instances`; [`NONE`] at infinity.
     pub(super) instance: u32,
     /// Point on the instance's mesh; at infinity the place in the environment's map.
     pub(super) point: SurfacePoint,
-    /// Product of the albedos along the path and the weight of its start.
+    /// Product of the albedos along the path, the weight of its start and those of its passages.
     pub(super) throughput: Vec3,
+    /// What thin sheets made of the ray that shot it.
+    pub(super) passage: Passage,
     /// Frame in which it was shot.
     pub(super) shot: u32,
-    /// The ray to it that was unoccluded in the last frame; none if unknown.
+    /// The ray to it that nothing opaque occluded in the last frame; none if unknown.
     pub(super) unoccluded: Option<Ray>,
 }
 
@@ -54,9 +58,11 @@ impl Slot {
         useful: false,
         candidates: 0,
         hits: 0,
+        candidate: 0,
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
+        passage: Passage::CLEAR,
         shot: 0,
         unoccluded: None,
     };
