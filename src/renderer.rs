@@ -3,9 +3,11 @@
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
+mod direct;
 mod live;
 mod pick;
 mod picture;
+mod prepared;
 mod replay;
 mod shared;
 mod tracer_choice;
@@ -15,26 +17,23 @@ mod view;
 pub use crate::estimators::DebugView;
 pub use crate::passes::overlay::Line;
 pub use pick::{Picked, camera_ray};
+pub use prepared::PreparedScene;
 pub use replay::Replay;
 pub use tracer_choice::{remember_in, tracer_rates};
 
 use std::any::Any;
 use std::collections::VecDeque;
-use std::f32::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
-
-use glam::{Vec3, Vec4};
 
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::combine::CombineInputs;
-use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass};
-use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass, lights_of};
+use crate::passes::direct_shadows::lights_of;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
-use crate::passes::sheets::{SheetsInputs, SheetsPass};
-use crate::passes::structs::{FrameUniforms, LightData};
+use crate::passes::sheets::SheetsPass;
+use crate::passes::structs::FrameUniforms;
 use crate::passes::to_u32;
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{
@@ -42,75 +41,11 @@ use crate::report::{
     TracerChoice,
 };
 use crate::scene::{Camera, Pose, Scene};
-use crate::settings::{Indirect, Settings};
-use crate::vulkan::{Device, Frame, FrameTimes, Frames, VulkanError};
+use crate::settings::Settings;
+use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+use direct::ambient;
 use shared::SharedPasses;
 use view::{ViewFrame, ViewPasses};
-
-/// What point, spot and directional lights send straight to the visible surfaces.
-fn light_directly(
-    (shadows, shading): (&mut DirectShadowsPass, &mut DirectShadingPass),
-    frame: &mut Frame<'_>,
-    inputs: &EstimatorInputs<'_>,
-    (lights, background): (&[LightData], Vec4),
-    scene: &SceneBuffers,
-) -> Result<(), VulkanError> {
-    let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
-    shadows.record(
-        frame,
-        &DirectShadowsInputs {
-            frame: uniforms,
-            gbuffer,
-            tracer,
-            instances: instances.version,
-            lights,
-            uploaded_lights: inputs.lights,
-        },
-    )?;
-    shading.record(
-        frame,
-        &DirectShadingInputs {
-            frame: uniforms,
-            gbuffer,
-            lights: inputs.lights,
-            visibility: shadows.output(),
-            visibility_version: shadows.version(),
-            background,
-            scene,
-        },
-    )
-}
-
-/// What thin sheets before the visible surfaces add, and what they let pass.
-fn show_sheets(
-    sheets: &mut SheetsPass,
-    frame: &mut Frame<'_>,
-    inputs: &EstimatorInputs<'_>,
-    (lights, ambient): (&[LightData], Vec3),
-    scene: &SceneBuffers,
-) -> Result<(), VulkanError> {
-    let &EstimatorInputs { frame: uniforms, gbuffer, instances, tracer, .. } = inputs;
-    sheets.record(
-        frame,
-        &SheetsInputs {
-            frame: uniforms,
-            gbuffer,
-            tracer,
-            instances,
-            scene,
-            lights,
-            uploaded_lights: inputs.lights,
-            camera: &inputs.pose.camera,
-            ambient,
-        },
-    )
-}
-
-/// Mean irradiance by the environment, W/m^2, for sheets with nothing behind them that knows better.
-fn ambient(settings: &Settings, pose: &Pose) -> Vec3 {
-    let environment = pose.environment.as_ref().filter(|_| settings.indirect != Indirect::None);
-    environment.map_or(Vec3::ZERO, |environment| environment.mean() * PI)
-}
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -159,14 +94,6 @@ pub struct Renderer {
     device: Arc<Device>,
 }
 
-/// A scene with what can be worked out without a device, on any thread.
-#[derive(Clone)]
-pub struct PreparedScene {
-    pub(crate) scene: Arc<Scene>,
-    pub(crate) bvh: TwoLevelBvh,
-    bvh_ms: f64,
-}
-
 /// Makes an estimator for a renderer.
 pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
 
@@ -175,27 +102,6 @@ struct Pending {
     frame: u64,
     cpu_ms: Vec<f64>,
     counters: Counters,
-}
-
-impl PreparedScene {
-    /// Builds the BVH; takes a second or so for a million triangles.
-    pub fn new(scene: &Arc<Scene>) -> Self {
-        let begun = Instant::now();
-        let bvh = TwoLevelBvh::build(scene, &scene.pose(0.0).instances);
-        let bvh_ms = begun.elapsed().as_secs_f64() * 1e3;
-        log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
-        Self { scene: Arc::clone(scene), bvh, bvh_ms }
-    }
-
-    /// Its BVH, of the scene at rest.
-    pub fn bvh(&self) -> &TwoLevelBvh {
-        &self.bvh
-    }
-
-    /// How long building the BVH took, milliseconds.
-    pub fn bvh_ms(&self) -> f64 {
-        self.bvh_ms
-    }
 }
 
 impl Renderer {
@@ -304,13 +210,9 @@ impl Renderer {
             tracer,
             pose,
         };
-        let direct_passes = (&mut self.passes.direct_shadows, &mut self.passes.direct_shading);
-        light_directly(direct_passes, &mut frame, &inputs, (&lights, uniforms.background), buffers)?;
-        if let Some(sheets) = &mut self.passes.sheets {
-            let ambient = ambient(&self.settings, pose);
-            show_sheets(sheets, &mut frame, &inputs, (&lights, ambient), buffers)?;
-        }
-        let (direct_shadows, direct_shading) = (&self.passes.direct_shadows, &self.passes.direct_shading);
+        let ambient = ambient(&self.settings, pose);
+        self.passes.direct.record(&mut frame, &inputs, &lights, (uniforms.background, ambient), buffers)?;
+        let (direct_shadows, direct_shading) = (&self.passes.direct.shadows, &self.passes.direct.shading);
         let direct = direct_shading.output();
 
         // Estimate their indirect light, and join both.
@@ -324,7 +226,7 @@ impl Renderer {
                 irradiance,
                 albedo: &gbuffer.albedo,
                 specular_albedo: direct_shading.specular_albedo(),
-                sheets: self.passes.sheets.as_ref().map(SheetsPass::output),
+                sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
                 exposure: self.settings.exposure,
             },
         )?;

@@ -55,7 +55,7 @@ History history_at(ivec2 pixel) {
     }
     if (weights == 0.0) return sum;
     vec3 mean = sum.moments / weights;
-    return History(sum.light / weights, vec3(mean.x, sqrt(mean.y), floor(mean.z + 0.5)));
+    return History(sum.light / weights, vec3(mean.x, sqrt(mean.y), mean.z));
 }
 
 // History within the colours of the noisy pixels around, in YCoCg (Salvi 2016): what has changed is forgotten at once.

@@ -84,18 +84,6 @@ impl CombinePass {
         })
     }
 
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            luminance: self.luminance.clone(),
-            exposure: self.exposure.clone(),
-            combine: self.combine.clone(),
-            display: display(device, extent)?,
-            histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
-            factor: Buffer::new(device, "exposure_factor", 16)?,
-        })
-    }
-
     /// What the last frame shows: RGBA8, sRGB-encoded.
     pub fn display(&self) -> &Image {
         &self.display

@@ -42,15 +42,6 @@ impl DirectShadingPass {
     pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [u32::from(sheets)]);
         let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
-        Self::of(device, pipeline, extent)
-    }
-
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(device, self.pipeline.clone(), extent)
-    }
-
-    fn of(device: &Arc<Device>, pipeline: ComputePipeline, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let direct = storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?;
         let specular_albedo = storage_image(device, "specular_albedo", vk::Format::R8G8B8A8_UNORM, extent)?;
         Ok(Self { pipeline, direct, specular_albedo, last: LastInputs::default() })

@@ -66,17 +66,6 @@ impl DirectShadowsPass {
         })
     }
 
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self {
-            tracer: self.tracer,
-            pipeline: self.pipeline.clone(),
-            visibility: visibility(&self.device, extent, self.visibility.layers())?,
-            last: LastInputs::default(),
-            device: Arc::clone(&self.device),
-        })
-    }
-
     /// What the last frame wrote.
     pub fn output(&self) -> &Image {
         &self.visibility

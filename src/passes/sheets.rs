@@ -86,7 +86,6 @@ pub struct SheetsPass {
     hits: Arc<HitBuffers>,
     images: SheetImages,
     last: LastInputs<Key>,
-    device: Arc<Device>,
 }
 
 impl SheetsPass {
@@ -97,27 +96,31 @@ impl SheetsPass {
         scene: &Scene,
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
-        Self::of(device, pipeline(device, tracer)?, Arc::new(HitBuffers::new(device, scene)?), extent)
+        Self::of(device, tracer, Arc::new(HitBuffers::new(device, scene)?), extent)
     }
 
-    /// The same pass for another tracer.
-    pub fn retraced(&self, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(&self.device, pipeline(&self.device, tracer)?, Arc::clone(&self.hits), extent)
-    }
-
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(&self.device, self.pipeline.clone(), Arc::clone(&self.hits), extent)
+    /// The same pass for another tracer or size.
+    pub fn remade(
+        &self,
+        device: &Arc<Device>,
+        tracer: TracerVariant,
+        extent: [u32; 2],
+    ) -> Result<Self, VulkanError> {
+        Self::of(device, tracer, Arc::clone(&self.hits), extent)
     }
 
     fn of(
         device: &Arc<Device>,
-        pipeline: ComputePipeline,
+        tracer: TracerVariant,
         hits: Arc<HitBuffers>,
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
-        let images = SheetImages::new(device, extent)?;
-        Ok(Self { pipeline, hits, images, last: LastInputs::default(), device: Arc::clone(device) })
+        Ok(Self {
+            pipeline: tracer.pipeline(device, "sheets", shaders::SHEETS_COMP, &[])?,
+            hits,
+            images: SheetImages::new(device, extent)?,
+            last: LastInputs::default(),
+        })
     }
 
     /// What the last frame wrote.
@@ -157,8 +160,4 @@ impl SheetsPass {
         let pass = self.hits.bind(inputs.tracer.bind(pass), inputs.scene, inputs.instances);
         pass.dispatch_over(extent)
     }
-}
-
-fn pipeline(device: &Arc<Device>, tracer: TracerVariant) -> Result<ComputePipeline, VulkanError> {
-    tracer.pipeline(device, "sheets", shaders::SHEETS_COMP, &[])
 }

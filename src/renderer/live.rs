@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::estimators::{self, EstimatorContext, World};
-use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
@@ -28,13 +27,8 @@ impl Renderer {
         // Make what is to be another one.
         let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
         let resized = settings.size != self.settings.size;
-        let passes = if resized { Some(self.passes.resized(&device, settings.size)?) } else { None };
-        let direct_shadows =
-            if retraced { Some(DirectShadowsPass::new(&device, variant, settings.size)?) } else { None };
-        let sheets = match &self.passes.sheets {
-            Some(sheets) if retraced => Some(sheets.retraced(variant, settings.size)?),
-            _ => None,
-        };
+        let remade = || self.passes.remade(&device, variant, settings.size);
+        let passes = if retraced || resized { Some(remade()?) } else { None };
         let context = EstimatorContext {
             device: &device,
             tracer: variant,
@@ -58,12 +52,6 @@ impl Renderer {
         // From here on nothing fails.
         if let Some(passes) = passes {
             self.passes = passes;
-        }
-        if let Some(direct_shadows) = direct_shadows {
-            self.passes.direct_shadows = direct_shadows;
-        }
-        if sheets.is_some() {
-            self.passes.sheets = sheets;
         }
         if let Some(tracer) = tracer {
             self.tracer = tracer;

@@ -87,12 +87,14 @@ impl Renderer {
 
     fn read_light(&self) -> Result<Light, RenderError> {
         let light = Light {
-            direct: self.read_floats(self.passes.direct_shading.output())?,
+            direct: self.read_floats(self.passes.direct.shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
             albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
-            specular_albedo: self.read_bytes(self.passes.direct_shading.specular_albedo())?,
+            specular_albedo: self.read_bytes(self.passes.direct.shading.specular_albedo())?,
         };
-        let Some(sheets) = self.passes.sheets.as_ref().map(SheetsPass::output) else { return Ok(light) };
+        let Some(sheets) = self.passes.direct.sheets.as_ref().map(SheetsPass::output) else {
+            return Ok(light);
+        };
         Ok(light.behind(&SheetLight {
             light: self.read_floats(&sheets.light)?,
             albedo: self.read_halves(&sheets.albedo, 4)?,

@@ -169,20 +169,8 @@ impl<'a> Tracer<'a> {
                     let first = 31 - primitives.y.leading_zeros();
                     primitives.y &= !(1 << first);
                     let triangle = primitives.x + first;
-                    let Some(met) = self.test_triangle(triangle, instance, &ray, world.t_min, &hit) else {
-                        continue;
-                    };
-                    let masked = self.triangles[triangle as usize * 3 + 1].w;
-                    if masked & SHEET != 0 {
-                        match wanted {
-                            Wanted::Closest => {}
-                            Wanted::Any if self.owns_edges(triangle, &ray) => sheet(met),
-                            Wanted::ClosestSheet if self.owns_edges(triangle, &ray) => hit = met,
-                            Wanted::Any | Wanted::ClosestSheet => {}
-                        }
-                    } else if wanted != Wanted::ClosestSheet
-                        && (masked == 0 || self.is_opaque(masked, met.barycentrics))
-                    {
+                    let met = self.test_triangle(triangle, instance, &ray, world.t_min, &hit);
+                    if let Some(met) = met.filter(|met| self.stops(wanted, triangle, &ray, *met, sheet)) {
                         hit = met;
                         if wanted == Wanted::Any {
                             return hit;
@@ -192,6 +180,27 @@ impl<'a> Tracer<'a> {
             }
         }
         hit
+    }
+
+    /// Whether the triangle is one of those that are wanted, where it was met; calls `sheet` with sheets on the way.
+    fn stops(
+        &self,
+        wanted: Wanted,
+        triangle: u32,
+        ray: &TracerRay,
+        met: TracerHit,
+        sheet: &mut dyn FnMut(TracerHit),
+    ) -> bool {
+        let masked = self.triangles[triangle as usize * 3 + 1].w;
+        if masked & SHEET == 0 {
+            return wanted != Wanted::ClosestSheet
+                && (masked == 0 || self.is_opaque(masked, met.barycentrics));
+        }
+        let counts = wanted != Wanted::Closest && self.owns_edges(triangle, ray);
+        if counts && wanted == Wanted::Any {
+            sheet(met);
+        }
+        counts && wanted == Wanted::ClosestSheet
     }
 
     fn child_hits(&self, node: usize, ray: &TracerRay, t_min: f32, t_max: f32) -> u32 {

@@ -73,7 +73,7 @@ pub fn temporal(
             variance += share * then.y * then.y;
             frames += share * then.z;
         }
-        length = (frames + 0.5).floor();
+        length = frames;
     }
     let mut now = Vec4::from(pixels[pixel].noisy).xyz();
     if !now.is_finite() {

@@ -3,6 +3,7 @@
 //! What the change does not concern is kept. Where the number of sets or the size changes, the old set buffers stay in the
 //! picture, reprojected like any others, until every new set has been drawn.
 
+use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::IndirectShadingPass;
 use super::indirect_shadows::IndirectShadowsPass;
 use super::set_buffers::{SetBuffers, set_step};
@@ -25,24 +26,18 @@ impl Vpls {
         let other_sets = resized
             || new.vpl.temporal_sets != old.vpl.temporal_sets
             || set_step(&new.vpl) != set_step(&old.vpl);
-        let passes = &self.passes;
 
         // Make what is to be another one; what fails leaves everything as it was.
-        let shadows = if retraced {
-            Some(IndirectShadowsPass::new(device, tracer, new)?)
-        } else {
-            made_if(resized || new.vpl != old.vpl, || passes.indirect_shadows.changed(device, new))?
-        };
+        let shadows = made_if(retraced || resized || new.vpl != old.vpl, || {
+            IndirectShadowsPass::new(device, tracer, new)
+        })?;
         let refiltered = interleaved || set_step(&new.vpl) != set_step(&old.vpl);
         let shading = made_if(refiltered, || IndirectShadingPass::new(device, &new.vpl))?;
-        let reprojection = made_if(resized, || passes.indirect_reprojection.resized(device, new.size))?;
+        let reprojection = made_if(resized, || IndirectReprojectionPass::new(device, new.size))?;
         let sets = made_if(other_sets, || SetBuffers::new(device, new.size, &new.vpl, self.instances))?;
         let vpls = made_if(dealt(new) != dealt(old), || VplBuffer::new(device, &new.vpl))?;
-        let vpl_light = match &self.views.vpl_light {
-            Some(_) if retraced => Some(VplLightPass::new(device, tracer, new.size)?),
-            Some(pass) if resized => Some(pass.resized(device, new.size)?),
-            _ => None,
-        };
+        let shows_light = self.views.vpl_light.is_some() && (retraced || resized);
+        let vpl_light = made_if(shows_light, || VplLightPass::new(device, tracer, new.size))?;
 
         // From here on nothing fails.
         self.tracer = tracer;

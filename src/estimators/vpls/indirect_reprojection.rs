@@ -32,19 +32,6 @@ impl IndirectReprojectionPass {
         let sum = pipeline("coarse_reprojection", shaders::COARSE_REPROJECTION_COMP)?;
         let filter = pipeline("variance_filter", shaders::VARIANCE_FILTER_COMP)?;
         let full = pipeline("indirect_reprojection", shaders::INDIRECT_REPROJECTION_COMP)?;
-        Self::of(device, [sum, filter, full], extent)
-    }
-
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Self::of(device, [&self.sum, &self.filter, &self.full].map(ComputePipeline::clone), extent)
-    }
-
-    fn of(
-        device: &Arc<Device>,
-        [sum, filter, full]: [ComputePipeline; 3],
-        extent: [u32; 2],
-    ) -> Result<Self, VulkanError> {
         let half = extent.map(|side| side.div_ceil(2));
         let irradiance = |name, extent| storage_image(device, name, vk::Format::R32G32B32A32_SFLOAT, extent);
         let coarse = || -> Result<_, VulkanError> {

@@ -70,23 +70,6 @@ impl IndirectShadowsPass {
         let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
         let weigh = shaders::CLUSTER_WEIGHTS_COMP;
         let weigh = ComputePipeline::new(device, "cluster_weights", weigh)?;
-        Self::of(device, [visibility, weigh, draw, compensate], settings)
-    }
-
-    /// The same pass with other settings.
-    pub fn changed(&self, device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
-        Self::of(
-            device,
-            [&self.visibility, &self.weigh, &self.draw, &self.compensate].map(ComputePipeline::clone),
-            settings,
-        )
-    }
-
-    fn of(
-        device: &Arc<Device>,
-        [visibility, weigh, draw, compensate]: [ComputePipeline; 4],
-        settings: &Settings,
-    ) -> Result<Self, VulkanError> {
         let step = set_step(&settings.vpl);
         let extent = settings.size.map(|side| side.div_ceil(step));
         let tiles: u64 = extent.map(|side| u64::from(side.div_ceil(TILE))).iter().product();

@@ -19,12 +19,7 @@ impl VplLightPass {
     /// Makes the pipeline and its image, of `extent` texels.
     pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = tracer.pipeline(device, "vpl_light", shaders::VPL_LIGHT_COMP, &[])?;
-        Ok(Self { pipeline: pipeline, light: light(device, extent)? })
-    }
-
-    /// The same pass for pictures of `extent` texels.
-    pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        Ok(Self { pipeline: self.pipeline.clone(), light: light(device, extent)? })
+        Ok(Self { pipeline, light: light(device, extent)? })
     }
 
     /// Irradiance, weighted; a: 1 where the VPL sees the pixel.
