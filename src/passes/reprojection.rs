@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use super::gbuffer::GBuffer;
-use super::scene_buffers::Instances;
 use super::storage_image;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// What the pass reads.
 pub struct ReprojectionInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
-    /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
-    /// Instances of this frame.
-    pub instances: &'a Instances,
+    /// Of the G-buffer, like the next three.
+    pub depth: &'a Image,
+    /// Shading and geometric normals.
+    pub normal: &'a Image,
+    /// Instances, plus one.
+    pub instance: &'a Image,
+    /// Motion, pixels.
+    pub motion: &'a Image,
+    /// Transforms of this frame and the last one.
+    pub instances: &'a Buffer,
 }
 
 /// The pass.
@@ -59,11 +63,11 @@ impl ReprojectionPass {
         frame
             .pass("reprojection", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
-            .read("instances", &*inputs.instances.data)
-            .read("gbuffer_depth", &inputs.gbuffer.depth)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
-            .read("gbuffer_instance", &inputs.gbuffer.instance)
-            .read("gbuffer_motion", &inputs.gbuffer.motion)
+            .read("instances", inputs.instances)
+            .read("gbuffer_depth", inputs.depth)
+            .read("gbuffer_normal", inputs.normal)
+            .read("gbuffer_instance", inputs.instance)
+            .read("gbuffer_motion", inputs.motion)
             .read("last_surface", &self.surfaces[last])
             .write("surface", &self.surfaces[1 - last])
             .write("reprojected", &self.reprojected)

@@ -1,9 +1,11 @@
-//! Denoisers on a real Vulkan device, with validation: stages against a CPU twin, and known answers.
+//! Denoisers and the reprojection that feeds them on a real Vulkan device, with validation: stages against a CPU twin, and known
+//! answers.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 #[path = "../support/mod.rs"]
 mod lab;
+mod reprojection;
 mod stages;
 mod support;
 mod svgf;

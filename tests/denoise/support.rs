@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use exr::prelude::f16;
-use glam::{IVec2, Vec2, Vec3, Vec4};
+use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
 use glowworm::denoise::svgf::{Svgf, SvgfInputs, SvgfSettings};
 use glowworm::passes::structs::FrameUniforms;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
@@ -91,15 +91,29 @@ pub fn pixels(of: impl FnMut(IVec2) -> Pixel) -> Vec<Pixel> {
     places.map(of).collect()
 }
 
+/// The eye is the origin, now and a frame ago, the view goes along -z, and the clip space's w is the depth.
+pub fn uniforms() -> FrameUniforms {
+    let depth = Mat4::from_cols(Vec4::ZERO, Vec4::ZERO, Vec4::new(0.0, 0.0, 0.0, -1.0), Vec4::ZERO);
+    FrameUniforms {
+        view_projection: depth,
+        previous_view_projection: depth,
+        ray: Vec4::new(0.0, 0.0, -1.0, 0.0),
+        ray_x: Vec4::new(HALF_VIEW.x, 0.0, 0.0, 0.0),
+        ray_y: Vec4::new(0.0, -HALF_VIEW.y, 0.0, 0.0),
+        size: [WIDTH as u32, HEIGHT as u32],
+        ..FrameUniforms::default()
+    }
+}
+
 /// The denoiser with its inputs.
 pub struct Bench {
     device: Arc<Device>,
-    frames: Frames,
+    pub frames: Frames,
     fill: ComputePipeline,
     noisy: Image,
-    normal: Image,
+    pub normal: Image,
     reprojected: Image,
-    depth: Image,
+    pub depth: Image,
     surface: Image,
     pub svgf: Svgf,
 }
@@ -136,15 +150,8 @@ impl Bench {
 
     /// Denoises one frame.
     pub fn denoise(&mut self, pixels: &[Pixel]) {
-        let uniforms = FrameUniforms {
-            ray: Vec4::new(0.0, 0.0, -1.0, 0.0),
-            ray_x: Vec4::new(HALF_VIEW.x, 0.0, 0.0, 0.0),
-            ray_y: Vec4::new(0.0, -HALF_VIEW.y, 0.0, 0.0),
-            size: [WIDTH as u32, HEIGHT as u32],
-            ..FrameUniforms::default()
-        };
         let (mut frame, _) = self.frames.begin().unwrap();
-        let uniforms = frame.upload(&[uniforms]).unwrap();
+        let uniforms = frame.upload(&[uniforms()]).unwrap();
         let uploaded = frame.upload(pixels).unwrap();
         frame
             .pass("fill", &self.fill)

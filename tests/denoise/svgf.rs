@@ -101,9 +101,9 @@ fn variance_is_that_of_the_noise_and_guides_the_blur() {
         let column = |x: usize| (0..HEIGHT).map(|y| output[y * WIDTH + x].x).sum::<f32>() / HEIGHT as f32;
         column(WIDTH / 2) - column(WIDTH / 2 - 1)
     };
+    // The first three frames, whose variance is not known, are a tenth of the mean and blurred anyway.
     let (sharp, blurred) = (edge(0.0), edge(4.0));
-    assert!((sharp - 0.5).abs() < 2e-3, "{sharp}");
-    assert!(blurred < 0.3, "{blurred}");
+    assert!(sharp > 0.44 && blurred < 0.1, "{sharp}, {blurred}");
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn grazing_planes_are_filtered() {
 }
 
 #[test]
-fn what_is_not_a_number_and_fireflies_go() {
+fn what_is_not_a_number_never_reaches_the_history() {
     let Some(lab) = Lab::open() else { return };
     for clamp in [0.0, 2.0] {
         let mut bench = Bench::new(&lab.device, &SvgfSettings { clamp, ..SvgfSettings::default() });
