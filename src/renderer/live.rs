@@ -63,8 +63,8 @@ impl Renderer {
 
     /// Goes on with an edited scene from the next frame on; `pose` is where everything stands now. Where it
     /// [is built like](Scene::is_built_like) the last one, only the numbers of the materials, and the environment's map if it is
-    /// another one, go to the device. Once nothing moves and the estimator has forgotten its past, the picture is that of a renderer that was made with
-    /// the scene.
+    /// another one, go to the device. Once nothing moves and the estimator has forgotten its past, the picture is that of a
+    /// renderer that was made with the scene.
     ///
     /// # Errors
     /// Where the device cannot do with it; the renderer then goes on with the old one.
