@@ -1,5 +1,5 @@
 // A visible surface in 8 bytes, as denoisers keep it from frame to frame and compare it: view depth, shading normal (octahedral,
-// 10 bits each) and the low 12 bits of the instance. Needs gbuffer.glsl. Twin: `VisibleSurface` in tests/denoise/twin.rs.
+// 10 bits each) and the low 12 bits of the instance. Needs gbuffer.glsl. Twin of the normal: `packed_shading` in tests/denoise/support.rs.
 
 struct VisibleSurface {
     float depth; // along the view; 0 where no surface is

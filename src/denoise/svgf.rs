@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use crate::passes::storage_image;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk};
 
 /// Most levels of the à-trous filter.
 pub const MAX_LEVELS: u32 = 5;
@@ -71,6 +71,16 @@ pub struct SvgfInputs<'a> {
     pub surface: &'a Image,
     /// Where the signal was in the last frame: `ReprojectionPass::reprojected`, or likewise of a mirror image.
     pub reprojected: &'a Image,
+}
+
+impl SvgfInputs<'_> {
+    /// What the passes read that compare surfaces.
+    fn bind_surfaces<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        pass.read("frame_uniforms", self.frame)
+            .read("surface", self.surface)
+            .read("gbuffer_depth", self.depth)
+            .read("gbuffer_normal", self.normal)
+    }
 }
 
 /// The denoiser of one signal.
@@ -212,12 +222,8 @@ impl Svgf {
         inputs: &SvgfInputs<'_>,
         [from, to]: [Option<usize>; 2],
     ) -> Result<(), VulkanError> {
-        frame
-            .pass("svgf_variance", &self.variance)
-            .read("frame_uniforms", inputs.frame)
-            .read("surface", inputs.surface)
-            .read("gbuffer_depth", inputs.depth)
-            .read("gbuffer_normal", inputs.normal)
+        inputs
+            .bind_surfaces(frame.pass("svgf_variance", &self.variance))
             .read("moments", self.moments())
             .read("light", self.image(from))
             .write("filtered", self.image(to))
@@ -232,12 +238,8 @@ impl Svgf {
         (level, part): (u32, usize),
         [from, to]: [Option<usize>; 2],
     ) -> Result<(), VulkanError> {
-        frame
-            .pass("svgf_atrous", &self.atrous[part])
-            .read("frame_uniforms", inputs.frame)
-            .read("surface", inputs.surface)
-            .read("gbuffer_depth", inputs.depth)
-            .read("gbuffer_normal", inputs.normal)
+        inputs
+            .bind_surfaces(frame.pass("svgf_atrous", &self.atrous[part]))
             .read("light", self.image(from))
             .write("filtered", self.image(to))
             .push(&AtrousPush {

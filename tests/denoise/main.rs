@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../bvh_support/mod.rs"]
+mod bvh_support;
 #[path = "../support/mod.rs"]
 mod lab;
 mod reprojection;

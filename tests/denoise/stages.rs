@@ -3,40 +3,29 @@
 use glam::{IVec2, Vec3, Vec4, Vec4Swizzles};
 use glowworm::denoise::svgf::SvgfSettings;
 
+use crate::bvh_support::Random;
 use crate::lab::Lab;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth};
 use crate::twin::{self, Before};
 
-/// Numbers in [0, 1), one after the other.
-pub struct Numbers(pub u32);
-
-impl Numbers {
-    pub fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
-        ((word >> 22 ^ word) >> 8) as f32 / (1u32 << 24) as f32
-    }
-
-    pub fn colour(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next())
-    }
-}
-
 /// Two planes, one behind the other, a gap without surfaces, and motion to wherever there was one.
-fn random_pixels(numbers: &mut Numbers) -> Vec<Pixel> {
+fn random_pixels(numbers: &mut Random) -> Vec<Pixel> {
     let normals = [Vec3::new(0.2, 0.1, 1.0).normalize(), Vec3::new(-0.6, 0.3, 0.7).normalize()];
     pixels(|at| {
         let side = usize::from(at.x + at.y / 3 > 30);
         let depth = plane_depth(at, Vec3::new(0.0, 0.0, -4.0 - 2.0 * side as f32), normals[side]);
-        let mut pixel =
-            Pixel::at_rest(numbers.colour() * 4.0 * numbers.next(), normals[side], depth.unwrap());
-        if at.y == 20 || numbers.next() < 0.02 {
+        let mut pixel = Pixel::at_rest(
+            numbers.point(Vec3::ZERO, Vec3::ONE) * 4.0 * numbers.unit(),
+            normals[side],
+            depth.unwrap(),
+        );
+        if at.y == 20 || numbers.unit() < 0.02 {
             pixel.depth = 0.0;
         }
-        let moved = IVec2::new((numbers.next() * 5.0) as i32 - 2, (numbers.next() * 5.0) as i32 - 2);
-        let part = [0.25, 0.75].map(|part| if numbers.next() < 0.5 { part } else { 0.0 });
+        let moved = IVec2::new((numbers.unit() * 5.0) as i32 - 2, (numbers.unit() * 5.0) as i32 - 2);
+        let part = [0.25, 0.75].map(|part| if numbers.unit() < 0.5 { part } else { 0.0 });
         let motion = [moved.x as f32 + part[0], moved.y as f32 + part[1]];
-        let (four, nine) = ((numbers.next() * 16.0) as u32, (numbers.next() * 512.0) as u32);
+        let (four, nine) = ((numbers.unit() * 16.0) as u32, (numbers.unit() * 512.0) as u32);
         // Only what lies in the picture may be read.
         let corner = |bits: u32, first: IVec2, side: i32| {
             (0..side * side).fold(0, |mask, tap| {
@@ -71,7 +60,7 @@ fn assert_near(stage: &str, found: &[Vec4], expected: impl Fn(usize) -> Vec4) {
 fn compare(settings: &SvgfSettings) {
     let Some(lab) = Lab::open() else { return };
     let mut bench = Bench::new(&lab.device, settings);
-    let mut numbers = Numbers(5);
+    let mut numbers = Random::new(5);
     let mut before: Option<(Vec<Vec4>, Vec<Vec4>)> = None;
     for frame in 0..7 {
         let pixels = random_pixels(&mut numbers);
@@ -108,7 +97,7 @@ fn stages_are_those_of_the_twin_with_the_clamp() {
 #[test]
 fn later_levels_and_separate_axes_are_those_of_the_twin() {
     let Some(lab) = Lab::open() else { return };
-    let mut numbers = Numbers(11);
+    let mut numbers = Random::new(11);
     let settings = SvgfSettings { levels: 2, feedback: 0, ..SvgfSettings::default() };
     let mut bench = Bench::new(&lab.device, &settings);
     let pixels = random_pixels(&mut numbers);

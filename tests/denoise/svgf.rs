@@ -5,8 +5,8 @@ use bytemuck::Zeroable;
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use glowworm::denoise::svgf::SvgfSettings;
 
+use crate::bvh_support::Random;
 use crate::lab::Lab;
-use crate::stages::Numbers;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth};
 
 /// A wall that faces the eye, lit by `light`.
@@ -43,8 +43,8 @@ fn a_constant_stays_as_it_is() {
 fn noise_goes_and_its_mean_stays() {
     let Some(lab) = Lab::open() else { return };
     let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
-    let mut numbers = Numbers(3);
-    let mut noisy = || Vec3::splat(if numbers.next() < 0.5 { 0.0 } else { 2.0 });
+    let mut numbers = Random::new(3);
+    let mut noisy = || Vec3::splat(if numbers.unit() < 0.5 { 0.0 } else { 2.0 });
     bench.denoise(&wall(|_| noisy()));
     let first = spread(&bench.output());
     for _ in 0..31 {
@@ -80,10 +80,10 @@ fn variance_is_that_of_the_noise_and_guides_the_blur() {
     let Some(lab) = Lab::open() else { return };
     let settings = SvgfSettings { moments_alpha: 0.0, longest_history: 1000, ..SvgfSettings::default() };
     let mut bench = Bench::new(&lab.device, &settings);
-    let mut numbers = Numbers(9);
+    let mut numbers = Random::new(9);
     for _ in 0..200 {
         // Uniform on 1 +- 0.5: standard deviation 1 / sqrt(12).
-        bench.denoise(&wall(|_| Vec3::splat(0.5 + numbers.next())));
+        bench.denoise(&wall(|_| Vec3::splat(0.5 + numbers.unit())));
     }
     let moments = bench.read(|svgf| svgf.moments());
     let mean = moments.iter().map(|texel| texel.y * texel.y).sum::<f32>() / moments.len() as f32;
@@ -93,9 +93,9 @@ fn variance_is_that_of_the_noise_and_guides_the_blur() {
     let step = |index: usize| if index % WIDTH < WIDTH / 2 { 1.0 } else { 1.5 };
     let edge = |noise: f32| {
         let mut bench = Bench::new(&lab.device, &SvgfSettings { alpha: 0.0, ..settings });
-        let mut numbers = Numbers(1);
+        let mut numbers = Random::new(1);
         for _ in 0..32 {
-            bench.denoise(&wall(|index| Vec3::splat(step(index) + noise * (numbers.next() - 0.5))));
+            bench.denoise(&wall(|index| Vec3::splat(step(index) + noise * (numbers.unit() - 0.5))));
         }
         let output = bench.output();
         let column = |x: usize| (0..HEIGHT).map(|y| output[y * WIDTH + x].x).sum::<f32>() / HEIGHT as f32;
@@ -112,11 +112,11 @@ fn edges_of_surfaces_keep_light_apart() {
     // Normals in checks; depths in checks: each kind of square has its light, with noise on it.
     for by_normal in [true, false] {
         let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
-        let mut numbers = Numbers(4);
+        let mut numbers = Random::new(4);
         let bright = |x: i32, y: i32| (x / 8 + y / 8) % 2 == 0;
         for _ in 0..8 {
             bench.denoise(&pixels(|at| {
-                let light = Vec3::splat(if bright(at.x, at.y) { 2.0 } else { 0.0 } * numbers.next());
+                let light = Vec3::splat(if bright(at.x, at.y) { 2.0 } else { 0.0 } * numbers.unit());
                 match (bright(at.x, at.y), by_normal) {
                     (true, true) => Pixel::at_rest(light, Vec3::new(0.6, 0.0, 0.8), 4.0),
                     (true, false) => Pixel::at_rest(light, Vec3::Z, 8.0),
@@ -138,12 +138,12 @@ fn edges_of_surfaces_keep_light_apart() {
 fn grazing_planes_are_filtered() {
     let Some(lab) = Lab::open() else { return };
     let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
-    let mut numbers = Numbers(8);
+    let mut numbers = Random::new(8);
     let normal = Vec3::new(0.0, 1.0, 0.06).normalize();
-    let floor = |numbers: &mut Numbers| {
+    let floor = |numbers: &mut Random| {
         pixels(|at| {
             let depth = plane_depth(at, Vec3::new(0.0, -1.0, -3.0), normal).filter(|&depth| depth < 100.0);
-            let light = Vec3::splat(2.0 * numbers.next());
+            let light = Vec3::splat(2.0 * numbers.unit());
             depth.map_or(Pixel::zeroed(), |depth| Pixel::at_rest(light, normal, depth))
         })
     };
