@@ -38,6 +38,9 @@ struct RadianceSums {
 #[derive(Clone, Copy, Debug, Default)]
 struct LayerSums {
     direct: DVec3,
+    /// Light of point, spot and directional lights, and the same without shadows.
+    lit: DVec3,
+    unshadowed: DVec3,
     irradiance: DVec3,
     reflected: DVec3,
     /// The following over the samples that hit a surface.
@@ -101,6 +104,8 @@ impl Film {
         for (sums, sample) in self.layers.iter_mut().zip(&self.pass) {
             if sample.radiance().is_finite() {
                 sums.direct += sample.direct.as_dvec3();
+                sums.lit += sample.lit.as_dvec3();
+                sums.unshadowed += sample.unshadowed.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();
                 sums.reflected += sample.reflected.as_dvec3();
             }
@@ -153,6 +158,8 @@ impl Film {
             let scalar = |part: &dyn Fn(&LayerSums) -> f32| self.layers.iter().map(part).collect::<Vec<_>>();
             picture.layers = vec![
                 Layer::colour("direct", &of(&|sums| mean(sums.direct))),
+                Layer::colour("unshadowed", &of(&|sums| mean(sums.unshadowed))),
+                Layer::colour("shadow", &of(&LayerSums::shadow)),
                 Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
                 Layer::colour("reflected", &of(&|sums| mean(sums.reflected))),
                 Layer::colour("albedo", &of(&|sums| over_hits(sums, sums.albedo))),
@@ -212,8 +219,11 @@ impl Film {
         const XYZ: [&str; 3] = ["X", "Y", "Z"];
         for (index, sums) in self.layers.iter_mut().enumerate() {
             let hits = (scalar("coverage", index)? * total).round();
+            let unshadowed = vector("unshadowed", index, RGB)? * total;
             *sums = LayerSums {
                 direct: vector("direct", index, RGB)? * total,
+                lit: vector("shadow", index, RGB)? * unshadowed,
+                unshadowed,
                 irradiance: vector("indirect", index, RGB)? * total,
                 reflected: vector("reflected", index, RGB)? * total,
                 albedo: vector("albedo", index, RGB)? * hits,
@@ -228,6 +238,12 @@ impl Film {
 }
 
 impl LayerSums {
+    /// The share of the light that arrives; 1 where there is none without shadows.
+    fn shadow(&self) -> [f32; 3] {
+        let dark = self.unshadowed.cmple(DVec3::ZERO);
+        DVec3::select(dark, DVec3::ONE, self.lit / self.unshadowed).as_vec3().to_array()
+    }
+
     fn add(&mut self, visible: &VisibleSurface) {
         self.albedo += visible.albedo.as_dvec3();
         self.normal += visible.normal.as_dvec3();

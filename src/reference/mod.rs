@@ -53,7 +53,8 @@ pub struct ReferenceSettings {
     pub seed: u32,
     /// Distribution of camera rays within a pixel.
     pub filter: PixelFilter,
-    /// Whether to keep layers: direct, indirect and reflected light, and features of the visible surface.
+    /// Whether to keep layers: direct light with and without shadows, indirect and reflected light, and features of the
+    /// visible surface.
     pub layers: bool,
 }
 

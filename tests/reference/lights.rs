@@ -11,7 +11,7 @@ use glowworm::scene::{AlphaMask, Scene};
 use super::support::{assert_near, colour, layer, mean, picture, scene, settings};
 
 /// A grey floor of albedo 0.5 seen from 4 above, with `more` of a scene file.
-fn floor(more: &str) -> Scene {
+pub fn floor(more: &str) -> Scene {
     scene(&format!(
         r#"
         [[models]]
@@ -33,7 +33,7 @@ fn floor(more: &str) -> Scene {
 
 /// Compares a layer with `expected` of the floor's points (x, z), pixel by pixel.
 #[track_caller]
-fn assert_floor(rendered: &Picture, values: &[Vec3], expected: impl Fn(Vec3) -> f32, tolerance: f32) {
+pub fn assert_floor(rendered: &Picture, values: &[Vec3], expected: impl Fn(Vec3) -> f32, tolerance: f32) {
     let positions = layer(rendered, "position");
     let peak = positions.iter().map(|&p| expected(p)).fold(0.0, f32::max);
     assert!(peak > 0.0);

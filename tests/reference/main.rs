@@ -9,5 +9,6 @@ mod lights;
 mod parts;
 #[path = "../program/mod.rs"]
 mod program;
+mod soft_shadows;
 mod support;
 mod surfaces;

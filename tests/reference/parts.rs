@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use glowworm::output::Picture;
 use glowworm::reference::{Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
-use glowworm::scene::{CameraOverride, Scene, load_scene, luminance};
+use glowworm::scene::{CameraOverride, Light, LightKind, Scene, load_scene, luminance};
 
 use super::support::{assert_near, colour, film, layer, mean, picture, settings};
 
@@ -64,7 +64,18 @@ fn the_estimated_error_is_about_the_true_one() {
 
 #[test]
 fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
-    let (scene, settings) = (cornell(), settings(16, Some(2)));
+    let (mut scene, settings) = (cornell(), settings(16, Some(2)));
+    // Beside the area light one that casts direct shadows.
+    let (min, max) = scene.bounds(&scene.pose(0.0));
+    scene.lights.push(Light {
+        name: "lamp".into(),
+        kind: LightKind::Point { intensity: Vec3::new(3.0, 2.0, 1.0) },
+        position: min + (max - min) * Vec3::new(0.8, 0.6, 0.9),
+        direction: Vec3::NEG_Y,
+        radius: 0.05 * (max - min).x,
+        half_angle: 0.0,
+        animation: None,
+    });
     let whole = film(&scene, &settings, 24);
     let begun = film(&scene, &settings, 9);
     let pose = scene.pose(0.0);
@@ -96,7 +107,10 @@ fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
         }
     };
     let (a, b) = (resumed.picture(), whole.picture());
-    for name in ["direct", "indirect", "albedo", "position", "depth", "instance", "coverage"] {
+    assert!(layer(&a, "shadow").iter().any(|shadow| (0.1..0.9).contains(&shadow.x)));
+    for name in
+        ["direct", "unshadowed", "shadow", "indirect", "albedo", "position", "depth", "instance", "coverage"]
+    {
         same(&a, &b, name, 1e-5);
     }
     assert_near(mean(&colour(&a)).y, mean(&colour(&b)).y, 1e-5);
