@@ -18,7 +18,8 @@ import mitsuba as mi
 import numpy as np
 
 FILES = "tests/scene-files"
-SHIPPED = ["cornell-box", "material-grid", f"{FILES}/all-kinds.toml", f"{FILES}/lamps-material-grid.toml"]
+SHIPPED = ["cornell-box", "material-grid", f"{FILES}/all-kinds.toml", f"{FILES}/lamps-material-grid.toml",
+           f"{FILES}/soft-lights.toml"]
 WITH_ASSETS = ["sponza", "sibenik", "conference", "classroom", "living-room", "damaged-helmet",
                f"{FILES}/lamps-damaged-helmet.toml", f"{FILES}/sky-living-room.toml"]
 MEAN_TOLERANCE = 0.01

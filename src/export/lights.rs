@@ -1,8 +1,14 @@
-//! Delta lights and the environment as Mitsuba's emitters.
+//! Point, spot and directional lights and the environment as Mitsuba's emitters.
 //!
 //! In: the lights of the pose. Out: an `<emitter>` for each point and directional light; several for a spot
 //! (see [`super::spot`]). Area lights are shapes. The environment is a `constant` or an `envmap`.
+//!
+//! A light with an extent becomes a `null` sphere that emits. At the distance d the irradiance across the direction to the
+//! centre of a sphere of radius r is pi L (r/d)^2. So a point light has L = I / (pi r^2), exactly what
+//! [`crate::scene::LightCone`] samples. A directional light of half angle theta has a sphere of radius d sin theta at a
+//! large distance d, with L = E / (pi sin^2 theta).
 
+use std::f32::consts::PI;
 use std::io::{self, Write};
 
 use glam::{Affine3A, Mat3, Vec3};
@@ -22,26 +28,19 @@ impl Export<'_> {
             match &light.kind {
                 LightKind::Point { intensity } => {
                     self.lights.point += 1;
-                    emitters.push(
-                        Element::plugin("emitter", "point")
-                            .attribute("id", id)
-                            .coordinates("point", "position", light.position)
-                            .rgb("intensity", *intensity),
-                    );
+                    emitters.push(self.point(light, id, *intensity));
                 }
                 LightKind::Spot { intensity, inner_angle, outer_angle } => {
                     self.lights.spot += 1;
                     self.remarks.insert(Remark::SpotFalloff);
+                    if light.radius > 0.0 {
+                        self.remarks.insert(Remark::SpotRadius);
+                    }
                     emitters.extend(spot(light, &id, *intensity, [*inner_angle, *outer_angle]));
                 }
                 LightKind::Directional { irradiance } => {
                     self.lights.directional += 1;
-                    emitters.push(
-                        Element::plugin("emitter", "directional")
-                            .attribute("id", id)
-                            .coordinates("vector", "direction", light.direction)
-                            .rgb("irradiance", *irradiance),
-                    );
+                    emitters.push(self.directional(light, id, *irradiance));
                 }
                 LightKind::Area { instance, .. } => {
                     let seen = self.scene.instances[*instance].visible;
@@ -52,10 +51,37 @@ impl Export<'_> {
         emitters
     }
 
+    fn point(&mut self, light: &Light, id: String, intensity: Vec3) -> Element {
+        if light.radius == 0.0 {
+            return Element::plugin("emitter", "point")
+                .attribute("id", id)
+                .coordinates("point", "position", light.position)
+                .rgb("intensity", intensity);
+        }
+        self.remarks.extend([Remark::MirroredSpheres, Remark::WithinSpheres]);
+        let radiance = intensity / (PI * light.radius * light.radius);
+        sphere(id, light.position, light.radius, radiance)
+    }
+
+    fn directional(&mut self, light: &Light, id: String, irradiance: Vec3) -> Element {
+        if light.half_angle == 0.0 {
+            return Element::plugin("emitter", "directional")
+                .attribute("id", id)
+                .coordinates("vector", "direction", light.direction)
+                .rgb("irradiance", irradiance);
+        }
+        self.remarks.extend([Remark::MirroredSpheres, Remark::FarSpheres]);
+        let bounds = self.scene.bounding_sphere(self.pose);
+        let distance = FAR * bounds.radius;
+        let sine = light.half_angle.sin().min(WIDEST);
+        let centre = bounds.center - light.direction * distance;
+        sphere(id, centre, distance * sine, irradiance / (PI * sine * sine))
+    }
+
     /// The emitter of the environment, if there is one.
     pub(super) fn environment(&mut self) -> Option<Element> {
         let environment = self.scene.environment.as_ref()?;
-        if self.has_portals {
+        if self.hides_emitters {
             self.remarks.insert(Remark::HiddenEnvironment);
         }
         if environment.map.is_none() {
@@ -74,6 +100,22 @@ impl Export<'_> {
         let (map, factor) = found.ok_or_else(|| io::Error::other("no environment map"))?;
         write_environment(map, factor, output)
     }
+}
+
+/// Distance of the sphere of a directional light, in radii of the scene: seen from all of it in about the same direction.
+const FAR: f32 = 1e4;
+
+/// Largest sine of its half angle: the scene is outside.
+const WIDEST: f32 = 0.999;
+
+/// An emitter that rays pass through, as through a portal.
+fn sphere(id: String, centre: Vec3, radius: f32, radiance: Vec3) -> Element {
+    Element::plugin("shape", "sphere")
+        .attribute("id", id)
+        .coordinates("point", "center", centre)
+        .float("radius", radius)
+        .child(Element::plugin("bsdf", "null"))
+        .child(Element::plugin("emitter", "area").rgb("radiance", radiance))
 }
 
 /// The map of the environment, within the folder.

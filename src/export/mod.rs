@@ -141,7 +141,8 @@ struct Export<'a> {
     scene: &'a Scene,
     pose: &'a Pose,
     settings: &'a ExportSettings,
-    has_portals: bool,
+    /// Whether `hide_emitters` hides portals and the spheres of point lights.
+    hides_emitters: bool,
     files: BTreeMap<String, Content>,
     /// Images of textures; the index is the number in the file's name.
     images: Vec<Content>,
@@ -200,15 +201,16 @@ const OWN_FILES: [&str; 5] = [SCENE_FILE, REPORT_FILE, PLUGIN_FILE, MATERIAL_FIL
 
 impl<'a> Export<'a> {
     fn new(scene: &'a Scene, pose: &'a Pose, settings: &'a ExportSettings) -> Self {
-        let is_portal = |light: &Light| match light.kind {
+        let is_hidden = |light: &Light| match light.kind {
             LightKind::Area { instance, .. } => !scene.instances[instance].visible,
+            LightKind::Point { .. } => light.radius > 0.0,
             _ => false,
         };
         Self {
             scene,
             pose,
             settings,
-            has_portals: scene.lights.iter().any(is_portal),
+            hides_emitters: pose.lights.iter().any(is_hidden),
             files: BTreeMap::new(),
             images: Vec::new(),
             used_materials: BTreeSet::new(),

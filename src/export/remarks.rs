@@ -18,6 +18,14 @@ pub(super) enum Remark {
     FlippedNormals,
     /// The falloff of spot lights is piecewise linear.
     SpotFalloff,
+    /// Spot lights have no radius.
+    SpotRadius,
+    /// Mirrors show the spheres of point and directional lights.
+    MirroredSpheres,
+    /// Within its sphere a point light shines on nothing.
+    WithinSpheres,
+    /// The disc of a directional light is a far sphere.
+    FarSpheres,
     /// Emissive surfaces are taken to emit from the side of their smooth normals.
     SmoothEmitters,
     /// Emissive surfaces that the camera sees as copies show no reflected light.
@@ -48,12 +56,23 @@ impl Remark {
             Self::SpotFalloff => {
                 "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity."
             }
+            Self::SpotRadius => "Spot lights with a radius are points here, so their shadows are hard.",
+            Self::MirroredSpheres => {
+                "Lights with a radius or an angle are spheres, which perfect mirrors show; in glowworm these do not."
+            }
+            Self::WithinSpheres => {
+                "Surfaces within the sphere of a point light get nothing of its light, but in glowworm all of it."
+            }
+            Self::FarSpheres => {
+                "A directional light with an angle is a far sphere, of 87 degrees at most; a far plane of the camera \
+                 beyond it shows it."
+            }
             Self::SmoothEmitters => {
                 "What smooth surfaces emit follows their smooth normals in Mitsuba, their triangles in glowworm."
             }
             Self::EmittersWithoutReflection => {
                 "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
-                 hide_emitters hides them with the portals."
+                 hide_emitters hides them with the portals and the spheres of lights."
             }
             Self::MaskedEmission => {
                 "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless."
@@ -64,7 +83,8 @@ impl Remark {
             }
             Self::VertexAlpha => "The alpha of vertices is left out.",
             Self::HiddenEnvironment => {
-                "The camera does not see the environment, since hide_emitters hides it with the portals."
+                "The camera does not see the environment, since hide_emitters hides it with the portals and the spheres \
+                 of lights."
             }
         }
     }

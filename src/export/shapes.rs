@@ -7,7 +7,7 @@
 //!   `shapegroup` with an `instance` each.
 //! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat unless they reflect by
 //!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
-//! - A portal, an invisible emitter, is a `null` surface with an emitter. `volpath` lets light pass through it, and
+//! - A portal, an invisible emitter, is a `null` surface with an emitter, as are the spheres of lights. `volpath` lets light pass through it, and
 //!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
 //!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
 //!   sees the copy. Other rays do not reach the copy, and it is never sampled as a light.
@@ -147,7 +147,7 @@ impl Export<'_> {
         let smooth = self.keeps_normals(index, material);
         let shape = self.world_shape(Part { owner: Owner::Instance { index, steps: 0, smooth }, material });
         let mut shapes = vec![self.with_bsdf(shape, material).child(self.emitter(material))];
-        if self.has_portals {
+        if self.hides_emitters {
             let pane = Element::plugin("bsdf", "dielectric").float("int_ior", 1.0).float("ext_ior", 1.0);
             shapes.push(self.flat_shape(index, material, 1).child(pane));
             let copy = self.flat_shape(index, material, 2);
@@ -220,8 +220,8 @@ impl Export<'_> {
         let mesh = &scene.meshes[scene.instances[index].mesh];
         let reflects = glow.base_colour != Vec3::ZERO || glow.mean_bsdf(scene).reflects();
         let has_normals = glow.normal_texture.is_some() || has_smooth(mesh, material);
-        let smooth = reflects && !self.has_portals && has_normals;
-        if reflects && self.has_portals {
+        let smooth = reflects && !self.hides_emitters && has_normals;
+        if reflects && self.hides_emitters {
             self.remarks.insert(Remark::EmittersWithoutReflection);
         } else if smooth {
             self.remarks.insert(Remark::SmoothEmitters);

@@ -19,13 +19,19 @@ impl Export<'_> {
         self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
     }
 
-    /// `path`; or `volpath` with portals, masks or thin sheets, which does not count passing through them as a bounce.
+    /// `path`; or `volpath` with portals, spheres of lights, masks or thin sheets, which does not count passing through
+    /// them as a bounce.
     pub(super) fn integrator_name(&self) -> &'static str {
         let used = |&material: &u32| {
             let material = &self.scene.materials[material as usize];
             material.alpha_mask.is_some() || material.is_sheet()
         };
-        if self.has_portals || self.used_materials.iter().any(used) { "volpath" } else { "path" }
+        let has_suns = self.pose.lights.iter().any(|light| light.half_angle > 0.0);
+        if self.hides_emitters || has_suns || self.used_materials.iter().any(used) {
+            "volpath"
+        } else {
+            "path"
+        }
     }
 
     pub(super) fn integrator(&self) -> Element {
@@ -34,7 +40,7 @@ impl Export<'_> {
         let integrator = Element::plugin("integrator", self.integrator_name())
             .integer("max_depth", "$max_depth")
             .integer("rr_depth", roulette);
-        if self.has_portals { integrator.boolean("hide_emitters", true) } else { integrator }
+        if self.hides_emitters { integrator.boolean("hide_emitters", true) } else { integrator }
     }
 
     pub(super) fn sensor(&self) -> Element {
