@@ -3,10 +3,10 @@
 //! In: the lights of the pose. Out: an `<emitter>` for each point and directional light; several for a spot
 //! (see [`super::spot`]). Area lights are shapes. The environment is a `constant` or an `envmap`.
 //!
-//! A light with an extent becomes a `null` sphere that emits. At the distance d the irradiance across the direction to the
-//! centre of a sphere of radius r is pi L (r/d)^2. So a point light has L = I / (pi r^2), exactly what
-//! [`crate::scene::LightCone`] samples. A directional light of half angle theta has a sphere of radius d sin theta at a
-//! large distance d, with L = E / (pi sin^2 theta).
+//! A light with an extent becomes a `null` shape that emits. A sphere of radius r at the distance d sends the irradiance
+//! pi L (r/d)^2 across the direction to its centre, so for a point light L = I / (pi r^2): exactly what
+//! [`crate::scene::LightCone`] samples. For a directional light of half angle theta it is a disc of radius d tan theta at
+//! a large distance d, with L = E / (pi sin^2 theta).
 
 use std::f32::consts::PI;
 use std::io::{self, Write};
@@ -58,9 +58,12 @@ impl Export<'_> {
                 .coordinates("point", "position", light.position)
                 .rgb("intensity", intensity);
         }
-        self.remarks.extend([Remark::MirroredSpheres, Remark::WithinSpheres]);
-        let radiance = intensity / (PI * light.radius * light.radius);
-        sphere(id, light.position, light.radius, radiance)
+        self.remarks.extend([Remark::MirroredLights, Remark::WithinSpheres]);
+        let sphere = Element::plugin("shape", "sphere")
+            .attribute("id", id)
+            .coordinates("point", "center", light.position)
+            .float("radius", light.radius);
+        shining(sphere, intensity / (PI * light.radius * light.radius))
     }
 
     fn directional(&mut self, light: &Light, id: String, irradiance: Vec3) -> Element {
@@ -70,12 +73,15 @@ impl Export<'_> {
                 .coordinates("vector", "direction", light.direction)
                 .rgb("irradiance", irradiance);
         }
-        self.remarks.extend([Remark::MirroredSpheres, Remark::FarSpheres]);
+        self.remarks.extend([Remark::MirroredLights, Remark::FarDiscs]);
         let bounds = self.scene.bounding_sphere(self.pose);
         let distance = FAR * bounds.radius;
-        let sine = light.half_angle.sin().min(WIDEST);
-        let centre = bounds.center - light.direction * distance;
-        sphere(id, centre, distance * sine, irradiance / (PI * sine * sine))
+        let (sine, cosine) = light.half_angle.min(WIDEST).sin_cos();
+        let (x, y) = light.direction.any_orthonormal_pair();
+        let axes = Mat3::from_cols(x, y, light.direction) * (distance * sine / cosine);
+        let place = Affine3A::from_mat3_translation(axes, bounds.center - light.direction * distance);
+        let disc = Element::plugin("shape", "disk").attribute("id", id).placed(&place);
+        shining(disc, irradiance / (PI * sine * sine))
     }
 
     /// The emitter of the environment, if there is one.
@@ -102,18 +108,15 @@ impl Export<'_> {
     }
 }
 
-/// Distance of the sphere of a directional light, in radii of the scene: seen from all of it in about the same direction.
+/// Distance of the disc of a directional light, in radii of the scene: seen from all of it in about the same direction.
 const FAR: f32 = 1e4;
 
-/// Largest sine of its half angle: the scene is outside.
-const WIDEST: f32 = 0.999;
+/// Its largest half angle, radians: a plane that fills the hemisphere has no end.
+const WIDEST: f32 = 1.55;
 
-/// An emitter that rays pass through, as through a portal.
-fn sphere(id: String, centre: Vec3, radius: f32, radiance: Vec3) -> Element {
-    Element::plugin("shape", "sphere")
-        .attribute("id", id)
-        .coordinates("point", "center", centre)
-        .float("radius", radius)
+/// A shape as an emitter that rays pass through, as through a portal.
+fn shining(shape: Element, radiance: Vec3) -> Element {
+    shape
         .child(Element::plugin("bsdf", "null"))
         .child(Element::plugin("emitter", "area").rgb("radiance", radiance))
 }

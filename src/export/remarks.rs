@@ -20,12 +20,12 @@ pub(super) enum Remark {
     SpotFalloff,
     /// Spot lights have no radius.
     SpotRadius,
-    /// Mirrors show the spheres of point and directional lights.
-    MirroredSpheres,
+    /// Mirrors show the spheres and discs of point and directional lights.
+    MirroredLights,
     /// Within its sphere a point light shines on nothing.
     WithinSpheres,
-    /// The disc of a directional light is a far sphere.
-    FarSpheres,
+    /// The disc of a directional light is at some distance.
+    FarDiscs,
     /// Emissive surfaces are taken to emit from the side of their smooth normals.
     SmoothEmitters,
     /// Emissive surfaces that the camera sees as copies show no reflected light.
@@ -57,15 +57,16 @@ impl Remark {
                 "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity."
             }
             Self::SpotRadius => "Spot lights with a radius are points here, so their shadows are hard.",
-            Self::MirroredSpheres => {
-                "Lights with a radius or an angle are spheres, which perfect mirrors show; in glowworm these do not."
+            Self::MirroredLights => {
+                "Lights with a radius or an angle are spheres and discs, which perfect mirrors show; in glowworm these do \
+                 not."
             }
             Self::WithinSpheres => {
                 "Surfaces within the sphere of a point light get nothing of its light, but in glowworm all of it."
             }
-            Self::FarSpheres => {
-                "A directional light with an angle is a far sphere, of 87 degrees at most; a far plane of the camera \
-                 beyond it shows it."
+            Self::FarDiscs => {
+                "A directional light with an angle is a far disc, of 89 degrees at most; a camera whose far plane is \
+                 beyond shows it."
             }
             Self::SmoothEmitters => {
                 "What smooth surfaces emit follows their smooth normals in Mitsuba, their triangles in glowworm."

@@ -7,7 +7,7 @@
 //!   `shapegroup` with an `instance` each.
 //! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat unless they reflect by
 //!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
-//! - A portal, an invisible emitter, is a `null` surface with an emitter, as are the spheres of lights. `volpath` lets light pass through it, and
+//! - A portal, an invisible emitter, is a `null` surface with an emitter, as are the spheres and discs of lights. `volpath` lets light pass through it, and
 //!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
 //!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
 //!   sees the copy. Other rays do not reach the copy, and it is never sampled as a light.

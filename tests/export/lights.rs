@@ -1,5 +1,6 @@
 //! Emitters.
 
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -63,16 +64,14 @@ fn spots_fall_off_as_ours() {
     assert!((weight - 1.0).abs() < 1e-5);
 }
 
-/// Irradiance at `p` across the direction to the centre of a sphere that emits: pi L (r/d)^2.
-fn irradiance(sphere: Node<'_, '_>, p: Vec3) -> Vec3 {
-    assert_eq!((kind(sphere), kind(only(sphere, "bsdf"))), ("sphere", "null"));
-    let (centre, radius) = (coordinates(named(sphere, "center")), value(sphere, "radius"));
-    let sine = radius.parse::<f32>().unwrap() / p.distance(centre);
-    vector(value(only(sphere, "emitter"), "radiance")) * (std::f32::consts::PI * sine * sine)
+/// Radiance of a shape that rays pass through.
+fn radiance(shape: Node<'_, '_>) -> Vec3 {
+    assert_eq!(kind(only(shape, "bsdf")), "null");
+    vector(value(only(shape, "emitter"), "radiance"))
 }
 
 #[test]
-fn lights_with_an_extent_are_spheres_that_send_the_same() {
+fn lights_with_an_extent_are_shapes_that_send_the_same() {
     let mut scene = all_kinds();
     (scene.lights[2].radius, scene.lights[4].half_angle) = (0.05, 0.1);
     scene.lights[3].radius = 0.1;
@@ -80,31 +79,42 @@ fn lights_with_an_extent_are_spheres_that_send_the_same() {
     let document = roxmltree::Document::parse(&exported.text).unwrap();
     let root = document.root_element();
     let bounds = scene.bounding_sphere(&scene.pose(0.0));
+    let (candle, sun) = (by_id(root, "light-2-candle"), by_id(root, "light-4-sun"));
+    assert_eq!([kind(candle), kind(sun)], ["sphere", "disk"]);
+    let position = Vec3::new(1.6, 0.9, -1.5);
+    assert_eq!((coordinates(named(candle, "center")), value(candle, "radius")), (position, "0.05"));
+    let close = |sent: Vec3, expected: Vec3| {
+        assert!((sent / expected - 1.0).abs().max_element() < 1e-3, "{sent} instead of {expected}");
+    };
+    let disc = to_world(sun);
     for p in [bounds.center, bounds.center + Vec3::X * bounds.radius, Vec3::new(0.3, 0.2, 1.0)] {
-        let candle = by_id(root, "light-2-candle");
-        let expected = Vec3::new(0.12, 0.08, 0.03) / p.distance_squared(Vec3::new(1.6, 0.9, -1.5));
-        assert!((irradiance(candle, p) / expected - 1.0).abs().max_element() < 1e-4);
+        // Irradiance across the direction to the centre is pi L times the squared sine of the half angle.
+        let sine = 0.05 / p.distance(position);
+        close(
+            radiance(candle) * (PI * sine * sine),
+            Vec3::new(0.12, 0.08, 0.03) / p.distance_squared(position),
+        );
 
-        let sun = by_id(root, "light-4-sun");
-        let expected = Vec3::new(9.0, 8.0, 6.5);
-        assert!((irradiance(sun, p) / expected - 1.0).abs().max_element() < 1e-3);
-        let to_sun = (coordinates(named(sun, "center")) - p).normalize();
-        let angle = to_sun.angle_between(-scene.lights[4].direction);
+        let centre = disc.transform_point3(Vec3::ZERO);
+        let angle = (centre - p).angle_between(-scene.lights[4].direction);
         assert!(angle < 5e-4, "{angle}");
-        // Its half angle.
-        let sine =
-            value(sun, "radius").parse::<f32>().unwrap() / p.distance(coordinates(named(sun, "center")));
-        assert!((sine.asin() - 0.1).abs() < 1e-4, "{sine}");
+        for rim in [Vec3::X, Vec3::Y, Vec3::new(-0.6, 0.8, 0.0)] {
+            let half = (disc.transform_point3(rim) - p).angle_between(centre - p);
+            assert!((half - 0.1).abs() < 1e-3, "{half}");
+        }
+        close(radiance(sun) * (PI * 0.1f32.sin().powi(2)), Vec3::new(9.0, 8.0, 6.5));
     }
+    // It shines towards the scene.
+    assert!(disc.transform_vector3(Vec3::Z).dot(scene.lights[4].direction) > 0.0);
     // A spot stays a point, and says so.
     assert!(elements(root, "emitter").iter().any(|emitter| kind(*emitter) == "spot"));
-    for part in ["their shadows are hard", "perfect mirrors show", "within the sphere", "far sphere"] {
+    for part in ["their shadows are hard", "perfect mirrors show", "within the sphere", "far disc"] {
         assert!(exported.report.inexact.iter().any(|remark| remark.contains(part)), "{part}");
     }
 }
 
 #[test]
-fn spheres_of_lights_are_passed_and_hidden() {
+fn shapes_of_lights_are_passed_and_hidden() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/soft-lights.toml");
     let mut scene = glowworm::scene::load_scene(file, None).unwrap();
     let integrator = |scene: &Scene| {
@@ -112,19 +122,17 @@ fn spheres_of_lights_are_passed_and_hidden() {
         (exported.report.integrator, exported.text.contains("hide_emitters"))
     };
     assert_eq!(integrator(&scene), ("volpath", true));
-    // A far sphere is behind the camera's far plane.
+    // A far disc is behind the camera's far plane.
     scene.lights[0].radius = 0.0;
     assert_eq!(integrator(&scene), ("volpath", false));
     scene.lights[1].half_angle = 0.0;
     assert_eq!(integrator(&scene), ("path", false));
-    // The widest one does not reach the scene.
+    // The widest one has an end.
     scene.lights[1].half_angle = std::f32::consts::FRAC_PI_2;
     let exported = export(&scene);
     let document = roxmltree::Document::parse(&exported.text).unwrap();
-    let sun = by_id(document.root_element(), "light-1-sun");
-    let bounds = scene.bounding_sphere(&scene.pose(0.0));
-    let away = coordinates(named(sun, "center")).distance(bounds.center);
-    assert!(away - value(sun, "radius").parse::<f32>().unwrap() > 2.0 * bounds.radius);
+    let disc = to_world(by_id(document.root_element(), "light-1-sun"));
+    assert!(disc.transform_point3(Vec3::X).length() < 1e7);
 }
 
 #[test]
