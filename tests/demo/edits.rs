@@ -170,3 +170,28 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
     assert_renders_to(&demo, &["--frames=24", &saved_file], &dim);
     demo.close();
 }
+
+#[test]
+fn lights_get_an_extent_which_is_saved() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    // High enough for the panel to show the sliders.
+    let mut demo = Demo::start(&desk, &[&SMALL[..], &["--size=480x680"]].concat());
+    demo.frames(3);
+    demo.click_thing("Scene");
+    demo.click_thing("Lights and objects");
+    for (kind, slider) in [("add point", "light radius"), ("add directional", "light angle")] {
+        let seen = demo.now();
+        demo.click_thing(kind);
+        demo.wait_after(seen, kind, |event| is_action(event, "add-light"));
+        let seen = demo.now();
+        demo.drag_thing(slider, 30);
+        demo.wait_after(seen, slider, |event| is_action(event, "edit-light"));
+        assert!(!demo.events()[seen..].iter().any(is_edited), "a scene was built for a number");
+    }
+    let file = saved(&mut demo);
+    let scene = glowworm::scene::load_scene(demo.path(&file).to_str().unwrap(), None).unwrap();
+    assert!(scene.lights.iter().any(|light| light.radius > 0.0));
+    assert!(scene.lights.iter().any(|light| light.half_angle > 0.0));
+    demo.close();
+}
