@@ -9,9 +9,11 @@ mod pick;
 mod picture;
 mod prepared;
 mod replay;
+mod rest;
 mod shared;
 mod tracer_choice;
 mod tracer_speed;
+mod uniforms;
 mod view;
 
 pub use crate::estimators::DebugView;
@@ -26,6 +28,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Mat4;
+
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::combine::CombineInputs;
@@ -34,17 +38,19 @@ use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::SheetsPass;
 use crate::passes::structs::FrameUniforms;
-use crate::passes::to_u32;
+use crate::passes::taa::{TaaInputs, TaaPass};
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{
     CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
     TracerChoice,
 };
-use crate::scene::{Camera, Pose, Scene};
+use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use direct::ambient;
+use rest::RestClock;
 use shared::SharedPasses;
+use uniforms::Viewed;
 use view::{ViewFrame, ViewPasses};
 
 /// Why a picture could not be made.
@@ -79,9 +85,11 @@ pub struct Renderer {
     bvh_ms: f64,
     /// Of the last frame.
     uniforms: Option<FrameUniforms>,
+    /// World to clip space in the last frame, without jitter.
+    unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
-    frame_count: u64,
+    clock: RestClock,
 
     buffers: SceneBuffers,
     tracer: Tracer,
@@ -149,7 +157,7 @@ impl Renderer {
         let buffers = SceneBuffers::new(device, &scene)?;
         Ok(Self {
             tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
-            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings.size)?,
+            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             settings: settings.clone(),
@@ -157,9 +165,10 @@ impl Renderer {
             views: ViewPasses::default(),
             bvh_ms,
             uniforms: None,
+            unjittered: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
-            frame_count: 0,
+            clock: RestClock::default(),
             scene,
             bvh,
             radius,
@@ -174,9 +183,10 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        let pending = self.update(pose);
+        let clock = self.clock.next(pose, self.cycle());
+        let pending = self.update(pose, clock.frame);
         let lights = lights_of(pose);
-        let uniforms = self.frame_uniforms(pose, lights.len());
+        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
 
         // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
@@ -186,7 +196,7 @@ impl Renderer {
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = &self.buffers.upload_instances(&mut frame, &self.scene, pose)?;
         let uploaded_lights = &frame.upload(&lights)?;
-        let frame_uniforms = &frame.upload(&[uniforms])?;
+        let frame_uniforms = &frame.upload(&[*uniforms])?;
         let (tracer, buffers) = (&self.tracer, &self.buffers);
 
         // Draw the visible surfaces and their direct light.
@@ -198,7 +208,8 @@ impl Renderer {
                 scene: buffers,
                 tracer,
                 pose,
-                view_projections: [uniforms.view_projection, uniforms.previous_view_projection],
+                view_projection: uniforms.view_projection,
+                unjittered: *unjittered,
             },
         )?;
         let inputs = EstimatorInputs {
@@ -218,7 +229,8 @@ impl Renderer {
         // Estimate their indirect light, and join both.
         self.estimator.record(&mut frame, &inputs)?;
         let irradiance = self.estimator.irradiance();
-        let display = self.passes.combine.record(
+        let combine = &self.passes.combine;
+        combine.record(
             &mut frame,
             &CombineInputs {
                 frame: frame_uniforms,
@@ -227,9 +239,24 @@ impl Renderer {
                 albedo: &gbuffer.albedo,
                 specular_albedo: direct_shading.specular_albedo(),
                 sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
-                exposure: self.settings.exposure,
             },
         )?;
+
+        // Smooth edges, and show the picture.
+        if let Some(taa) = self.passes.taa.as_mut().filter(|_| !clock.is_frozen()) {
+            taa.record(
+                &mut frame,
+                &TaaInputs {
+                    frame: frame_uniforms,
+                    radiance: combine.radiance(),
+                    depth: &gbuffer.depth,
+                    motion: &gbuffer.motion,
+                    averaged: clock.averaged(),
+                },
+            )?;
+        }
+        let picture = self.passes.taa.as_ref().map_or(combine.radiance(), TaaPass::output);
+        let display = combine.show(&mut frame, frame_uniforms, picture, self.settings.exposure)?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
@@ -248,41 +275,19 @@ impl Renderer {
         }
         frame.submit()?;
 
-        self.uniforms = Some(uniforms);
+        self.uniforms = Some(*uniforms);
+        self.unjittered = Some(unjittered[0]);
         self.pending.push_back(pending);
-        self.frame_count += 1;
         Ok(())
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.
-    fn update(&mut self, pose: &Pose) -> Pending {
+    fn update(&mut self, pose: &Pose, frame: u64) -> Pending {
         let begun = Instant::now();
         self.bvh.update(&pose.instances);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
-        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }));
-        Pending { frame: self.frame_count, cpu_ms, counters: self.estimator.counters() }
-    }
-
-    fn frame_uniforms(&self, pose: &Pose, light_count: usize) -> FrameUniforms {
-        let size = self.settings.size;
-        let camera = &pose.camera;
-        // Near and far swapped: reversed depth keeps its precision far away.
-        let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
-        let aspect = size[0] as f32 / size[1] as f32;
-        let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
-        let [ray, ray_x, ray_y] = camera.pixel_rays(aspect).map(|ray| ray.extend(0.0));
-        FrameUniforms {
-            view_projection,
-            previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
-            eye: camera.eye.extend(self.radius),
-            background: self.buffers.environment.background(&self.scene, pose),
-            ray,
-            ray_x,
-            ray_y,
-            size,
-            light_count: to_u32(light_count),
-            pad0: 0,
-        }
+        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
+        Pending { frame, cpu_ms, counters: self.estimator.counters() }
     }
 
     /// The reports of finished frames that were not given yet, in order. Does not wait.
@@ -311,11 +316,6 @@ impl Renderer {
     /// The BVH of the world as the last frame showed it.
     pub fn bvh(&self) -> &TwoLevelBvh {
         &self.bvh
-    }
-
-    /// The world as the last frame showed it, but for `pose`.
-    pub(crate) fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
-        World { scene: &self.scene, pose, bvh: &self.bvh }
     }
 
     /// The tracer in use.

@@ -27,7 +27,10 @@ pub const SHARED_PASSES: [PassInfo; 4] = [
     PassInfo { name: "sheets", colour: [118, 183, 178] },
 ];
 /// The same after those of the method.
-pub const LAST_PASSES: [PassInfo; 1] = [PassInfo { name: "combine", colour: [227, 119, 194] }];
+pub const LAST_PASSES: [PassInfo; 2] = [
+    PassInfo { name: "combine", colour: [227, 119, 194] },
+    PassInfo { name: "taa", colour: [188, 128, 189] },
+];
 
 /// The commit that the program was built from, or `unknown` outside a git checkout.
 pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {

@@ -18,8 +18,4 @@ float plane_distance(vec3 centre, vec3 geometric, float depth, ivec2 pixel, floa
 
 float normal_weight(vec3 a, vec3 b, float exponent) { return pow(max(dot(a, b), 0.0), exponent); }
 
-// The nearest half float, so that images round nothing: drivers may round towards zero, which darkens what is blended often.
-vec4 rounded(vec4 light) {
-    uvec4 bits = floatBitsToUint(light);
-    return uintBitsToFloat(bits + 0xfffu + (bits >> 13 & 1u) & 0xffffe000u);
-}
+#include "rounded.glsl"

@@ -70,8 +70,19 @@ pub trait Estimator: Any + Send {
     /// What it names.
     fn method(&self) -> Method;
 
-    /// The frame's work on the CPU, while the device draws the frame before. Gives the milliseconds of each CPU pass.
-    fn update(&mut self, _world: World<'_>) -> Vec<f64> {
+    /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
+    fn cycle(&self) -> u32 {
+        1
+    }
+
+    /// Frames after the last change until its light is what it would be after a fresh start.
+    fn settles_in(&self) -> u32 {
+        0
+    }
+
+    /// The work of a frame with this number on the CPU, while the device draws the frame before. Gives the milliseconds of each
+    /// CPU pass.
+    fn update(&mut self, _world: World<'_>, _frame: u64) -> Vec<f64> {
         Vec::new()
     }
 

@@ -19,6 +19,7 @@ pub mod scene_buffers;
 pub mod sheets;
 pub mod skip;
 pub mod structs;
+pub mod taa;
 pub mod tracer;
 mod tracer_hardware;
 mod tracer_software;

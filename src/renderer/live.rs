@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::rest::RestClock;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::estimators::{self, EstimatorContext, World};
 use crate::passes::tracer::{Tracer, TracerVariant};
@@ -26,9 +27,10 @@ impl Renderer {
 
         // Make what is to be another one.
         let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
-        let resized = settings.size != self.settings.size;
-        let remade = || self.passes.remade(&device, variant, settings.size);
-        let passes = if retraced || resized { Some(remade()?) } else { None };
+        let made_of = |settings: &Settings| (settings.size, settings.antialiasing);
+        let remade = || self.passes.remade(&device, variant, settings);
+        let passes =
+            if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };
         let context = EstimatorContext {
             device: &device,
             tracer: variant,
@@ -57,6 +59,7 @@ impl Renderer {
             self.tracer = tracer;
         }
         self.tracer_choice = choice;
+        self.clock.disturb();
         self.settings.clone_from(settings);
         Ok(())
     }
@@ -85,6 +88,7 @@ impl Renderer {
         self.passes.gbuffer.set_materials(sets);
         self.buffers.replace(materials, environment);
         self.scene = Arc::clone(scene);
+        self.clock.disturb();
         self.bvh.update(&pose.instances);
         self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
         Ok(())
@@ -109,7 +113,7 @@ impl Renderer {
         let mut next = Self::with_scene(&self.device, scene, settings, pose)?;
         next.set_view(&self.view)?;
         next.reports = self.finish()?;
-        next.frame_count = self.frame_count;
+        next.clock = RestClock::starting_at(self.clock.frame());
         *self = next;
         Ok(())
     }

@@ -53,17 +53,6 @@ impl Light {
         let pixels = self.specular_albedo.iter().zip(&self.irradiance);
         pixels.map(|(albedo, e)| std::array::from_fn(|i| albedo[i] / PI * e[i])).collect()
     }
-
-    /// Twin: `radiance_at` in shaders/include/radiance.glsl.
-    fn radiance(&self) -> Vec<[f32; 3]> {
-        let diffuse = self.albedo.iter().zip(&self.irradiance);
-        let pixels = self.direct.iter().zip(diffuse).zip(self.reflected());
-        pixels
-            .map(|((direct, (albedo, e)), reflected)| {
-                [0, 1, 2].map(|i| direct[i] + albedo[i] / PI * e[i] + reflected[i])
-            })
-            .collect()
-    }
 }
 
 impl Renderer {
@@ -71,16 +60,20 @@ impl Renderer {
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
         let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
-        let light = self.read_light()?;
+        let colour = match &self.passes.taa {
+            Some(taa) if !taa.is_averaged() => self.read_halves(taa.output(), 4)?,
+            Some(taa) => self.read_floats(taa.output())?,
+            None => self.read_floats(self.passes.combine.radiance())?,
+        };
         let mut picture = Picture {
             width,
             height,
-            colour: light.radiance(),
+            colour: colour.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
             display: bytemuck::cast_slice(&display).to_vec(),
             ..Picture::default()
         };
         if layers {
-            picture.layers = self.read_layers(&light)?;
+            picture.layers = self.read_layers(&self.read_light()?)?;
         }
         Ok(picture)
     }

@@ -6,8 +6,10 @@ use super::direct::DirectPasses;
 use crate::passes::combine::CombinePass;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::taa::TaaPass;
 use crate::passes::tracer::TracerVariant;
 use crate::scene::Scene;
+use crate::settings::{Antialiasing, Settings};
 use crate::vulkan::{Device, VulkanError};
 
 /// The passes.
@@ -15,6 +17,8 @@ pub(super) struct SharedPasses {
     pub gbuffer: GBufferPass,
     pub direct: DirectPasses,
     pub combine: CombinePass,
+    /// With `--antialiasing taa`.
+    pub taa: Option<TaaPass>,
 }
 
 impl SharedPasses {
@@ -22,26 +26,35 @@ impl SharedPasses {
         device: &Arc<Device>,
         tracer: TracerVariant,
         (scene, buffers): (&Scene, &SceneBuffers),
-        size: [u32; 2],
+        settings: &Settings,
     ) -> Result<Self, VulkanError> {
+        let size = settings.size;
         Ok(Self {
             gbuffer: GBufferPass::new(device, buffers, size)?,
             direct: DirectPasses::new(device, tracer, scene, size)?,
             combine: CombinePass::new(device, tracer.sheets, size)?,
+            taa: taa(device, settings)?,
         })
     }
 
-    /// The same passes for another tracer or size.
+    /// The same passes for another tracer or other settings.
     pub fn remade(
         &self,
         device: &Arc<Device>,
         tracer: TracerVariant,
-        size: [u32; 2],
+        settings: &Settings,
     ) -> Result<Self, VulkanError> {
+        let size = settings.size;
         Ok(Self {
             gbuffer: self.gbuffer.resized(device, size)?,
             direct: self.direct.remade(device, tracer, size)?,
             combine: CombinePass::new(device, tracer.sheets, size)?,
+            taa: taa(device, settings)?,
         })
     }
+}
+
+fn taa(device: &Arc<Device>, settings: &Settings) -> Result<Option<TaaPass>, VulkanError> {
+    let taa = settings.antialiasing == Antialiasing::Taa;
+    taa.then(|| TaaPass::new(device, settings.size)).transpose()
 }

@@ -26,6 +26,41 @@ pub enum Indirect {
     None,
 }
 
+/// Where direct light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Direct {
+    /// A map of hard shadows for each light: lights have no extent, area lights shine by virtual point lights.
+    #[default]
+    Maps,
+    /// Rays to random points of the lights, denoised: soft shadows.
+    Rays,
+}
+
+/// Where the light comes from that glossy surfaces mirror.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reflections {
+    /// Rays, in scenes with glossy surfaces.
+    #[default]
+    Auto,
+    /// Their irradiance: nothing is mirrored.
+    None,
+    /// Rays, denoised.
+    Rays,
+}
+
+/// What smooths edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Antialiasing {
+    /// Temporal antialiasing.
+    #[default]
+    Taa,
+    /// Nothing: one sample in the middle of each pixel.
+    None,
+}
+
 /// Which ray tracer the shaders use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -51,6 +86,17 @@ pub struct Settings {
     /// What computes indirect light. Vpls: virtual point lights; none: direct light only, which costs least.
     #[arg(long, value_enum, default_value = "vpls")]
     pub indirect: Indirect,
+    /// Where direct light comes from. Maps: one ray a light, hard shadows; rays: one ray a pixel, soft shadows of lights with an
+    /// extent, which are denoised.
+    #[arg(long, value_enum, default_value = "maps")]
+    pub direct: Direct,
+    /// What glossy surfaces mirror. Rays: one or two rays a pixel, denoised; none: their mean irradiance; auto: rays in scenes
+    /// with glossy surfaces.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub reflections: Reflections,
+    /// Smoothing of edges. Taa: over 16 frames, about a fifth of a millisecond at 1920x1080; none: one sample a pixel.
+    #[arg(long, value_enum, default_value = "taa")]
+    pub antialiasing: Antialiasing,
     /// Bounces of a light path, 1 to 16. More: light reaches further; slots are shared among more bounces.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "2")]
     pub bounces: u32,
@@ -84,6 +130,9 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             indirect: Indirect::Vpls,
+            direct: Direct::Maps,
+            reflections: Reflections::Auto,
+            antialiasing: Antialiasing::Taa,
             bounces: 2,
             size: [1280, 720],
             seed: 0,

@@ -2,7 +2,7 @@
 
 use glowworm::settings::{Indirect, Settings, VplSettings};
 
-use super::support::{Lab, named_scene};
+use super::support::{Lab, named_scene, plain};
 
 /// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Memory".
 fn computed(settings: &Settings) -> u64 {
@@ -33,7 +33,7 @@ fn sheets_take_what_they_say() {
     let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
     let model = "[[models]]\nname = \"pane\"\npath = \"pane.obj\"\n[[instances]]\nmodel = \"pane\"\n";
     write("scene.toml", &(model.to_owned() + &lamp.repeat(5)));
-    let settings = |size| Settings { size, indirect: Indirect::None, ..Settings::default() };
+    let settings = |size| Settings { size, indirect: Indirect::None, ..plain() };
     let grown = |material: &str| {
         write("pane.mtl", &format!("newmtl pane\nKd 0.5 0.5 0.5\n{material}\n"));
         let scene = named_scene(folder.path().join("scene.toml").to_str().unwrap(), None);
@@ -67,7 +67,7 @@ fn memory_grows_as_computed() {
         let settings = Settings {
             size,
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
-            ..Settings::default()
+            ..plain()
         };
         (used(&settings), computed(&settings))
     };

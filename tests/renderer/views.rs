@@ -10,7 +10,7 @@ use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, channel, layer, mean, scene};
+use super::support::{Lab, channel, layer, mean, plain, scene};
 
 pub const STUDIO: &str = r#"
 [[models]]
@@ -57,7 +57,7 @@ pub fn settings(temporal_sets: u32, interleave: u32) -> Settings {
         size,
         exposure: Some(0.0),
         vpl: VplSettings { temporal_sets, interleave, slots: 128, pool: 128, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     }
 }
 

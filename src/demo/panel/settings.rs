@@ -4,12 +4,12 @@
 
 use std::collections::BTreeMap;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
-use crate::settings::{Group, Indirect, MissingSets, Sequence, Settings, TracerKind, VplSettings, groups};
+use crate::settings::{Group, Indirect, MissingSets, Settings, VplSettings, groups};
 
 /// The groups of settings, and the documentation of each setting.
 pub(super) struct SettingsDocs {
@@ -38,6 +38,9 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
     // Keep what does not affect quality.
     let base = Settings {
         indirect: now.indirect,
+        direct: now.direct,
+        reflections: now.reflections,
+        antialiasing: now.antialiasing,
         size: now.size,
         seed: now.seed,
         time_step: now.time_step,
@@ -142,9 +145,10 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             let least = settings.vpl.temporal_sets;
             ui.add(DragValue::new(&mut settings.vpl.slots).range(least..=65_536).speed(8.0))
         }
-        "indirect" => {
-            choice(ui, name, &mut settings.indirect, &[(Indirect::Vpls, "vpls"), (Indirect::None, "none")])
-        }
+        "indirect" => choice(ui, name, &mut settings.indirect),
+        "direct" => choice(ui, name, &mut settings.direct),
+        "reflections" => choice(ui, name, &mut settings.reflections),
+        "antialiasing" => choice(ui, name, &mut settings.antialiasing),
         "bounces" => whole(ui, &mut settings.bounces, 16),
         "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
         "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
@@ -152,22 +156,12 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "refresh" => ui.add(DragValue::new(&mut settings.vpl.refresh).range(0..=63)),
         "clamp" => ui.add(DragValue::new(&mut settings.vpl.clamp).range(0.0..=1e9).speed(5.0)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
-        "sequence" => choice(
-            ui,
-            name,
-            &mut settings.vpl.sequence,
-            &[(Sequence::Sobol, "sobol"), (Sequence::Random, "random")],
-        ),
+        "sequence" => choice(ui, name, &mut settings.vpl.sequence),
         "temporal_sets" => {
             let most = settings.vpl.slots.min(64);
             whole(ui, &mut settings.vpl.temporal_sets, most)
         }
-        "missing_sets" => choice(
-            ui,
-            name,
-            &mut settings.vpl.missing_sets,
-            &[(MissingSets::Scale, "scale"), (MissingSets::Dark, "dark")],
-        ),
+        "missing_sets" => choice(ui, name, &mut settings.vpl.missing_sets),
         "position_cutoff" => {
             let slider = Slider::new(&mut settings.vpl.position_cutoff, 1e-4..=1.0).logarithmic(true);
             ui.spacing_mut().slider_width = 50.0;
@@ -180,16 +174,7 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "interleave" => whole(ui, &mut settings.vpl.interleave, 8),
         "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
         "exposure" => exposure(ui, &mut settings.exposure),
-        _ => choice(
-            ui,
-            name,
-            &mut settings.tracer,
-            &[
-                (TracerKind::Auto, "auto"),
-                (TracerKind::Software, "software"),
-                (TracerKind::Hardware, "hardware"),
-            ],
-        ),
+        _ => choice(ui, name, &mut settings.tracer),
     }
 }
 
@@ -205,18 +190,16 @@ fn exposure(ui: &mut Ui, exposure: &mut Option<f32>) -> egui::Response {
     response
 }
 
-fn choice<Value: Copy + PartialEq>(
-    ui: &mut Ui,
-    name: &str,
-    value: &mut Value,
-    choices: &[(Value, &str)],
-) -> egui::Response {
-    let chosen = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, label)| label);
-    let combo = ComboBox::from_id_salt(name).selected_text(chosen).width(80.0);
+/// One of an enum's values, by the names that the command line has for them.
+fn choice<Value: ValueEnum + PartialEq>(ui: &mut Ui, name: &str, value: &mut Value) -> egui::Response {
+    let label = |value: &Value| {
+        value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
+    };
+    let combo = ComboBox::from_id_salt(name).selected_text(label(value)).width(80.0);
     combo
         .show_ui(ui, |ui| {
-            for (choice, label) in choices {
-                ui.selectable_value(value, *choice, *label);
+            for choice in Value::value_variants() {
+                ui.selectable_value(value, choice.clone(), label(choice));
             }
         })
         .response
@@ -227,6 +210,9 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
     match name {
         "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
         "indirect" => to.indirect = from.indirect,
+        "direct" => to.direct = from.direct,
+        "reflections" => to.reflections = from.reflections,
+        "antialiasing" => to.antialiasing = from.antialiasing,
         "bounces" => to.bounces = from.bounces,
         "candidates" => to.vpl.candidates = from.vpl.candidates,
         "pool" => to.vpl.pool = from.vpl.pool,
@@ -249,6 +235,7 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::{Antialiasing, Direct, Reflections, Sequence, TracerKind};
 
     /// Every field of the struct is in one group, has documentation, and can be copied.
     #[test]
@@ -261,6 +248,9 @@ mod tests {
         assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
         let other = Settings {
             indirect: Indirect::None,
+            direct: Direct::Rays,
+            reflections: Reflections::Rays,
+            antialiasing: Antialiasing::None,
             bounces: 7,
             size: [8, 9],
             seed: 4,

@@ -96,8 +96,6 @@ pub struct Vpls {
     transport: f32,
     scene_radius: f32,
     instances: usize,
-    /// Frames so far.
-    frame_count: u64,
     /// What has changed since each set was drawn.
     staleness: Staleness,
     /// What the frame is to draw.
@@ -155,7 +153,6 @@ impl Vpls {
             transport: transport_length(context.world).unwrap_or(context.scene_radius),
             scene_radius: context.scene_radius,
             instances,
-            frame_count: 0,
             staleness: Staleness::new(context.settings.vpl.temporal_sets),
             turn: Turn::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
@@ -209,12 +206,20 @@ impl Estimator for Vpls {
         METHOD
     }
 
-    fn update(&mut self, world: World<'_>) -> Vec<f64> {
+    fn cycle(&self) -> u32 {
+        self.settings.vpl.temporal_sets
+    }
+
+    fn settles_in(&self) -> u32 {
+        self.settings.vpl.slots.div_ceil(self.settings.vpl.budget) + self.settings.vpl.temporal_sets
+    }
+
+    fn update(&mut self, world: World<'_>, frame: u64) -> Vec<f64> {
         let begun = Instant::now();
         self.manager.invalidate(world);
         let invalidated = Instant::now();
         self.manager.replace(world);
-        let set = (self.frame_count % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
         self.staleness.advance(&self.manager, self.transport);
         let redrawn = self.staleness.stalest(set, self.settings.vpl.refresh);
         let drawn: Vec<_> =
@@ -231,7 +236,6 @@ impl Estimator for Vpls {
                 self.manager.usable_vpls() as f32,
             ),
         };
-        self.frame_count += 1;
         let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
         vec![ms(begun, invalidated), ms(invalidated, Instant::now())]
     }
