@@ -184,7 +184,9 @@ mod tests {
         let mean = jitters.iter().sum::<Vec2>() / 16.0;
         assert!(mean.abs().max_element() < 0.06, "{mean}");
         for quarter in 0..4 {
-            let inside = |jitter: &&Vec2| (jitter.x >= 0.0) == (quarter & 1 == 1) && (jitter.y >= 0.0) == (quarter & 2 == 2);
+            let inside = |jitter: &&Vec2| {
+                (jitter.x >= 0.0) == (quarter & 1 == 1) && (jitter.y >= 0.0) == (quarter & 2 == 2)
+            };
             assert!((3..=5).contains(&jitters.iter().filter(inside).count()), "{jitters:?}");
         }
     }

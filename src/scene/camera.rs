@@ -76,7 +76,8 @@ impl Camera {
 
     /// View to Vulkan clip space (y down, depth 0 to 1) for a picture of the given width over height.
     pub fn projection_matrix(&self, aspect: f32) -> Mat4 {
-        let centred = glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far);
+        let centred =
+            glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far);
         let shift = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, (-self.shift).extend(0.0).extend(1.0));
         if self.shift == Vec2::ZERO { centred } else { shift * centred }
     }

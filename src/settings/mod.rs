@@ -4,6 +4,7 @@
 //! in a scene file and whose heading is its title everywhere. [`Settings::resolve`] merges them in this order:
 //! defaults, the scene file's `[settings]`, the options given on the command line.
 
+mod effects;
 mod error;
 mod table;
 pub(crate) mod text;
@@ -11,6 +12,7 @@ mod vpls;
 
 use serde::Serialize;
 
+pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
 pub(crate) use table::{Group, flat, groups};
 pub use vpls::{MissingSets, Sequence, VplSettings};
@@ -120,6 +122,10 @@ pub struct Settings {
     #[arg(long, value_name = "EV|auto", value_parser = text::parse_exposure, allow_negative_numbers = true, default_value = "auto")]
     #[serde(serialize_with = "text::exposure_or_auto")]
     pub exposure: Exposure,
+    /// Of `--direct rays` and `--reflections rays`.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub effects: EffectSettings,
     /// Of `--indirect vpls`.
     #[command(flatten)]
     #[serde(flatten)]
@@ -139,6 +145,7 @@ impl Default for Settings {
             time_step: 1.0 / 60.0,
             tracer: TracerKind::Auto,
             exposure: None,
+            effects: EffectSettings::default(),
             vpl: VplSettings::default(),
         }
     }
@@ -203,7 +210,7 @@ impl Settings {
     }
 
     fn check_ranges(&self) -> Result<(), SettingsError> {
-        let ranges = self.ranges().into_iter().chain(self.vpl.ranges());
+        let ranges = self.ranges().into_iter().chain(self.effects.ranges()).chain(self.vpl.ranges());
         match ranges.into_iter().find(|range| !range.holds) {
             None => Ok(()),
             Some(Range { setting, value, allowed, .. }) => {

@@ -2,7 +2,9 @@
 
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, exact, indirect, layer, luminance, mean, named_scene, plain, relative_differences};
+use super::support::{
+    Lab, exact, indirect, layer, luminance, mean, named_scene, plain, relative_differences,
+};
 
 fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
     let vpl = VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() };

@@ -9,7 +9,7 @@ use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
-use crate::settings::{Group, Indirect, MissingSets, Settings, VplSettings, groups};
+use crate::settings::{Direct, Group, Indirect, MissingSets, Reflections, Settings, VplSettings, groups};
 
 /// The groups of settings, and the documentation of each setting.
 pub(super) struct SettingsDocs {
@@ -30,7 +30,11 @@ impl Default for SettingsDocs {
 
 /// Whether the method that a group belongs to is in use.
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
-    group.table != "settings.vpls" || settings.indirect == Indirect::Vpls
+    match group.table.as_str() {
+        "settings.vpls" => settings.indirect == Indirect::Vpls,
+        "settings.effects" => settings.direct == Direct::Rays || settings.reflections != Reflections::None,
+        _ => true,
+    }
 }
 
 /// Presets.
@@ -41,6 +45,7 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
         direct: now.direct,
         reflections: now.reflections,
         antialiasing: now.antialiasing,
+        effects: now.effects,
         size: now.size,
         seed: now.seed,
         time_step: now.time_step,
@@ -149,6 +154,12 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "direct" => choice(ui, name, &mut settings.direct),
         "reflections" => choice(ui, name, &mut settings.reflections),
         "antialiasing" => choice(ui, name, &mut settings.antialiasing),
+        "denoise" => choice(ui, name, &mut settings.effects.denoise),
+        "noise" => choice(ui, name, &mut settings.effects.noise),
+        "reflection_depth" => whole(ui, &mut settings.effects.reflection_depth, 8),
+        "reflection_roughness" => {
+            ui.add(DragValue::new(&mut settings.effects.reflection_roughness).range(0.0..=1.0).speed(0.01))
+        }
         "bounces" => whole(ui, &mut settings.bounces, 16),
         "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
         "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
@@ -213,6 +224,10 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
         "direct" => to.direct = from.direct,
         "reflections" => to.reflections = from.reflections,
         "antialiasing" => to.antialiasing = from.antialiasing,
+        "denoise" => to.effects.denoise = from.effects.denoise,
+        "noise" => to.effects.noise = from.effects.noise,
+        "reflection_depth" => to.effects.reflection_depth = from.effects.reflection_depth,
+        "reflection_roughness" => to.effects.reflection_roughness = from.effects.reflection_roughness,
         "bounces" => to.bounces = from.bounces,
         "candidates" => to.vpl.candidates = from.vpl.candidates,
         "pool" => to.vpl.pool = from.vpl.pool,
@@ -235,7 +250,7 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Antialiasing, Direct, Reflections, Sequence, TracerKind};
+    use crate::settings::{Antialiasing, Denoise, EffectSettings, Noise, Sequence, TracerKind};
 
     /// Every field of the struct is in one group, has documentation, and can be copied.
     #[test]
@@ -257,6 +272,12 @@ mod tests {
             time_step: 0.5,
             tracer: TracerKind::Software,
             exposure: Some(1.0),
+            effects: EffectSettings {
+                denoise: Denoise::None,
+                noise: Noise::White,
+                reflection_depth: 3,
+                reflection_roughness: 0.2,
+            },
             vpl: VplSettings {
                 slots: 77,
                 pool: 99,
@@ -281,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn vpl_settings_are_hidden_without_vpls() {
+    fn settings_of_what_is_not_in_use_are_hidden() {
         let none = Settings { indirect: Indirect::None, ..Settings::default() };
         let in_use = |settings: &Settings| {
             let groups = groups();
@@ -291,8 +312,10 @@ mod tests {
                 .map(|group| group.table)
                 .collect::<Vec<_>>()
         };
-        assert_eq!(in_use(&Settings::default()), ["settings", "settings.vpls"]);
-        assert_eq!(in_use(&none), ["settings"]);
+        let plain = Settings { reflections: Reflections::None, ..Settings::default() };
+        assert_eq!(in_use(&Settings::default()), ["settings", "settings.effects", "settings.vpls"]);
+        assert_eq!(in_use(&plain), ["settings", "settings.vpls"]);
+        assert_eq!(in_use(&none), ["settings", "settings.effects"]);
     }
 
     #[test]
