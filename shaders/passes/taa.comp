@@ -21,7 +21,7 @@ layout(push_constant) uniform Push {
 } push;
 
 // Standard deviations around the mean of the 3x3 pixels in which history is kept.
-const float REACH = 1.25;
+const float REACH = 1.0;
 // Most that a half float holds.
 const float MOST = 65504.0;
 

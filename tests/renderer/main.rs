@@ -23,6 +23,7 @@ mod rooms;
 mod shadows;
 mod sheets;
 mod sphere;
+mod taa;
 mod temporal;
 mod thin_features;
 mod tracers;

@@ -1,6 +1,6 @@
 //! Device memory is what ARCHITECTURE.md says.
 
-use glowworm::settings::{Indirect, Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
 use super::support::{Lab, named_scene, plain};
 
@@ -15,7 +15,11 @@ fn computed(settings: &Settings) -> u64 {
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
-    pixels * 88 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
+    pixels * (if settings.antialiasing == Antialiasing::Taa { 136 } else { 104 })
+        + of_step(2) * 40
+        + of_step(set_step) * (16 + 8 * sets)
+        + tiles
+        + sets * 48 * (vpls + 64)
 }
 
 /// What thin sheets add with so many lamps.
@@ -64,8 +68,11 @@ fn memory_grows_as_computed() {
         bytes
     };
     let of = |size, vpls, temporal_sets, interleave| {
+        // The larger ones with antialiasing.
+        let antialiasing = if size == [320, 200] { Antialiasing::Taa } else { Antialiasing::None };
         let settings = Settings {
             size,
+            antialiasing,
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
             ..plain()
         };
