@@ -297,6 +297,8 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
         kind: LightKind::Point { intensity: Vec3::ONE },
         position: eye,
         direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     });
     let pose = scene.pose(0.0);

@@ -10,8 +10,8 @@ struct LightData {
     vec4 direction; // xyz: direction in which light travels; w: cosine of the spot's outer angle
     vec4 power;     // rgb: intensity in W/sr, or irradiance in W/m^2
     uint kind;
-    uint pad0;
-    uint pad1;
+    float radius;     // of the sphere that shines (point, spot), world units; 0 for a point
+    float half_angle; // of the disc that shines (directional), radians; 0 for parallel light
     uint pad2;
 };
 

@@ -133,6 +133,8 @@ fn light_data(light: &Light) -> Option<LightData> {
         direction: light.direction.extend(outer),
         power: power.extend(0.0),
         kind,
+        radius: light.radius,
+        half_angle: light.half_angle,
         ..LightData::default()
     })
 }

@@ -140,10 +140,10 @@ pub struct LightData {
     pub power: Vec4,
     /// 0 point, 1 spot, 2 directional.
     pub kind: u32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
+    /// Of the sphere that shines (point, spot), world units; 0 for a point.
+    pub radius: f32,
+    /// Of the disc that shines (directional), radians; 0 for parallel light.
+    pub half_angle: f32,
     /// Unused.
     pub pad2: u32,
 }
@@ -259,8 +259,8 @@ pub(crate) mod tests {
             direction,
             power,
             kind,
-            pad0,
-            pad1,
+            radius,
+            half_angle,
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::lights::LightSample;
+use super::lights::{LightSample, ShadowEnd};
 use crate::sampling;
 use crate::scene::{AlphaMask, AreaTriangle, BoundingSphere, Mesh, Pose, Scene, luminance, ray_offset};
 
@@ -97,7 +97,7 @@ impl AreaLight {
         let pdf = emitter.area_pdf * squared / cosine;
         Some(LightSample {
             direction,
-            end: Some(point + emitter.normal * ray_offset(point, self.scene_radius)),
+            end: ShadowEnd::Point(point + emitter.normal * ray_offset(point, self.scene_radius)),
             irradiance: emitter.radiance / pdf,
             pdf: self.visible.then_some(pdf),
         })

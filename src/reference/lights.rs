@@ -11,7 +11,9 @@ use glam::{Vec2, Vec3};
 
 use super::area_lights::AreaLight;
 use crate::bvh::Ray;
-use crate::scene::{AlphaMask, Environment, Light, LightKind, Pose, Scene, luminance, spot_falloff};
+use crate::scene::{
+    AlphaMask, Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff,
+};
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
 const MAX_BOUNDS: usize = 16;
@@ -32,13 +34,22 @@ pub(super) enum LightSubset {
 pub(super) struct LightSample {
     /// Unit direction to the light.
     pub(super) direction: Vec3,
-    /// End of the shadow ray, offset from the light's surface if it has one; none for directional lights.
-    pub(super) end: Option<Vec3>,
-    /// Irradiance perpendicular to the direction over the probability of the light, W/m^2; for an area light also over
-    /// the pdf of the direction.
+    /// End of the shadow ray.
+    pub(super) end: ShadowEnd,
+    /// Irradiance perpendicular to the direction over the probability of the light, W/m^2, and over the pdf of the
+    /// direction where it is one of many.
     pub(super) irradiance: Vec3,
     /// Pdf of the direction over solid angle, 1/sr; none if no scattered ray can hit the light.
     pub(super) pdf: Option<f32>,
+}
+
+/// Where a shadow ray ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ShadowEnd {
+    /// At a point, offset from the light's surface if it has one.
+    Point(Vec3),
+    /// After this distance along the direction; infinite where nothing is behind the light.
+    Distance(f32),
 }
 
 impl LightSample {
@@ -66,10 +77,12 @@ pub(super) struct Lights {
 enum PosedLight {
     Point {
         position: Vec3,
+        radius: f32,
         intensity: Vec3,
     },
     Spot {
         position: Vec3,
+        radius: f32,
         axis: Vec3,
         intensity: Vec3,
         inner_angle: f32,
@@ -77,6 +90,7 @@ enum PosedLight {
     },
     Directional {
         to_light: Vec3,
+        half_angle: f32,
         irradiance: Vec3,
     },
     Area(AreaLight),
@@ -248,17 +262,14 @@ pub(super) struct ScatteredHit {
 }
 
 fn posed_light(light: &Light) -> Option<PosedLight> {
+    let (position, radius) = (light.position, light.radius);
     let posed = match light.kind {
-        LightKind::Point { intensity } => PosedLight::Point { position: light.position, intensity },
-        LightKind::Spot { intensity, inner_angle, outer_angle } => PosedLight::Spot {
-            position: light.position,
-            axis: light.direction,
-            intensity,
-            inner_angle,
-            outer_angle,
-        },
+        LightKind::Point { intensity } => PosedLight::Point { position, radius, intensity },
+        LightKind::Spot { intensity, inner_angle, outer_angle } => {
+            PosedLight::Spot { position, radius, axis: light.direction, intensity, inner_angle, outer_angle }
+        }
         LightKind::Directional { irradiance } => {
-            PosedLight::Directional { to_light: -light.direction, irradiance }
+            PosedLight::Directional { to_light: -light.direction, half_angle: light.half_angle, irradiance }
         }
         LightKind::Area { .. } => return None,
     };
@@ -266,7 +277,8 @@ fn posed_light(light: &Light) -> Option<PosedLight> {
 }
 
 impl PosedLight {
-    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero.
+    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. Of a light with an
+    /// extent, what it would be if all of it lay where it is highest.
     #[inline]
     fn weight(&self, p: Vec3, n: Vec3) -> f32 {
         match self {
@@ -277,45 +289,61 @@ impl PosedLight {
             Self::Environment { weight, .. } => *weight,
             _ => self
                 .unshadowed(p)
-                .map_or(0.0, |(irradiance, direction)| luminance(irradiance) * n.dot(direction).max(0.0)),
+                .map_or(0.0, |(irradiance, cone)| luminance(irradiance) * cone.largest_cosine(n).max(0.0)),
         }
     }
 
-    /// Unshadowed irradiance perpendicular to the direction to the light, and that direction; none for area lights.
+    /// Unshadowed irradiance perpendicular to the direction to the light's centre, and the directions to the light; none
+    /// for area lights.
     #[inline]
-    fn unshadowed(&self, p: Vec3) -> Option<(Vec3, Vec3)> {
-        let (position, intensity) = match self {
-            Self::Point { position, intensity } | Self::Spot { position, intensity, .. } => {
-                (*position, *intensity)
+    fn unshadowed(&self, p: Vec3) -> Option<(Vec3, LightCone)> {
+        let (position, radius, intensity) = match self {
+            Self::Point { position, radius, intensity } | Self::Spot { position, radius, intensity, .. } => {
+                (*position, *radius, *intensity)
             }
-            Self::Directional { to_light, irradiance } => return Some((*irradiance, *to_light)),
+            Self::Directional { to_light, half_angle, irradiance } => {
+                return Some((*irradiance, LightCone::to_disc(*to_light, *half_angle)));
+            }
             Self::Area(_) | Self::Environment { .. } => return None,
         };
         let to_light = position - p;
         let squared = to_light.length_squared().max(1e-30);
-        let direction = to_light / squared.sqrt();
+        let distance = squared.sqrt();
+        let direction = to_light / distance;
         let falloff = match self {
             Self::Spot { axis, inner_angle, outer_angle, .. } => {
                 spot_falloff(-direction.dot(*axis), *inner_angle, *outer_angle)
             }
             _ => 1.0,
         };
-        Some((intensity * (falloff / squared), direction))
+        Some((intensity * (falloff / squared), LightCone::to_sphere(direction, distance, radius)))
     }
 
     fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
-        let end = match self {
+        match self {
             Self::Area(area) => return area.sample(p, u, alpha_masks),
             Self::Environment { environment, .. } => {
                 let (direction, pdf) = environment.sample(u)?;
-                let irradiance = environment.radiance(direction) / pdf;
-                return Some(LightSample { direction, end: None, irradiance, pdf: Some(pdf) });
+                let (irradiance, end) =
+                    (environment.radiance(direction) / pdf, ShadowEnd::Distance(f32::INFINITY));
+                return Some(LightSample { direction, end, irradiance, pdf: Some(pdf) });
             }
-            Self::Point { position, .. } | Self::Spot { position, .. } => Some(*position),
-            Self::Directional { .. } => None,
+            _ => {}
+        }
+        let (irradiance, cone) = self.unshadowed(p)?;
+        let sample = cone.sample(u);
+        let end = match self {
+            Self::Point { position, radius: 0.0, .. } | Self::Spot { position, radius: 0.0, .. } => {
+                ShadowEnd::Point(*position)
+            }
+            _ => ShadowEnd::Distance(sample.distance),
         };
-        let (irradiance, direction) = self.unshadowed(p)?;
-        Some(LightSample { direction, end, irradiance, pdf: None })
+        Some(LightSample {
+            direction: sample.direction,
+            end,
+            irradiance: irradiance * cone.gain(),
+            pdf: None,
+        })
     }
 }
 

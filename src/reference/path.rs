@@ -20,7 +20,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::Reference;
-use super::lights::{LightSample, LightSubset, ScatteredHit, cosine_pdf, power_heuristic};
+use super::lights::{LightSample, LightSubset, ScatteredHit, ShadowEnd, cosine_pdf, power_heuristic};
 use super::sampler::Sampler;
 use crate::bsdf::{Reflection, Sampled};
 use crate::bvh::{Hit, Ray};
@@ -390,8 +390,8 @@ impl Reference<'_> {
     fn shadow_ray(&self, surface: &WorldSurface, light: &LightSample) -> Ray {
         let origin = surface.offset_position(self.radius);
         match light.end {
-            Some(end) => Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 },
-            None => Ray { origin, direction: light.direction, t_min: 0.0, t_max: f32::INFINITY },
+            ShadowEnd::Point(end) => Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 },
+            ShadowEnd::Distance(t_max) => Ray { origin, direction: light.direction, t_min: 0.0, t_max },
         }
     }
 

@@ -111,6 +111,8 @@ fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
         kind: LightKind::Point { intensity: Vec3::splat(intensity) },
         position,
         direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     };
     // First, as lights of a scene file come before those of emissive materials.

@@ -336,10 +336,11 @@ fn scene_file_of_model(path: &Path, name: &str) -> String {
 /// The entry of a light; none for an area light.
 fn entry_of(light: &Light) -> Option<LightEntry> {
     let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
+    let radius = (light.radius > 0.0).then_some(light.radius);
     let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));
     match &light.kind {
         LightKind::Point { intensity } => {
-            Some(LightEntry { position, intensity: Some(intensity.to_array()), ..entry })
+            Some(LightEntry { position, intensity: Some(intensity.to_array()), radius, ..entry })
         }
         LightKind::Spot { intensity, inner_angle, outer_angle } => Some(LightEntry {
             kind: LightType::Spot,
@@ -348,12 +349,14 @@ fn entry_of(light: &Light) -> Option<LightEntry> {
             intensity: Some(intensity.to_array()),
             inner_deg: Some(degrees_of(*inner_angle)),
             outer_deg: Some(degrees_of(*outer_angle)),
+            radius,
             ..entry
         }),
         LightKind::Directional { irradiance } => Some(LightEntry {
             kind: LightType::Directional,
             direction,
             irradiance: Some(irradiance.to_array()),
+            angle_deg: (light.half_angle > 0.0).then(|| degrees_of(light.half_angle)),
             ..entry
         }),
         LightKind::Area { .. } => None,
@@ -375,4 +378,26 @@ fn centre_of(polygon: [[f32; 3]; 4]) -> Vec3 {
 fn frame_of(polygon: [[f32; 3]; 4]) -> Mat3 {
     let [a, b, _, d] = polygon.map(Vec3::from_array);
     Mat3::from_cols(b - a, d - a, (b - a).cross(d - a).normalize_or(Vec3::Y))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_entry_of_a_light_makes_that_light() {
+        let intensity = Vec3::new(1.0, 2.0, 3.0);
+        for (kind, direction, [radius, half_angle]) in [
+            (LightKind::Point { intensity }, Vec3::NEG_Y, [0.7, 0.0]),
+            (LightKind::Spot { intensity, inner_angle: 0.2, outer_angle: 0.5 }, Vec3::X, [0.3, 0.0]),
+            (LightKind::Directional { irradiance: intensity }, Vec3::Z, [0.0, 0.123_456_79]),
+        ] {
+            let position = if half_angle > 0.0 { Vec3::ZERO } else { Vec3::new(0.1, 0.2, 0.3) };
+            let name = "lamp".to_owned();
+            let light = Light { name, kind, position, direction, radius, half_angle, animation: None };
+            let entry = entry_of(&light).unwrap();
+            assert_eq!(single_light(Path::new("a.toml"), &entry).unwrap().unwrap(), light);
+        }
+    }
 }

@@ -48,7 +48,7 @@ pub struct AreaTriangle {
     pub radiance: Vec3,
 }
 
-/// A light source. Position and direction are in world space and unused where the kind has none.
+/// A light source. Position and direction are in world space; these and its extent are unused where the kind has none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Name in the scene file.
@@ -59,6 +59,10 @@ pub struct Light {
     pub position: Vec3,
     /// Unit direction in which the light travels (spot axis, directional).
     pub direction: Vec3,
+    /// Radius of the sphere that shines (point, spot), world units; 0 for a point. See [`super::LightCone`].
+    pub radius: f32,
+    /// Half angle of the disc that shines (directional), radians, at most pi/2; 0 for parallel light.
+    pub half_angle: f32,
     /// Its animation, if any; an area light moves with its instance instead.
     pub animation: Option<Animation>,
 }
@@ -88,7 +92,7 @@ impl Light {
         light
     }
 
-    /// Emitted flux in W; `pose` places the instances of area lights. The flux of a directional light is that through
+    /// Emitted flux in W, which its extent leaves as it is; `pose` places the instances of area lights. The flux of a directional light is that through
     /// a disc perpendicular to its direction that covers `bounds`, the scene's bounding sphere.
     pub fn flux(&self, scene: &Scene, pose: &Pose, bounds: &BoundingSphere) -> Vec3 {
         match &self.kind {

@@ -14,6 +14,7 @@ mod environment_file;
 mod error;
 mod gltf;
 mod light;
+mod light_cone;
 mod load;
 mod material;
 mod material_edit;
@@ -47,6 +48,7 @@ pub use document::{Placement, SceneDocument};
 pub use environment::{Environment, EnvironmentMap};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
+pub use light_cone::{ConeSample, LightCone};
 pub use load::{load_scene, scene_of_text};
 pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
 pub use material_edit::MaterialEdit;
@@ -286,6 +288,8 @@ impl Scene {
                 kind: LightKind::Area { instance, triangles },
                 position: Vec3::ZERO,
                 direction: Vec3::NEG_Y,
+                radius: 0.0,
+                half_angle: 0.0,
                 animation: None,
             });
         }

@@ -63,6 +63,12 @@ pub struct RecordedLight {
     pub power: Vec3,
     /// Half angles of a spot's cones, radians.
     pub angles: [f32; 2],
+    /// Radius of the sphere that shines.
+    #[serde(default)]
+    pub radius: f32,
+    /// Half angle of the disc that shines, radians.
+    #[serde(default)]
+    pub half_angle: f32,
 }
 
 /// Of the scene's environment.
@@ -167,8 +173,16 @@ fn recorded_light(light: &Light) -> RecordedLight {
         LightKind::Directional { irradiance } => (LightType::Directional, irradiance, [0.0; 2]),
         LightKind::Area { .. } => (LightType::Area, Vec3::ZERO, [0.0; 2]),
     };
-    let name = light.name.clone();
-    RecordedLight { name, kind, position: light.position, direction: light.direction, power, angles }
+    RecordedLight {
+        name: light.name.clone(),
+        kind,
+        position: light.position,
+        direction: light.direction,
+        power,
+        angles,
+        radius: light.radius,
+        half_angle: light.half_angle,
+    }
 }
 
 fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<LightKind>) -> Option<Light> {
@@ -179,6 +193,13 @@ fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<Ligh
         LightType::Directional => LightKind::Directional { irradiance: recorded.power },
         LightType::Area => next_area()?,
     };
-    let (position, direction) = (recorded.position, recorded.direction);
-    Some(Light { name: recorded.name.clone(), kind, position, direction, animation: None })
+    Some(Light {
+        name: recorded.name.clone(),
+        kind,
+        position: recorded.position,
+        direction: recorded.direction,
+        radius: recorded.radius,
+        half_angle: recorded.half_angle,
+        animation: None,
+    })
 }

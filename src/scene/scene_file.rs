@@ -252,6 +252,10 @@ pub struct LightEntry {
     pub inner_deg: Option<f32>,
     /// Spot: half angle of the outer cone, degrees; no light beyond.
     pub outer_deg: Option<f32>,
+    /// Point and spot: radius of the sphere that shines, scene units; 0 if missing.
+    pub radius: Option<f32>,
+    /// Directional: half angle of the disc that shines, degrees; 0 if missing.
+    pub angle_deg: Option<f32>,
     /// Area: corners of a flat convex quad, counter-clockwise seen from the emitting side.
     pub polygon: Option<[[f32; 3]; 4]>,
     /// Area, instead of a polygon: all triangles of this instance emit.
@@ -315,6 +319,8 @@ impl LightEntry {
             irradiance: None,
             inner_deg: None,
             outer_deg: None,
+            radius: None,
+            angle_deg: None,
             polygon: None,
             instance: None,
             radiance: None,

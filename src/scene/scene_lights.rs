@@ -14,7 +14,7 @@ use super::material::Material;
 use super::mesh::Mesh;
 use super::scene_build::{Builder, Entry, animation_of, check_not_mirrored};
 use super::scene_file::{LightEntry, LightType};
-use super::{Instance, Scene};
+use super::{Instance, MAX_COORDINATE, Scene};
 
 /// Adds one light.
 pub(super) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> Result<(), SceneError> {
@@ -57,8 +57,22 @@ fn plain_light(
             (LightKind::Directional { irradiance }, Vec3::ZERO, direction("direction")?)
         }
     };
+    let (radius, half_angle) = extent(entry, light)?;
     let animation = animation_of(builder, entry, light.animation.as_ref())?;
-    Ok(Light { name, kind, position, direction, animation })
+    Ok(Light { name, kind, position, direction, radius, half_angle, animation })
+}
+
+/// Radius and half angle (radians) of what shines.
+fn extent(entry: &Entry, light: &LightEntry) -> Result<(f32, f32), SceneError> {
+    let radius = light.radius.unwrap_or(0.0);
+    if !(0.0..=MAX_COORDINATE).contains(&radius) {
+        return Err(entry.error(format!("radius must be from 0 to {MAX_COORDINATE:e}, is {radius}")));
+    }
+    let degrees = light.angle_deg.unwrap_or(0.0);
+    if !(0.0..=90.0).contains(&degrees) {
+        return Err(entry.error(format!("angle_deg must be from 0 to 90, is {degrees}")));
+    }
+    Ok((radius, degrees.to_radians()))
 }
 
 /// The light of a single entry; none for an area light, which needs the scene.
@@ -112,6 +126,8 @@ fn check_keys(entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
         ("irradiance", light.irradiance.is_some(), &[Directional]),
         ("inner_deg", light.inner_deg.is_some(), &[Spot]),
         ("outer_deg", light.outer_deg.is_some(), &[Spot]),
+        ("radius", light.radius.is_some(), &[Point, Spot]),
+        ("angle_deg", light.angle_deg.is_some(), &[Directional]),
         ("polygon", polygon, &[Area]),
         ("instance", light.instance.is_some(), &[Area]),
         ("radiance", light.radiance.is_some(), &[Area]),

@@ -62,6 +62,8 @@ fn lit_floor(material: Material) -> Scene {
         kind: LightKind::Point { intensity: Vec3::splat(8.0) },
         position: Vec3::Y * 2.0,
         direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     });
     scene

@@ -60,6 +60,8 @@ pub fn floor() -> Scene {
         kind: LightKind::Point { intensity: Vec3::splat(9.0) },
         position: Vec3::new(0.3, 1.8, -1.5),
         direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     });
     let camera = Camera::looking(Vec3::new(0.2, 2.4, 2.8), Vec3::new(0.0, -0.2, 0.0));

@@ -48,6 +48,8 @@ fn lamp(position: Vec3) -> Light {
         kind: LightKind::Point { intensity: Vec3::new(90.0, 80.0, 70.0) },
         position,
         direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     }
 }

@@ -136,7 +136,27 @@ fn broken_lights_name_themselves() {
             &["bad.toml:5", "light \"l\"", "tube", "point", "spot", "area"],
         ),
         ("type = \"sphere\"\nradius = 1", &["bad.toml:3", "unknown type", "sphere", "directional"]),
-        ("type = \"point\"\nradius = 1", &["bad.toml:4", "radius"]),
+        ("type = \"point\"\nheight = 1", &["bad.toml:4", "height"]),
+        (
+            "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, 1, 1]\nradius = -1",
+            &["light \"l\"", "radius", "from 0", "-1"],
+        ),
+        (
+            "type = \"spot\"\nposition = [0, 0, 0]\ndirection = [0, 1, 0]\nouter_deg = 9\nintensity = [1, 1, 1]\nradius = nan",
+            &["light \"l\"", "radius", "NaN"],
+        ),
+        (
+            "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, 1, 1]\nangle_deg = 1",
+            &["angle_deg", "is not allowed"],
+        ),
+        (
+            "type = \"directional\"\ndirection = [0, 1, 0]\nirradiance = [1, 1, 1]\nradius = 1",
+            &["radius", "is not allowed"],
+        ),
+        (
+            "type = \"directional\"\ndirection = [0, 1, 0]\nirradiance = [1, 1, 1]\nangle_deg = 90.1",
+            &["light \"l\"", "angle_deg", "90.1"],
+        ),
         ("intensity = [1, 1, 1]", &["bad.toml:1", "type"]),
         (
             "type = \"point\"\nposition = [0, 0, 0]\nintensity = [1, 1, 1]\nouter_deg = 3",

@@ -12,6 +12,7 @@ mod documents;
 mod environments;
 mod gltf;
 mod gltf_pictures;
+mod lights;
 mod made;
 mod models;
 #[path = "../program/mod.rs"]

@@ -120,6 +120,8 @@ pub fn light(kind: LightKind, position: Vec3, direction: Vec3) -> Light {
         kind,
         position,
         direction: direction.normalize_or(Vec3::NEG_Y),
+        radius: 0.0,
+        half_angle: 0.0,
         animation: None,
     }
 }

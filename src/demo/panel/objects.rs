@@ -1,10 +1,10 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, ScrollArea, TextEdit, Ui};
+use egui::{ComboBox, DragValue, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
 use toml::Spanned;
 
-use super::{Places, Shown, place};
+use super::{Places, Shown, place, place_track};
 use crate::demo::action::Action;
 use crate::demo::edit::{Motion, label};
 use crate::demo::handles::Mode;
@@ -52,7 +52,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     match selected {
         Selected::Light(index) => {
             if let Some(entry) = stage.document.lights().nth(index) {
-                light(ui, stage, index, entry, actions);
+                light(ui, stage, (index, entry), places, actions);
             }
         }
         Selected::Instance(index) => {
@@ -81,7 +81,13 @@ fn list(ui: &mut Ui, stage: &Stage, actions: &mut Vec<Action>) {
     });
 }
 
-fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, actions: &mut Vec<Action>) {
+fn light(
+    ui: &mut Ui,
+    stage: &Stage,
+    (index, entry): (usize, &LightEntry),
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
     let mut light = entry.clone();
     let speed = 2e-3 * stage.radius;
     if let Some(name) = &mut light.name {
@@ -101,6 +107,7 @@ fn light(ui: &mut Ui, stage: &Stage, index: usize, entry: &LightEntry, actions: 
     if light.kind == LightType::Spot {
         cone(ui, &mut light);
     }
+    extent(ui, &mut light, stage.radius, places);
     let mut headlamp = stage.headlamp == Some(index);
     let can_go = light.kind != LightType::Area;
     let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "attached to the camera (H)"));
@@ -200,6 +207,23 @@ fn cone(ui: &mut Ui, light: &mut LightEntry) {
             light.inner_deg = Some(inner.min(outer - 0.5));
         }
     });
+}
+
+/// What shines: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
+fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut Places) {
+    let (name, unit, most, value) = match light.kind {
+        LightType::Point | LightType::Spot => ("radius", "", 0.2 * scene_radius, &mut light.radius),
+        LightType::Directional => ("angle", "°", 90.0, &mut light.angle_deg),
+        LightType::Area => return,
+    };
+    let mut now = value.unwrap_or(0.0);
+    let slider =
+        Slider::new(&mut now, 0.0..=most).logarithmic(true).smallest_positive(1e-3 * f64::from(most));
+    let slider = ui.add(slider.clamping(SliderClamping::Edits).suffix(unit).text(name));
+    place_track(ui, places, &format!("light {name}"), &slider);
+    if slider.on_hover_text("Of what shines: larger makes softer shadows").changed() {
+        *value = (now > 0.0).then_some(now);
+    }
 }
 
 fn motion(ui: &mut Ui, animation: &mut Option<Spanned<AnimationEntry>>, radius: f32) {

@@ -203,6 +203,8 @@ impl File {
             kind,
             position: place.transform.translation.into(),
             direction: place.transform.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Z),
+            radius: 0.0,
+            half_angle: 0.0,
             animation,
         });
         Ok(())

@@ -12,7 +12,7 @@ use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
 use crate::scene::{BoundingSphere, Environment, Light, LightKind, Scene};
 
-/// Whether two lights have the same emission; names are ignored.
+/// Whether two lights have the same emission; names and extents are ignored, as paths start at the centre.
 fn same_emission(a: &Light, b: &Light) -> bool {
     (&a.kind, a.position, a.direction) == (&b.kind, b.position, b.direction)
 }
