@@ -46,7 +46,7 @@ History history_at(ivec2 pixel) {
         if ((mask >> tap & 1u) == 0u) continue;
         ivec2 offset = ivec2(tap % side, tap / side);
         // No tap weighs nothing: it may be the only one.
-        vec2 along = max(mix(1.0 - part, part, vec2(offset)), 1e-3);
+        vec2 along = max(mix(1.0 - part, part, vec2(offset)), 1e-5);
         float weight = bilinear ? along.x * along.y : 1.0;
         vec3 then = imageLoad(last_moments, first + offset).rgb;
         sum.light += weight * imageLoad(history, first + offset).rgb;

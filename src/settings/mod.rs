@@ -6,6 +6,7 @@
 
 mod effects;
 mod error;
+mod svgf;
 mod table;
 pub(crate) mod text;
 mod vpls;
@@ -14,6 +15,7 @@ use serde::Serialize;
 
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
+pub use svgf::SvgfSettings;
 pub(crate) use table::{Group, flat, groups};
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
@@ -126,6 +128,10 @@ pub struct Settings {
     #[command(flatten)]
     #[serde(flatten)]
     pub effects: EffectSettings,
+    /// Of `--denoise svgf`.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub svgf: SvgfSettings,
     /// Of `--indirect vpls`.
     #[command(flatten)]
     #[serde(flatten)]
@@ -146,6 +152,7 @@ impl Default for Settings {
             tracer: TracerKind::Auto,
             exposure: None,
             effects: EffectSettings::default(),
+            svgf: SvgfSettings::default(),
             vpl: VplSettings::default(),
         }
     }
@@ -205,13 +212,13 @@ impl Settings {
 
     /// All settings under their keys.
     pub(crate) fn to_table(&self) -> toml::Table {
-        // Cannot fail: all values are numbers or strings.
+        // Cannot fail: all values are numbers, strings or truth values.
         toml::Table::try_from(self).unwrap_or_default()
     }
 
     fn check_ranges(&self) -> Result<(), SettingsError> {
-        let ranges = self.ranges().into_iter().chain(self.effects.ranges()).chain(self.vpl.ranges());
-        match ranges.into_iter().find(|range| !range.holds) {
+        let groups = self.effects.ranges().into_iter().chain(self.svgf.ranges()).chain(self.vpl.ranges());
+        match self.ranges().into_iter().chain(groups).find(|range| !range.holds) {
             None => Ok(()),
             Some(Range { setting, value, allowed, .. }) => {
                 Err(SettingsError::OutOfRange { setting, value, allowed, from_command_line: false })

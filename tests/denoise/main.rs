@@ -8,6 +8,7 @@ mod bvh_support;
 #[path = "../support/mod.rs"]
 mod lab;
 mod reprojection;
+mod rest;
 mod stages;
 mod support;
 mod svgf;

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use exr::prelude::f16;
 use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
-use glowworm::denoise::svgf::{Svgf, SvgfInputs, SvgfSettings};
+use glowworm::denoise::RestFrame;
+use glowworm::denoise::svgf::{Svgf, SvgfInputs};
 use glowworm::passes::structs::FrameUniforms;
+use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
 
 /// Odd, so that the last groups of threads are cut.
@@ -148,8 +150,13 @@ impl Bench {
         }
     }
 
-    /// Denoises one frame.
+    /// Denoises one frame of a scene that changes.
     pub fn denoise(&mut self, pixels: &[Pixel]) {
+        self.denoise_at(pixels, None);
+    }
+
+    /// Denoises one frame.
+    pub fn denoise_at(&mut self, pixels: &[Pixel], rest: Option<RestFrame>) {
         let (mut frame, _) = self.frames.begin().unwrap();
         let uniforms = frame.upload(&[uniforms()]).unwrap();
         let uploaded = frame.upload(pixels).unwrap();
@@ -172,7 +179,7 @@ impl Bench {
             surface: &self.surface,
             reprojected: &self.reprojected,
         };
-        self.svgf.record(&mut frame, &inputs).unwrap();
+        self.svgf.record(&mut frame, &inputs, rest).unwrap();
         frame.submit().unwrap();
     }
 

@@ -3,7 +3,7 @@
 
 use bytemuck::Zeroable;
 use glam::{Vec3, Vec4, Vec4Swizzles};
-use glowworm::denoise::svgf::SvgfSettings;
+use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
 use crate::lab::Lab;

@@ -1,7 +1,7 @@
 //! SVGF once more, on the CPU, pixel by pixel, from the equations of Schied et al. 2017.
 
 use glam::{IVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
-use glowworm::denoise::svgf::SvgfSettings;
+use glowworm::settings::SvgfSettings;
 
 use crate::support::{HEIGHT, Pixel, WIDTH, footprint, position_at};
 
@@ -52,7 +52,7 @@ pub fn temporal(
         let mut taps = Vec::new();
         for bit in 0..4 {
             let offset = IVec2::new(bit % 2, bit / 2);
-            let along = |axis: usize| if offset[axis] == 1 { part[axis] } else { 1.0 - part[axis] }.max(1e-3);
+            let along = |axis: usize| if offset[axis] == 1 { part[axis] } else { 1.0 - part[axis] }.max(1e-5);
             if four as u32 >> bit & 1 == 1 {
                 taps.push((place.floor().as_ivec2() + offset, along(0) * along(1)));
             }

@@ -9,7 +9,9 @@ use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
-use crate::settings::{Direct, Group, Indirect, MissingSets, Reflections, Settings, VplSettings, groups};
+use crate::settings::{
+    Denoise, Direct, Group, Indirect, MissingSets, Reflections, Settings, SvgfSettings, VplSettings, groups,
+};
 
 /// The groups of settings, and the documentation of each setting.
 pub(super) struct SettingsDocs {
@@ -30,9 +32,11 @@ impl Default for SettingsDocs {
 
 /// Whether the method that a group belongs to is in use.
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
+    let has_effects = settings.direct == Direct::Rays || settings.reflections != Reflections::None;
     match group.table.as_str() {
         "settings.vpls" => settings.indirect == Indirect::Vpls,
-        "settings.effects" => settings.direct == Direct::Rays || settings.reflections != Reflections::None,
+        "settings.effects" => has_effects,
+        "settings.svgf" => has_effects && settings.effects.denoise == Denoise::Svgf,
         _ => true,
     }
 }
@@ -46,6 +50,7 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
         reflections: now.reflections,
         antialiasing: now.antialiasing,
         effects: now.effects,
+        svgf: now.svgf,
         size: now.size,
         seed: now.seed,
         time_step: now.time_step,
@@ -160,6 +165,7 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "reflection_roughness" => {
             ui.add(DragValue::new(&mut settings.effects.reflection_roughness).range(0.0..=1.0).speed(0.01))
         }
+        name if name.starts_with("svgf_") => svgf_field(ui, name, &mut settings.svgf),
         "bounces" => whole(ui, &mut settings.bounces, 16),
         "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
         "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
@@ -186,6 +192,23 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
         "exposure" => exposure(ui, &mut settings.exposure),
         _ => choice(ui, name, &mut settings.tracer),
+    }
+}
+
+fn svgf_field(ui: &mut Ui, name: &str, svgf: &mut SvgfSettings) -> egui::Response {
+    let share = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(0.0..=1.0).speed(0.005));
+    let above_0 = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(1e-3..=1e3).speed(0.05));
+    match name {
+        "svgf_alpha" => share(ui, &mut svgf.alpha),
+        "svgf_moments_alpha" => share(ui, &mut svgf.moments_alpha),
+        "svgf_history" => ui.add(DragValue::new(&mut svgf.longest_history).range(1..=1024)),
+        "svgf_clamp" => ui.add(DragValue::new(&mut svgf.clamp).range(0.0..=1e3).speed(0.05)),
+        "svgf_levels" => ui.add(DragValue::new(&mut svgf.levels).range(1..=5).speed(0.05)),
+        "svgf_feedback" => ui.add(DragValue::new(&mut svgf.feedback).range(0..=4).speed(0.05)),
+        "svgf_separable" => ui.checkbox(&mut svgf.separable, ""),
+        "svgf_depth" => above_0(ui, &mut svgf.depth_tolerance),
+        "svgf_normal" => ui.add(DragValue::new(&mut svgf.normal_exponent).range(0.0..=1024.0)),
+        _ => above_0(ui, &mut svgf.luminance_tolerance),
     }
 }
 
@@ -228,6 +251,7 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
         "noise" => to.effects.noise = from.effects.noise,
         "reflection_depth" => to.effects.reflection_depth = from.effects.reflection_depth,
         "reflection_roughness" => to.effects.reflection_roughness = from.effects.reflection_roughness,
+        name if name.starts_with("svgf_") => copy_svgf(name, &from.svgf, &mut to.svgf),
         "bounces" => to.bounces = from.bounces,
         "candidates" => to.vpl.candidates = from.vpl.candidates,
         "pool" => to.vpl.pool = from.vpl.pool,
@@ -247,10 +271,25 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
     }
 }
 
+fn copy_svgf(name: &str, from: &SvgfSettings, to: &mut SvgfSettings) {
+    match name {
+        "svgf_alpha" => to.alpha = from.alpha,
+        "svgf_moments_alpha" => to.moments_alpha = from.moments_alpha,
+        "svgf_history" => to.longest_history = from.longest_history,
+        "svgf_clamp" => to.clamp = from.clamp,
+        "svgf_levels" => to.levels = from.levels,
+        "svgf_feedback" => to.feedback = from.feedback,
+        "svgf_separable" => to.separable = from.separable,
+        "svgf_depth" => to.depth_tolerance = from.depth_tolerance,
+        "svgf_normal" => to.normal_exponent = from.normal_exponent,
+        _ => to.luminance_tolerance = from.luminance_tolerance,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Antialiasing, Denoise, EffectSettings, Noise, Sequence, TracerKind};
+    use crate::settings::{Antialiasing, EffectSettings, Noise, Sequence, TracerKind};
 
     /// Every field of the struct is in one group, has documentation, and can be copied.
     #[test]
@@ -277,6 +316,18 @@ mod tests {
                 noise: Noise::White,
                 reflection_depth: 3,
                 reflection_roughness: 0.2,
+            },
+            svgf: SvgfSettings {
+                alpha: 0.1,
+                moments_alpha: 0.3,
+                longest_history: 16,
+                clamp: 1.0,
+                levels: 3,
+                feedback: 2,
+                separable: true,
+                depth_tolerance: 2.0,
+                normal_exponent: 64.0,
+                luminance_tolerance: 8.0,
             },
             vpl: VplSettings {
                 slots: 77,
@@ -313,9 +364,12 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let plain = Settings { reflections: Reflections::None, ..Settings::default() };
-        assert_eq!(in_use(&Settings::default()), ["settings", "settings.effects", "settings.vpls"]);
+        assert_eq!(
+            in_use(&Settings::default()),
+            ["settings", "settings.effects", "settings.svgf", "settings.vpls"]
+        );
         assert_eq!(in_use(&plain), ["settings", "settings.vpls"]);
-        assert_eq!(in_use(&none), ["settings", "settings.effects"]);
+        assert_eq!(in_use(&none), ["settings", "settings.effects", "settings.svgf"]);
     }
 
     #[test]
