@@ -31,10 +31,13 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
+use crate::effects::EffectInputs;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
+use crate::passes::area_lights::AreaLights;
 use crate::passes::combine::CombineInputs;
 use crate::passes::direct_shadows::lights_of;
 use crate::passes::gbuffer::GBufferInputs;
+use crate::passes::reprojection::ReprojectionInputs;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::SheetsPass;
 use crate::passes::structs::FrameUniforms;
@@ -45,9 +48,9 @@ use crate::report::{
     TracerChoice,
 };
 use crate::scene::{Pose, Scene};
-use crate::settings::Settings;
+use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
-use direct::ambient;
+use direct::{FrameLights, ambient};
 use rest::RestClock;
 use shared::SharedPasses;
 use uniforms::Viewed;
@@ -92,6 +95,7 @@ pub struct Renderer {
     clock: RestClock,
 
     buffers: SceneBuffers,
+    area_lights: AreaLights,
     tracer: Tracer,
     tracer_choice: TracerChoice,
     passes: SharedPasses,
@@ -175,6 +179,7 @@ impl Renderer {
             estimator,
             tracer_choice,
             buffers,
+            area_lights: AreaLights::default(),
         })
     }
 
@@ -186,6 +191,9 @@ impl Renderer {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
         let lights = lights_of(pose);
+        if self.settings.direct == Direct::Rays {
+            self.area_lights.update(&self.scene, pose);
+        }
         let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
 
         // Upload what has changed.
@@ -196,6 +204,7 @@ impl Renderer {
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = &self.buffers.upload_instances(&mut frame, &self.scene, pose)?;
         let uploaded_lights = &frame.upload(&lights)?;
+        let area_lights = &self.area_lights.upload(&mut frame)?;
         let frame_uniforms = &frame.upload(&[*uniforms])?;
         let (tracer, buffers) = (&self.tracer, &self.buffers);
 
@@ -221,9 +230,30 @@ impl Renderer {
             tracer,
             pose,
         };
-        let ambient = ambient(&self.settings, pose);
-        self.passes.direct.record(&mut frame, &inputs, &lights, (uniforms.background, ambient), buffers)?;
-        let (direct_shadows, direct_shading) = (&self.passes.direct.shadows, &self.passes.direct.shading);
+        let lights = FrameLights {
+            lamps: &lights,
+            areas: area_lights,
+            background: uniforms.background,
+            ambient: ambient(&self.settings, pose),
+        };
+        let reprojection = self.passes.reprojection.as_mut().filter(|_| !clock.is_frozen());
+        if let Some(pass) = reprojection {
+            pass.record(&mut frame, &ReprojectionInputs::of(frame_uniforms, gbuffer, &instances.data))?;
+        }
+        let effects = self.passes.reprojection.as_ref().filter(|_| !clock.is_frozen()).map(|reprojection| {
+            EffectInputs {
+                frame: frame_uniforms,
+                gbuffer,
+                reprojection,
+                tracer,
+                lights: uploaded_lights,
+                area_lights,
+                scene: buffers,
+                rest: clock.rest(),
+            }
+        });
+        self.passes.direct.record(&mut frame, &inputs, &lights, buffers, effects.as_ref())?;
+        let direct_shading = &self.passes.direct.shading;
         let direct = direct_shading.output();
 
         // Estimate their indirect light, and join both.
@@ -263,7 +293,7 @@ impl Renderer {
             view: &self.view,
             inputs: &inputs,
             scene: buffers,
-            direct_shadows: direct_shadows.output(),
+            direct_shadows: self.passes.direct.map(),
             direct,
             bounds: self.bvh.bounds(),
             exposure: self.passes.combine.exposure(),

@@ -13,7 +13,7 @@ struct FrameUniforms {
     uint noise_frame;              // number of the frame in the sequence of random numbers
     vec2 jitter;                   // from the middle of a pixel to where it is sampled, pixels
     uint seed;                     // of random numbers
-    uint pad0;
+    uint area_light_count;         // where these are sampled by rays
 };
 
 layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;

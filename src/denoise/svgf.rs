@@ -84,8 +84,8 @@ pub struct Svgf {
     rest_is_shown: bool,
     /// Before and after a step of the filter, in turns.
     light: [Image; 2],
-    /// Which of them holds the result.
-    result: usize,
+    /// Which of them holds the result; none without a filter: what has accumulated is.
+    result: Option<usize>,
 }
 
 #[repr(C)]
@@ -127,7 +127,7 @@ impl Svgf {
             resting: Accumulation::new(image)?,
             rest_is_shown: false,
             light: [image("svgf light 0")?, image("svgf light 1")?],
-            result: 0,
+            result: None,
         })
     }
 
@@ -139,7 +139,7 @@ impl Svgf {
 
     /// rgb: the denoised signal of the last frame; a: its standard deviation.
     pub fn output(&self) -> &Image {
-        &self.light[self.result]
+        self.result.map_or(self.history(), |index| &self.light[index])
     }
 
     /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
@@ -226,6 +226,9 @@ impl Svgf {
     /// Filters what is shown, from image to image. What becomes history goes there instead; what is at rest stays as it is.
     fn blur(&mut self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
         let SvgfSettings { levels, feedback, .. } = self.settings;
+        if levels == 0 {
+            return Ok(());
+        }
         let feedback = if self.rest_is_shown { 0 } else { feedback.min(levels - 1) };
         self.estimate_variance(frame, inputs)?;
         let mut from = Some(0);
@@ -237,7 +240,7 @@ impl Svgf {
                 from = to;
             }
         }
-        self.result = from.unwrap_or_default();
+        self.result = from;
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 //! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
 //! [`crate::vulkan::Frame`].
 
+pub mod area_lights;
 pub mod buffer_view;
 pub mod cast_rays;
 pub mod clusters;

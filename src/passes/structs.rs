@@ -35,8 +35,8 @@ pub struct FrameUniforms {
     pub jitter: Vec2,
     /// Of random numbers.
     pub seed: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// Area lights that rays sample.
+    pub area_light_count: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -215,7 +215,7 @@ pub(crate) mod tests {
             noise_frame,
             jitter,
             seed,
-            pad0
+            area_light_count
         );
         same_layout!(
             shaders::GBUFFER_FRAG,

@@ -27,7 +27,8 @@ impl Renderer {
 
         // Make what is to be another one.
         let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
-        let made_of = |settings: &Settings| (settings.size, settings.antialiasing);
+        let made_of =
+            |of: &Settings| (of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf);
         let remade = || self.passes.remade(&device, variant, settings);
         let passes =
             if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };

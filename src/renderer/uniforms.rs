@@ -8,7 +8,7 @@ use crate::estimators::World;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::to_u32;
 use crate::scene::{Camera, Pose};
-use crate::settings::Antialiasing;
+use crate::settings::{Antialiasing, Direct};
 
 /// What a frame is drawn from.
 pub(super) struct Viewed {
@@ -25,7 +25,7 @@ impl Renderer {
         Cycle {
             estimator: self.estimator.cycle(),
             settled: self.estimator.settles_in(),
-            is_noisy: false,
+            is_noisy: self.passes.reprojection.is_some(),
             is_jittered: self.settings.antialiasing == Antialiasing::Taa,
         }
     }
@@ -53,7 +53,7 @@ impl Renderer {
             noise_frame: clock.noise_frame(),
             jitter,
             seed: self.settings.seed,
-            pad0: 0,
+            area_light_count: if self.settings.direct == Direct::Rays { self.area_lights.count() } else { 0 },
         };
         Viewed { pose, uniforms, unjittered: [unjittered, previous] }
     }

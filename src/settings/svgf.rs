@@ -27,7 +27,7 @@ pub struct SvgfSettings {
     #[arg(id = "svgf_clamp", long = "svgf-clamp", value_name = "DEVIATIONS", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "0")]
     #[serde(rename = "svgf_clamp")]
     pub clamp: f32,
-    /// Levels of the a-trous filter, 1 to 5. More: each doubles the radius of the blur, at one more pass.
+    /// Levels of the a-trous filter, 0 to 5. More: each doubles the radius of the blur, at one more pass; 0: no blur.
     #[arg(id = "svgf_levels", long = "svgf-levels", value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "4")]
     #[serde(rename = "svgf_levels")]
     pub levels: u32,
@@ -89,7 +89,7 @@ impl SvgfSettings {
             share("svgf_moments_alpha", self.moments_alpha),
             Range::new("svgf_history", history, (1..=1024).contains(&history), "1 to 1024"),
             Range::new("svgf_clamp", self.clamp, clamp_holds, "a finite number of at least 0"),
-            Range::new("svgf_levels", self.levels, (1..=5).contains(&self.levels), "1 to 5"),
+            Range::new("svgf_levels", self.levels, self.levels <= 5, "0 to 5"),
             Range::new("svgf_feedback", self.feedback, self.feedback <= 4, "0 to 4"),
             above_0("svgf_depth", self.depth_tolerance),
             Range::new("svgf_normal", normal, (0.0..=1024.0).contains(&normal), "0 to 1024"),
