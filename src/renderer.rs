@@ -32,7 +32,8 @@ use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
 use crate::effects::EffectInputs;
-use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
+use crate::effects::reflections::ReflectionInputs;
+use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, Hits, World};
 use crate::passes::area_lights::AreaLights;
 use crate::passes::combine::CombineInputs;
 use crate::passes::direct_shadows::lights_of;
@@ -190,8 +191,9 @@ impl Renderer {
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
-        let lights = lights_of(pose);
-        if self.settings.direct == Direct::Rays {
+        let soft = self.settings.direct == Direct::Rays;
+        let lights = lights_of(pose, soft);
+        if soft {
             self.area_lights.update(&self.scene, pose);
         }
         let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
@@ -256,9 +258,22 @@ impl Renderer {
         let direct_shading = &self.passes.direct.shading;
         let direct = direct_shading.output();
 
-        // Estimate their indirect light, and join both.
+        // Estimate their indirect light, and what they mirror.
         self.estimator.record(&mut frame, &inputs)?;
+        if let (Some(reflections), Some(effects)) = (&mut self.passes.reflections, &effects) {
+            let irradiance = self.estimator.irradiance();
+            let scene = ReflectionInputs { instances, irradiance, camera: &pose.camera };
+            reflections.trace(&mut frame, effects, &scene)?;
+            let [place, weight] = reflections.hits();
+            let hits = Hits { place, weight, reflection: reflections.noisy() };
+            self.estimator.light_hits(&mut frame, &inputs, &hits)?;
+            reflections.denoise(&mut frame, effects)?;
+        }
+
+        // Join all light.
         let irradiance = self.estimator.irradiance();
+        let reflection =
+            self.passes.reflections.as_ref().map(|mirrored| (mirrored.output(), mirrored.limit()));
         let combine = &self.passes.combine;
         combine.record(
             &mut frame,
@@ -269,6 +284,7 @@ impl Renderer {
                 albedo: &gbuffer.albedo,
                 specular_albedo: direct_shading.specular_albedo(),
                 sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
+                reflection,
             },
         )?;
 

@@ -32,7 +32,8 @@ pub const SHARED_PASSES: [PassInfo; 9] = [
     PassInfo { name: "sheets", colour: [118, 183, 178] },
 ];
 /// The same after those of the method.
-pub const LAST_PASSES: [PassInfo; 2] = [
+pub const LAST_PASSES: [PassInfo; 3] = [
+    PassInfo { name: "reflections_trace", colour: [120, 80, 170] },
     PassInfo { name: "combine", colour: [227, 119, 194] },
     PassInfo { name: "taa", colour: [188, 128, 189] },
 ];

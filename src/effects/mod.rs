@@ -1,6 +1,7 @@
 //! What rays from the visible surfaces add, noisy and then denoised: soft shadows, reflections.
 
 pub mod noise;
+pub mod reflections;
 pub mod soft_shadows;
 
 use crate::denoise::RestFrame;

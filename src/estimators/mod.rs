@@ -56,6 +56,16 @@ pub struct EstimatorInputs<'a> {
     pub pose: &'a Pose,
 }
 
+/// Surfaces that reflection rays have hit and that are not on the screen: shaders/include/hit_record.glsl.
+pub struct Hits<'a> {
+    /// Where they are: RGBA32UI.
+    pub place: &'a Image,
+    /// Weight of their irradiance in the reflection, and a random number from 0 to 1: RGBA16F.
+    pub weight: &'a Image,
+    /// The reflection, RGBA16F, to which their light is added.
+    pub reflection: &'a Image,
+}
+
 /// The passes of a method, in the order of the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodPasses {
@@ -99,6 +109,19 @@ pub trait Estimator: Any + Send {
 
     /// Indirect irradiance of the last frame, RGBA32F, of the picture's size.
     fn irradiance(&self) -> &Image;
+
+    /// Lights surfaces that are not on the screen: adds weight times irradiance, an unbiased estimate, to the reflection.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn light_hits(
+        &mut self,
+        _frame: &mut Frame<'_>,
+        _inputs: &EstimatorInputs<'_>,
+        _hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        Ok(())
+    }
 
     /// What the device counted in the frame, to be read back; it goes to [`Self::add_device_counters`].
     fn device_counters(&self) -> Option<&Buffer> {

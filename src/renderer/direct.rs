@@ -11,11 +11,12 @@ use crate::estimators::EstimatorInputs;
 use crate::passes::area_lights::UploadedAreaLights;
 use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass};
+use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::{SheetsInputs, SheetsPass};
 use crate::passes::structs::LightData;
 use crate::passes::tracer::TracerVariant;
-use crate::scene::{Pose, Scene};
+use crate::scene::Pose;
 use crate::settings::{Direct, Indirect, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
 
@@ -46,40 +47,22 @@ pub(super) struct FrameLights<'a> {
 }
 
 impl DirectPasses {
+    /// `hits`: what of the scene the sheets need.
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        scene: &Scene,
+        hits: Option<&Arc<HitBuffers>>,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let sheets = tracer.sheets.then(|| SheetsPass::new(device, tracer, scene, settings.size));
-        Self::with_sheets(device, tracer, sheets.transpose()?, settings)
-    }
-
-    /// The same passes for another tracer or other settings.
-    pub fn remade(
-        &self,
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        settings: &Settings,
-    ) -> Result<Self, VulkanError> {
-        let sheets = self.sheets.as_ref().map(|sheets| sheets.remade(device, tracer, settings.size));
-        Self::with_sheets(device, tracer, sheets.transpose()?, settings)
-    }
-
-    fn with_sheets(
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        sheets: Option<SheetsPass>,
-        settings: &Settings,
-    ) -> Result<Self, VulkanError> {
+        let sheets = hits.filter(|_| tracer.sheets);
+        let sheets = sheets.map(|hits| SheetsPass::new(device, tracer, Arc::clone(hits), settings.size));
         let soft = settings.direct == Direct::Rays;
         let shadows = match settings.direct {
             Direct::Maps => ShadowPasses::Maps(DirectShadowsPass::new(device, tracer, settings.size)?),
             Direct::Rays => ShadowPasses::Rays(SoftShadows::new(device, tracer, settings)?),
         };
         let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
-        Ok(Self { shadows, shading, sheets })
+        Ok(Self { shadows, shading, sheets: sheets.transpose()? })
     }
 
     /// The map of hard shadows, or what stands for it.

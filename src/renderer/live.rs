@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::rest::RestClock;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
+use crate::effects::reflections::is_mirrored;
 use crate::estimators::{self, EstimatorContext, World};
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::scene::{Pose, Scene};
@@ -29,7 +30,7 @@ impl Renderer {
         let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
         let made_of =
             |of: &Settings| (of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf);
-        let remade = || self.passes.remade(&device, variant, settings);
+        let remade = || self.passes.remade(&device, variant, &self.scene, settings);
         let passes =
             if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };
         let context = EstimatorContext {
@@ -79,12 +80,18 @@ impl Renderer {
         }
         let (materials, environment) = self.buffers.for_scene(&self.device, scene)?;
         let sets = self.passes.gbuffer.material_sets(&self.device, &self.buffers, &materials)?;
+        let mirrored = is_mirrored(scene, &self.settings) != self.passes.reflections.is_some();
+        let remade = || self.passes.remade(&self.device, self.tracer.variant(), scene, &self.settings);
+        let passes = if mirrored { Some(remade()?) } else { None };
         // Frames on their way still use what is to be replaced.
         self.device.wait_idle()?;
         let sheets = self.bvh.sheets_of(scene);
         self.tracer.replace_sheets(&self.device, &sheets)?;
 
         // From here on nothing fails.
+        if let Some(passes) = passes {
+            self.passes = passes;
+        }
         self.bvh.replace_sheets(sheets);
         self.passes.gbuffer.set_materials(sets);
         self.buffers.replace(materials, environment);

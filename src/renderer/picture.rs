@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{RenderError, Renderer};
+use crate::effects::reflections::mirrored_share;
 use crate::output::{Layer, Picture};
 use crate::passes::sheets::SheetsPass;
 use crate::vulkan::Image;
@@ -14,6 +15,8 @@ const MATERIAL: u32 = 0x7fff_ffff;
 
 /// What the radiance of each pixel is made of.
 struct Light {
+    /// Radiance over `specular_albedo`; a: share of it, where the rest is by irradiance.
+    mirrored: Vec<[f32; 4]>,
     direct: Vec<[f32; 4]>,
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
@@ -44,14 +47,19 @@ impl Light {
             direct: passed(self.direct, Some(&sheets.light)),
             albedo: passed(self.albedo, Some(&sheets.albedo)),
             specular_albedo: passed(self.specular_albedo, None),
+            mirrored: self.mirrored,
             irradiance: self.irradiance,
         }
     }
 
-    /// What the GGX lobe of each pixel makes of irradiance.
+    /// What the GGX lobe of each pixel sends to the eye of what is no lamp. Twin: `radiance_at` in shaders/include/radiance.glsl.
     fn reflected(&self) -> Vec<[f32; 4]> {
-        let pixels = self.specular_albedo.iter().zip(&self.irradiance);
-        pixels.map(|(albedo, e)| std::array::from_fn(|i| albedo[i] / PI * e[i])).collect()
+        let pixels = self.specular_albedo.iter().zip(&self.irradiance).zip(&self.mirrored);
+        let of = |((albedo, e), mirrored): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+            let share = mirrored[3];
+            std::array::from_fn(|i| albedo[i] * ((1.0 - share) * e[i] / PI + share * mirrored[i]))
+        };
+        pixels.map(of).collect()
     }
 }
 
@@ -79,10 +87,12 @@ impl Renderer {
     }
 
     fn read_light(&self) -> Result<Light, RenderError> {
+        let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
         let light = Light {
+            mirrored: self.read_mirrored(&albedo)?,
             direct: self.read_floats(self.passes.direct.shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
-            albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
+            albedo,
             specular_albedo: self.read_bytes(self.passes.direct.shading.specular_albedo())?,
         };
         let Some(sheets) = self.passes.direct.sheets.as_ref().map(SheetsPass::output) else {
@@ -93,6 +103,15 @@ impl Renderer {
             albedo: self.read_halves(&sheets.albedo, 4)?,
             transmittance: self.read_halves(&sheets.transmittance, 4)?,
         }))
+    }
+
+    /// [`Light::mirrored`] of surfaces of this albedo and roughness.
+    fn read_mirrored(&self, albedo: &[[f32; 4]]) -> Result<Vec<[f32; 4]>, RenderError> {
+        let Some(reflections) = &self.passes.reflections else { return Ok(vec![[0.0; 4]; albedo.len()]) };
+        let radiance = self.read_halves(reflections.output(), 4)?;
+        let share = |roughness| mirrored_share(roughness, reflections.limit());
+        let of = |([r, g, b, _], albedo): ([f32; 4], &[f32; 4])| [r, g, b, share(albedo[3])];
+        Ok(radiance.into_iter().zip(albedo).map(of).collect())
     }
 
     /// What the estimator knows of each pixel of the last frame besides irradiance.

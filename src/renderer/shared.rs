@@ -1,10 +1,12 @@
-//! The passes that all methods share, with their pipelines and images.
+//! The passes that all methods share, and the effects, with their pipelines and images.
 
 use std::sync::Arc;
 
 use super::direct::DirectPasses;
+use crate::effects::reflections::{Reflections, is_mirrored};
 use crate::passes::combine::CombinePass;
 use crate::passes::gbuffer::GBufferPass;
+use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::reprojection::ReprojectionPass;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::taa::TaaPass;
@@ -19,9 +21,13 @@ pub(super) struct SharedPasses {
     /// Where an effect needs it.
     pub reprojection: Option<ReprojectionPass>,
     pub direct: DirectPasses,
+    /// Where something is mirrored.
+    pub reflections: Option<Reflections>,
     pub combine: CombinePass,
     /// With `--antialiasing taa`.
     pub taa: Option<TaaPass>,
+    /// Where rays need all of a surface.
+    hits: Option<Arc<HitBuffers>>,
 }
 
 impl SharedPasses {
@@ -31,14 +37,8 @@ impl SharedPasses {
         (scene, buffers): (&Scene, &SceneBuffers),
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let size = settings.size;
-        Ok(Self {
-            gbuffer: GBufferPass::new(device, buffers, size)?,
-            reprojection: reprojection(device, settings)?,
-            direct: DirectPasses::new(device, tracer, scene, settings)?,
-            combine: CombinePass::new(device, tracer.sheets, size)?,
-            taa: taa(device, settings)?,
-        })
+        let gbuffer = GBufferPass::new(device, buffers, settings.size)?;
+        Self::of(device, tracer, (scene, None), gbuffer, settings)
     }
 
     /// The same passes for another tracer or other settings.
@@ -46,25 +46,40 @@ impl SharedPasses {
         &self,
         device: &Arc<Device>,
         tracer: TracerVariant,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<Self, VulkanError> {
+        let gbuffer = self.gbuffer.resized(device, settings.size)?;
+        Self::of(device, tracer, (scene, self.hits.as_ref()), gbuffer, settings)
+    }
+
+    fn of(
+        device: &Arc<Device>,
+        tracer: TracerVariant,
+        (scene, hits): (&Scene, Option<&Arc<HitBuffers>>),
+        gbuffer: GBufferPass,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let size = settings.size;
+        let mirrored = is_mirrored(scene, settings);
+        let hits = match hits {
+            Some(hits) => Some(Arc::clone(hits)),
+            None if mirrored || tracer.sheets => Some(Arc::new(HitBuffers::new(device, scene)?)),
+            None => None,
+        };
+        let is_noisy = mirrored || settings.direct == Direct::Rays;
+        let reflections = hits.as_ref().filter(|_| mirrored);
+        let reflections =
+            reflections.map(|hits| Reflections::new(device, tracer, Arc::clone(hits), settings));
+        let taa = settings.antialiasing == Antialiasing::Taa;
         Ok(Self {
-            gbuffer: self.gbuffer.resized(device, size)?,
-            reprojection: reprojection(device, settings)?,
-            direct: self.direct.remade(device, tracer, settings)?,
+            gbuffer,
+            reprojection: is_noisy.then(|| ReprojectionPass::new(device, size)).transpose()?,
+            direct: DirectPasses::new(device, tracer, hits.as_ref(), settings)?,
+            reflections: reflections.transpose()?,
             combine: CombinePass::new(device, tracer.sheets, size)?,
-            taa: taa(device, settings)?,
+            taa: taa.then(|| TaaPass::new(device, size)).transpose()?,
+            hits,
         })
     }
-}
-
-fn taa(device: &Arc<Device>, settings: &Settings) -> Result<Option<TaaPass>, VulkanError> {
-    let taa = settings.antialiasing == Antialiasing::Taa;
-    taa.then(|| TaaPass::new(device, settings.size)).transpose()
-}
-
-fn reprojection(device: &Arc<Device>, settings: &Settings) -> Result<Option<ReprojectionPass>, VulkanError> {
-    let needed = settings.direct == Direct::Rays;
-    needed.then(|| ReprojectionPass::new(device, settings.size)).transpose()
 }

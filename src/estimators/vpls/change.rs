@@ -40,6 +40,9 @@ impl Vpls {
         let vpl_light = made_if(shows_light, || VplLightPass::new(device, tracer, new.size))?;
 
         // From here on nothing fails.
+        if retraced {
+            self.hit_light = None;
+        }
         self.tracer = tracer;
         let passes = &mut self.passes;
         replace(&mut passes.indirect_shadows, shadows);
