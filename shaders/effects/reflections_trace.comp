@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
-// the lobe's directional albedo; a: distance of the first hit; at most one hit of each path that the estimator is to light; and where
-// the reflection was in the last frame: on flat mirrors where the mirror image of the hit was, elsewhere where the surface was.
+// the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
+// the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene.glsl"
@@ -39,18 +39,23 @@ layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
 #include "hit_record.glsl"
 // Of the estimator.
 layout(set = 0, binding = 7) uniform texture2D irradiance;
-layout(set = 0, binding = 12, rgba16ui) uniform readonly uimage2D last_surface;
-layout(set = 0, binding = 13, rgba16f) uniform readonly image2D reprojected;
-layout(set = 0, binding = 14, rgba16f) uniform writeonly image2D reflection;
-layout(set = 0, binding = 15, rgba32ui) uniform writeonly uimage2D hit_place;
-layout(set = 0, binding = 16, rgba16f) uniform writeonly image2D hit_weight;
-layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D reflection_reprojected;
+layout(set = 0, binding = 12, rgba16f) uniform readonly image2D reprojected;
+layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D reflection;
+layout(set = 0, binding = 14, rgba32ui) uniform writeonly uimage2D hit_place;
+layout(set = 0, binding = 15, rgba16f) uniform writeonly image2D hit_weight;
+// What is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
+layout(set = 0, binding = 16, r32f) uniform writeonly image2D image_depth;
+layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D image_normal;
+layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_surface;
+layout(set = 0, binding = 36, rgba16ui) uniform writeonly uimage2D image_surface;
+layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reprojected;
 
 // Twin: TracePush in src/effects/reflections.rs.
 layout(push_constant) uniform Push {
     float spread; // of a pixel, over a distance of 1
     float limit;  // roughness up to which surfaces mirror
     uint depth;   // glossy surfaces that a path follows, at most
+    uint has_history;
 } push;
 
 // What a half float holds at most.
@@ -59,8 +64,17 @@ const float MOST = 65504.0;
 const uint FIRST_DIMENSION = 4u;
 const uint DIMENSIONS = 4u;
 // Roughness up to which a flat surface shows a mirror image, and how much neighbouring normals of such a surface differ.
-const float IMAGE_ROUGHNESS = 0.2;
+const float IMAGE_ROUGHNESS = 0.15;
 const float FLAT = 0.999;
+// The same of what the last frame saw: see reprojection.comp.
+const float MIN_COSINE = 0.7071;
+const float DEPTH_TOLERANCE = 0.01;
+const float SLOPE_PIXELS = 2.0;
+const float MIN_SLOPE_COSINE = 0.05;
+// Pixels that a blur reaches at most, and those that one of noisy light at a sharp mirror image does.
+const float WIDEST = 30.0;
+const float IMAGE_BLUR = 3.0;
+const uint NO_INSTANCE = 4094u;
 
 // A path with what it has gathered, over the directional albedo of the visible surface's lobe.
 struct Path {
@@ -109,10 +123,19 @@ void shade(inout Path path, HitSurface hit, Seen at, uint instance, vec3 albedo,
     }
 }
 
-// One path. `distance`: of its first hit; `first`: that.
-Path trace_path(ivec2 pixel, Seen seen_surface, out float distance, out TracerHit first) {
+// The first hit of a path, or the environment.
+struct FirstHit {
+    bool met;
+    uint instance;
+    float distance;
+    vec3 position;
+    vec3 shading; // unit normals on the side that was hit
+    vec3 geometric;
+};
+
+Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
     Path path = Path(vec3(0.0), vec3(1.0), HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0), 0.0);
-    distance = MOST;
+    first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
     Seen at = seen_surface;
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
     for (uint depth = 0u; depth < push.depth; depth++) {
@@ -134,12 +157,9 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out float distance, out TracerHi
             path.radiance += path.throughput * environment_radiance(sampled.direction);
             break;
         }
-        if (depth == 0u) {
-            distance = hit.t;
-            first = hit;
-        }
         HitSurface surface = surface_of(hit, sampled.direction, cone);
         cone.width += cone.spread * hit.t;
+        if (depth == 0u) first = FirstHit(true, hit.instance, hit.t, surface.position, surface.shading, surface.geometric);
         at.surface = Surface(surface.position, surface.shading, surface.geometric, hit.t);
         at.is_glossy = reflects(surface.bsdf);
         at.reflection = seen(surface.bsdf, surface.shading, -sampled.direction);
@@ -167,55 +187,102 @@ bool is_flat(ivec2 pixel, vec3 normal) {
     return true;
 }
 
-// Where the mirror image of the hit was in the last frame, and which texels there show the mirror: as `reprojected`.
-vec4 image_then(ivec2 pixel, uint instance, Surface mirror, float distance, TracerHit hit, bool met) {
-    vec3 along = normalize(mirror.position - frame.eye.xyz);
-    vec3 image = mirror.position + along * min(distance, 1e4 * frame.eye.w);
-    if (met) {
-        InstanceData data = instances.data[hit.instance];
-        vec3 now = mirror.position + reflect(along, mirror.shading) * distance;
-        vec3 then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, now));
-        image += reflect(then - now, mirror.shading);
+// What is seen in the reflection.
+struct SeenImage {
+    vec3 position; // of the mirror image
+    float depth;
+    vec3 shading;
+    vec3 geometric;
+    uint instance;
+};
+
+SeenImage image_of(Surface mirror, FirstHit hit) {
+    vec3 along = mirror.position - frame.eye.xyz;
+    float stretch = 1.0 + hit.distance / length(along);
+    SeenImage image = SeenImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
+    if (hit.met) {
+        image.shading = reflect(hit.shading, mirror.shading);
+        image.geometric = reflect(hit.geometric, mirror.shading);
+        image.instance = (hit.instance + 1u) & 4095u;
     }
-    vec4 clip = frame.previous_view_projection * vec4(image, 1.0);
-    if (clip.w <= 0.0) return vec4(0.0);
+    return image;
+}
+
+bool shows(SeenImage image, float depth_then, float tolerance, ivec2 texel) {
+    if (!inside(texel)) return false;
+    VisibleSurface there = unpack_surface(imageLoad(last_image_surface, texel));
+    return there.depth > 0.0 && there.instance == image.instance && dot(there.normal, image.shading) > MIN_COSINE
+        && abs(there.depth - depth_then) < tolerance;
+}
+
+// Where the mirror image was in the last frame, and which texels showed it there: as `reprojected`.
+vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit) {
+    vec3 then = image.position;
+    if (hit.met) {
+        InstanceData data = instances.data[hit.instance];
+        vec3 hit_then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, hit.position));
+        then += reflect(hit_then - hit.position, mirror.shading);
+    }
+    vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
+    if (clip.w <= 0.0 || push.has_history == 0u) return vec4(0.0);
     vec2 motion = vec2(pixel) + 0.5 + frame.jitter - (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size);
+    float cosine = max(abs(dot(image.geometric, normalize(image.position - frame.eye.xyz))), MIN_SLOPE_COSINE);
+    float slope = sqrt(1.0 - cosine * cosine) / cosine;
+    float tolerance = clip.w * (DEPTH_TOLERANCE + SLOPE_PIXELS * slope * push.spread);
     vec2 place = vec2(pixel) - motion;
     ivec2 corner = ivec2(floor(place));
-    float mask = 0.0;
+    vec2 masks = vec2(0.0);
     for (int tap = 0; tap < 4; tap++) {
-        ivec2 at = corner + ivec2(tap % 2, tap / 2);
-        if (!inside(at)) continue;
-        VisibleSurface there = unpack_surface(imageLoad(last_surface, at));
-        bool same = there.depth > 0.0 && there.instance == (instance & 4095u) && dot(there.normal, mirror.shading) > 0.98;
-        if (same) mask += float(1 << tap);
+        if (shows(image, clip.w, tolerance, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
     }
-    return vec4(motion, mask, 0.0);
+    ivec2 nearest = ivec2(floor(place + 0.5));
+    for (int tap = 0; tap < 9; tap++) {
+        if (masks.x == 0.0 && shows(image, clip.w, tolerance, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
+    }
+    return vec4(motion, masks);
+}
+
+// How wide a blur is of use, as a share of the widest: what the lobe blurs anyway, and a little where light at the hit is noisy.
+float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
+    float seen_from = distance(mirror.position, frame.eye.xyz);
+    float lobe = alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
+    return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    Surface surface = surface_at(pixel);
+    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, id.x & 4095u);
     vec4 result = vec4(0.0);
     vec4 then = imageLoad(reprojected, pixel);
     HitRecord record = HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
     float roughness = imageLoad(gbuffer_albedo, pixel).a;
-    if (id.x != 0u && mirrored_share(roughness, push.limit) > 0.0) {
+    bool mirrors = id.x != 0u && mirrored_share(roughness, push.limit) > 0.0;
+    if (mirrors) {
         Seen at = seen_by(pixel, id);
-        if (at.is_glossy) {
-            TracerHit first;
-            float distance;
-            Path path = trace_path(pixel, at, distance, first);
-            result = vec4(min(path.radiance, MOST), min(distance, MOST));
+        mirrors = at.is_glossy;
+        if (mirrors) {
+            FirstHit first;
+            Path path = trace_path(pixel, at, first);
             record = path.record;
-            if (roughness < IMAGE_ROUGHNESS && is_flat(pixel, at.surface.shading)) {
-                then = image_then(pixel, id.x, at.surface, distance, first, distance < MOST);
+            float blur = blur_of(surface, at.reflection.alpha, first, record.weight != vec3(0.0));
+            result = vec4(min(path.radiance, MOST), blur);
+            if (roughness < IMAGE_ROUGHNESS) {
+                image = image_of(surface, first);
+                if (is_flat(pixel, surface.shading)) then = image_then(pixel, surface, image, first);
             }
         }
     }
     imageStore(reflection, pixel, rounded(result));
     imageStore(hit_place, pixel, pack_place(record));
     imageStore(hit_weight, pixel, pack_weight(record));
-    imageStore(reflection_reprojected, pixel, then);
+    // Where nothing is mirrored there is nothing to denoise.
+    float depth = mirrors ? image.depth : 0.0;
+    imageStore(image_depth, pixel, vec4(depth));
+    imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
+    VisibleSurface packed = VisibleSurface(depth, image.shading, image.instance);
+    imageStore(image_surface, pixel, mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_reprojected, pixel, then);
 }

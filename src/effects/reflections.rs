@@ -46,9 +46,10 @@ struct TracePush {
     spread: f32,
     limit: f32,
     depth: u32,
+    has_history: u32,
 }
 
-/// The effect: 128 bytes a pixel.
+/// The effect: 164 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
     hits: Arc<HitBuffers>,
@@ -56,10 +57,24 @@ pub struct Reflections {
     noisy: Image,
     hit_place: Image,
     hit_weight: Image,
-    reprojected: Image,
+    image: MirrorImage,
     svgf: Svgf,
     limit: f32,
     depth: u32,
+}
+
+/// What is seen in reflections: in smooth surfaces the mirror image of what is hit, elsewhere the surface itself.
+struct MirrorImage {
+    /// As those of the G-buffer.
+    depth: Image,
+    /// As those of the G-buffer.
+    normal: Image,
+    /// As `ReprojectionPass::surface`, of this frame and the last one, in turns.
+    surfaces: [Image; 2],
+    /// As `ReprojectionPass::reprojected`.
+    reprojected: Image,
+    /// Which of `surfaces` is the last frame's; none before the first.
+    last: Option<usize>,
 }
 
 /// Whether reflections are traced: with `auto`, in scenes where a surface that raster draws may be glossy enough.
@@ -97,7 +112,16 @@ impl Reflections {
             noisy: image("noisy reflection", halves)?,
             hit_place: image("hit_place", vk::Format::R32G32B32A32_UINT)?,
             hit_weight: image("hit_weight", halves)?,
-            reprojected: image("reflection_reprojected", halves)?,
+            image: MirrorImage {
+                depth: image("image_depth", vk::Format::R32_SFLOAT)?,
+                normal: image("image_normal", halves)?,
+                surfaces: [
+                    image("image_surface 0", vk::Format::R16G16B16A16_UINT)?,
+                    image("image_surface 1", vk::Format::R16G16B16A16_UINT)?,
+                ],
+                reprojected: image("image_reprojected", halves)?,
+                last: None,
+            },
             svgf: Svgf::new(device, settings.size, &svgf_settings(settings))?,
             limit: settings.effects.reflection_roughness,
             depth: settings.effects.reflection_depth,
@@ -114,7 +138,7 @@ impl Reflections {
         self.svgf.output()
     }
 
-    /// The same as the rays of the last frame have it; a: distance of the first hit. The estimator adds to it.
+    /// The same as the rays of the last frame have it; a: how wide a blur is of use. The estimator adds to it.
     pub fn noisy(&self) -> &Image {
         &self.noisy
     }
@@ -131,7 +155,7 @@ impl Reflections {
 
     /// Casts the rays.
     pub fn trace(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         inputs: &EffectInputs<'_>,
         scene: &ReflectionInputs<'_>,
@@ -139,6 +163,9 @@ impl Reflections {
         let gbuffer = inputs.gbuffer;
         let extent = self.noisy.extent();
         let spread = 2.0 * (scene.camera.vertical_fov * 0.5).tan() / extent[1] as f32;
+        let last = self.image.last.unwrap_or_default();
+        let has_history = u32::from(self.image.last.is_some());
+        let push = TracePush { spread, limit: self.limit, depth: self.depth, has_history };
         let pass = frame
             .pass("reflections_trace", &self.trace)
             .read("frame_uniforms", inputs.frame)
@@ -153,19 +180,32 @@ impl Reflections {
             .read("environment_map", &inputs.scene.environment.image)
             .read("blue_noise", &self.noise)
             .read("irradiance", scene.irradiance)
-            .read("last_surface", inputs.reprojection.last_surface())
             .read("reprojected", inputs.reprojection.reprojected())
             .write("reflection", &self.noisy)
             .write("hit_place", &self.hit_place)
             .write("hit_weight", &self.hit_weight)
-            .write("reflection_reprojected", &self.reprojected)
-            .push(&TracePush { spread, limit: self.limit, depth: self.depth });
-        self.hits.bind(inputs.tracer.bind(pass), inputs.scene, scene.instances).dispatch_over(extent)
+            .read("last_image_surface", &self.image.surfaces[last])
+            .write("image_depth", &self.image.depth)
+            .write("image_normal", &self.image.normal)
+            .write("image_surface", &self.image.surfaces[1 - last])
+            .write("image_reprojected", &self.image.reprojected)
+            .push(&push);
+        self.hits.bind(inputs.tracer.bind(pass), inputs.scene, scene.instances).dispatch_over(extent)?;
+        self.image.last = Some(1 - last);
+        Ok(())
     }
 
     /// Denoises what the rays have brought.
     pub fn denoise(&mut self, frame: &mut Frame<'_>, inputs: &EffectInputs<'_>) -> Result<(), VulkanError> {
-        let svgf = SvgfInputs { reprojected: &self.reprojected, ..inputs.svgf(&self.noisy) };
+        let image = &self.image;
+        let svgf = SvgfInputs {
+            frame: inputs.frame,
+            noisy: &self.noisy,
+            depth: &image.depth,
+            normal: &image.normal,
+            surface: &image.surfaces[image.last.unwrap_or_default()],
+            reprojected: &image.reprojected,
+        };
         self.svgf.record(frame, &svgf, inputs.rest)
     }
 }

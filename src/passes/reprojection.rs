@@ -52,11 +52,6 @@ impl ReprojectionPass {
         })
     }
 
-    /// What the frame before saw, likewise.
-    pub fn last_surface(&self) -> &Image {
-        &self.surfaces[1 - self.last.unwrap_or_default()]
-    }
-
     /// What the last frame saw: depth, normal and instance, packed as in shaders/include/visible_surface.glsl.
     pub fn surface(&self) -> &Image {
         &self.surfaces[self.last.unwrap_or_default()]

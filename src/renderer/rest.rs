@@ -29,7 +29,7 @@ pub(super) struct Cycle {
 impl Cycle {
     /// Frames before those whose pictures are averaged.
     fn settling(&self) -> u32 {
-        self.settled.max(if self.is_noisy { NOISE_FRAMES } else { 0 })
+        self.settled + if self.is_noisy { NOISE_FRAMES } else { 0 }
     }
 }
 
@@ -103,7 +103,9 @@ impl FrameClock {
     /// What denoisers are told; none while anything changes.
     pub fn rest(&self) -> Option<RestFrame> {
         let rest = self.rest.filter(|_| self.cycle.is_noisy)?;
-        Some(RestFrame { index: rest, shown: rest >= self.cycle.settling() })
+        // What rays see of the estimator's light may be of the past before.
+        let index = rest.checked_sub(self.cycle.settled)?;
+        Some(RestFrame { index, shown: index >= NOISE_FRAMES })
     }
 
     /// Number of the frame in the sequence of random numbers.
