@@ -9,6 +9,7 @@ mod pick;
 mod picture;
 mod prepared;
 mod replay;
+mod reports;
 mod rest;
 mod shared;
 mod tracer_choice;
@@ -44,16 +45,14 @@ use crate::passes::sheets::SheetsPass;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::taa::{TaaInputs, TaaPass};
 use crate::passes::tracer::{Tracer, TracerVariant};
-use crate::report::{
-    CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
-    TracerChoice,
-};
+use crate::report::{FrameReport, TracerChoice};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
-use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
+use crate::vulkan::{Device, Frames, VulkanError};
 use direct::{FrameLights, ambient};
+use reports::{Pending, report};
 use rest::RestClock;
-use shared::SharedPasses;
+use shared::{SharedPasses, effect_image};
 use uniforms::Viewed;
 use view::{ViewFrame, ViewPasses};
 
@@ -109,13 +108,6 @@ pub struct Renderer {
 
 /// Makes an estimator for a renderer.
 pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
-
-/// A frame on its way.
-struct Pending {
-    frame: u64,
-    cpu_ms: Vec<f64>,
-    counters: Counters,
-}
 
 impl Renderer {
     /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, as it stands in `pose`.
@@ -311,6 +303,7 @@ impl Renderer {
             scene: buffers,
             direct_shadows: self.passes.direct.map(),
             direct,
+            effect: effect_image(&self.passes.direct, self.passes.reflections.as_ref(), &self.view.buffer),
             bounds: self.bvh.bounds(),
             exposure: self.passes.combine.exposure(),
             display,
@@ -334,24 +327,6 @@ impl Renderer {
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
         Pending { frame, cpu_ms, counters: self.estimator.counters() }
-    }
-
-    /// The reports of finished frames that were not given yet, in order. Does not wait.
-    pub fn take_reports(&mut self) -> Vec<FrameReport> {
-        std::mem::take(&mut self.reports)
-    }
-
-    /// Waits for all frames and gives the reports that were not given yet, in order.
-    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
-        for times in self.frames.finish()? {
-            self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
-        }
-        Ok(std::mem::take(&mut self.reports))
-    }
-
-    /// The passes of a frame, in order.
-    pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(&*self.estimator).copied().collect()
     }
 
     /// How long building the BVH took, milliseconds.
@@ -381,30 +356,4 @@ impl Drop for Renderer {
         // What the passes own may still be in use by a frame on its way.
         let _ = self.device.wait_idle();
     }
-}
-
-/// The passes of a frame, in order.
-fn frame_passes(estimator: &dyn Estimator) -> impl Iterator<Item = &'static PassInfo> {
-    let of_method = estimator.method().passes;
-    let cpu = CPU_PASSES.iter().chain(of_method.cpu);
-    cpu.chain(&SHARED_PASSES).chain(of_method.device).chain(&LAST_PASSES)
-}
-
-/// Joins what the CPU knows of a frame with the device's times.
-fn report(
-    pending: &mut VecDeque<Pending>,
-    estimator: &dyn Estimator,
-    times: &FrameTimes,
-) -> Option<FrameReport> {
-    let Pending { frame, cpu_ms, mut counters } = pending.pop_front()?;
-    let mut passes: PassTimes = frame_passes(estimator).map(|pass| (pass.name, 0.0)).collect();
-    passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
-    // Passes of views are not part of the frame.
-    for (name, ms) in &times.passes {
-        if let Some(pass) = passes.get_mut(name) {
-            *pass += ms;
-        }
-    }
-    estimator.add_device_counters(&mut counters, &times.readback);
-    Some(FrameReport { frame, figures: FrameFigures { total_ms: passes.values().sum(), passes, counters } })
 }

@@ -5,8 +5,9 @@ pub mod reflections;
 pub mod soft_shadows;
 
 use crate::denoise::RestFrame;
-use crate::denoise::svgf::SvgfInputs;
+use crate::denoise::svgf::{Svgf, SvgfInputs};
 use crate::passes::area_lights::UploadedAreaLights;
+use crate::passes::effect_view::Kind;
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::reprojection::ReprojectionPass;
 use crate::passes::scene_buffers::SceneBuffers;
@@ -55,5 +56,27 @@ fn svgf_settings(settings: &Settings) -> SvgfSettings {
         Denoise::None => {
             SvgfSettings { alpha: 1.0, moments_alpha: 1.0, levels: 0, clamp: 0.0, ..settings.svgf }
         }
+    }
+}
+
+/// What an effect goes through, by the ends of the names of its views, or by those of its layers.
+pub struct Stages<'a> {
+    /// As the rays of the last frame have it.
+    pub raw: &'a Image,
+    /// Its denoiser.
+    pub svgf: &'a Svgf,
+}
+
+impl<'a> Stages<'a> {
+    /// The image that one of the views shows; `light`: how the signal itself is shown.
+    pub fn shown(&self, stage: &str, light: Kind) -> Option<(&'a Image, Kind)> {
+        Some(match stage {
+            "" => (self.svgf.output(), light),
+            "raw" => (self.raw, light),
+            "temporal" => (self.svgf.history(), light),
+            "variance" => (self.svgf.output(), Kind::Deviation),
+            "history" => (self.svgf.moments(), Kind::History),
+            _ => return None,
+        })
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{EffectInputs, noise, svgf_settings};
+use super::{EffectInputs, Stages, noise, svgf_settings};
 use crate::denoise::svgf::{Svgf, SvgfInputs};
 use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::scene_buffers::Instances;
@@ -148,9 +148,9 @@ impl Reflections {
         [&self.hit_place, &self.hit_weight]
     }
 
-    /// Its denoiser.
-    pub fn svgf(&self) -> &Svgf {
-        &self.svgf
+    /// What it goes through.
+    pub fn stages(&self) -> Stages<'_> {
+        Stages { raw: &self.noisy, svgf: &self.svgf }
     }
 
     /// Casts the rays.

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::{EffectInputs, noise, svgf_settings};
+use super::{EffectInputs, Stages, noise, svgf_settings};
 use crate::denoise::svgf::Svgf;
 use crate::passes::skip::Version;
 use crate::passes::storage_image;
@@ -45,14 +45,9 @@ impl SoftShadows {
         self.svgf.output()
     }
 
-    /// The same as the rays of the last frame have it.
-    pub fn noisy(&self) -> &Image {
-        &self.noisy
-    }
-
-    /// Its denoiser.
-    pub fn svgf(&self) -> &Svgf {
-        &self.svgf
+    /// What it goes through.
+    pub fn stages(&self) -> Stages<'_> {
+        Stages { raw: &self.noisy, svgf: &self.svgf }
     }
 
     /// Of the output.

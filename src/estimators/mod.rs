@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::bvh::World;
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
+use crate::passes::effect_view;
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::overlay::Line;
 use crate::passes::scene_buffers::Instances;
@@ -246,7 +247,7 @@ pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
 }
 
-/// The views of what all methods share, then those of the methods.
+/// The views of what all methods share, then those of effects and methods.
 pub fn views() -> impl Iterator<Item = &'static View> {
-    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views))
+    VIEWS.iter().chain(&effect_view::VIEWS).chain(METHODS.iter().flat_map(|method| method.views))
 }

@@ -10,6 +10,7 @@ pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;
+pub mod effect_view;
 pub mod environment;
 pub mod gbuffer;
 pub mod geometry;

@@ -4,9 +4,11 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::shared::effect_image;
 use super::{RenderError, Renderer};
 use crate::effects::reflections::mirrored_share;
 use crate::output::{Layer, Picture};
+use crate::passes::effect_view::Kind;
 use crate::passes::sheets::SheetsPass;
 use crate::vulkan::Image;
 
@@ -149,7 +151,7 @@ impl Renderer {
         let motion = self.read_halves(&gbuffer.motion, 2)?;
         let motion: Vec<[f32; 2]> = motion.iter().map(|[x, y, ..]| [x / width, y / height]).collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
-        Ok(vec![
+        let mut layers = vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
             Layer::of_channels("indirect", &["R", "G", "B"], &light.irradiance),
             Layer::of_channels("reflected", &["R", "G", "B"], &light.reflected()),
@@ -162,7 +164,33 @@ impl Renderer {
             Layer::of_channels("reflectance", &["R", "G", "B", "roughness"], &reflectance),
             Layer::single("instance", "id", instances),
             Layer::of_channels("motion", &["X", "Y"], &motion),
-        ])
+        ];
+        for effect in ["shadow", "reflection"] {
+            layers.extend(self.effect_layers(effect)?);
+        }
+        Ok(layers)
+    }
+
+    /// What an effect goes through, if it is in use: the signal, and for the denoiser its standard deviation and its history.
+    fn effect_layers(&self, effect: &str) -> Result<Vec<Layer>, RenderError> {
+        let (direct, reflections) = (&self.passes.direct, self.passes.reflections.as_ref());
+        let mut layers = Vec::new();
+        for stage in ["", "-raw", "-temporal", "-variance", "-history"] {
+            let view = format!("{effect}{stage}");
+            let Some((image, kind)) = effect_image(direct, reflections, &view) else { continue };
+            let texels = self.read_halves(image, 4)?;
+            let name = view.replace('-', "_");
+            layers.push(match kind {
+                Kind::Share | Kind::Light => Layer::of_channels(&name, &["R", "G", "B"], &texels),
+                Kind::Deviation => {
+                    Layer::single(&name, "variance", texels.iter().map(|texel| texel[3] * texel[3]).collect())
+                }
+                Kind::History => {
+                    Layer::single(&name, "frames", texels.iter().map(|texel| texel[2]).collect())
+                }
+            });
+        }
+        Ok(layers)
     }
 
     /// Reflectance at normal incidence and roughness of a pixel, from the G-buffer's instance channel, its base colour with

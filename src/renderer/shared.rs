@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::direct::DirectPasses;
+use super::direct::{DirectPasses, ShadowPasses};
 use crate::effects::reflections::{Reflections, is_mirrored};
 use crate::passes::combine::CombinePass;
+use crate::passes::effect_view::Kind;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::reprojection::ReprojectionPass;
@@ -13,7 +14,7 @@ use crate::passes::taa::TaaPass;
 use crate::passes::tracer::TracerVariant;
 use crate::scene::Scene;
 use crate::settings::{Antialiasing, Direct, Settings};
-use crate::vulkan::{Device, VulkanError};
+use crate::vulkan::{Device, Image, VulkanError};
 
 /// The passes.
 pub(super) struct SharedPasses {
@@ -81,5 +82,18 @@ impl SharedPasses {
             taa: taa.then(|| TaaPass::new(device, size)).transpose()?,
             hits,
         })
+    }
+}
+
+/// What one of the views of effects shows; none where the effect is not in use, or it is another view.
+pub(super) fn effect_image<'a>(
+    direct: &'a DirectPasses,
+    reflections: Option<&'a Reflections>,
+    view: &str,
+) -> Option<(&'a Image, Kind)> {
+    let stage = |of: &str| Some(view.strip_prefix(of)?.trim_start_matches('-'));
+    match (stage("shadow"), &direct.shadows) {
+        (Some(stage), ShadowPasses::Rays(effect)) => effect.stages().shown(stage, Kind::Share),
+        _ => reflections?.stages().shown(stage("reflection")?, Kind::Light),
     }
 }
