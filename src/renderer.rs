@@ -254,7 +254,7 @@ impl Renderer {
         self.estimator.record(&mut frame, &inputs)?;
         if let (Some(reflections), Some(effects)) = (&mut self.passes.reflections, &effects) {
             let irradiance = self.estimator.irradiance();
-            let scene = ReflectionInputs { instances, irradiance, camera: &pose.camera };
+            let scene = ReflectionInputs { instances, irradiance, pose };
             reflections.trace(&mut frame, effects, &scene)?;
             let [place, weight] = reflections.hits();
             let hits = Hits { place, weight, reflection: reflections.noisy() };

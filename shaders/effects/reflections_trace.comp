@@ -56,6 +56,7 @@ layout(push_constant) uniform Push {
     float limit;  // roughness up to which surfaces mirror
     uint depth;   // glossy surfaces that a path follows, at most
     uint has_history;
+    uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
 } push;
 
 // What a half float holds at most.
@@ -154,7 +155,7 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
         bool met = trace_closest(origin, sampled.direction, 0.0, FAR, hit);
         if (HAS_SHEETS) path.throughput *= trace_transmittance(origin, sampled.direction, 0.0, met ? just_before(hit.t) : FAR);
         if (!met) {
-            path.radiance += path.throughput * environment_radiance(sampled.direction);
+            if (push.has_environment == 1u) path.radiance += path.throughput * environment_radiance(sampled.direction);
             break;
         }
         HitSurface surface = surface_of(hit, sampled.direction, cone);

@@ -13,7 +13,7 @@ use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::scene_buffers::Instances;
 use crate::passes::storage_image;
 use crate::passes::tracer::TracerVariant;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Pose, Scene};
 use crate::settings::{Noise, Reflections as Wanted, Settings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
@@ -35,8 +35,8 @@ pub struct ReflectionInputs<'a> {
     pub instances: &'a Instances,
     /// Irradiance of the visible surfaces, RGBA32F.
     pub irradiance: &'a Image,
-    /// The camera.
-    pub camera: &'a Camera,
+    /// Where everything stands.
+    pub pose: &'a Pose,
 }
 
 /// `Push` in shaders/effects/reflections_trace.comp.
@@ -47,6 +47,7 @@ struct TracePush {
     limit: f32,
     depth: u32,
     has_history: u32,
+    has_environment: u32,
 }
 
 /// The effect: 164 bytes a pixel.
@@ -162,10 +163,11 @@ impl Reflections {
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
         let extent = self.noisy.extent();
-        let spread = 2.0 * (scene.camera.vertical_fov * 0.5).tan() / extent[1] as f32;
+        let spread = 2.0 * (scene.pose.camera.vertical_fov * 0.5).tan() / extent[1] as f32;
         let last = self.image.last.unwrap_or_default();
         let has_history = u32::from(self.image.last.is_some());
-        let push = TracePush { spread, limit: self.limit, depth: self.depth, has_history };
+        let has_environment = u32::from(scene.pose.environment.is_some());
+        let push = TracePush { spread, limit: self.limit, depth: self.depth, has_history, has_environment };
         let pass = frame
             .pass("reflections_trace", &self.trace)
             .read("frame_uniforms", inputs.frame)
