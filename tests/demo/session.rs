@@ -6,8 +6,17 @@ use crate::screen::Screen;
 use crate::window::{Demo, is_action, is_frame};
 
 /// Small enough for a CPU driver with validation.
-const SMALL: [&str; 7] =
-    ["--size", "640x360", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--seed=1", "--validate"];
+const SMALL: [&str; 9] = [
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size",
+    "640x360",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--seed=1",
+    "--validate",
+];
 /// Frames after which the picture of a stationary scene is stationary.
 const SETTLED: u64 = 12;
 
