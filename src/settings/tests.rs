@@ -136,7 +136,7 @@ fn values_out_of_range_name_option_and_range() {
         (["--time-step", "1/0"], "--time-step inf: must be 0 to 1e9 seconds"),
         (["--time-step", "-1"], "--time-step -1: must be 0 to 1e9 seconds"),
         (["--svgf-alpha", "1.5"], "--svgf-alpha 1.5: must be 0 to 1"),
-        (["--svgf-levels", "6"], "--svgf-levels 6: must be 1 to 5"),
+        (["--svgf-levels", "6"], "--svgf-levels 6: must be 0 to 5"),
         (["--svgf-depth", "0"], "--svgf-depth 0: must be a finite number above 0"),
         (["--exposure", "nan"], "--exposure NaN: must be auto or -64 to 64"),
     ] {

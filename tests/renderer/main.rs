@@ -22,6 +22,7 @@ mod reference;
 mod rooms;
 mod shadows;
 mod sheets;
+mod soft_shadows;
 mod sphere;
 mod taa;
 mod temporal;
