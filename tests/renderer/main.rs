@@ -19,6 +19,7 @@ mod normal_maps;
 mod overlay;
 mod pictures;
 mod reference;
+mod reflections;
 mod rooms;
 mod shadows;
 mod sheets;
