@@ -19,7 +19,7 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanE
 pub struct SvgfInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
-    /// rgb: the signal, RGBA16F.
+    /// rgb: the signal, RGBA16F; a: how wide a blur is of use, 0: none, 1: as wide as [`SvgfSettings::reach`].
     pub noisy: &'a Image,
     /// Of the G-buffer.
     pub depth: &'a Image,
@@ -32,10 +32,11 @@ pub struct SvgfInputs<'a> {
 }
 
 impl SvgfInputs<'_> {
-    /// What the passes read that compare surfaces.
-    fn bind_surfaces<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+    /// What the passes read that blur.
+    fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         pass.read("frame_uniforms", self.frame)
             .read("surface", self.surface)
+            .read("noisy", self.noisy)
             .read("gbuffer_depth", self.depth)
             .read("gbuffer_normal", self.normal)
     }
@@ -76,6 +77,10 @@ pub struct Svgf {
     /// The whole window; or along x, then along y.
     atrous: Vec<ComputePipeline>,
     settings: SvgfSettings,
+    /// Whether the signal is accumulated as Reinhard's curve has it: the filter's last step expands it.
+    is_compressed: bool,
+    /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
+    widest: f32,
     /// Of all frames, the newest the most.
     recent: Accumulation,
     /// Of those since the scene has stood still, all alike.
@@ -93,9 +98,43 @@ pub struct Svgf {
 struct TemporalPush {
     least_alpha: f32,
     least_moments_alpha: f32,
+    recent_alpha: f32,
     longest: f32,
-    clamp_width: f32,
+    certainty: f32,
+    brightest: f32,
     has_history: u32,
+    compress: u32,
+}
+
+impl TemporalPush {
+    /// Of a scene that changes.
+    fn new(settings: &SvgfSettings) -> Self {
+        Self {
+            least_alpha: settings.alpha,
+            least_moments_alpha: settings.moments_alpha,
+            recent_alpha: RECENT_ALPHA,
+            longest: settings.longest_history as f32,
+            certainty: settings.clamp * deviation_of_change(settings.moments_alpha),
+            brightest: settings.firefly,
+            ..Self::zeroed()
+        }
+    }
+
+    /// Of a scene that is at rest.
+    fn at_rest() -> Self {
+        Self { longest: LONGEST_REST, ..Self::zeroed() }
+    }
+}
+
+/// Share of the newest frame in the mean of the last ones.
+const RECENT_ALPHA: f32 = 1.0 / 3.0;
+
+/// Standard deviation of the difference of two means over time of the same noise, in which the newest frame has the shares
+/// [`RECENT_ALPHA`] and `alpha`; that of the noise is 1.
+fn deviation_of_change(alpha: f32) -> f32 {
+    let covariance = |a: f32, b: f32| a * b / (a + b - a * b).max(f32::MIN_POSITIVE);
+    let variance = covariance(RECENT_ALPHA, RECENT_ALPHA) + covariance(alpha, alpha);
+    (variance - 2.0 * covariance(RECENT_ALPHA, alpha)).max(0.0).sqrt()
 }
 
 #[repr(C)]
@@ -105,6 +144,8 @@ struct AtrousPush {
     depth_tolerance: f32,
     normal_exponent: f32,
     luminance_tolerance: f32,
+    widest: f32,
+    expand: u32,
 }
 
 /// Beyond this many frames half floats count no further.
@@ -123,6 +164,8 @@ impl Svgf {
             variance: ComputePipeline::new(device, "svgf_variance", shaders::SVGF_VARIANCE_COMP)?,
             atrous: radii.iter().map(atrous).collect::<Result<_, _>>()?,
             settings: *settings,
+            is_compressed: settings.reinhard && settings.levels > 0,
+            widest: if settings.adaptive { settings.reach() } else { 0.0 },
             recent: Accumulation::new(image)?,
             resting: Accumulation::new(image)?,
             rest_is_shown: false,
@@ -192,19 +235,11 @@ impl Svgf {
         inputs: &SvgfInputs<'_>,
         at_rest: bool,
     ) -> Result<(), VulkanError> {
-        let settings = &self.settings;
         let to = if at_rest { &mut self.resting } else { &mut self.recent };
-        let has_history = u32::from(to.last.is_some());
-        let push = if at_rest {
-            TemporalPush { longest: LONGEST_REST, has_history, ..TemporalPush::zeroed() }
-        } else {
-            TemporalPush {
-                least_alpha: settings.alpha,
-                least_moments_alpha: settings.moments_alpha,
-                longest: settings.longest_history as f32,
-                clamp_width: settings.clamp,
-                has_history,
-            }
+        let push = TemporalPush {
+            has_history: u32::from(to.last.is_some()),
+            compress: u32::from(self.is_compressed),
+            ..if at_rest { TemporalPush::at_rest() } else { TemporalPush::new(&self.settings) }
         };
         let last = to.last.unwrap_or_default();
         frame
@@ -246,11 +281,11 @@ impl Svgf {
 
     fn estimate_variance(&self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
         inputs
-            .bind_surfaces(frame.pass("svgf_variance", &self.variance))
+            .bind(frame.pass("svgf_variance", &self.variance))
             .read("moments", self.moments())
             .read("light", self.history())
             .write("filtered", &self.light[0])
-            .push(&[self.settings.depth_tolerance, self.settings.normal_exponent])
+            .push(&[self.settings.depth_tolerance, self.settings.normal_exponent, self.widest])
             .dispatch_over(self.light[0].extent())
     }
 
@@ -262,9 +297,10 @@ impl Svgf {
         (level, part): (u32, usize),
         places: [Option<usize>; 2],
     ) -> Result<(), VulkanError> {
+        let is_last = level == self.settings.levels && part + 1 == self.atrous.len();
         let [from, to] = places.map(|place| place.map_or(self.history(), |index| &self.light[index]));
         inputs
-            .bind_surfaces(frame.pass("svgf_atrous", &self.atrous[part]))
+            .bind(frame.pass("svgf_atrous", &self.atrous[part]))
             .read("light", from)
             .write("filtered", to)
             .push(&AtrousPush {
@@ -272,6 +308,8 @@ impl Svgf {
                 depth_tolerance: self.settings.depth_tolerance,
                 normal_exponent: self.settings.normal_exponent,
                 luminance_tolerance: self.settings.luminance_tolerance,
+                widest: self.widest,
+                expand: u32::from(self.is_compressed && is_last),
             })
             .dispatch_over(self.light[0].extent())
     }

@@ -53,9 +53,14 @@ impl<'a> EffectInputs<'a> {
 fn svgf_settings(settings: &Settings) -> SvgfSettings {
     match settings.effects.denoise {
         Denoise::Svgf => settings.svgf,
-        Denoise::None => {
-            SvgfSettings { alpha: 1.0, moments_alpha: 1.0, levels: 0, clamp: 0.0, ..settings.svgf }
-        }
+        Denoise::None => SvgfSettings {
+            alpha: 1.0,
+            moments_alpha: 1.0,
+            levels: 0,
+            clamp: 0.0,
+            firefly: 0.0,
+            ..settings.svgf
+        },
     }
 }
 

@@ -210,7 +210,7 @@ fn settings_round_trip_through_json() {
 }
 
 /// A non-default value of each option, in the syntax of the command line.
-const NON_DEFAULTS: [(&str, &str); 35] = [
+const NON_DEFAULTS: [(&str, &str); 38] = [
     ("indirect", "none"),
     ("direct", "rays"),
     ("reflections", "none"),
@@ -229,9 +229,12 @@ const NON_DEFAULTS: [(&str, &str); 35] = [
     ("svgf_moments_alpha", "0.3"),
     ("svgf_history", "16"),
     ("svgf_clamp", "1.5"),
+    ("svgf_firefly", "5"),
     ("svgf_levels", "3"),
     ("svgf_feedback", "2"),
     ("svgf_separable", "true"),
+    ("svgf_adaptive", "false"),
+    ("svgf_reinhard", "true"),
     ("svgf_depth", "2"),
     ("svgf_normal", "64"),
     ("svgf_luminance", "8"),

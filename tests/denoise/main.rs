@@ -5,8 +5,10 @@
 
 #[path = "../bvh_support/mod.rs"]
 mod bvh_support;
+mod change;
 #[path = "../support/mod.rs"]
 mod lab;
+mod reach;
 mod reprojection;
 mod rest;
 mod stages;
