@@ -64,8 +64,10 @@ const float MOST = 65504.0;
 // Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
 const uint FIRST_DIMENSION = 4u;
 const uint DIMENSIONS = 4u;
-// Roughness up to which a flat surface shows a mirror image, and how much neighbouring normals of such a surface differ.
-const float IMAGE_ROUGHNESS = 0.15;
+// Roughness up to which a surface shows a mirror image, and up to which what a flat one shows moves as a mirror image does; how much
+// neighbouring normals of a flat one differ.
+const float IMAGE_ROUGHNESS = 0.05;
+const float MOVING_ROUGHNESS = 0.25;
 const float FLAT = 0.999;
 // The same of what the last frame saw: see reprojection.comp.
 const float MIN_COSINE = 0.7071;
@@ -76,6 +78,8 @@ const float MIN_SLOPE_COSINE = 0.05;
 const float WIDEST = 30.0;
 const float IMAGE_BLUR = 3.0;
 const uint NO_INSTANCE = 4094u;
+// What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
+const float MIRROR_TOLERANCE = 0.1;
 
 // A path with what it has gathered, over the directional albedo of the visible surface's lobe.
 struct Path {
@@ -216,8 +220,8 @@ bool shows(SeenImage image, float depth_then, float tolerance, ivec2 texel) {
         && abs(there.depth - depth_then) < tolerance;
 }
 
-// Where the mirror image was in the last frame, and which texels showed it there: as `reprojected`.
-vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit) {
+// Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.
+vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage seen) {
     vec3 then = image.position;
     if (hit.met) {
         InstanceData data = instances.data[hit.instance];
@@ -230,15 +234,17 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit) {
     float cosine = max(abs(dot(image.geometric, normalize(image.position - frame.eye.xyz))), MIN_SLOPE_COSINE);
     float slope = sqrt(1.0 - cosine * cosine) / cosine;
     float tolerance = clip.w * (DEPTH_TOLERANCE + SLOPE_PIXELS * slope * push.spread);
+    float depth_then = is_sharp ? clip.w : mirror.depth;
+    if (!is_sharp) tolerance = MIRROR_TOLERANCE * mirror.depth;
     vec2 place = vec2(pixel) - motion;
     ivec2 corner = ivec2(floor(place));
     vec2 masks = vec2(0.0);
     for (int tap = 0; tap < 4; tap++) {
-        if (shows(image, clip.w, tolerance, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
+        if (shows(seen, depth_then, tolerance, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
     }
     ivec2 nearest = ivec2(floor(place + 0.5));
     for (int tap = 0; tap < 9; tap++) {
-        if (masks.x == 0.0 && shows(image, clip.w, tolerance, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
+        if (masks.x == 0.0 && shows(seen, depth_then, tolerance, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
     }
     return vec4(motion, masks);
 }
@@ -270,9 +276,11 @@ void main() {
             record = path.record;
             float blur = blur_of(surface, at.reflection.alpha, first, record.weight != vec3(0.0));
             result = vec4(min(path.radiance, MOST), blur);
-            if (roughness < IMAGE_ROUGHNESS) {
-                image = image_of(surface, first);
-                if (is_flat(pixel, surface.shading)) then = image_then(pixel, surface, image, first);
+            bool is_sharp = roughness < IMAGE_ROUGHNESS;
+            SeenImage mirrored = image_of(surface, first);
+            if (is_sharp) image = mirrored;
+            if (roughness < MOVING_ROUGHNESS && is_flat(pixel, surface.shading)) {
+                then = image_then(pixel, surface, mirrored, first, is_sharp, image);
             }
         }
     }

@@ -7,6 +7,7 @@
 #include "gbuffer.glsl"
 #include "scene.glsl"
 #include "bsdf.glsl"
+#include "rounded.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,7 +25,7 @@ layout(set = 0, binding = 6, r32ui) uniform readonly uimage2DArray direct_shadow
 layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 8) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
-layout(set = 0, binding = 10, rgba8) uniform writeonly image2D specular_albedo;
+layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo;
 #define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
 #define AREA_LIGHTS_BINDING 12
@@ -67,6 +68,6 @@ void main() {
     bool is_surface = id.x != 0u;
     vec3 specular = vec3(0.0);
     vec3 radiance = is_surface ? radiance_of(id, pixel, specular) : environment_radiance(pixel_ray(vec2(pixel)));
-    imageStore(specular_albedo, pixel, vec4(specular, 0.0));
+    imageStore(specular_albedo, pixel, rounded(vec4(specular, 0.0)));
     imageStore(direct, pixel, vec4(radiance, is_surface ? 1.0 : 0.0));
 }

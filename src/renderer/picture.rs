@@ -95,7 +95,7 @@ impl Renderer {
             direct: self.read_floats(self.passes.direct.shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
             albedo,
-            specular_albedo: self.read_bytes(self.passes.direct.shading.specular_albedo())?,
+            specular_albedo: self.read_halves(self.passes.direct.shading.specular_albedo(), 4)?,
         };
         let Some(sheets) = self.passes.direct.sheets.as_ref().map(SheetsPass::output) else {
             return Ok(light);
@@ -215,13 +215,6 @@ impl Renderer {
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
         Ok(bytemuck::pod_collect_to_vec(&image.read_layer(&self.device, 0, 16)?))
-    }
-
-    /// RGBA8, from 0 to 1.
-    fn read_bytes(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
-        let bytes = image.read_layer(&self.device, 0, 4)?;
-        let (texels, _) = bytes.as_chunks::<4>();
-        Ok(texels.iter().map(|texel| texel.map(|byte| f32::from(byte) / 255.0)).collect())
     }
 
     fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {

@@ -15,7 +15,7 @@ fn computed(settings: &Settings) -> u64 {
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
-    pixels * (if settings.antialiasing == Antialiasing::Taa { 136 } else { 104 })
+    pixels * (if settings.antialiasing == Antialiasing::Taa { 140 } else { 108 })
         + of_step(2) * 40
         + of_step(set_step) * (16 + 8 * sets)
         + tiles

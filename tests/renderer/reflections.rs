@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Denoise, EffectSettings, Indirect, Reflections, Settings};
+use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings};
 
 use super::reference::reference;
 use super::support::{Lab, layer, luminance, mean, plain, scene};
@@ -71,7 +71,8 @@ const SKY: &str = "[environment]\ncolour = [0.2, 0.3, 0.5]\n";
 
 fn settings(denoise: Denoise) -> Settings {
     let effects = EffectSettings { denoise, reflection_roughness: 1.0, ..EffectSettings::default() };
-    Settings { size: SIZE, indirect: Indirect::None, reflections: Reflections::Rays, effects, ..plain() }
+    let (direct, reflections) = (Direct::Rays, Reflections::Rays);
+    Settings { size: SIZE, indirect: Indirect::None, direct, reflections, effects, ..plain() }
 }
 
 fn colour(renderer: &Renderer) -> Vec<[f32; 3]> {
@@ -91,7 +92,9 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     let Some(lab) = Lab::open() else { return };
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", "");
     let pose = scene.pose(0.0);
-    let mut renderer = lab.renderer(&scene, &settings(Denoise::None), &pose);
+    // Area lights take random points, so they are left out.
+    let maps = Settings { direct: Direct::Maps, ..settings(Denoise::None) };
+    let mut renderer = lab.renderer(&scene, &maps, &pose);
     renderer.render(&pose).unwrap();
     let picture = renderer.read_picture(true).unwrap();
     let (reflected, instance) = (layer(&picture, "reflected"), channel_of(&picture, "instance"));
@@ -99,9 +102,10 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     // From behind the mirror's plane z = -2, with the mirror taken away.
     let flip = |at: Vec3| Vec3::new(at.x, at.y, -4.0 - at.z);
     let mut behind = pose.clone();
-    behind.camera = Camera { eye: flip(pose.camera.eye), target: flip(pose.camera.target), ..pose.camera };
+    let (eye, target) = (flip(pose.camera.eye), flip(pose.camera.target));
+    behind.camera = Camera { eye, target, near: 0.01, far: 100.0, ..pose.camera };
     behind.instances[0] = Affine3A::from_translation(Vec3::Y * 1e3) * behind.instances[0];
-    let plain = Settings { reflections: Reflections::None, ..settings(Denoise::None) };
+    let plain = Settings { reflections: Reflections::None, ..maps };
     let mut seen = lab.renderer(&scene, &plain, &behind);
     seen.render(&behind).unwrap();
     let seen = colour(&seen);
@@ -150,8 +154,10 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
             sums
         };
         let (ours, expected) = (blocks(&ours), blocks(&expected));
+        // In the darkest ones noise is more than that.
+        let least = 0.05 * expected.iter().copied().fold(0.0, f32::max);
         let lit: Vec<f32> =
-            ours.iter().zip(&expected).filter(|(_, truth)| **truth > 2e-3).map(|(a, b)| a / b).collect();
+            ours.iter().zip(&expected).filter(|(_, truth)| **truth > least).map(|(a, b)| a / b).collect();
         let near = lit.iter().filter(|ratio| (**ratio - 1.0).abs() < 0.03).count();
         eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / truth, lit.len());
         assert!((all / truth - 1.0).abs() < 0.01, "{what}: mean {}", all / truth);
@@ -164,8 +170,10 @@ fn denoised_stills_are_like_the_truth() {
     let Some(lab) = Lab::open() else { return };
     for roughness in [0.0, 0.1, 0.2, 0.4, 0.6, 1.0] {
         let scene = stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), "");
-        let expected: Vec<[f32; 3]> = reference(&scene, SIZE, 1, 512).colour;
-        let ours = colour(&lab.rendered(&scene, &settings(Denoise::Svgf), 32));
+        // Without the light that the mirror throws on the floor, which only the path tracer has.
+        let expected = layer(&reference(&scene, SIZE, 1, 1024), "reflected");
+        let renderer = lab.rendered(&scene, &settings(Denoise::Svgf), 32);
+        let ours = layer(&renderer.read_picture(true).unwrap(), "reflected");
         let ssim = ssim(&ours, &expected);
         eprintln!("roughness {roughness}, denoised: SSIM {ssim}");
         assert!(ssim >= 0.97, "roughness {roughness}: {ssim}");
@@ -282,7 +290,7 @@ fn a_light_that_goes_leaves_the_mirror() {
     let mut fresh = lab.renderer(&scene, &settings, &dark);
     (0..FRAMES).for_each(|_| fresh.render(&dark).unwrap());
     let after = of(&fresh);
-    for (frames, left) in [(4, 0.05), (12, 0.01)] {
+    for (frames, left) in [(1, 1.0), (1, 1.0), (1, 1.0), (1, 0.05), (1, 1.0), (1, 1.0), (1, 1.0), (9, 0.01)] {
         (0..frames).for_each(|_| renderer.render(&dark).unwrap());
         let share = (of(&renderer) - after) / (before - after);
         eprintln!("{share} of the light is left after {frames} frames more");
