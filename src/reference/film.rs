@@ -38,6 +38,8 @@ struct RadianceSums {
 #[derive(Clone, Copy, Debug, Default)]
 struct LayerSums {
     direct: DVec3,
+    lit: DVec3,
+    unshadowed: DVec3,
     irradiance: DVec3,
     reflected: DVec3,
     /// The following over the samples that hit a surface.
@@ -103,6 +105,10 @@ impl Film {
                 sums.direct += sample.direct.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();
                 sums.reflected += sample.reflected.as_dvec3();
+                if sample.unshadowed.is_finite() {
+                    sums.lit += sample.lit.as_dvec3();
+                    sums.unshadowed += sample.unshadowed.as_dvec3();
+                }
             }
             if let Some(visible) = &sample.visible {
                 sums.add(visible);
@@ -155,6 +161,8 @@ impl Film {
                 Layer::colour("direct", &of(&|sums| mean(sums.direct))),
                 Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
                 Layer::colour("reflected", &of(&|sums| mean(sums.reflected))),
+                Layer::colour("shadow", &of(&LayerSums::shadow)),
+                Layer::colour("unshadowed", &of(&|sums| mean(sums.unshadowed))),
                 Layer::colour("albedo", &of(&|sums| over_hits(sums, sums.albedo))),
                 Layer::vector("normal", &of(&|sums| unit(sums.normal))),
                 Layer::vector("position", &of(&|sums| over_hits(sums, sums.position))),
@@ -212,8 +220,11 @@ impl Film {
         const XYZ: [&str; 3] = ["X", "Y", "Z"];
         for (index, sums) in self.layers.iter_mut().enumerate() {
             let hits = (scalar("coverage", index)? * total).round();
+            let unshadowed = vector("unshadowed", index, RGB)? * total;
             *sums = LayerSums {
                 direct: vector("direct", index, RGB)? * total,
+                lit: vector("shadow", index, RGB)? * unshadowed,
+                unshadowed,
                 irradiance: vector("indirect", index, RGB)? * total,
                 reflected: vector("reflected", index, RGB)? * total,
                 albedo: vector("albedo", index, RGB)? * hits,
@@ -234,6 +245,15 @@ impl LayerSums {
         self.position += visible.position.as_dvec3();
         self.depth += f64::from(visible.depth);
         self.hits += 1;
+    }
+
+    /// What arrives of the lights' light over what would without shadows, by channel; 1 where none would.
+    fn shadow(&self) -> [f32; 3] {
+        let share = |channel: usize| match self.unshadowed[channel] {
+            unshadowed if unshadowed > 0.0 => (self.lit[channel] / unshadowed) as f32,
+            _ => 1.0,
+        };
+        [0, 1, 2].map(share)
     }
 }
 

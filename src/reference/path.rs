@@ -38,6 +38,10 @@ const MAX_SURVIVAL: f32 = 0.95;
 pub(super) struct PixelSample {
     /// Direct radiance of point, spot and directional lights, with emission and background, W/m^2/sr.
     pub(super) direct: Vec3,
+    /// The part of it that comes from lights, W/m^2/sr.
+    pub(super) lit: Vec3,
+    /// The same, were nothing between the lights and the visible surface, W/m^2/sr.
+    pub(super) unshadowed: Vec3,
     /// Irradiance at the visible surface by area lights, the environment and indirect light, W/m^2: the part that VPLs
     /// estimate.
     pub(super) irradiance: Vec3,
@@ -187,6 +191,7 @@ impl Reference<'_> {
             if let Some(light) = self.sample_light(surface, LightSubset::Direct, picks.x, u_light) {
                 let lobes = reflection.evaluate(light.direction);
                 let radiance = (lobes.diffuse + lobes.reflected) * weight * light.irradiance;
+                samples[pixel].unshadowed = radiance;
                 direct.push(self.shadow_ray(surface, &light), pixel, radiance);
             }
             if let Some(light) = self.sample_light(surface, LightSubset::Area, picks.y, u_light) {
@@ -217,7 +222,10 @@ impl Reference<'_> {
             }
             paths.push(path);
         }
-        direct.trace(self, |pixel, radiance| samples[pixel].direct += radiance);
+        direct.trace(self, |pixel, radiance| {
+            samples[pixel].lit = radiance;
+            samples[pixel].direct += radiance;
+        });
         area.trace(self, |pixel, irradiance| samples[pixel].irradiance += irradiance);
         reflected.trace(self, |pixel, radiance| samples[pixel].reflected += radiance);
         paths
