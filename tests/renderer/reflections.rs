@@ -254,7 +254,8 @@ fn in_motion_the_picture_is_like_the_truth() {
     let Some(lab) = Lab::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");
     let rest = scene.pose(0.0);
-    let moves: [(&str, fn(&mut Pose, f32)); 2] = [
+    type Move = fn(&mut Pose, f32);
+    let moves: [(&str, Move); 2] = [
         ("the camera", |pose, way| {
             pose.camera.eye.x += way;
             pose.camera.target.x += way;
