@@ -12,6 +12,7 @@ mod replay;
 mod reports;
 mod rest;
 mod shared;
+mod steps;
 mod tracer_choice;
 mod tracer_speed;
 mod uniforms;
@@ -32,18 +33,14 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
-use crate::effects::EffectInputs;
-use crate::effects::reflections::ReflectionInputs;
-use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, Hits, World};
+use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::area_lights::AreaLights;
 use crate::passes::combine::CombineInputs;
 use crate::passes::direct_shadows::lights_of;
 use crate::passes::gbuffer::GBufferInputs;
-use crate::passes::reprojection::ReprojectionInputs;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::SheetsPass;
-use crate::passes::structs::FrameUniforms;
-use crate::passes::taa::{TaaInputs, TaaPass};
+use crate::passes::structs::{FrameUniforms, LightData};
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{FrameReport, TracerChoice};
 use crate::scene::{Pose, Scene};
@@ -53,6 +50,7 @@ use direct::{FrameLights, ambient};
 use reports::{Pending, report};
 use rest::RestClock;
 use shared::{SharedPasses, effect_image};
+use steps::{begin_effects, mirror, show};
 use uniforms::Viewed;
 use view::{ViewFrame, ViewPasses};
 
@@ -183,11 +181,7 @@ impl Renderer {
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
-        let soft = self.settings.direct == Direct::Rays;
-        let lights = lights_of(pose, soft);
-        if soft {
-            self.area_lights.update(&self.scene, pose);
-        }
+        let lights = self.update_lights(pose);
         let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
 
         // Upload what has changed.
@@ -230,71 +224,30 @@ impl Renderer {
             background: uniforms.background,
             ambient: ambient(&self.settings, pose),
         };
-        let reprojection = self.passes.reprojection.as_mut().filter(|_| !clock.is_frozen());
-        if let Some(pass) = reprojection {
-            pass.record(&mut frame, &ReprojectionInputs::of(frame_uniforms, gbuffer, &instances.data))?;
-        }
-        let effects = self.passes.reprojection.as_ref().filter(|_| !clock.is_frozen()).map(|reprojection| {
-            EffectInputs {
-                frame: frame_uniforms,
-                gbuffer,
-                reprojection,
-                tracer,
-                lights: uploaded_lights,
-                area_lights,
-                scene: buffers,
-                rest: clock.rest(),
-            }
-        });
+        let (scene, reprojection) = ((buffers, area_lights), self.passes.reprojection.as_mut());
+        let effects = begin_effects(&mut frame, reprojection, &inputs, scene, &clock)?;
         self.passes.direct.record(&mut frame, &inputs, &lights, buffers, effects.as_ref())?;
-        let direct_shading = &self.passes.direct.shading;
-        let direct = direct_shading.output();
+        let shading = &self.passes.direct.shading;
 
         // Estimate their indirect light, and what they mirror.
         self.estimator.record(&mut frame, &inputs)?;
         if let (Some(reflections), Some(effects)) = (&mut self.passes.reflections, &effects) {
-            let irradiance = self.estimator.irradiance();
-            let scene = ReflectionInputs { instances, irradiance, pose };
-            reflections.trace(&mut frame, effects, &scene)?;
-            let [place, weight] = reflections.hits();
-            let hits = Hits { place, weight, reflection: reflections.noisy() };
-            self.estimator.light_hits(&mut frame, &inputs, &hits)?;
-            reflections.denoise(&mut frame, effects)?;
+            mirror(&mut frame, reflections, &mut *self.estimator, &inputs, effects)?;
         }
 
-        // Join all light.
-        let irradiance = self.estimator.irradiance();
-        let reflection =
-            self.passes.reflections.as_ref().map(|mirrored| (mirrored.output(), mirrored.limit()));
-        let combine = &self.passes.combine;
-        combine.record(
-            &mut frame,
-            &CombineInputs {
-                frame: frame_uniforms,
-                direct,
-                irradiance,
-                albedo: &gbuffer.albedo,
-                specular_albedo: direct_shading.specular_albedo(),
-                sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
-                reflection,
-            },
-        )?;
-
-        // Smooth edges, and show the picture.
-        if let Some(taa) = self.passes.taa.as_mut().filter(|_| !clock.is_frozen()) {
-            taa.record(
-                &mut frame,
-                &TaaInputs {
-                    frame: frame_uniforms,
-                    radiance: combine.radiance(),
-                    depth: &gbuffer.depth,
-                    motion: &gbuffer.motion,
-                    averaged: clock.averaged(),
-                },
-            )?;
-        }
-        let picture = self.passes.taa.as_ref().map_or(combine.radiance(), TaaPass::output);
-        let display = combine.show(&mut frame, frame_uniforms, picture, self.settings.exposure)?;
+        // Join all light, smooth edges, and show the picture.
+        let reflections = self.passes.reflections.as_ref();
+        let joined = CombineInputs {
+            frame: frame_uniforms,
+            direct: shading.output(),
+            irradiance: self.estimator.irradiance(),
+            albedo: &gbuffer.albedo,
+            specular_albedo: shading.specular_albedo(),
+            sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
+            reflection: reflections.map(|mirrored| (mirrored.output(), mirrored.limit())),
+        };
+        let passes = (&self.passes.combine, self.passes.taa.as_mut());
+        let display = show(&mut frame, passes, &joined, gbuffer, (&clock, self.settings.exposure))?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
@@ -302,8 +255,8 @@ impl Renderer {
             inputs: &inputs,
             scene: buffers,
             direct_shadows: self.passes.direct.map(),
-            direct,
-            effect: effect_image(&self.passes.direct, self.passes.reflections.as_ref(), &self.view.buffer),
+            direct: shading.output(),
+            effect: effect_image(&self.passes.direct, reflections, &self.view.buffer),
             bounds: self.bvh.bounds(),
             exposure: self.passes.combine.exposure(),
             display,
@@ -314,10 +267,18 @@ impl Renderer {
         }
         frame.submit()?;
 
-        self.uniforms = Some(*uniforms);
-        self.unjittered = Some(unjittered[0]);
+        (self.uniforms, self.unjittered) = (Some(*uniforms), Some(unjittered[0]));
         self.pending.push_back(pending);
         Ok(())
+    }
+
+    /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
+    fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
+        let soft = self.settings.direct == Direct::Rays;
+        if soft {
+            self.area_lights.update(&self.scene, pose);
+        }
+        lights_of(pose, soft)
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.

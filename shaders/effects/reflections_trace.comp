@@ -77,6 +77,8 @@ const float MIN_SLOPE_COSINE = 0.05;
 // Pixels that a blur reaches at most, and those that one of noisy light at a sharp mirror image does.
 const float WIDEST = 30.0;
 const float IMAGE_BLUR = 3.0;
+// Tangent of the half angle that most of the lobe lies in, over alpha: GGX has long tails.
+const float LOBE_WIDTH = 4.0;
 const uint NO_INSTANCE = 4094u;
 // What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
 const float MIRROR_TOLERANCE = 0.1;
@@ -252,7 +254,7 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool
 // How wide a blur is of use, as a share of the widest: what the lobe blurs anyway, and a little where light at the hit is noisy.
 float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
     float seen_from = distance(mirror.position, frame.eye.xyz);
-    float lobe = alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
+    float lobe = LOBE_WIDTH * alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
     return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
 }
 

@@ -1,4 +1,4 @@
-// Random numbers of rays. Needs frame.glsl. Define NOISE_BINDING before including. Twin: src/effects/noise.rs.
+// Random numbers of rays. Needs frame.glsl. Define NOISE_BINDING before including. Table: src/effects/noise.rs. Twin: tests/noise.rs.
 
 // 1: white noise; otherwise blue.
 layout(constant_id = 1) const uint WHITE_NOISE = 0u;
@@ -26,15 +26,14 @@ vec2 unit_of(uvec2 bits) { return vec2(bits >> 8u) * exp2(-24.0); }
 
 // Two numbers from 0 to 1 for a pixel of this frame: others for each dimension.
 vec2 noise(ivec2 pixel, uint dimension) {
-    if (WHITE_NOISE == 1u) {
-        uvec3 bits = pcg3d(uvec3(pixel, frame.noise_frame * 64u + dimension));
-        return unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
-    }
-    // Each dimension and each cycle of the table looks elsewhere in it, and is turned on the torus.
-    uvec3 turn = pcg3d(uvec3(dimension, frame.noise_frame / NOISE_FRAMES, frame.seed));
-    uvec2 texel = (uvec2(pixel) + (turn.xy >> 8u)) % NOISE_SIDE;
+    uvec3 bits = pcg3d(uvec3(pixel, frame.noise_frame * 64u + dimension));
+    vec2 white = unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
+    if (WHITE_NOISE == 1u) return white;
+    // Each dimension and each cycle of the table looks elsewhere in it.
+    uvec2 place = pcg3d(uvec3(dimension, frame.noise_frame / NOISE_FRAMES, frame.seed)).xy >> 8u;
+    uvec2 texel = (uvec2(pixel) + place) % NOISE_SIDE;
     uint index = (frame.noise_frame % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
     uint both = blue_noise.words[index / 2u] >> (index % 2u * 16u);
-    vec2 value = (vec2(both & 255u, both >> 8u & 255u) + 0.5) / 256.0;
-    return fract(value + unit_of(turn.yz));
+    // White noise fills the gaps between 256 values: what is rarer would never be chosen.
+    return min((vec2(both & 255u, both >> 8u & 255u) + white) / 256.0, 1.0 - exp2(-24.0));
 }

@@ -247,7 +247,7 @@ pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
 }
 
-/// The views of what all methods share, then those of effects and methods.
+/// The views of what all methods share, then those of methods and of effects.
 pub fn views() -> impl Iterator<Item = &'static View> {
-    VIEWS.iter().chain(&effect_view::VIEWS).chain(METHODS.iter().flat_map(|method| method.views))
+    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
 }

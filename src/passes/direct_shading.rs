@@ -62,7 +62,8 @@ impl DirectShadingPass {
         let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [sheets, soft].map(u32::from));
         let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
         let direct = storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?;
-        let specular_albedo = storage_image(device, "specular_albedo", vk::Format::R16G16B16A16_SFLOAT, extent)?;
+        let specular_albedo =
+            storage_image(device, "specular_albedo", vk::Format::R16G16B16A16_SFLOAT, extent)?;
         let no_map = storage_image_array(device, "no shadow map", vk::Format::R32_UINT, [1, 1], 1)?;
         Ok(Self { pipeline, direct, specular_albedo, no_map, last: LastInputs::default() })
     }

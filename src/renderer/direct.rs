@@ -31,9 +31,9 @@ pub(super) struct DirectPasses {
 /// What casts the shadows of lights.
 pub(super) enum ShadowPasses {
     /// `--direct maps`.
-    Maps(DirectShadowsPass),
+    Maps(Box<DirectShadowsPass>),
     /// `--direct rays`.
-    Rays(SoftShadows),
+    Rays(Box<SoftShadows>),
 }
 
 /// Of all lights, as the frame has them.
@@ -58,8 +58,10 @@ impl DirectPasses {
         let sheets = sheets.map(|hits| SheetsPass::new(device, tracer, Arc::clone(hits), settings.size));
         let soft = settings.direct == Direct::Rays;
         let shadows = match settings.direct {
-            Direct::Maps => ShadowPasses::Maps(DirectShadowsPass::new(device, tracer, settings.size)?),
-            Direct::Rays => ShadowPasses::Rays(SoftShadows::new(device, tracer, settings)?),
+            Direct::Maps => {
+                ShadowPasses::Maps(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
+            }
+            Direct::Rays => ShadowPasses::Rays(Box::new(SoftShadows::new(device, tracer, settings)?)),
         };
         let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
         Ok(Self { shadows, shading, sheets: sheets.transpose()? })

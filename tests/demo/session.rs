@@ -131,6 +131,12 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     assert!(depth.pixels.iter().filter(|[r, g, b]| r == g && g == b).count() > depth.pixels.len() * 9 / 10);
     let albedo = seen[9].pixels[(100 * seen[9].width + 20) as usize];
     assert!(albedo[0] > albedo[1] + 60, "{albedo:?}");
+    // Effects are not in use, so their views show nothing.
+    for view in 0..10 {
+        demo.key_for("v", "step-buffer");
+        let black: f64 = demo.screen().picture().mean().iter().sum();
+        assert!(black < 1.0, "view {view} of the effects is not black");
+    }
     demo.key_for("v", "step-buffer");
     assert!(demo.screen().picture() == combined, "the picture has not come back");
 }
