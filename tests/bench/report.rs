@@ -14,10 +14,11 @@ pub static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
     let options =
         ["--size", "144x96", "--vpls", "32", "--temporal-sets", "1,4", "--interleave", "1,2", "--quality"];
-    // Antialiasing takes longer to stand still than these few frames.
+    // Antialiasing and reflections take longer to stand still than these few frames.
     let scenes = [
         "bench",
         "--antialiasing=none",
+        "--reflections=none",
         "cornell-box",
         "playroom",
         "--frames",
