@@ -91,6 +91,8 @@ pub struct Renderer {
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
     clock: RestClock,
+    /// Those that the renderers drew whose place it took.
+    frames_before: u64,
 
     buffers: SceneBuffers,
     area_lights: AreaLights,
@@ -164,6 +166,7 @@ impl Renderer {
             pending: VecDeque::new(),
             reports: Vec::new(),
             clock: RestClock::default(),
+            frames_before: 0,
             scene,
             bvh,
             radius,
@@ -287,7 +290,7 @@ impl Renderer {
         self.bvh.update(&pose.instances);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
-        Pending { frame, cpu_ms, counters: self.estimator.counters() }
+        Pending { frame: self.frames_before + frame, cpu_ms, counters: self.estimator.counters() }
     }
 
     /// How long building the BVH took, milliseconds.

@@ -4,7 +4,6 @@
 
 use std::sync::Arc;
 
-use super::rest::RestClock;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::effects::reflections::is_mirrored;
 use crate::estimators::{self, EstimatorContext, World};
@@ -121,7 +120,7 @@ impl Renderer {
         let mut next = Self::with_scene(&self.device, scene, settings, pose)?;
         next.set_view(&self.view)?;
         next.reports = self.finish()?;
-        next.clock = RestClock::starting_at(self.clock.frame());
+        next.frames_before = self.frames_before + self.clock.frame();
         *self = next;
         Ok(())
     }

@@ -53,11 +53,6 @@ pub(super) struct FrameClock {
 }
 
 impl RestClock {
-    /// A clock that goes on at a frame.
-    pub fn starting_at(frame: u64) -> Self {
-        Self { frame, ..Self::default() }
-    }
-
     /// Number of the next frame.
     pub fn frame(&self) -> u64 {
         self.frame
