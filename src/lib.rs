@@ -30,6 +30,7 @@ pub mod cli;
 pub mod dataset;
 pub mod demo;
 pub mod denoise;
+pub mod effects;
 pub mod estimators;
 pub mod export;
 mod memory;

@@ -9,9 +9,13 @@ mod pick;
 mod picture;
 mod prepared;
 mod replay;
+mod reports;
+mod rest;
 mod shared;
+mod steps;
 mod tracer_choice;
 mod tracer_speed;
+mod uniforms;
 mod view;
 
 pub use crate::estimators::DebugView;
@@ -26,25 +30,28 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Mat4;
+
 use crate::bvh::TwoLevelBvh;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
+use crate::passes::area_lights::AreaLights;
 use crate::passes::combine::CombineInputs;
 use crate::passes::direct_shadows::lights_of;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::SheetsPass;
-use crate::passes::structs::FrameUniforms;
-use crate::passes::to_u32;
+use crate::passes::structs::{FrameUniforms, LightData};
 use crate::passes::tracer::{Tracer, TracerVariant};
-use crate::report::{
-    CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
-    TracerChoice,
-};
-use crate::scene::{Camera, Pose, Scene};
-use crate::settings::Settings;
-use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
-use direct::ambient;
-use shared::SharedPasses;
+use crate::report::{FrameReport, TracerChoice};
+use crate::scene::{Pose, Scene};
+use crate::settings::{Direct, Settings};
+use crate::vulkan::{Device, Frames, VulkanError};
+use direct::{FrameLights, ambient};
+use reports::{Pending, report};
+use rest::RestClock;
+use shared::{SharedPasses, effect_image};
+use steps::{begin_effects, mirror, show};
+use uniforms::Viewed;
 use view::{ViewFrame, ViewPasses};
 
 /// Why a picture could not be made.
@@ -79,11 +86,16 @@ pub struct Renderer {
     bvh_ms: f64,
     /// Of the last frame.
     uniforms: Option<FrameUniforms>,
+    /// World to clip space in the last frame, without jitter.
+    unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
-    frame_count: u64,
+    clock: RestClock,
+    /// Those that the renderers drew whose place it took.
+    frames_before: u64,
 
     buffers: SceneBuffers,
+    area_lights: AreaLights,
     tracer: Tracer,
     tracer_choice: TracerChoice,
     passes: SharedPasses,
@@ -96,13 +108,6 @@ pub struct Renderer {
 
 /// Makes an estimator for a renderer.
 pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
-
-/// A frame on its way.
-struct Pending {
-    frame: u64,
-    cpu_ms: Vec<f64>,
-    counters: Counters,
-}
 
 impl Renderer {
     /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, as it stands in `pose`.
@@ -149,7 +154,7 @@ impl Renderer {
         let buffers = SceneBuffers::new(device, &scene)?;
         Ok(Self {
             tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
-            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings.size)?,
+            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             settings: settings.clone(),
@@ -157,15 +162,18 @@ impl Renderer {
             views: ViewPasses::default(),
             bvh_ms,
             uniforms: None,
+            unjittered: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
-            frame_count: 0,
+            clock: RestClock::default(),
+            frames_before: 0,
             scene,
             bvh,
             radius,
             estimator,
             tracer_choice,
             buffers,
+            area_lights: AreaLights::default(),
         })
     }
 
@@ -174,9 +182,10 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        let pending = self.update(pose);
-        let lights = lights_of(pose);
-        let uniforms = self.frame_uniforms(pose, lights.len());
+        let clock = self.clock.next(pose, self.cycle());
+        let pending = self.update(pose, clock.frame);
+        let lights = self.update_lights(pose);
+        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
 
         // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
@@ -186,7 +195,8 @@ impl Renderer {
         self.tracer.update(&mut frame, &self.bvh)?;
         let instances = &self.buffers.upload_instances(&mut frame, &self.scene, pose)?;
         let uploaded_lights = &frame.upload(&lights)?;
-        let frame_uniforms = &frame.upload(&[uniforms])?;
+        let area_lights = &self.area_lights.upload(&mut frame)?;
+        let frame_uniforms = &frame.upload(&[*uniforms])?;
         let (tracer, buffers) = (&self.tracer, &self.buffers);
 
         // Draw the visible surfaces and their direct light.
@@ -198,7 +208,8 @@ impl Renderer {
                 scene: buffers,
                 tracer,
                 pose,
-                view_projections: [uniforms.view_projection, uniforms.previous_view_projection],
+                view_projection: uniforms.view_projection,
+                unjittered: *unjittered,
             },
         )?;
         let inputs = EstimatorInputs {
@@ -210,34 +221,45 @@ impl Renderer {
             tracer,
             pose,
         };
-        let ambient = ambient(&self.settings, pose);
-        self.passes.direct.record(&mut frame, &inputs, &lights, (uniforms.background, ambient), buffers)?;
-        let (direct_shadows, direct_shading) = (&self.passes.direct.shadows, &self.passes.direct.shading);
-        let direct = direct_shading.output();
+        let lights = FrameLights {
+            lamps: &lights,
+            areas: area_lights,
+            background: uniforms.background,
+            ambient: ambient(&self.settings, pose),
+        };
+        let (scene, reprojection) = ((buffers, area_lights), self.passes.reprojection.as_mut());
+        let effects = begin_effects(&mut frame, reprojection, &inputs, scene, &clock)?;
+        self.passes.direct.record(&mut frame, &inputs, &lights, buffers, effects.as_ref())?;
+        let shading = &self.passes.direct.shading;
 
-        // Estimate their indirect light, and join both.
+        // Estimate their indirect light, and what they mirror.
         self.estimator.record(&mut frame, &inputs)?;
-        let irradiance = self.estimator.irradiance();
-        let display = self.passes.combine.record(
-            &mut frame,
-            &CombineInputs {
-                frame: frame_uniforms,
-                direct,
-                irradiance,
-                albedo: &gbuffer.albedo,
-                specular_albedo: direct_shading.specular_albedo(),
-                sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
-                exposure: self.settings.exposure,
-            },
-        )?;
+        if let (Some(reflections), Some(effects)) = (&mut self.passes.reflections, &effects) {
+            mirror(&mut frame, reflections, &mut *self.estimator, &inputs, effects)?;
+        }
+
+        // Join all light, smooth edges, and show the picture.
+        let reflections = self.passes.reflections.as_ref();
+        let joined = CombineInputs {
+            frame: frame_uniforms,
+            direct: shading.output(),
+            irradiance: self.estimator.irradiance(),
+            albedo: &gbuffer.albedo,
+            specular_albedo: shading.specular_albedo(),
+            sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
+            reflection: reflections.map(|mirrored| (mirrored.output(), mirrored.limit())),
+        };
+        let passes = (&self.passes.combine, self.passes.taa.as_mut());
+        let display = show(&mut frame, passes, &joined, gbuffer, (&clock, self.settings.exposure))?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
             view: &self.view,
             inputs: &inputs,
             scene: buffers,
-            direct_shadows: direct_shadows.output(),
-            direct,
+            direct_shadows: self.passes.direct.map(),
+            direct: shading.output(),
+            effect: effect_image(&self.passes.direct, reflections, &self.view.buffer),
             bounds: self.bvh.bounds(),
             exposure: self.passes.combine.exposure(),
             display,
@@ -248,59 +270,27 @@ impl Renderer {
         }
         frame.submit()?;
 
-        self.uniforms = Some(uniforms);
+        (self.uniforms, self.unjittered) = (Some(*uniforms), Some(unjittered[0]));
         self.pending.push_back(pending);
-        self.frame_count += 1;
         Ok(())
     }
 
+    /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
+    fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
+        let soft = self.settings.direct == Direct::Rays;
+        if soft {
+            self.area_lights.update(&self.scene, pose);
+        }
+        lights_of(pose, soft)
+    }
+
     /// The frame's work on the CPU, while the device draws the frame before.
-    fn update(&mut self, pose: &Pose) -> Pending {
+    fn update(&mut self, pose: &Pose, frame: u64) -> Pending {
         let begun = Instant::now();
         self.bvh.update(&pose.instances);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
-        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }));
-        Pending { frame: self.frame_count, cpu_ms, counters: self.estimator.counters() }
-    }
-
-    fn frame_uniforms(&self, pose: &Pose, light_count: usize) -> FrameUniforms {
-        let size = self.settings.size;
-        let camera = &pose.camera;
-        // Near and far swapped: reversed depth keeps its precision far away.
-        let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
-        let aspect = size[0] as f32 / size[1] as f32;
-        let view_projection = reversed.projection_matrix(aspect) * camera.view_matrix();
-        let [ray, ray_x, ray_y] = camera.pixel_rays(aspect).map(|ray| ray.extend(0.0));
-        FrameUniforms {
-            view_projection,
-            previous_view_projection: self.uniforms.map_or(view_projection, |last| last.view_projection),
-            eye: camera.eye.extend(self.radius),
-            background: self.buffers.environment.background(&self.scene, pose),
-            ray,
-            ray_x,
-            ray_y,
-            size,
-            light_count: to_u32(light_count),
-            pad0: 0,
-        }
-    }
-
-    /// The reports of finished frames that were not given yet, in order. Does not wait.
-    pub fn take_reports(&mut self) -> Vec<FrameReport> {
-        std::mem::take(&mut self.reports)
-    }
-
-    /// Waits for all frames and gives the reports that were not given yet, in order.
-    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
-        for times in self.frames.finish()? {
-            self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
-        }
-        Ok(std::mem::take(&mut self.reports))
-    }
-
-    /// The passes of a frame, in order.
-    pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(&*self.estimator).copied().collect()
+        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
+        Pending { frame: self.frames_before + frame, cpu_ms, counters: self.estimator.counters() }
     }
 
     /// How long building the BVH took, milliseconds.
@@ -311,11 +301,6 @@ impl Renderer {
     /// The BVH of the world as the last frame showed it.
     pub fn bvh(&self) -> &TwoLevelBvh {
         &self.bvh
-    }
-
-    /// The world as the last frame showed it, but for `pose`.
-    pub(crate) fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
-        World { scene: &self.scene, pose, bvh: &self.bvh }
     }
 
     /// The tracer in use.
@@ -335,30 +320,4 @@ impl Drop for Renderer {
         // What the passes own may still be in use by a frame on its way.
         let _ = self.device.wait_idle();
     }
-}
-
-/// The passes of a frame, in order.
-fn frame_passes(estimator: &dyn Estimator) -> impl Iterator<Item = &'static PassInfo> {
-    let of_method = estimator.method().passes;
-    let cpu = CPU_PASSES.iter().chain(of_method.cpu);
-    cpu.chain(&SHARED_PASSES).chain(of_method.device).chain(&LAST_PASSES)
-}
-
-/// Joins what the CPU knows of a frame with the device's times.
-fn report(
-    pending: &mut VecDeque<Pending>,
-    estimator: &dyn Estimator,
-    times: &FrameTimes,
-) -> Option<FrameReport> {
-    let Pending { frame, cpu_ms, mut counters } = pending.pop_front()?;
-    let mut passes: PassTimes = frame_passes(estimator).map(|pass| (pass.name, 0.0)).collect();
-    passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
-    // Passes of views are not part of the frame.
-    for (name, ms) in &times.passes {
-        if let Some(pass) = passes.get_mut(name) {
-            *pass += ms;
-        }
-    }
-    estimator.add_device_counters(&mut counters, &times.readback);
-    Some(FrameReport { frame, figures: FrameFigures { total_ms: passes.values().sum(), passes, counters } })
 }

@@ -20,14 +20,23 @@ pub struct PassInfo {
 /// The CPU's passes that all methods share; those of the method follow.
 pub const CPU_PASSES: [PassInfo; 1] = [PassInfo { name: "bvh_update", colour: [140, 86, 75] }];
 /// The device's passes that all methods share, before those of the method.
-pub const SHARED_PASSES: [PassInfo; 4] = [
+pub const SHARED_PASSES: [PassInfo; 9] = [
     PassInfo { name: "gbuffer", colour: [237, 201, 72] },
+    PassInfo { name: "reprojection", colour: [214, 176, 120] },
+    PassInfo { name: "soft_shadows_trace", colour: [150, 120, 20] },
+    PassInfo { name: "svgf_temporal", colour: [205, 120, 120] },
+    PassInfo { name: "svgf_variance", colour: [225, 160, 150] },
+    PassInfo { name: "svgf_atrous", colour: [180, 70, 90] },
     PassInfo { name: "direct_shadows", colour: [182, 153, 45] },
     PassInfo { name: "direct_shading", colour: [89, 161, 79] },
     PassInfo { name: "sheets", colour: [118, 183, 178] },
 ];
 /// The same after those of the method.
-pub const LAST_PASSES: [PassInfo; 1] = [PassInfo { name: "combine", colour: [227, 119, 194] }];
+pub const LAST_PASSES: [PassInfo; 3] = [
+    PassInfo { name: "reflections_trace", colour: [120, 80, 170] },
+    PassInfo { name: "combine", colour: [227, 119, 194] },
+    PassInfo { name: "taa", colour: [188, 128, 189] },
+];
 
 /// The commit that the program was built from, or `unknown` outside a git checkout.
 pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {

@@ -21,7 +21,7 @@ use glowworm::scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
     linear_to_srgb, load_scene,
 };
-use glowworm::settings::Settings;
+use glowworm::settings::{Antialiasing, Settings};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use support::{Lab, assets, channel, layer, named_scene, skip};
 
@@ -304,7 +304,7 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
     let pose = scene.pose(0.0);
     let rays: Vec<Ray> = pixel_rays(&pose.camera, SIZE).collect();
     let Some(found) = surfaces(&lab, tracer, &scene, &rays, [0.0; 2]) else { return };
-    let settings = Settings { size: SIZE, ..Settings::default() };
+    let settings = Settings { size: SIZE, antialiasing: Antialiasing::None, ..Settings::default() };
     let picture = lab.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();
     let [normals, bases, positions, reflectances, emissions] =
         ["normal", "base_colour", "position", "reflectance", "emission"].map(|name| layer(&picture, name));

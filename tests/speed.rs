@@ -5,7 +5,7 @@
 mod support;
 
 use glowworm::renderer::Renderer;
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
 use support::{Lab, assets, named_scene, skip};
 
 #[test]
@@ -21,6 +21,9 @@ fn temporal_sets_are_faster() {
         let settings = Settings {
             size: [512, 512],
             vpl: VplSettings { temporal_sets, ..VplSettings::default() },
+            // What all sets share is not the question.
+            antialiasing: Antialiasing::None,
+            reflections: Reflections::None,
             ..Settings::default()
         };
         lab.renderer(&scene, &settings, &pose)

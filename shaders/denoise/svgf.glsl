@@ -1,8 +1,9 @@
 // What the passes of SVGF share. Needs frame.glsl, gbuffer.glsl and visible_surface.glsl.
 //
 // Images of a signal, rgba16f. Light: rgb: the signal, without the albedo of the surface; a: its standard deviation, of luminance,
-// which unlike the variance keeps its precision in half floats. Moments: r: mean luminance; g: standard deviation; b: how many
-// frames they are of, the history length.
+// which unlike the variance keeps its precision in half floats. Moments: r: mean luminance; g: standard deviation, frame by frame;
+// b: how many frames they are of, the history length; a: mean luminance of the last few. Noisy: a: how wide a blur is of use, from 0, none, to
+// 1, as wide as all levels of the filter reach.
 
 layout(set = 0, binding = 1, rgba16ui) uniform readonly uimage2D surface;
 
@@ -18,8 +19,15 @@ float plane_distance(vec3 centre, vec3 geometric, float depth, ivec2 pixel, floa
 
 float normal_weight(vec3 a, vec3 b, float exponent) { return pow(max(dot(a, b), 0.0), exponent); }
 
-// The nearest half float, so that images round nothing: drivers may round towards zero, which darkens what is blended often.
-vec4 rounded(vec4 light) {
-    uvec4 bits = floatBitsToUint(light);
-    return uintBitsToFloat(bits + 0xfffu + (bits >> 13 & 1u) & 0xffffe000u);
-}
+// How far a blur is of use, pixels, given the share of the `widest` one; that 0: any is.
+float reach_of(float share, float widest) { return widest == 0.0 ? 1e6 : share * widest; }
+
+// How much taps count that are `ring` taps away, where a blur is of use as far as `reach` taps.
+float share_of_ring(int ring, float reach) { return clamp(reach - float(ring) + 1.0, 0.0, 1.0); }
+
+// Reinhard's curve (2002) and its inverse: what is bright counts less in a mean, so less of it flickers, and the mean is darker.
+vec3 compressed(vec3 light) { return light / (1.0 + luminance(light)); }
+
+vec3 expanded(vec3 light) { return light / max(1.0 - luminance(light), 1.0 / 2048.0); }
+
+#include "rounded.glsl"

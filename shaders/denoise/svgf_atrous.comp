@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // One level of SVGF's edge-avoiding a-trous filter (Schied et al. 2017, section 4.3, equations 1 to 5): 5x5 taps, or 5 along one
-// axis, then along the other. In: light and its standard deviation. Out: both filtered.
+// axis, then along the other. In: light, its standard deviation, and how wide a blur is of use. Out: light and deviation, filtered.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "visible_surface.glsl"
@@ -17,6 +17,7 @@ layout(set = 0, binding = 2, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 4, rgba16f) uniform readonly image2D light;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D filtered;
+layout(set = 0, binding = 6, rgba16f) uniform readonly image2D noisy;
 #include "surface.glsl"
 
 layout(push_constant) uniform Push {
@@ -24,17 +25,19 @@ layout(push_constant) uniform Push {
     float depth_tolerance;   // as in svgf_variance.comp, at a distance of one pixel
     float normal_exponent;
     float luminance_tolerance; // standard deviations, by which the weight falls to 1/e
+    float widest;            // pixels that all levels reach; 0: blur as far whatever is of use
+    uint expand;             // 1: the signal is compressed, and this is the last step
 } push;
 
 // Falcor's B3 spline, 1 in the middle.
 const float KERNEL[3] = float[](1.0, 2.0 / 3.0, 1.0 / 6.0);
 const float GAUSSIAN[2] = float[](0.5, 0.25);
 
-// Standard deviation around a pixel: that of a single one is itself noisy.
+// Standard deviation around a pixel, along the axes of the taps: that of a single one is itself noisy.
 float smooth_deviation(ivec2 pixel) {
     vec2 sum = vec2(0.0);
-    for (int y = -1; y <= 1; y++) {
-        for (int x = -1; x <= 1; x++) {
+    for (int y = -min(RADIUS_Y, 1); y <= min(RADIUS_Y, 1); y++) {
+        for (int x = -min(RADIUS_X, 1); x <= min(RADIUS_X, 1); x++) {
             ivec2 at = pixel + ivec2(x, y);
             if (!inside(at)) continue;
             float weight = GAUSSIAN[abs(x)] * GAUSSIAN[abs(y)];
@@ -45,18 +48,28 @@ float smooth_deviation(ivec2 pixel) {
     return sqrt(sum.x / sum.y);
 }
 
+vec4 result_of(vec4 light) {
+    if (push.expand == 0u) return light;
+    // The deviation grows by the slope of the curve.
+    vec3 full = expanded(light.rgb);
+    float slope = 1.0 + luminance(full);
+    return vec4(full, light.a * slope * slope);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (!inside(pixel)) return;
     VisibleSurface centre = surface_of_pixel(pixel);
     vec4 middle = imageLoad(light, pixel);
-    if (centre.depth == 0.0) {
-        imageStore(filtered, pixel, middle);
+    // Taps that are left for this level, after those before it.
+    float reach = (reach_of(imageLoad(noisy, pixel).a, push.widest) - 2.0 * float(push.step - 1)) / float(push.step);
+    if (centre.depth == 0.0 || reach <= 0.0) {
+        imageStore(filtered, pixel, rounded(result_of(middle)));
         return;
     }
     Surface seen = surface_at(pixel);
     float middle_luminance = luminance(middle.rgb);
-    float tolerance = push.luminance_tolerance * smooth_deviation(pixel) + 1e-6;
+    float deviation = smooth_deviation(pixel);
     vec4 sum = vec4(middle.rgb, middle.a * middle.a);
     float weights = 1.0;
     for (int y = -RADIUS_Y; y <= RADIUS_Y; y++) {
@@ -66,14 +79,16 @@ void main() {
             VisibleSurface other = surface_of_pixel(at);
             if (other.depth == 0.0) continue;
             vec4 tap = imageLoad(light, at);
+            // Of both pixels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
+            float tolerance = push.luminance_tolerance * 0.5 * (deviation + tap.a) + 1e-6;
             float distance = float(push.step) * length(vec2(x, y));
             float off = plane_distance(seen.position, seen.geometric, centre.depth, at, other.depth);
             float likeness = off / (push.depth_tolerance * distance) + abs(luminance(tap.rgb) - middle_luminance) / tolerance;
-            float weight = KERNEL[abs(x)] * KERNEL[abs(y)] * exp(-likeness)
+            float weight = share_of_ring(max(abs(x), abs(y)), reach) * KERNEL[abs(x)] * KERNEL[abs(y)] * exp(-likeness)
                 * normal_weight(centre.normal, other.normal, push.normal_exponent);
             sum += vec4(weight * tap.rgb, weight * weight * tap.a * tap.a);
             weights += weight;
         }
     }
-    imageStore(filtered, pixel, rounded(vec4(sum.rgb / weights, sqrt(sum.a) / weights)));
+    imageStore(filtered, pixel, rounded(result_of(vec4(sum.rgb / weights, sqrt(sum.a) / weights))));
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SVGF's temporal accumulation (Schied et al. 2017, section 4.1, with Falcor's 3x3 fallback). In: the noisy signal, its history
-// and where the surface was. Out: both blended, and the moments of luminance.
+// and where the surface was. Out: both blended, and the moments of luminance. History that the last frames contradict is dropped.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "visible_surface.glsl"
@@ -16,20 +16,30 @@ layout(set = 0, binding = 5, rgba16f) uniform readonly image2D last_moments;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D light;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D moments;
 
+#include "svgf_recent.glsl"
+
 layout(push_constant) uniform Push {
     float least_alpha;         // of the signal
     float least_moments_alpha;
+    float recent_alpha;        // of the last frames' mean
     float longest;             // history, frames
-    float clamp_width;         // standard deviations of the 3x3 noisy pixels around that history may lie off their mean; 0: any
+    float certainty;           // by which a change is told from noise, see svgf_recent.glsl; 0: never
+    float brightest;           // standard deviations above the mean, beyond which a lone sample is a firefly; 0: none is
     uint has_history;
+    uint compress;             // 1: the signal is accumulated in compressed form
 } push;
 
 struct History {
     vec3 light;
-    vec3 moments; // mean, standard deviation, length
+    vec4 moments; // mean, standard deviation, length, mean of the last frames
 };
 
 bool is_finite(vec3 light) { return !any(isnan(light)) && !any(isinf(light)); }
+
+vec3 noisy_at(ivec2 pixel) {
+    vec3 light = imageLoad(noisy, pixel).rgb;
+    return push.compress == 1u ? compressed(light) : light;
+}
 
 // The mean of what the texels show that saw this surface. Standard deviations are averaged as variances.
 History history_at(ivec2 pixel) {
@@ -40,43 +50,42 @@ History history_at(ivec2 pixel) {
     uint mask = uint(bilinear ? found.z : found.w);
     int side = bilinear ? 2 : 3;
     vec2 part = place - floor(place);
-    History sum = History(vec3(0.0), vec3(0.0));
+    History sum = History(vec3(0.0), vec4(0.0));
     float weights = 0.0;
     for (int tap = 0; tap < side * side; tap++) {
         if ((mask >> tap & 1u) == 0u) continue;
         ivec2 offset = ivec2(tap % side, tap / side);
         // No tap weighs nothing: it may be the only one.
-        vec2 along = max(mix(1.0 - part, part, vec2(offset)), 1e-3);
+        vec2 along = max(mix(1.0 - part, part, vec2(offset)), 1e-5);
         float weight = bilinear ? along.x * along.y : 1.0;
-        vec3 then = imageLoad(last_moments, first + offset).rgb;
+        vec4 then = imageLoad(last_moments, first + offset);
         sum.light += weight * imageLoad(history, first + offset).rgb;
-        sum.moments += weight * vec3(then.x, then.y * then.y, then.z);
+        sum.moments += weight * vec4(then.x, then.y * then.y, then.zw);
         weights += weight;
     }
     if (weights == 0.0) return sum;
-    vec3 mean = sum.moments / weights;
-    return History(sum.light / weights, vec3(mean.x, sqrt(mean.y), mean.z));
+    vec4 mean = sum.moments / weights;
+    return History(sum.light / weights, vec4(mean.x, sqrt(mean.y), mean.zw));
 }
 
-// History within the colours of the noisy pixels around, in YCoCg (Salvi 2016): what has changed is forgotten at once.
-vec3 clamped(vec3 light, ivec2 pixel) {
-    const mat3 to_ycocg = mat3(0.25, 0.5, -0.25, 0.5, 0.0, 0.5, 0.25, -0.5, -0.25);
-    vec3 sum = vec3(0.0), squares = vec3(0.0);
-    float count = 0.0;
-    for (int tap = 0; tap < 9; tap++) {
-        ivec2 at = pixel + ivec2(tap % 3, tap / 3) - 1;
-        if (!inside(at) || surface_of_pixel(at).depth == 0.0) continue;
-        vec3 here = imageLoad(noisy, at).rgb;
-        if (!is_finite(here)) continue;
-        vec3 colour = to_ycocg * here;
-        sum += colour;
-        squares += colour * colour;
-        count += 1.0;
+// Of the eight pixels around, in this frame.
+float brightest_around(ivec2 pixel) {
+    float brightest = 0.0;
+    for (int i = 0; i < 9; i++) {
+        ivec2 at = pixel + ivec2(i % 3, i / 3) - 1;
+        if (i == 4 || !inside(at)) continue;
+        vec3 light = noisy_at(at);
+        if (is_finite(light)) brightest = max(brightest, luminance(light));
     }
-    if (count == 0.0) return light;
-    vec3 mean = sum / count;
-    vec3 reach = push.clamp_width * sqrt(max(squares / count - mean * mean, 0.0));
-    return max(inverse(to_ycocg) * clamp(to_ycocg * light, mean - reach, mean + reach), 0.0);
+    return brightest;
+}
+
+// A sample that is brighter than its pixel and those around have been and are is taken down to what they are.
+vec3 without_firefly(vec3 now, ivec2 pixel, Recent recent) {
+    float most = recent.mean + push.brightest * recent.deviation;
+    float is = luminance(now);
+    if (is <= most) return now;
+    return now * min(1.0, max(most, brightest_around(pixel)) / is);
 }
 
 void main() {
@@ -87,12 +96,17 @@ void main() {
         imageStore(moments, pixel, vec4(0.0));
         return;
     }
-    vec3 now = imageLoad(noisy, pixel).rgb;
-    History then = History(vec3(0.0), vec3(0.0));
+    vec3 now = noisy_at(pixel);
+    History then = History(vec3(0.0), vec4(0.0));
     if (push.has_history == 1u) then = history_at(pixel);
     // What is not a number never reaches the history.
     if (!is_finite(now)) now = then.light;
-    if (push.clamp_width > 0.0 && then.moments.z > 0.0) then.light = clamped(then.light, pixel);
+    vec3 counted = now;
+    if ((push.certainty > 0.0 || push.brightest > 0.0) && then.moments.z > 0.0) {
+        Recent recent = recent_at(ivec2(floor(vec2(pixel) - imageLoad(reprojected, pixel).xy + 0.5)));
+        if (push.certainty > 0.0 && has_changed(recent, push.certainty)) then.moments.z = 0.0;
+        else if (push.brightest > 0.0 && then.moments.z > FEW_FRAMES) counted = without_firefly(now, pixel, recent);
+    }
 
     float frames = min(then.moments.z + 1.0, push.longest);
     float alpha = max(push.least_alpha, 1.0 / frames);
@@ -103,6 +117,8 @@ void main() {
     float between = (now_luminance - then.moments.x) * (now_luminance - then.moments.x);
     float variance = (1.0 - moments_alpha) * (then.moments.y * then.moments.y + moments_alpha * between);
     float deviation = sqrt(variance);
-    imageStore(light, pixel, rounded(vec4(then.light + (now - then.light) * alpha, deviation)));
-    imageStore(moments, pixel, rounded(vec4(mean, deviation, frames, 0.0)));
+    float recent_mean = then.moments.w + (now_luminance - then.moments.w) * max(push.recent_alpha, 1.0 / frames);
+    // The deviation of a mean over 1 / alpha frames.
+    imageStore(light, pixel, rounded(vec4(then.light + (counted - then.light) * alpha, deviation * sqrt(alpha))));
+    imageStore(moments, pixel, rounded(vec4(mean, deviation, frames, recent_mean)));
 }

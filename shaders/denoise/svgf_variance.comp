@@ -14,11 +14,13 @@ layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 4, rgba16f) uniform readonly image2D moments;
 layout(set = 0, binding = 5, rgba16f) uniform readonly image2D light;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D filtered;
+layout(set = 0, binding = 7, rgba16f) uniform readonly image2D noisy;
 #include "surface.glsl"
 
 layout(push_constant) uniform Push {
     float depth_tolerance; // pixel footprints off the plane, by which the weight falls to 1/e
     float normal_exponent;
+    float widest; // as in svgf_atrous.comp
 } push;
 
 const float ENOUGH_FRAMES = 4.0;
@@ -35,6 +37,9 @@ void main() {
         vec3 sum = vec3(0.0);
         vec2 sum_of_moments = vec2(0.0); // of luminance and its square
         float weights = 0.0;
+        // The variance is that of all pixels around, the light as far as a blur is of use.
+        float reach = reach_of(imageLoad(noisy, pixel).a, push.widest);
+        float light_weights = 0.0;
         for (int y = -RADIUS; y <= RADIUS; y++) {
             for (int x = -RADIUS; x <= RADIUS; x++) {
                 ivec2 at = pixel + ivec2(x, y);
@@ -44,15 +49,16 @@ void main() {
                 float off = plane_distance(seen.position, seen.geometric, centre.depth, at, other.depth);
                 float weight = exp(-off / push.depth_tolerance) * normal_weight(centre.normal, other.normal, push.normal_exponent);
                 vec2 mean_deviation = imageLoad(moments, at).rg;
-                sum += weight * imageLoad(light, at).rgb;
+                float light_weight = share_of_ring(max(abs(x), abs(y)), reach) * weight;
+                sum += light_weight * imageLoad(light, at).rgb;
+                light_weights += light_weight;
                 sum_of_moments += weight * vec2(mean_deviation.x, dot(mean_deviation, mean_deviation));
                 weights += weight;
             }
         }
         vec2 mean = sum_of_moments / weights;
-        // Few frames tell little of the variance: rather too much.
-        float variance = max(mean.y - mean.x * mean.x, 0.0) * ENOUGH_FRAMES / frames;
-        result = vec4(sum / weights, sqrt(variance));
+        float variance = max(mean.y - mean.x * mean.x, 0.0) / frames;
+        result = vec4(sum / light_weights, sqrt(variance));
     }
     imageStore(filtered, pixel, rounded(result));
 }

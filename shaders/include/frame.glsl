@@ -2,7 +2,7 @@
 
 struct FrameUniforms {
     mat4 view_projection;          // world to clip, reversed depth
-    mat4 previous_view_projection; // the same, one frame ago
+    mat4 previous_view_projection; // the same, one frame ago, without jitter
     vec4 eye;                      // xyz: world position; w: radius of the scene's bounding sphere
     vec4 background;               // rgb: radiance where no surface is, times that of the environment's map; w: its rotation
     vec4 ray;                      // xyz: view direction
@@ -10,7 +10,10 @@ struct FrameUniforms {
     vec4 ray_y;                    // xyz: down times the tangent of half the vertical field of view
     uvec2 size;                    // of the picture, pixels
     uint light_count;              // point, spot and directional lights
-    uint pad0;
+    uint noise_frame;              // number of the frame in the sequence of random numbers
+    vec2 jitter;                   // from the middle of a pixel to where it is sampled, pixels
+    uint seed;                     // of random numbers
+    uint area_light_count;         // where these are sampled by rays
 };
 
 layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;

@@ -1,8 +1,5 @@
 // Rays from surfaces to point, spot and directional lights. Needs lights.glsl and tracer.glsl.
 
-// Beyond every scene, for rays to lights that are infinitely far away.
-const float FAR = 1e30;
-
 // What arrives of a light, 0 to 1; `to_light`: its direction from the surface.
 vec3 arrival(LightData light, Surface surface, vec3 to_light) {
     vec3 origin = ray_origin(surface);

@@ -1,6 +1,9 @@
 // Point, spot and directional lights. Twin: LightData in src/passes/structs.rs. Needs frame.glsl and surface.glsl.
 #include "has_sheets.glsl"
 
+// Beyond every scene, for rays to lights that are infinitely far away.
+const float FAR = 1e30;
+
 const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
 const uint LIGHT_DIRECTIONAL = 2u;

@@ -1,20 +1,27 @@
-// What a pixel sends to the eye: L = direct + (albedo + specular albedo)/pi * indirect irradiance. The GGX lobe, too, gets the mean
-// of the light above the surface: exact under uniform light, and no picture of it. Sheets before it let their share of that
-// pass and add what they reflect. Needs frame.glsl. Twin: `Light` in src/renderer/picture.rs.
+// What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance + specular albedo * reflection. Where no reflection rays
+// are traced, the GGX lobe gets the mean of the light above the surface, irradiance/pi: exact under uniform light, and no picture of
+// it. Sheets before it let their share of that pass and add what they reflect. Needs frame.glsl. Define REFLECTION_LIMIT: see
+// mirrored.glsl. Twin: `Light` in src/renderer/picture.rs.
 #include "has_sheets.glsl"
+#include "mirrored.glsl"
 
 layout(set = 0, binding = 1, rgba32f) uniform readonly image2D direct;
 layout(set = 0, binding = 2, rgba32f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
-layout(set = 0, binding = 6, rgba8) uniform readonly image2D specular_albedo;
+layout(set = 0, binding = 6, rgba16f) uniform readonly image2D specular_albedo;
 layout(set = 0, binding = 7, rgba32f) uniform readonly image2D sheet_light;
 layout(set = 0, binding = 8, rgba16f) uniform readonly image2D sheet_albedo;
 layout(set = 0, binding = 9, rgba16f) uniform readonly image2D sheet_transmittance;
+layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;
 
 // a: 0 where no surface is.
 vec4 radiance_at(ivec2 pixel) {
     vec4 light = imageLoad(direct, pixel);
-    vec3 albedo = imageLoad(gbuffer_albedo, pixel).rgb + imageLoad(specular_albedo, pixel).rgb;
+    vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
+    vec3 specular = imageLoad(specular_albedo, pixel).rgb;
+    float mirrored = mirrored_share(albedo_roughness.a, REFLECTION_LIMIT);
+    vec3 albedo = albedo_roughness.rgb + specular * (1.0 - mirrored);
+    if (mirrored > 0.0 && specular != vec3(0.0)) light.rgb += specular * mirrored * imageLoad(reflection, pixel).rgb;
     if (HAS_SHEETS) {
         vec3 transmittance = imageLoad(sheet_transmittance, pixel).rgb;
         light.rgb = light.rgb * transmittance + imageLoad(sheet_light, pixel).rgb;

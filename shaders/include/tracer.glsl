@@ -84,17 +84,22 @@ struct TracerHit {
     vec2 barycentrics;
 };
 
-// Whether the alpha mask leaves the surface there; masked is 1 + index of the triangle's coordinates.
+// Whether an alpha mask leaves the surface there.
+bool tracer_mask_bit(uint index, vec2 uv) {
+    uvec4 mask = bvh_masks.masks[index];
+    uvec2 texel = min(uvec2(wrapped(uv, mask.w) * vec2(mask.yz)), mask.yz - 1u);
+    uint bit = texel.y * mask.y + texel.x;
+    return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
+}
+
+// Whether the triangle's alpha mask leaves the surface there; masked is 1 + index of the triangle's coordinates.
 bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     uvec4 first_two = bvh_triangle_uvs.words[(masked - 1u) * 2u];
     uvec4 third = bvh_triangle_uvs.words[(masked - 1u) * 2u + 1u];
     float first = 1.0 - barycentrics.x - barycentrics.y;
     precise vec2 uv = uintBitsToFloat(first_two.xy) * first + uintBitsToFloat(first_two.zw) * barycentrics.x
         + uintBitsToFloat(third.xy) * barycentrics.y;
-    uvec4 mask = bvh_masks.masks[third.z];
-    uvec2 texel = min(uvec2(wrapped(uv, mask.w) * vec2(mask.yz)), mask.yz - 1u);
-    uint bit = texel.y * mask.y + texel.x;
-    return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
+    return tracer_mask_bit(third.z, uv);
 }
 
 bool tracer_is_sheet(uint masked) { return HAS_SHEETS && (masked & TRACER_SHEET) != 0u; }

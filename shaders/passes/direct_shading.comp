@@ -7,8 +7,12 @@
 #include "gbuffer.glsl"
 #include "scene.glsl"
 #include "bsdf.glsl"
+#include "rounded.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
+
+// Lights arrive by `shadow`, or by `direct_shadows`.
+layout(constant_id = 1) const bool SOFT_SHADOWS = false;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -21,33 +25,40 @@ layout(set = 0, binding = 6, r32ui) uniform readonly uimage2DArray direct_shadow
 layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 8) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
-layout(set = 0, binding = 10, rgba8) uniform writeonly image2D specular_albedo;
+layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo;
 #define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
+#define AREA_LIGHTS_BINDING 12
+#include "unshadowed.glsl"
+#include "seen.glsl"
+// What arrives over what would without shadows.
+layout(set = 0, binding = 13, rgba16f) uniform readonly image2D shadow;
 
-vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
-    Surface surface = surface_at(pixel);
-    MaterialData material = materials.data[id.y & MATERIAL];
-    vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
-    vec3 albedo = albedo_roughness.rgb;
-    uvec2 packed = texelFetch(gbuffer_surface, pixel, 0).xy;
-    vec4 base = unpack_base(packed.x);
-    Bsdf bsdf = Bsdf(base.rgb, base.a, material.reflectance.rgb, material.reflectance.w, albedo_roughness.a);
-    Reflection reflection;
-    bool is_glossy = reflects(bsdf);
-    if (is_glossy) reflection = seen(bsdf, surface.shading, normalize(frame.eye.xyz - surface.position));
-    specular = is_glossy ? reflection.reflected : vec3(0.0);
-
-    vec3 radiance = unpack_emission(packed.y);
+// Of lamps, behind hard shadows.
+vec3 hard_shadowed(Seen seen, ivec2 pixel) {
+    vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {
         vec3 arriving = unpacked_arrival(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
         if (arriving == vec3(0.0)) continue;
         vec3 to_light;
-        vec3 irradiance = unshadowed_irradiance(lights.data[i], surface, to_light) * arriving;
-        radiance += albedo / PI * irradiance;
-        if (is_glossy) radiance += reflected_towards_eye(reflection, to_light) * irradiance;
+        vec3 irradiance = unshadowed_irradiance(lights.data[i], seen.surface, to_light) * arriving;
+        radiance += bsdf_of(seen, to_light, 1.0) * irradiance;
     }
     return radiance;
+}
+
+// Of all lights, behind soft ones.
+vec3 soft_shadowed(Seen seen, ivec2 pixel) {
+    vec3 radiance = vec3(0.0);
+    for (uint i = 0u; i < sampled_lights(); i++) radiance += unshadowed_radiance(i, seen);
+    return radiance * imageLoad(shadow, pixel).rgb;
+}
+
+vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
+    Seen seen = seen_by(pixel, id);
+    specular = seen.is_glossy ? seen.reflection.reflected : vec3(0.0);
+    vec3 lit = SOFT_SHADOWS ? soft_shadowed(seen, pixel) : hard_shadowed(seen, pixel);
+    return unpack_emission(texelFetch(gbuffer_surface, pixel, 0).y) + lit;
 }
 
 void main() {
@@ -57,6 +68,6 @@ void main() {
     bool is_surface = id.x != 0u;
     vec3 specular = vec3(0.0);
     vec3 radiance = is_surface ? radiance_of(id, pixel, specular) : environment_radiance(pixel_ray(vec2(pixel)));
-    imageStore(specular_albedo, pixel, vec4(specular, 0.0));
+    imageStore(specular_albedo, pixel, rounded(vec4(specular, 0.0)));
     imageStore(direct, pixel, vec4(radiance, is_surface ? 1.0 : 0.0));
 }

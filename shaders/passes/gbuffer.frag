@@ -55,7 +55,7 @@ vec3 shading_normal(vec3 geometric, vec3 texel) {
 // How far the surface has moved in the picture since the last frame, in pixels.
 vec2 motion() {
     if ((push.flags & MOVED) == 0u) return vec2(0.0);
-    return gl_FragCoord.xy - (clip_then.xy / clip_then.z * 0.5 + 0.5) * vec2(frame.size);
+    return gl_FragCoord.xy + frame.jitter - (clip_then.xy / clip_then.z * 0.5 + 0.5) * vec2(frame.size);
 }
 
 void main() {

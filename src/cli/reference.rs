@@ -55,7 +55,7 @@ pub(super) struct ReferenceOptions {
     /// aborted run leaves one.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub out: PathBuf,
-    /// Add to an .exr: direct light (of point, spot and directional lights), indirect light (as irradiance),
+    /// Add to an .exr: direct light (of point, spot and directional lights) and its shadows, indirect light (as irradiance),
     /// albedo, normal, position, depth, instance.
     #[arg(long, help_heading = "Files")]
     pub layers: bool,

@@ -2,66 +2,24 @@
 //! surfaces, estimate its variance, and blur it along surfaces as far as that variance explains differences.
 //!
 //! In: a signal without the albedo of the surface, one noisy frame after the other. Out: the signal, denoised.
+//!
+//! Frames of a still scene are also accumulated by themselves, each with the same weight. In the end these are what is shown: a
+//! function of those frames alone, whatever came before.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::RestFrame;
 use crate::passes::storage_image;
+use crate::settings::SvgfSettings;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk};
-
-/// Most levels of the à-trous filter.
-pub const MAX_LEVELS: u32 = 5;
-
-/// How SVGF filters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SvgfSettings {
-    /// Least share of the newest frame in the signal. Less: less noise, and changes show later.
-    pub alpha: f32,
-    /// The same in the moments of its luminance.
-    pub moments_alpha: f32,
-    /// Longest history, frames.
-    pub longest_history: u32,
-    /// Standard deviations of the 3x3 noisy pixels around that history may lie off their mean (Salvi 2016); 0: any. Less: what has
-    /// changed goes sooner, and rare bright samples are lost.
-    pub clamp: f32,
-    /// Levels of the à-trous filter, 1 to [`MAX_LEVELS`]; each doubles the radius of the blur.
-    pub levels: u32,
-    /// After which level the signal becomes history; 0: before the first.
-    pub feedback: u32,
-    /// 5 + 5 taps a level in place of 25: faster, and edges that are neither upright nor level blur more.
-    pub separable: bool,
-    /// Pixel footprints off the plane of the surface, for each pixel between, by which the weight falls to 1/e.
-    pub depth_tolerance: f32,
-    /// Exponent of the cosine between normals.
-    pub normal_exponent: f32,
-    /// Standard deviations of luminance by which the weight falls to 1/e.
-    pub luminance_tolerance: f32,
-}
-
-impl Default for SvgfSettings {
-    /// Those of Schied et al. 2017 and, for times, of Falcor's SVGFPass.
-    fn default() -> Self {
-        Self {
-            alpha: 0.05,
-            moments_alpha: 0.2,
-            longest_history: 32,
-            clamp: 0.0,
-            levels: 4,
-            feedback: 1,
-            separable: false,
-            depth_tolerance: 1.0,
-            normal_exponent: 128.0,
-            luminance_tolerance: 4.0,
-        }
-    }
-}
 
 /// What SVGF reads.
 pub struct SvgfInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
-    /// rgb: the signal, RGBA16F.
+    /// rgb: the signal, RGBA16F; a: how wide a blur is of use, 0: none, 1: as wide as [`SvgfSettings::reach`].
     pub noisy: &'a Image,
     /// Of the G-buffer.
     pub depth: &'a Image,
@@ -74,30 +32,64 @@ pub struct SvgfInputs<'a> {
 }
 
 impl SvgfInputs<'_> {
-    /// What the passes read that compare surfaces.
-    fn bind_surfaces<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+    /// What the passes read that blur.
+    fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         pass.read("frame_uniforms", self.frame)
             .read("surface", self.surface)
+            .read("noisy", self.noisy)
             .read("gbuffer_depth", self.depth)
             .read("gbuffer_normal", self.normal)
     }
 }
 
-/// The denoiser of one signal.
+/// What the frames so far have come to.
+struct Accumulation {
+    /// The signal, of this frame and the last one, in turns; after the level that feeds back.
+    light: [Image; 2],
+    /// Moments of its luminance, likewise.
+    moments: [Image; 2],
+    /// Which are the last frame's; none without a history.
+    last: Option<usize>,
+}
+
+impl Accumulation {
+    fn new(image: impl Fn(&str) -> Result<Image, VulkanError>) -> Result<Self, VulkanError> {
+        Ok(Self {
+            light: [image("svgf history 0")?, image("svgf history 1")?],
+            moments: [image("svgf moments 0")?, image("svgf moments 1")?],
+            last: None,
+        })
+    }
+
+    fn light(&self) -> &Image {
+        &self.light[self.last.unwrap_or_default()]
+    }
+
+    fn moments(&self) -> &Image {
+        &self.moments[self.last.unwrap_or_default()]
+    }
+}
+
+/// The denoiser of one signal: 80 bytes a pixel.
 pub struct Svgf {
     temporal: ComputePipeline,
     variance: ComputePipeline,
     /// The whole window; or along x, then along y.
     atrous: Vec<ComputePipeline>,
     settings: SvgfSettings,
+    /// Whether the signal is accumulated as Reinhard's curve has it: the filter's last step expands it.
+    is_compressed: bool,
+    /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
+    widest: f32,
+    /// Of all frames, the newest the most.
+    recent: Accumulation,
+    /// Of those since the scene has stood still, all alike.
+    resting: Accumulation,
+    /// Whether `resting` is what is shown, and `recent` has stopped.
+    rest_is_shown: bool,
     /// Before and after a step of the filter, in turns.
     light: [Image; 2],
-    history: Image,
-    /// Of this frame and the last one, in turns.
-    moments: [Image; 2],
-    /// Which of `moments` is the last frame's; none without a history.
-    last: Option<usize>,
-    /// Which of `light` holds the result; none: the history does.
+    /// Which of them holds the result; none without a filter: what has accumulated is.
     result: Option<usize>,
 }
 
@@ -106,9 +98,43 @@ pub struct Svgf {
 struct TemporalPush {
     least_alpha: f32,
     least_moments_alpha: f32,
+    recent_alpha: f32,
     longest: f32,
-    clamp_width: f32,
+    certainty: f32,
+    brightest: f32,
     has_history: u32,
+    compress: u32,
+}
+
+impl TemporalPush {
+    /// Of a scene that changes.
+    fn new(settings: &SvgfSettings) -> Self {
+        Self {
+            least_alpha: settings.alpha,
+            least_moments_alpha: settings.moments_alpha,
+            recent_alpha: RECENT_ALPHA,
+            longest: settings.longest_history as f32,
+            certainty: settings.clamp * deviation_of_change(settings.moments_alpha),
+            brightest: settings.firefly,
+            ..Self::zeroed()
+        }
+    }
+
+    /// Of a scene that is at rest.
+    fn at_rest() -> Self {
+        Self { longest: LONGEST_REST, ..Self::zeroed() }
+    }
+}
+
+/// Share of the newest frame in the mean of the last ones.
+const RECENT_ALPHA: f32 = 1.0 / 3.0;
+
+/// Standard deviation of the difference of two means over time of the same noise, in which the newest frame has the shares
+/// [`RECENT_ALPHA`] and `alpha`; that of the noise is 1.
+fn deviation_of_change(alpha: f32) -> f32 {
+    let covariance = |a: f32, b: f32| a * b / (a + b - a * b).max(f32::MIN_POSITIVE);
+    let variance = covariance(RECENT_ALPHA, RECENT_ALPHA) + covariance(alpha, alpha);
+    (variance - 2.0 * covariance(RECENT_ALPHA, alpha)).max(0.0).sqrt()
 }
 
 #[repr(C)]
@@ -118,12 +144,17 @@ struct AtrousPush {
     depth_tolerance: f32,
     normal_exponent: f32,
     luminance_tolerance: f32,
+    widest: f32,
+    expand: u32,
 }
+
+/// Beyond this many frames half floats count no further.
+const LONGEST_REST: f32 = 2048.0;
 
 impl Svgf {
     /// Makes the pipelines, and the images of `extent` texels.
     pub fn new(device: &Arc<Device>, extent: [u32; 2], settings: &SvgfSettings) -> Result<Self, VulkanError> {
-        let image = |name| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
+        let image = |name: &str| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         let radii: &[[u32; 2]] = if settings.separable { &[[2, 0], [0, 2]] } else { &[[2, 2]] };
         let atrous = |radii: &[u32; 2]| {
             ComputePipeline::specialised(device, "svgf_atrous", shaders::SVGF_ATROUS_COMP, radii)
@@ -133,27 +164,30 @@ impl Svgf {
             variance: ComputePipeline::new(device, "svgf_variance", shaders::SVGF_VARIANCE_COMP)?,
             atrous: radii.iter().map(atrous).collect::<Result<_, _>>()?,
             settings: *settings,
+            is_compressed: settings.reinhard && settings.levels > 0,
+            widest: if settings.adaptive { settings.reach() } else { 0.0 },
+            recent: Accumulation::new(image)?,
+            resting: Accumulation::new(image)?,
+            rest_is_shown: false,
             light: [image("svgf light 0")?, image("svgf light 1")?],
-            history: image("svgf history")?,
-            moments: [image("svgf moments 0")?, image("svgf moments 1")?],
-            last: None,
             result: None,
         })
     }
 
     /// Forgets all frames so far.
     pub fn forget(&mut self) {
-        self.last = None;
+        self.recent.last = None;
+        self.resting.last = None;
     }
 
     /// rgb: the denoised signal of the last frame; a: its standard deviation.
     pub fn output(&self) -> &Image {
-        self.result.map_or(&self.history, |index| &self.light[index])
+        self.result.map_or(self.history(), |index| &self.light[index])
     }
 
     /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
-        &self.moments[self.last.unwrap_or_default()]
+        self.shown().moments()
     }
 
     /// What the last steps of the filter wrote, in turns, as [`Self::output`].
@@ -163,24 +197,81 @@ impl Svgf {
 
     /// What the next frame takes as history, as [`Self::output`].
     pub fn history(&self) -> &Image {
-        &self.history
+        self.shown().light()
     }
 
-    /// Denoises one frame.
-    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
-        self.accumulate(frame, inputs)?;
-        // Filter from image to image; what becomes history goes there instead.
+    fn shown(&self) -> &Accumulation {
+        if self.rest_is_shown { &self.resting } else { &self.recent }
+    }
+
+    /// Denoises one frame; `rest`: its place in a still scene, none while anything changes.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &SvgfInputs<'_>,
+        rest: Option<RestFrame>,
+    ) -> Result<(), VulkanError> {
+        let show_rest = rest.is_some_and(|rest| rest.shown);
+        if self.rest_is_shown && !show_rest {
+            std::mem::swap(&mut self.recent, &mut self.resting);
+        }
+        if rest.is_none_or(|rest| rest.index == 0) {
+            self.resting.last = None;
+        }
+        self.rest_is_shown = show_rest;
+        if !show_rest {
+            self.accumulate(frame, inputs, false)?;
+        }
+        if rest.is_some() {
+            self.accumulate(frame, inputs, true)?;
+        }
+        self.blur(frame, inputs)
+    }
+
+    /// Adds the frame to what has accumulated.
+    fn accumulate(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &SvgfInputs<'_>,
+        at_rest: bool,
+    ) -> Result<(), VulkanError> {
+        let to = if at_rest { &mut self.resting } else { &mut self.recent };
+        let push = TemporalPush {
+            has_history: u32::from(to.last.is_some()),
+            compress: u32::from(self.is_compressed),
+            ..if at_rest { TemporalPush::at_rest() } else { TemporalPush::new(&self.settings) }
+        };
+        let last = to.last.unwrap_or_default();
+        frame
+            .pass("svgf_temporal", &self.temporal)
+            .read("frame_uniforms", inputs.frame)
+            .read("surface", inputs.surface)
+            .read("noisy", inputs.noisy)
+            .read("reprojected", inputs.reprojected)
+            .read("history", &to.light[last])
+            .read("last_moments", &to.moments[last])
+            .write("light", &to.light[1 - last])
+            .write("moments", &to.moments[1 - last])
+            .push(&push)
+            .dispatch_over(self.light[0].extent())?;
+        to.last = Some(1 - last);
+        Ok(())
+    }
+
+    /// Filters what is shown, from image to image. What becomes history goes there instead; what is at rest stays as it is.
+    fn blur(&mut self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
+        let SvgfSettings { levels, feedback, .. } = self.settings;
+        if levels == 0 {
+            return Ok(());
+        }
+        let feedback = if self.rest_is_shown { 0 } else { feedback.min(levels - 1) };
+        self.estimate_variance(frame, inputs)?;
         let mut from = Some(0);
-        for level in 0..=self.settings.levels {
-            let last_of_level = |part: usize| part + 1 == self.atrous.len() || level == 0;
-            let parts = if level == 0 { 1 } else { self.atrous.len() };
-            for part in 0..parts {
-                let becomes_history = level == self.settings.feedback && last_of_level(part);
+        for level in 1..=levels {
+            for part in 0..self.atrous.len() {
+                let becomes_history = level == feedback && part + 1 == self.atrous.len();
                 let to = if becomes_history { None } else { Some(from.map_or(0, |index| 1 - index)) };
-                match level {
-                    0 => self.estimate_variance(frame, inputs, [from, to])?,
-                    _ => self.filter(frame, inputs, (level, part), [from, to])?,
-                }
+                self.filter(frame, inputs, (level, part), [from, to])?;
                 from = to;
             }
         }
@@ -188,66 +279,38 @@ impl Svgf {
         Ok(())
     }
 
-    fn image(&self, place: Option<usize>) -> &Image {
-        place.map_or(&self.history, |index| &self.light[index])
-    }
-
-    fn accumulate(&mut self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
-        let last = self.last.unwrap_or_default();
-        frame
-            .pass("svgf_temporal", &self.temporal)
-            .read("frame_uniforms", inputs.frame)
-            .read("surface", inputs.surface)
-            .read("noisy", inputs.noisy)
-            .read("reprojected", inputs.reprojected)
-            .read("history", &self.history)
-            .read("last_moments", &self.moments[last])
-            .write("light", &self.light[0])
-            .write("moments", &self.moments[1 - last])
-            .push(&TemporalPush {
-                least_alpha: self.settings.alpha,
-                least_moments_alpha: self.settings.moments_alpha,
-                longest: self.settings.longest_history as f32,
-                clamp_width: self.settings.clamp,
-                has_history: u32::from(self.last.is_some()),
-            })
-            .dispatch_over(self.history.extent())?;
-        self.last = Some(1 - last);
-        Ok(())
-    }
-
-    fn estimate_variance(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &SvgfInputs<'_>,
-        [from, to]: [Option<usize>; 2],
-    ) -> Result<(), VulkanError> {
+    fn estimate_variance(&self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
         inputs
-            .bind_surfaces(frame.pass("svgf_variance", &self.variance))
+            .bind(frame.pass("svgf_variance", &self.variance))
             .read("moments", self.moments())
-            .read("light", self.image(from))
-            .write("filtered", self.image(to))
-            .push(&[self.settings.depth_tolerance, self.settings.normal_exponent])
-            .dispatch_over(self.history.extent())
+            .read("light", self.history())
+            .write("filtered", &self.light[0])
+            .push(&[self.settings.depth_tolerance, self.settings.normal_exponent, self.widest])
+            .dispatch_over(self.light[0].extent())
     }
 
+    /// One step of the filter; none of the places is the history.
     fn filter(
         &self,
         frame: &mut Frame<'_>,
         inputs: &SvgfInputs<'_>,
         (level, part): (u32, usize),
-        [from, to]: [Option<usize>; 2],
+        places: [Option<usize>; 2],
     ) -> Result<(), VulkanError> {
+        let is_last = level == self.settings.levels && part + 1 == self.atrous.len();
+        let [from, to] = places.map(|place| place.map_or(self.history(), |index| &self.light[index]));
         inputs
-            .bind_surfaces(frame.pass("svgf_atrous", &self.atrous[part]))
-            .read("light", self.image(from))
-            .write("filtered", self.image(to))
+            .bind(frame.pass("svgf_atrous", &self.atrous[part]))
+            .read("light", from)
+            .write("filtered", to)
             .push(&AtrousPush {
                 step: 1 << (level - 1),
                 depth_tolerance: self.settings.depth_tolerance,
                 normal_exponent: self.settings.normal_exponent,
                 luminance_tolerance: self.settings.luminance_tolerance,
+                widest: self.widest,
+                expand: u32::from(self.is_compressed && is_last),
             })
-            .dispatch_over(self.history.extent())
+            .dispatch_over(self.light[0].extent())
     }
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::bvh::World;
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
+use crate::passes::effect_view;
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::overlay::Line;
 use crate::passes::scene_buffers::Instances;
@@ -56,6 +57,16 @@ pub struct EstimatorInputs<'a> {
     pub pose: &'a Pose,
 }
 
+/// Surfaces that reflection rays have hit and that are not on the screen: shaders/include/hit_record.glsl.
+pub struct Hits<'a> {
+    /// Where they are: RGBA32UI.
+    pub place: &'a Image,
+    /// Weight of their irradiance in the reflection, and a random number from 0 to 1: RGBA16F.
+    pub weight: &'a Image,
+    /// The reflection, RGBA16F, to which their light is added.
+    pub reflection: &'a Image,
+}
+
 /// The passes of a method, in the order of the frame.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodPasses {
@@ -70,8 +81,19 @@ pub trait Estimator: Any + Send {
     /// What it names.
     fn method(&self) -> Method;
 
-    /// The frame's work on the CPU, while the device draws the frame before. Gives the milliseconds of each CPU pass.
-    fn update(&mut self, _world: World<'_>) -> Vec<f64> {
+    /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
+    fn cycle(&self) -> u32 {
+        1
+    }
+
+    /// Frames after the last change until its light is what it would be after a fresh start.
+    fn settles_in(&self) -> u32 {
+        0
+    }
+
+    /// The work of a frame with this number on the CPU, while the device draws the frame before. Gives the milliseconds of each
+    /// CPU pass.
+    fn update(&mut self, _world: World<'_>, _frame: u64) -> Vec<f64> {
         Vec::new()
     }
 
@@ -88,6 +110,19 @@ pub trait Estimator: Any + Send {
 
     /// Indirect irradiance of the last frame, RGBA32F, of the picture's size.
     fn irradiance(&self) -> &Image;
+
+    /// Lights surfaces that are not on the screen: adds weight times irradiance, an unbiased estimate, to the reflection.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn light_hits(
+        &mut self,
+        _frame: &mut Frame<'_>,
+        _inputs: &EstimatorInputs<'_>,
+        _hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        Ok(())
+    }
 
     /// What the device counted in the frame, to be read back; it goes to [`Self::add_device_counters`].
     fn device_counters(&self) -> Option<&Buffer> {
@@ -212,7 +247,7 @@ pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
 }
 
-/// The views of what all methods share, then those of the methods.
+/// The views of what all methods share, then those of methods and of effects.
 pub fn views() -> impl Iterator<Item = &'static View> {
-    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views))
+    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
 }

@@ -1,11 +1,12 @@
-//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind sheets; exposure, filmic
-//! tone map, sRGB.
+//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind sheets. Once edges are
+//! smoothed: exposure, filmic tone map, sRGB.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
 use super::sheets::SheetImages;
+use super::storage_image;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -29,8 +30,8 @@ pub struct CombineInputs<'a> {
     pub specular_albedo: &'a Image,
     /// What is seen of sheets, in scenes that have them.
     pub sheets: Option<&'a SheetImages>,
-    /// Stops, or none for automatic exposure.
-    pub exposure: Option<f32>,
+    /// What the GGX lobe mirrors, over its directional albedo, and the roughness up to which it does; where rays trace it.
+    pub reflection: Option<(&'a Image, f32)>,
 }
 
 impl CombineInputs<'_> {
@@ -41,7 +42,9 @@ impl CombineInputs<'_> {
             Some(sheets) => [&sheets.light, &sheets.albedo, &sheets.transmittance],
             None => [self.direct, self.albedo, self.albedo],
         };
+        let reflection = self.reflection.map_or(self.albedo, |(image, _)| image);
         pass.read("frame_uniforms", self.frame)
+            .read("reflection", reflection)
             .read("direct", self.direct)
             .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
@@ -61,23 +64,28 @@ struct ExposurePush {
 
 /// The pass.
 pub struct CombinePass {
+    combine: ComputePipeline,
     luminance: ComputePipeline,
     exposure: ComputePipeline,
-    combine: ComputePipeline,
+    tone_map: ComputePipeline,
+    radiance: Image,
     display: Image,
     histogram: Buffer,
     factor: Buffer,
 }
 
 impl CombinePass {
-    /// Makes the pipelines, for a scene with thin sheets or without, and the picture, of `extent` texels.
+    /// Makes the pipelines, for a scene with thin sheets or without, and the pictures, of `extent` texels.
     pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let constants = [u32::from(sheets)];
-        let pipeline = |name, spirv| ComputePipeline::specialised(device, name, spirv, &constants);
+        let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
+        let radiance = vk::Format::R32G32B32A32_SFLOAT;
         Ok(Self {
+            combine: ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &constants)?,
             luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
-            combine: pipeline("combine", shaders::COMBINE_COMP)?,
+            tone_map: pipeline("tone_map", shaders::TONE_MAP_COMP)?,
+            radiance: storage_image(device, "radiance", radiance, extent)?,
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
@@ -94,28 +102,50 @@ impl CombinePass {
         &self.factor
     }
 
-    /// Makes the picture.
-    pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<&Image, VulkanError> {
+    /// The picture of the last frame as radiance, RGBA32F; a: 1 where a surface is.
+    pub fn radiance(&self) -> &Image {
+        &self.radiance
+    }
+
+    /// Joins the light.
+    pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<(), VulkanError> {
+        let pass = frame.pass("combine", &self.combine);
+        inputs
+            .bind_radiance(pass)
+            .write("radiance", &self.radiance)
+            .push(&inputs.reflection.map_or(-1.0f32, |(_, limit)| limit))
+            .dispatch_over(self.radiance.extent())
+    }
+
+    /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.
+    pub fn show(
+        &self,
+        frame: &mut Frame<'_>,
+        uniforms: &Upload,
+        picture: &Image,
+        exposure: Option<f32>,
+    ) -> Result<&Image, VulkanError> {
         let extent = self.display.extent();
-        let automatic = inputs.exposure.is_none();
-        if automatic {
+        if exposure.is_none() {
             frame.clear(&self.histogram);
-            let pass = frame.pass("combine", &self.luminance);
-            inputs
-                .bind_radiance(pass)
+            frame
+                .pass("combine", &self.luminance)
+                .read("frame_uniforms", uniforms)
+                .read("picture", picture)
                 .write("histogram", &self.histogram)
                 .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
         }
-        let push = ExposurePush { stops: inputs.exposure.unwrap_or(0.0), automatic: u32::from(automatic) };
+        let push = ExposurePush { stops: exposure.unwrap_or(0.0), automatic: u32::from(exposure.is_none()) };
         frame
             .pass("combine", &self.exposure)
             .read("histogram", &self.histogram)
             .write("exposure", &self.factor)
             .push(&push)
             .dispatch_threads([1, 1, 1])?;
-        let pass = frame.pass("combine", &self.combine);
-        inputs
-            .bind_radiance(pass)
+        frame
+            .pass("combine", &self.tone_map)
+            .read("frame_uniforms", uniforms)
+            .read("picture", picture)
             .read("exposure", &self.factor)
             .write("display", &self.display)
             .dispatch_over(extent)?;

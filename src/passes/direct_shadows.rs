@@ -114,9 +114,11 @@ fn visibility(device: &Arc<Device>, extent: [u32; 2], layers: u32) -> Result<Ima
     storage_image_array(device, "direct_shadows", vk::Format::R32_UINT, extent, layers)
 }
 
-/// The lights of a pose that have no area, in the scene's order.
-pub fn lights_of(pose: &Pose) -> Vec<LightData> {
-    pose.lights.iter().filter_map(light_data).collect()
+/// The lights of a pose that have no area, in the scene's order; with their extent where shadows are soft.
+pub fn lights_of(pose: &Pose, soft: bool) -> Vec<LightData> {
+    let extent =
+        |light: LightData| if soft { light } else { LightData { radius: 0.0, half_angle: 0.0, ..light } };
+    pose.lights.iter().filter_map(light_data).map(extent).collect()
 }
 
 fn light_data(light: &Light) -> Option<LightData> {

@@ -53,8 +53,9 @@ pub struct GBuffer {
     pub motion: Image,
     /// What raster compares by.
     nearest: Image,
-    /// Views now and one frame ago, and the instances and materials that the images show.
-    last: LastInputs<([Mat4; 2], [Version; 2])>,
+    /// [`GBufferInputs::view_projection`], and the same without jitter now and one frame ago; the instances and materials that the
+    /// images show.
+    last: LastInputs<(Mat4, [Mat4; 2], [Version; 2])>,
 }
 
 impl GBuffer {
@@ -98,8 +99,10 @@ pub struct GBufferInputs<'a> {
     pub tracer: &'a Tracer,
     /// Where everything stands.
     pub pose: &'a Pose,
-    /// World to clip space now and one frame ago, as in the frame uniforms.
-    pub view_projections: [Mat4; 2],
+    /// World to clip space, as in the frame uniforms.
+    pub view_projection: Mat4,
+    /// The same without jitter, now and one frame ago.
+    pub unjittered: [Mat4; 2],
 }
 
 #[repr(C)]
@@ -176,7 +179,8 @@ impl GBufferPass {
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
     ) -> Result<&GBuffer, VulkanError> {
-        let key = (inputs.view_projections, [inputs.instances.version, inputs.scene.version]);
+        let versions = [inputs.instances.version, inputs.scene.version];
+        let key = (inputs.view_projection, inputs.unjittered, versions);
         if self.targets.last.differ(key) {
             self.draw(frame, inputs)?;
         }
@@ -186,11 +190,11 @@ impl GBufferPass {
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
         let GBuffer { depth, normal, albedo, instance, surface, motion, nearest, .. } = &self.targets;
         let scene = inputs.scene;
-        let [view_projection, previous] = inputs.view_projections;
-        let draws = visible(&scene.draws, inputs.pose, &view_projection);
+        let [now, then] = inputs.unjittered;
+        let draws = visible(&scene.draws, inputs.pose, &inputs.view_projection);
         let instances = scene.uploaded_instances();
         let flags = |data: &InstanceData| {
-            let moved = view_projection != previous || data.object_to_world != data.previous_object_to_world;
+            let moved = now != then || data.object_to_world != data.previous_object_to_world;
             data.mirrored * MIRRORED + u32::from(moved) * MOVED
         };
         let pass = frame

@@ -3,12 +3,14 @@
 //! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
 //! [`crate::vulkan::Frame`].
 
+pub mod area_lights;
 pub mod buffer_view;
 pub mod cast_rays;
 pub mod clusters;
 pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;
+pub mod effect_view;
 pub mod environment;
 pub mod gbuffer;
 pub mod geometry;
@@ -19,6 +21,7 @@ pub mod scene_buffers;
 pub mod sheets;
 pub mod skip;
 pub mod structs;
+pub mod taa;
 pub mod tracer;
 mod tracer_hardware;
 mod tracer_software;

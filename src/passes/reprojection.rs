@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::gbuffer::GBuffer;
 use super::storage_image;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
@@ -19,6 +20,14 @@ pub struct ReprojectionInputs<'a> {
     pub motion: &'a Image,
     /// Transforms of this frame and the last one.
     pub instances: &'a Buffer,
+}
+
+impl<'a> ReprojectionInputs<'a> {
+    /// Those of a frame.
+    pub fn of(frame: &'a Upload, gbuffer: &'a GBuffer, instances: &'a Buffer) -> Self {
+        let GBuffer { depth, normal, instance, motion, .. } = gbuffer;
+        Self { frame, depth, normal, instance, motion, instances }
+    }
 }
 
 /// The pass.

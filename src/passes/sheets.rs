@@ -15,7 +15,7 @@ use super::skip::{LastInputs, Version};
 use super::storage_image;
 use super::structs::LightData;
 use super::tracer::{Tracer, TracerVariant};
-use crate::scene::{Camera, Scene};
+use crate::scene::Camera;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
 
 /// What is seen of sheets. 32 bytes a pixel.
@@ -89,27 +89,8 @@ pub struct SheetsPass {
 }
 
 impl SheetsPass {
-    /// Makes the pipeline for a tracer, uploads what it needs of `scene`, and makes the images, of `extent` texels.
+    /// Makes the pipeline for a tracer, and the images, of `extent` texels.
     pub fn new(
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        scene: &Scene,
-        extent: [u32; 2],
-    ) -> Result<Self, VulkanError> {
-        Self::of(device, tracer, Arc::new(HitBuffers::new(device, scene)?), extent)
-    }
-
-    /// The same pass for another tracer or size.
-    pub fn remade(
-        &self,
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        extent: [u32; 2],
-    ) -> Result<Self, VulkanError> {
-        Self::of(device, tracer, Arc::clone(&self.hits), extent)
-    }
-
-    fn of(
         device: &Arc<Device>,
         tracer: TracerVariant,
         hits: Arc<HitBuffers>,

@@ -13,7 +13,7 @@ use crate::scene::TextureUse;
 pub struct FrameUniforms {
     /// World to clip, reversed depth.
     pub view_projection: Mat4,
-    /// The same, one frame ago.
+    /// The same, one frame ago, without jitter.
     pub previous_view_projection: Mat4,
     /// xyz: world position; w: radius of the scene's bounding sphere.
     pub eye: Vec4,
@@ -29,8 +29,14 @@ pub struct FrameUniforms {
     pub size: [u32; 2],
     /// Point, spot and directional lights.
     pub light_count: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// Number of the frame in the sequence of random numbers.
+    pub noise_frame: u32,
+    /// From the middle of a pixel to where it is sampled, pixels.
+    pub jitter: Vec2,
+    /// Of random numbers.
+    pub seed: u32,
+    /// Area lights that rays sample.
+    pub area_light_count: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -206,7 +212,10 @@ pub(crate) mod tests {
             ray_y,
             size,
             light_count,
-            pad0
+            noise_frame,
+            jitter,
+            seed,
+            area_light_count
         );
         same_layout!(
             shaders::GBUFFER_FRAG,

@@ -38,7 +38,6 @@ struct RadianceSums {
 #[derive(Clone, Copy, Debug, Default)]
 struct LayerSums {
     direct: DVec3,
-    /// Light of point, spot and directional lights, and the same without shadows.
     lit: DVec3,
     unshadowed: DVec3,
     irradiance: DVec3,
@@ -104,10 +103,12 @@ impl Film {
         for (sums, sample) in self.layers.iter_mut().zip(&self.pass) {
             if sample.radiance().is_finite() {
                 sums.direct += sample.direct.as_dvec3();
-                sums.lit += sample.lit.as_dvec3();
-                sums.unshadowed += sample.unshadowed.as_dvec3();
                 sums.irradiance += sample.irradiance.as_dvec3();
                 sums.reflected += sample.reflected.as_dvec3();
+                if sample.unshadowed.is_finite() {
+                    sums.lit += sample.lit.as_dvec3();
+                    sums.unshadowed += sample.unshadowed.as_dvec3();
+                }
             }
             if let Some(visible) = &sample.visible {
                 sums.add(visible);
@@ -158,10 +159,10 @@ impl Film {
             let scalar = |part: &dyn Fn(&LayerSums) -> f32| self.layers.iter().map(part).collect::<Vec<_>>();
             picture.layers = vec![
                 Layer::colour("direct", &of(&|sums| mean(sums.direct))),
-                Layer::colour("unshadowed", &of(&|sums| mean(sums.unshadowed))),
-                Layer::colour("shadow", &of(&LayerSums::shadow)),
                 Layer::colour("indirect", &of(&|sums| mean(sums.irradiance))),
                 Layer::colour("reflected", &of(&|sums| mean(sums.reflected))),
+                Layer::colour("shadow", &of(&LayerSums::shadow)),
+                Layer::colour("unshadowed", &of(&|sums| mean(sums.unshadowed))),
                 Layer::colour("albedo", &of(&|sums| over_hits(sums, sums.albedo))),
                 Layer::vector("normal", &of(&|sums| unit(sums.normal))),
                 Layer::vector("position", &of(&|sums| over_hits(sums, sums.position))),
@@ -238,18 +239,21 @@ impl Film {
 }
 
 impl LayerSums {
-    /// The share of the light that arrives; 1 where there is none without shadows.
-    fn shadow(&self) -> [f32; 3] {
-        let dark = self.unshadowed.cmple(DVec3::ZERO);
-        DVec3::select(dark, DVec3::ONE, self.lit / self.unshadowed).as_vec3().to_array()
-    }
-
     fn add(&mut self, visible: &VisibleSurface) {
         self.albedo += visible.albedo.as_dvec3();
         self.normal += visible.normal.as_dvec3();
         self.position += visible.position.as_dvec3();
         self.depth += f64::from(visible.depth);
         self.hits += 1;
+    }
+
+    /// What arrives of the lights' light over what would without shadows, by channel; 1 where none would.
+    fn shadow(&self) -> [f32; 3] {
+        let share = |channel: usize| match self.unshadowed[channel] {
+            unshadowed if unshadowed > 0.0 => (self.lit[channel] / unshadowed) as f32,
+            _ => 1.0,
+        };
+        [0, 1, 2].map(share)
     }
 }
 

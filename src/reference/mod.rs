@@ -2,7 +2,8 @@
 //!
 //! In: a scene, its pose, a bounce limit. Out: the mean of any number of samples a pixel, as a whole and split into
 //! direct light (of point, spot and directional lights on the visible surface), indirect light that the visible surface
-//! scatters and indirect light that its GGX lobe reflects (everything else), with features of the visible surface.
+//! scatters and indirect light that its GGX lobe reflects (everything else), with the shadows in direct light and features
+//! of the visible surface.
 //!
 //! It has the scene, lights, materials and bounces of the renderer, but none of its methods: paths start at the
 //! camera, and nothing is cached.
@@ -53,8 +54,7 @@ pub struct ReferenceSettings {
     pub seed: u32,
     /// Distribution of camera rays within a pixel.
     pub filter: PixelFilter,
-    /// Whether to keep layers: direct light with and without shadows, indirect and reflected light, and features of the
-    /// visible surface.
+    /// Whether to keep layers: direct, indirect and reflected light, shadows, and features of the visible surface.
     pub layers: bool,
 }
 

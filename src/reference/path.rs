@@ -38,8 +38,9 @@ const MAX_SURVIVAL: f32 = 0.95;
 pub(super) struct PixelSample {
     /// Direct radiance of point, spot and directional lights, with emission and background, W/m^2/sr.
     pub(super) direct: Vec3,
-    /// The part of `direct` that comes from these lights, and what it would be without shadows, W/m^2/sr.
+    /// The part of it that comes from lights, W/m^2/sr.
     pub(super) lit: Vec3,
+    /// The same, were nothing between the lights and the visible surface, W/m^2/sr.
     pub(super) unshadowed: Vec3,
     /// Irradiance at the visible surface by area lights, the environment and indirect light, W/m^2: the part that VPLs
     /// estimate.
@@ -222,8 +223,8 @@ impl Reference<'_> {
             paths.push(path);
         }
         direct.trace(self, |pixel, radiance| {
-            samples[pixel].direct += radiance;
             samples[pixel].lit = radiance;
+            samples[pixel].direct += radiance;
         });
         area.trace(self, |pixel, irradiance| samples[pixel].irradiance += irradiance);
         reflected.trace(self, |pixel, radiance| samples[pixel].reflected += radiance);

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
+use crate::effects::reflections::is_mirrored;
 use crate::estimators::{self, EstimatorContext, World};
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::scene::{Pose, Scene};
@@ -26,9 +27,11 @@ impl Renderer {
 
         // Make what is to be another one.
         let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
-        let resized = settings.size != self.settings.size;
-        let remade = || self.passes.remade(&device, variant, settings.size);
-        let passes = if retraced || resized { Some(remade()?) } else { None };
+        let made_of =
+            |of: &Settings| (of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf);
+        let remade = || self.passes.remade(&device, variant, &self.scene, settings);
+        let passes =
+            if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };
         let context = EstimatorContext {
             device: &device,
             tracer: variant,
@@ -57,6 +60,7 @@ impl Renderer {
             self.tracer = tracer;
         }
         self.tracer_choice = choice;
+        self.clock.disturb();
         self.settings.clone_from(settings);
         Ok(())
     }
@@ -75,16 +79,23 @@ impl Renderer {
         }
         let (materials, environment) = self.buffers.for_scene(&self.device, scene)?;
         let sets = self.passes.gbuffer.material_sets(&self.device, &self.buffers, &materials)?;
+        let mirrored = is_mirrored(scene, &self.settings) != self.passes.reflections.is_some();
+        let remade = || self.passes.remade(&self.device, self.tracer.variant(), scene, &self.settings);
+        let passes = if mirrored { Some(remade()?) } else { None };
         // Frames on their way still use what is to be replaced.
         self.device.wait_idle()?;
         let sheets = self.bvh.sheets_of(scene);
         self.tracer.replace_sheets(&self.device, &sheets)?;
 
         // From here on nothing fails.
+        if let Some(passes) = passes {
+            self.passes = passes;
+        }
         self.bvh.replace_sheets(sheets);
         self.passes.gbuffer.set_materials(sets);
         self.buffers.replace(materials, environment);
         self.scene = Arc::clone(scene);
+        self.clock.disturb();
         self.bvh.update(&pose.instances);
         self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
         Ok(())
@@ -109,7 +120,7 @@ impl Renderer {
         let mut next = Self::with_scene(&self.device, scene, settings, pose)?;
         next.set_view(&self.view)?;
         next.reports = self.finish()?;
-        next.frame_count = self.frame_count;
+        next.frames_before = self.frames_before + self.clock.frame();
         *self = next;
         Ok(())
     }

@@ -4,8 +4,11 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::shared::effect_image;
 use super::{RenderError, Renderer};
+use crate::effects::reflections::mirrored_share;
 use crate::output::{Layer, Picture};
+use crate::passes::effect_view::Kind;
 use crate::passes::sheets::SheetsPass;
 use crate::vulkan::Image;
 
@@ -14,6 +17,8 @@ const MATERIAL: u32 = 0x7fff_ffff;
 
 /// What the radiance of each pixel is made of.
 struct Light {
+    /// Radiance over `specular_albedo`; a: share of it, where the rest is by irradiance.
+    mirrored: Vec<[f32; 4]>,
     direct: Vec<[f32; 4]>,
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
@@ -44,25 +49,19 @@ impl Light {
             direct: passed(self.direct, Some(&sheets.light)),
             albedo: passed(self.albedo, Some(&sheets.albedo)),
             specular_albedo: passed(self.specular_albedo, None),
+            mirrored: self.mirrored,
             irradiance: self.irradiance,
         }
     }
 
-    /// What the GGX lobe of each pixel makes of irradiance.
+    /// What the GGX lobe of each pixel sends to the eye of what is no lamp. Twin: `radiance_at` in shaders/include/radiance.glsl.
     fn reflected(&self) -> Vec<[f32; 4]> {
-        let pixels = self.specular_albedo.iter().zip(&self.irradiance);
-        pixels.map(|(albedo, e)| std::array::from_fn(|i| albedo[i] / PI * e[i])).collect()
-    }
-
-    /// Twin: `radiance_at` in shaders/include/radiance.glsl.
-    fn radiance(&self) -> Vec<[f32; 3]> {
-        let diffuse = self.albedo.iter().zip(&self.irradiance);
-        let pixels = self.direct.iter().zip(diffuse).zip(self.reflected());
-        pixels
-            .map(|((direct, (albedo, e)), reflected)| {
-                [0, 1, 2].map(|i| direct[i] + albedo[i] / PI * e[i] + reflected[i])
-            })
-            .collect()
+        let pixels = self.specular_albedo.iter().zip(&self.irradiance).zip(&self.mirrored);
+        let of = |((albedo, e), mirrored): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+            let share = mirrored[3];
+            std::array::from_fn(|i| albedo[i] * ((1.0 - share) * e[i] / PI + share * mirrored[i]))
+        };
+        pixels.map(of).collect()
     }
 }
 
@@ -71,26 +70,32 @@ impl Renderer {
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
         let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
-        let light = self.read_light()?;
+        let colour = match &self.passes.taa {
+            Some(taa) if !taa.is_averaged() => self.read_halves(taa.output(), 4)?,
+            Some(taa) => self.read_floats(taa.output())?,
+            None => self.read_floats(self.passes.combine.radiance())?,
+        };
         let mut picture = Picture {
             width,
             height,
-            colour: light.radiance(),
+            colour: colour.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
             display: bytemuck::cast_slice(&display).to_vec(),
             ..Picture::default()
         };
         if layers {
-            picture.layers = self.read_layers(&light)?;
+            picture.layers = self.read_layers(&self.read_light()?)?;
         }
         Ok(picture)
     }
 
     fn read_light(&self) -> Result<Light, RenderError> {
+        let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
         let light = Light {
+            mirrored: self.read_mirrored(&albedo)?,
             direct: self.read_floats(self.passes.direct.shading.output())?,
             irradiance: self.read_floats(self.estimator.irradiance())?,
-            albedo: self.read_halves(&self.passes.gbuffer.output().albedo, 4)?,
-            specular_albedo: self.read_bytes(self.passes.direct.shading.specular_albedo())?,
+            albedo,
+            specular_albedo: self.read_halves(self.passes.direct.shading.specular_albedo(), 4)?,
         };
         let Some(sheets) = self.passes.direct.sheets.as_ref().map(SheetsPass::output) else {
             return Ok(light);
@@ -100,6 +105,15 @@ impl Renderer {
             albedo: self.read_halves(&sheets.albedo, 4)?,
             transmittance: self.read_halves(&sheets.transmittance, 4)?,
         }))
+    }
+
+    /// [`Light::mirrored`] of surfaces of this albedo and roughness.
+    fn read_mirrored(&self, albedo: &[[f32; 4]]) -> Result<Vec<[f32; 4]>, RenderError> {
+        let Some(reflections) = &self.passes.reflections else { return Ok(vec![[0.0; 4]; albedo.len()]) };
+        let radiance = self.read_halves(reflections.output(), 4)?;
+        let share = |roughness| mirrored_share(roughness, reflections.limit());
+        let of = |([r, g, b, _], albedo): ([f32; 4], &[f32; 4])| [r, g, b, share(albedo[3])];
+        Ok(radiance.into_iter().zip(albedo).map(of).collect())
     }
 
     /// What the estimator knows of each pixel of the last frame besides irradiance.
@@ -137,7 +151,7 @@ impl Renderer {
         let motion = self.read_halves(&gbuffer.motion, 2)?;
         let motion: Vec<[f32; 2]> = motion.iter().map(|[x, y, ..]| [x / width, y / height]).collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
-        Ok(vec![
+        let mut layers = vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
             Layer::of_channels("indirect", &["R", "G", "B"], &light.irradiance),
             Layer::of_channels("reflected", &["R", "G", "B"], &light.reflected()),
@@ -150,7 +164,33 @@ impl Renderer {
             Layer::of_channels("reflectance", &["R", "G", "B", "roughness"], &reflectance),
             Layer::single("instance", "id", instances),
             Layer::of_channels("motion", &["X", "Y"], &motion),
-        ])
+        ];
+        for effect in ["shadow", "reflection"] {
+            layers.extend(self.effect_layers(effect)?);
+        }
+        Ok(layers)
+    }
+
+    /// What an effect goes through, if it is in use: the signal, and for the denoiser its standard deviation and its history.
+    fn effect_layers(&self, effect: &str) -> Result<Vec<Layer>, RenderError> {
+        let (direct, reflections) = (&self.passes.direct, self.passes.reflections.as_ref());
+        let mut layers = Vec::new();
+        for stage in ["", "-raw", "-temporal", "-variance", "-history"] {
+            let view = format!("{effect}{stage}");
+            let Some((image, kind)) = effect_image(direct, reflections, &view) else { continue };
+            let texels = self.read_halves(image, 4)?;
+            let name = view.replace('-', "_");
+            layers.push(match kind {
+                Kind::Share | Kind::Light => Layer::of_channels(&name, &["R", "G", "B"], &texels),
+                Kind::Deviation => {
+                    Layer::single(&name, "variance", texels.iter().map(|texel| texel[3] * texel[3]).collect())
+                }
+                Kind::History => {
+                    Layer::single(&name, "frames", texels.iter().map(|texel| texel[2]).collect())
+                }
+            });
+        }
+        Ok(layers)
     }
 
     /// Reflectance at normal incidence and roughness of a pixel, from the G-buffer's instance channel, its base colour with
@@ -175,13 +215,6 @@ impl Renderer {
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
         Ok(bytemuck::pod_collect_to_vec(&image.read_layer(&self.device, 0, 16)?))
-    }
-
-    /// RGBA8, from 0 to 1.
-    fn read_bytes(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
-        let bytes = image.read_layer(&self.device, 0, 4)?;
-        let (texels, _) = bytes.as_chunks::<4>();
-        Ok(texels.iter().map(|texel| texel.map(|byte| f32::from(byte) / 255.0)).collect())
     }
 
     fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {

@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::{DebugView, RenderError, Renderer};
 use crate::estimators::{Estimator, EstimatorInputs, ViewInputs};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass, COMBINED, number_of};
+use crate::passes::effect_view::{EffectViewPass, Kind, VIEWS};
 use crate::passes::overlay::OverlayPass;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::vulkan::{Buffer, Frame, Image, VulkanError};
@@ -15,6 +16,7 @@ use crate::vulkan::{Buffer, Frame, Image, VulkanError};
 #[derive(Default)]
 pub(super) struct ViewPasses {
     buffer: Option<BufferViewPass>,
+    effect: Option<EffectViewPass>,
     overlay: Option<OverlayPass>,
 }
 
@@ -25,6 +27,8 @@ pub(super) struct ViewFrame<'a> {
     pub scene: &'a SceneBuffers,
     pub direct_shadows: &'a Image,
     pub direct: &'a Image,
+    /// What the view shows of an effect, if it is one of these.
+    pub effect: Option<(&'a Image, Kind)>,
     /// World-space bounds of all that is visible.
     pub bounds: (Vec3, Vec3),
     pub exposure: &'a Buffer,
@@ -58,6 +62,10 @@ impl ViewPasses {
                     pass.record(frame, number, &buffers, display)?;
                 }
             }
+            (None, _) if VIEWS.iter().any(|known| known.name == view.buffer) => {
+                let Some(pass) = &self.effect else { return Ok(()) };
+                pass.record(frame, inputs.frame, shown.effect, exposure, display)?;
+            }
             (None, _) => {
                 estimator.draw_view(
                     frame,
@@ -84,6 +92,9 @@ impl Renderer {
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
                 self.views.buffer = Some(BufferViewPass::new(&self.device, self.tracer.variant().sheets)?);
+            }
+            if self.views.effect.is_none() {
+                self.views.effect = Some(EffectViewPass::new(&self.device)?);
             }
             if self.views.overlay.is_none() {
                 self.views.overlay = Some(OverlayPass::new(&self.device)?);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Mat4, Quat, Vec3};
+use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
@@ -24,6 +24,8 @@ pub struct Camera {
     pub near: f32,
     /// View depth of the far plane, > near.
     pub far: f32,
+    /// How far the pixels' rays are shifted to the right and down, where the picture reaches from -1 to 1: for antialiasing.
+    pub shift: Vec2,
 }
 
 impl Camera {
@@ -38,6 +40,7 @@ impl Camera {
             vertical_fov: 40f32.to_radians(),
             near: 1e-3 * distance,
             far: 100.0 * distance,
+            shift: Vec2::ZERO,
         }
     }
 
@@ -67,12 +70,16 @@ impl Camera {
         let view = self.view_matrix();
         let (right, up, back) = (view.row(0).truncate(), view.row(1).truncate(), view.row(2).truncate());
         let tan_y = (self.vertical_fov * 0.5).tan();
-        [-back, right * tan_y * aspect, -up * tan_y]
+        let (right, down) = (right * tan_y * aspect, -up * tan_y);
+        [-back + self.shift.x * right + self.shift.y * down, right, down]
     }
 
     /// View to Vulkan clip space (y down, depth 0 to 1) for a picture of the given width over height.
     pub fn projection_matrix(&self, aspect: f32) -> Mat4 {
-        glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far)
+        let centred =
+            glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far);
+        let shift = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, (-self.shift).extend(0.0).extend(1.0));
+        if self.shift == Vec2::ZERO { centred } else { shift * centred }
     }
 }
 

@@ -127,7 +127,7 @@ impl RecordedFrame {
     pub fn apply(&self, pose: &mut Pose, scene: &Scene) -> Result<(), String> {
         if let Some(camera) = self.camera {
             let RecordedCamera { eye, target, up, vertical_fov, near, far } = camera;
-            pose.camera = Camera { eye, target, up, vertical_fov, near, far };
+            pose.camera = Camera { eye, target, up, vertical_fov, near, far, ..pose.camera };
         }
         if let Some(lights) = &self.lights {
             let mut areas = scene.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
@@ -155,7 +155,7 @@ impl RecordedFrame {
 }
 
 pub(super) fn recorded_camera(camera: &Camera) -> RecordedCamera {
-    let Camera { eye, target, up, vertical_fov, near, far } = *camera;
+    let Camera { eye, target, up, vertical_fov, near, far, .. } = *camera;
     RecordedCamera { eye, target, up, vertical_fov, near, far }
 }
 

@@ -4,14 +4,18 @@
 //! in a scene file and whose heading is its title everywhere. [`Settings::resolve`] merges them in this order:
 //! defaults, the scene file's `[settings]`, the options given on the command line.
 
+mod effects;
 mod error;
+mod svgf;
 mod table;
 pub(crate) mod text;
 mod vpls;
 
 use serde::Serialize;
 
+pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
+pub use svgf::SvgfSettings;
 pub(crate) use table::{Group, flat, groups};
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
@@ -23,6 +27,41 @@ pub enum Indirect {
     #[default]
     Vpls,
     /// Nothing: direct light only.
+    None,
+}
+
+/// Where direct light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Direct {
+    /// A map of hard shadows for each light: lights have no extent, area lights shine by virtual point lights.
+    #[default]
+    Maps,
+    /// Rays to random points of the lights, denoised: soft shadows.
+    Rays,
+}
+
+/// Where the light comes from that glossy surfaces mirror.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reflections {
+    /// Rays, in scenes with glossy surfaces.
+    #[default]
+    Auto,
+    /// Their irradiance: nothing is mirrored.
+    None,
+    /// Rays, denoised.
+    Rays,
+}
+
+/// What smooths edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Antialiasing {
+    /// Temporal antialiasing.
+    #[default]
+    Taa,
+    /// Nothing: one sample in the middle of each pixel.
     None,
 }
 
@@ -51,6 +90,17 @@ pub struct Settings {
     /// What computes indirect light. Vpls: virtual point lights; none: direct light only, which costs least.
     #[arg(long, value_enum, default_value = "vpls")]
     pub indirect: Indirect,
+    /// Where direct light comes from. Maps: one ray a light, hard shadows; rays: one ray a pixel, soft shadows of lights with an
+    /// extent, which are denoised.
+    #[arg(long, value_enum, default_value = "maps")]
+    pub direct: Direct,
+    /// What glossy surfaces mirror. Rays: one or two rays a pixel, denoised; none: their mean irradiance; auto: rays in scenes
+    /// with glossy surfaces.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub reflections: Reflections,
+    /// Smoothing of edges. Taa: over 16 frames, about a fifth of a millisecond at 1920x1080; none: one sample a pixel.
+    #[arg(long, value_enum, default_value = "taa")]
+    pub antialiasing: Antialiasing,
     /// Bounces of a light path, 1 to 16. More: light reaches further; slots are shared among more bounces.
     #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "2")]
     pub bounces: u32,
@@ -74,6 +124,14 @@ pub struct Settings {
     #[arg(long, value_name = "EV|auto", value_parser = text::parse_exposure, allow_negative_numbers = true, default_value = "auto")]
     #[serde(serialize_with = "text::exposure_or_auto")]
     pub exposure: Exposure,
+    /// Of `--direct rays` and `--reflections rays`.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub effects: EffectSettings,
+    /// Of `--denoise svgf`.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub svgf: SvgfSettings,
     /// Of `--indirect vpls`.
     #[command(flatten)]
     #[serde(flatten)]
@@ -84,12 +142,17 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             indirect: Indirect::Vpls,
+            direct: Direct::Maps,
+            reflections: Reflections::Auto,
+            antialiasing: Antialiasing::Taa,
             bounces: 2,
             size: [1280, 720],
             seed: 0,
             time_step: 1.0 / 60.0,
             tracer: TracerKind::Auto,
             exposure: None,
+            effects: EffectSettings::default(),
+            svgf: SvgfSettings::default(),
             vpl: VplSettings::default(),
         }
     }
@@ -149,13 +212,13 @@ impl Settings {
 
     /// All settings under their keys.
     pub(crate) fn to_table(&self) -> toml::Table {
-        // Cannot fail: all values are numbers or strings.
+        // Cannot fail: all values are numbers, strings or truth values.
         toml::Table::try_from(self).unwrap_or_default()
     }
 
     fn check_ranges(&self) -> Result<(), SettingsError> {
-        let ranges = self.ranges().into_iter().chain(self.vpl.ranges());
-        match ranges.into_iter().find(|range| !range.holds) {
+        let groups = self.effects.ranges().into_iter().chain(self.svgf.ranges()).chain(self.vpl.ranges());
+        match self.ranges().into_iter().chain(groups).find(|range| !range.holds) {
             None => Ok(()),
             Some(Range { setting, value, allowed, .. }) => {
                 Err(SettingsError::OutOfRange { setting, value, allowed, from_command_line: false })

@@ -135,6 +135,9 @@ fn values_out_of_range_name_option_and_range() {
         (["--size", "100000x100000"], "--size 100000x100000: must be 1x1 to 16384x16384"),
         (["--time-step", "1/0"], "--time-step inf: must be 0 to 1e9 seconds"),
         (["--time-step", "-1"], "--time-step -1: must be 0 to 1e9 seconds"),
+        (["--svgf-alpha", "1.5"], "--svgf-alpha 1.5: must be 0 to 1"),
+        (["--svgf-levels", "6"], "--svgf-levels 6: must be 0 to 5"),
+        (["--svgf-depth", "0"], "--svgf-depth 0: must be a finite number above 0"),
         (["--exposure", "nan"], "--exposure NaN: must be auto or -64 to 64"),
     ] {
         let error = resolve("", &arguments).unwrap_err();
@@ -184,8 +187,9 @@ fn errors_of_a_scene_file_are_not_wrong_usage() {
         ),
         ("[vpls]\nseed = 9", "[settings.vpls] seed: belongs in [settings]"),
         ("[vpls]\nvpls = { vpls = 9 }", "[settings.vpls] vpls: must be a value, not a table"),
-        ("[lamps]\nvpls = 9", "[settings.lamps]: unknown table; known are [settings], [settings.vpls]"),
-        ("[seed]\nseed = 9", "[settings.seed]: unknown table; known are [settings], [settings.vpls]"),
+        ("[lamps]\nvpls = 9", "[settings.lamps]: unknown table; known are [settings], [settings.effects], "),
+        ("[seed]\nseed = 9", "[settings.seed]: unknown table; known are [settings], [settings.effects], "),
+        ("svgf_separable = \"perhaps\"", "[settings] svgf_separable = perhaps: must be one of true, false"),
         ("budget = 9\n[vpls]\nbudget = 9", "budget: is set twice"),
     ] {
         let error = resolve(scene, &["--vpls", "64"]).unwrap_err();
@@ -206,14 +210,34 @@ fn settings_round_trip_through_json() {
 }
 
 /// A non-default value of each option, in the syntax of the command line.
-const NON_DEFAULTS: [(&str, &str); 18] = [
+const NON_DEFAULTS: [(&str, &str); 38] = [
     ("indirect", "none"),
+    ("direct", "rays"),
+    ("reflections", "none"),
+    ("antialiasing", "none"),
     ("bounces", "3"),
     ("size", "256x144"),
     ("seed", "7"),
     ("time_step", "1/25"),
     ("tracer", "software"),
     ("exposure", "-1.5"),
+    ("denoise", "none"),
+    ("noise", "white"),
+    ("reflection_depth", "1"),
+    ("reflection_roughness", "0.4"),
+    ("svgf_alpha", "0.1"),
+    ("svgf_moments_alpha", "0.3"),
+    ("svgf_history", "16"),
+    ("svgf_clamp", "1.5"),
+    ("svgf_firefly", "5"),
+    ("svgf_levels", "3"),
+    ("svgf_feedback", "2"),
+    ("svgf_separable", "true"),
+    ("svgf_adaptive", "false"),
+    ("svgf_reinhard", "true"),
+    ("svgf_depth", "2"),
+    ("svgf_normal", "64"),
+    ("svgf_luminance", "8"),
     ("vpls", "64"),
     ("pool", "600"),
     ("candidates", "3"),
@@ -242,12 +266,13 @@ fn a_scene_file_accepts_the_syntax_of_the_command_line() {
 
 #[test]
 fn a_group_may_be_a_subtable() {
-    let [root, vpls] = groups().try_into().unwrap();
+    let [root, effects, svgf, vpls] = groups().try_into().unwrap();
     assert_eq!((root.table.as_str(), root.heading.as_str()), ("settings", "Settings"));
+    assert_eq!([&effects.table, &svgf.table], ["settings.effects", "settings.svgf"]);
     assert_eq!(vpls.table, "settings.vpls");
     assert_eq!(vpls.heading, "Virtual point lights (--indirect vpls)");
     let keys: Vec<_> = NON_DEFAULTS.map(|(key, _)| key).into();
-    assert_eq!([root.settings, vpls.settings.clone()].concat(), keys);
+    assert_eq!([root.settings, effects.settings, svgf.settings, vpls.settings.clone()].concat(), keys);
 
     let line = |key: &str| {
         let (_, text) = NON_DEFAULTS.iter().find(|(other, _)| *other == key).unwrap();

@@ -17,6 +17,7 @@ fn small(run: &Run, scene: &str) -> (String, Value) {
         "bench",
         "--micro",
         scene,
+        "--antialiasing=none",
         "--size",
         "32x24",
         "--vpls",

@@ -10,7 +10,16 @@ use crate::desk::Desk;
 use crate::screen::Screen;
 use crate::window::{CACHE, Demo, is_action};
 
-const SMALL: [&str; 6] = ["--size", "640x400", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
+const SMALL: [&str; 8] = [
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size",
+    "640x400",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--validate",
+];
 /// Frames after which the picture of a stationary scene is stationary.
 const SETTLED: u64 = 12;
 

@@ -10,7 +10,18 @@ use crate::window::Demo;
 fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &["--size", "480x300", "--vpls=64", "--temporal-sets=4", "--validate"]);
+    let mut demo = Demo::start(
+        &desk,
+        &[
+            "--antialiasing=none",
+            "--reflections=none",
+            "--size",
+            "480x300",
+            "--vpls=64",
+            "--temporal-sets=4",
+            "--validate",
+        ],
+    );
     demo.key_for("space", "toggle-pause");
     demo.frames(12);
     let before = demo.screen().picture();

@@ -6,7 +6,16 @@ use crate::ONE_AT_A_TIME;
 use crate::desk::Desk;
 use crate::window::{CACHE, Demo, is_action};
 
-const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
+const SMALL: [&str; 8] = [
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size",
+    "320x200",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--validate",
+];
 
 #[test]
 fn a_recording_renders_to_what_was_on_screen() {

@@ -6,8 +6,17 @@ use crate::screen::Screen;
 use crate::window::{Demo, is_action, is_frame};
 
 /// Small enough for a CPU driver with validation.
-const SMALL: [&str; 7] =
-    ["--size", "640x360", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--seed=1", "--validate"];
+const SMALL: [&str; 9] = [
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size",
+    "640x360",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--seed=1",
+    "--validate",
+];
 /// Frames after which the picture of a stationary scene is stationary.
 const SETTLED: u64 = 12;
 
@@ -122,6 +131,12 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     assert!(depth.pixels.iter().filter(|[r, g, b]| r == g && g == b).count() > depth.pixels.len() * 9 / 10);
     let albedo = seen[9].pixels[(100 * seen[9].width + 20) as usize];
     assert!(albedo[0] > albedo[1] + 60, "{albedo:?}");
+    // Effects are not in use, so their views show nothing.
+    for view in 0..10 {
+        demo.key_for("v", "step-buffer");
+        let black: f64 = demo.screen().picture().mean().iter().sum();
+        assert!(black < 1.0, "view {view} of the effects is not black");
+    }
     demo.key_for("v", "step-buffer");
     assert!(demo.screen().picture() == combined, "the picture has not come back");
 }

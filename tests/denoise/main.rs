@@ -5,9 +5,12 @@
 
 #[path = "../bvh_support/mod.rs"]
 mod bvh_support;
+mod change;
 #[path = "../support/mod.rs"]
 mod lab;
+mod reach;
 mod reprojection;
+mod rest;
 mod stages;
 mod support;
 mod svgf;

@@ -2,9 +2,9 @@
 
 use bytemuck::Zeroable;
 use glam::{IVec2, Vec3, Vec4};
-use glowworm::denoise::svgf::SvgfSettings;
 use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use glowworm::passes::structs::InstanceData;
+use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{Buffer, Image, vk};
 
 use crate::lab::Lab;

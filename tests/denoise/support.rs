@@ -1,12 +1,16 @@
 //! Made-up signals and surfaces on a device, and a denoiser over them.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use exr::prelude::f16;
 use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
-use glowworm::denoise::svgf::{Svgf, SvgfInputs, SvgfSettings};
+use glowworm::denoise::RestFrame;
+use glowworm::denoise::svgf::{Svgf, SvgfInputs};
 use glowworm::passes::structs::FrameUniforms;
+use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
 
 /// Odd, so that the last groups of threads are cut.
@@ -91,6 +95,15 @@ pub fn pixels(of: impl FnMut(IVec2) -> Pixel) -> Vec<Pixel> {
     places.map(of).collect()
 }
 
+/// A wall that faces the eye, lit by `light`.
+pub fn wall(mut light: impl FnMut(usize) -> Vec3) -> Vec<Pixel> {
+    let mut count = 0;
+    pixels(|_| {
+        count += 1;
+        Pixel::at_rest(light(count - 1), Vec3::Z, 4.0)
+    })
+}
+
 /// The eye is the origin, now and a frame ago, the view goes along -z, and the clip space's w is the depth.
 pub fn uniforms() -> FrameUniforms {
     let depth = Mat4::from_cols(Vec4::ZERO, Vec4::ZERO, Vec4::new(0.0, 0.0, 0.0, -1.0), Vec4::ZERO);
@@ -116,6 +129,7 @@ pub struct Bench {
     pub depth: Image,
     surface: Image,
     pub svgf: Svgf,
+    extent: [u32; 2],
 }
 
 /// Texels of an image of four half floats.
@@ -128,7 +142,10 @@ pub fn texels(device: &Arc<Device>, image: &Image) -> Vec<Vec4> {
 
 impl Bench {
     pub fn new(device: &Arc<Device>, settings: &SvgfSettings) -> Self {
-        let extent = [WIDTH as u32, HEIGHT as u32];
+        Self::of_size(device, [WIDTH as u32, HEIGHT as u32], settings)
+    }
+
+    pub fn of_size(device: &Arc<Device>, extent: [u32; 2], settings: &SvgfSettings) -> Self {
         let image = |name, format| {
             let usage = vk::ImageUsageFlags::STORAGE;
             let description = ImageDescription { name, format, extent, layers: None, levels: 1, usage };
@@ -144,14 +161,20 @@ impl Bench {
             depth: image("depth", vk::Format::R32_SFLOAT),
             surface: image("surface", vk::Format::R16G16B16A16_UINT),
             svgf: Svgf::new(device, extent, settings).unwrap(),
+            extent,
             device: Arc::clone(device),
         }
     }
 
-    /// Denoises one frame.
+    /// Denoises one frame of a scene that changes.
     pub fn denoise(&mut self, pixels: &[Pixel]) {
+        self.denoise_at(pixels, None);
+    }
+
+    /// Denoises one frame.
+    pub fn denoise_at(&mut self, pixels: &[Pixel], rest: Option<RestFrame>) {
         let (mut frame, _) = self.frames.begin().unwrap();
-        let uniforms = frame.upload(&[uniforms()]).unwrap();
+        let uniforms = frame.upload(&[FrameUniforms { size: self.extent, ..uniforms() }]).unwrap();
         let uploaded = frame.upload(pixels).unwrap();
         frame
             .pass("fill", &self.fill)
@@ -162,7 +185,7 @@ impl Bench {
             .write("reprojected", &self.reprojected)
             .write("gbuffer_depth", &self.depth)
             .write("surface", &self.surface)
-            .dispatch_over([WIDTH as u32, HEIGHT as u32])
+            .dispatch_over(self.extent)
             .unwrap();
         let inputs = SvgfInputs {
             frame: &uniforms,
@@ -172,7 +195,7 @@ impl Bench {
             surface: &self.surface,
             reprojected: &self.reprojected,
         };
-        self.svgf.record(&mut frame, &inputs).unwrap();
+        self.svgf.record(&mut frame, &inputs, rest).unwrap();
         frame.submit().unwrap();
     }
 

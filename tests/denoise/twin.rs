@@ -1,7 +1,7 @@
 //! SVGF once more, on the CPU, pixel by pixel, from the equations of Schied et al. 2017.
 
 use glam::{IVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
-use glowworm::denoise::svgf::SvgfSettings;
+use glowworm::settings::SvgfSettings;
 
 use crate::support::{HEIGHT, Pixel, WIDTH, footprint, position_at};
 
@@ -24,12 +24,36 @@ fn place_of(pixel: usize) -> IVec2 {
     IVec2::new((pixel % WIDTH) as i32, (pixel / WIDTH) as i32)
 }
 
-fn ycocg(c: Vec3) -> Vec3 {
-    Vec3::new(0.25 * c.x + 0.5 * c.y + 0.25 * c.z, 0.5 * (c.x - c.z), -0.25 * c.x + 0.5 * c.y - 0.25 * c.z)
+/// What a noisy pixel counts as, where light is averaged as Reinhard's curve has it.
+fn signal(settings: &SvgfSettings, pixel: &Pixel) -> Vec3 {
+    let light = Vec4::from(pixel.noisy).xyz();
+    if settings.reinhard { light / (1.0 + luminance(light)) } else { light }
 }
 
-fn rgb_of(c: Vec3) -> Vec3 {
-    Vec3::new(c.x + c.y - c.z, c.x + c.z, c.x - c.y - c.z)
+/// What the last step of the filter makes of a texel of that.
+pub fn expanded(texel: Vec4) -> Vec4 {
+    let rest = 1.0 - luminance(texel.xyz());
+    Vec4::new(texel.x / rest, texel.y / rest, texel.z / rest, texel.w / (rest * rest))
+}
+
+/// Over those of 5x5 texels of the last frame that have a history: mean luminance, its standard deviation, and by how much the mean
+/// of the last frames differs; and how many texels there are at all.
+fn recent(moments: &[Vec4], place: IVec2) -> [f32; 4] {
+    let around = (-2..=2).flat_map(|y| (-2..=2).map(move |x| place + IVec2::new(x, y)));
+    let texels: Vec<Vec4> =
+        around.filter_map(index).map(|at| moments[at]).filter(|then| then.z > 0.0).collect();
+    let long: Vec<&Vec4> = texels.iter().filter(|then| then.z >= 3.4).collect();
+    let mean =
+        |of: fn(&Vec4) -> f32| long.iter().map(|then| of(then)).sum::<f32>() / long.len().max(1) as f32;
+    let square = mean(|then| then.y * then.y);
+    [mean(|then| then.x), square.sqrt(), mean(|then| then.w - then.x), texels.len() as f32]
+}
+
+/// Means over time, to which each frame adds its share: the standard deviation of the difference of two, frame by frame.
+fn deviation_of_change(shares: [f64; 2]) -> f32 {
+    let weight = |share: f64, age: i32| share * (1.0 - share).powi(age);
+    let square = |age| (weight(shares[0], age) - weight(shares[1], age)).powi(2);
+    (0..2000).map(square).sum::<f64>().sqrt() as f32
 }
 
 /// Light with its standard deviation, and moments.
@@ -43,7 +67,8 @@ pub fn temporal(
         return (Vec4::ZERO, Vec4::ZERO);
     }
     let here = place_of(pixel);
-    let (mut light, mut mean, mut variance, mut length) = (Vec3::ZERO, 0.0, 0.0, 0.0);
+    let (mut light, mut mean, mut variance, mut length, mut last) = (Vec3::ZERO, 0.0, 0.0, 0.0, 0.0);
+    let mut around = [0.0; 4];
     if let Some(before) = before {
         // Taps by the masks: four with bilinear weights, else nine alike.
         let [dx, dy, four, nine] = pixels[pixel].reprojected;
@@ -52,7 +77,7 @@ pub fn temporal(
         let mut taps = Vec::new();
         for bit in 0..4 {
             let offset = IVec2::new(bit % 2, bit / 2);
-            let along = |axis: usize| if offset[axis] == 1 { part[axis] } else { 1.0 - part[axis] }.max(1e-3);
+            let along = |axis: usize| if offset[axis] == 1 { part[axis] } else { 1.0 - part[axis] }.max(1e-5);
             if four as u32 >> bit & 1 == 1 {
                 taps.push((place.floor().as_ivec2() + offset, along(0) * along(1)));
             }
@@ -72,29 +97,30 @@ pub fn temporal(
             mean += share * then.x;
             variance += share * then.y * then.y;
             frames += share * then.z;
+            last += share * then.w;
         }
         length = frames;
+        around = recent(before.moments, (place + 0.5).floor().as_ivec2());
     }
-    let mut now = Vec4::from(pixels[pixel].noisy).xyz();
+    let mut now = signal(settings, &pixels[pixel]);
     if !now.is_finite() {
         now = light;
     }
-    if settings.clamp > 0.0 && length > 0.0 {
-        let around = (-1..=1).flat_map(|y| (-1..=1).map(move |x| here + IVec2::new(x, y)));
-        let colours: Vec<Vec3> = around
-            .filter_map(index)
-            .filter(|&other| pixels[other].depth > 0.0)
-            .map(|other| Vec4::from(pixels[other].noisy).xyz())
-            .filter(|colour| colour.is_finite())
-            .map(ycocg)
-            .collect();
-        if !colours.is_empty() {
-            let count = colours.len() as f32;
-            let middle = colours.iter().sum::<Vec3>() / count;
-            let spread =
-                colours.iter().map(|colour| (colour - middle) * (colour - middle)).sum::<Vec3>() / count;
-            let reach = settings.clamp * spread.map(f32::sqrt);
-            light = rgb_of(ycocg(light).clamp(middle - reach, middle + reach)).max(Vec3::ZERO);
+    let mut counted = now;
+    if length > 0.0 {
+        let [mean, deviation, change, texels] = around;
+        let errors = deviation_of_change([1.0 / 3.0, settings.moments_alpha.into()]) * deviation
+            / texels.max(1.0).sqrt();
+        let most = settings.clamp * errors + 0.02 * mean;
+        let brightest = mean + settings.firefly * deviation;
+        if settings.clamp > 0.0 && (change < -most || change > 1.6 * most) {
+            length = 0.0;
+        } else if settings.firefly > 0.0 && length > 3.4 && luminance(now) > brightest {
+            let around = (-1..=1).flat_map(|y| (-1..=1).map(move |x| here + IVec2::new(x, y)));
+            let others = around.filter(|other| *other != here).filter_map(index);
+            let lights =
+                others.map(|other| signal(settings, &pixels[other])).filter(|light| light.is_finite());
+            counted *= (lights.map(luminance).fold(brightest, f32::max) / luminance(now)).min(1.0);
         }
     }
     let frames = (length + 1.0f32).min(settings.longest_history as f32);
@@ -106,7 +132,11 @@ pub fn temporal(
     let first = mean + (now_luminance - mean) * share;
     let second = (mean * mean + variance) * (1.0 - share) + now_luminance.powi(2) * share;
     let [first, deviation] = [first, (second - first * first).max(0.0).sqrt()].map(|moment| moment as f32);
-    ((light + (now - light) * alpha).extend(deviation), Vec4::new(first, deviation, frames, 0.0))
+    last += (luminance(now) - last) * (1.0f32 / 3.0).max(1.0 / frames);
+    (
+        (light + (counted - light) * alpha).extend(deviation * alpha.sqrt()),
+        Vec4::new(first, deviation, frames, last),
+    )
 }
 
 /// How alike the surfaces of two pixels are, `apart` pixels from each other.
@@ -116,6 +146,16 @@ fn likeness(settings: &SvgfSettings, pixels: &[Pixel], a: usize, b: usize, apart
     let cosine = pixels[a].packed_shading().dot(pixels[b].packed_shading()).max(0.0);
     let off = off / footprint(pixels[a].depth) / (settings.depth_tolerance * apart);
     (-off).exp() * cosine.powf(settings.normal_exponent)
+}
+
+/// How much a pixel takes of taps `ring` steps away, where those before it have reached as far as `before`.
+fn share(settings: &SvgfSettings, pixel: &Pixel, (before, step): (i32, i32), offset: IVec2) -> f32 {
+    let ring = offset.abs().max_element();
+    let widest = (0..settings.levels).map(|level| 2 << level).sum::<i32>() as f32;
+    if !settings.adaptive || ring == 0 {
+        return 1.0;
+    }
+    ((pixel.noisy[3] * widest - before as f32) / step as f32 - (ring - 1) as f32).clamp(0.0, 1.0)
 }
 
 /// Light, where the history is short from the pixels around.
@@ -130,19 +170,21 @@ pub fn variance(
     if pixels[pixel].depth == 0.0 || frames >= 4.0 {
         return light[pixel];
     }
-    let (mut sum, mut first, mut second, mut weights) = (Vec3::ZERO, 0.0, 0.0, 0.0);
+    let (mut sum, mut first, mut second, mut weights, mut lights) = (Vec3::ZERO, 0.0, 0.0, 0.0, 0.0);
     for offset in (-3..=3).flat_map(|y| (-3..=3).map(move |x| IVec2::new(x, y))) {
         let Some(other) = index(place_of(pixel) + offset).filter(|&other| pixels[other].depth > 0.0) else {
             continue;
         };
         let weight = likeness(settings, pixels, pixel, other, 1.0);
-        sum += weight * light[other].xyz();
+        let light_weight = share(settings, &pixels[pixel], (0, 1), offset) * weight;
+        sum += light_weight * light[other].xyz();
+        lights += light_weight;
         first += weight * moments[other].x;
         second += weight * (moments[other].x.powi(2) + moments[other].y.powi(2));
         weights += weight;
     }
-    let variance = (second / weights - (first / weights).powi(2)).max(0.0) * 4.0 / frames;
-    (sum / weights).extend(variance.sqrt())
+    let variance = (second / weights - (first / weights).powi(2)).max(0.0) / frames;
+    (sum / lights).extend(variance.sqrt())
 }
 
 /// One level of the filter, with taps `step` pixels apart, as far as `radii` to both sides.
@@ -161,13 +203,13 @@ pub fn atrous(
         (-radii[1]..=radii[1]).flat_map(move |y| (-radii[0]..=radii[0]).map(move |x| IVec2::new(x, y)))
     };
     let (mut smooth, mut gauss) = (0.0, 0.0);
-    for offset in window([1, 1]) {
+    for offset in window(radii.map(|radius| radius.min(1))) {
         let Some(other) = index(here + offset) else { continue };
         let weight = 0.5f32.powi(offset.x.abs() + offset.y.abs());
         smooth += weight * light[other].w.powi(2);
         gauss += weight;
     }
-    let tolerance = settings.luminance_tolerance * (smooth / gauss).sqrt() + 1e-6;
+    let deviation = (smooth / gauss).sqrt();
     let (mut sum, mut variance, mut weights) = (Vec3::ZERO, 0.0, 0.0);
     for offset in window(radii) {
         let Some(other) = index(here + offset * step).filter(|&other| pixels[other].depth > 0.0) else {
@@ -176,9 +218,11 @@ pub fn atrous(
         let mut weight = 1.0;
         if other != pixel {
             let spline = [1.0, 2.0 / 3.0, 1.0 / 6.0];
+            let tolerance = settings.luminance_tolerance * (deviation + light[other].w) / 2.0 + 1e-6;
             let apart = step as f32 * offset.as_vec2().length();
             let difference = luminance(light[other].xyz()) - luminance(light[pixel].xyz());
-            weight = spline[offset.x.unsigned_abs() as usize]
+            weight = share(settings, &pixels[pixel], (2 * (step - 1), step), offset)
+                * spline[offset.x.unsigned_abs() as usize]
                 * spline[offset.y.unsigned_abs() as usize]
                 * (-difference.abs() / tolerance).exp()
                 * likeness(settings, pixels, pixel, other, apart);

@@ -83,16 +83,24 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
 }
 
 /// The passes of `--indirect vpls`, in the order of the frame.
-pub const PASS_NAMES: [&str; 11] = [
+pub const PASS_NAMES: [&str; 19] = [
     "bvh_update",
     "vpl_invalidation",
     "vpl_replacement",
     "gbuffer",
+    "reprojection",
+    "soft_shadows_trace",
+    "svgf_temporal",
+    "svgf_variance",
+    "svgf_atrous",
     "direct_shadows",
     "direct_shading",
     "sheets",
     "indirect_shadows",
     "indirect_shading",
     "indirect_reprojection",
+    "hit_light",
+    "reflections_trace",
     "combine",
+    "taa",
 ];

@@ -5,9 +5,9 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use glowworm::output::Picture;
 use glowworm::reference::{Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
-use glowworm::scene::{CameraOverride, Light, LightKind, Scene, load_scene, luminance};
+use glowworm::scene::{CameraOverride, Scene, load_scene, luminance};
 
-use super::support::{assert_near, colour, film, layer, mean, picture, settings};
+use super::support::{assert_near, colour, film, layer, mean, picture, scene, settings};
 
 fn cornell() -> Scene {
     load_scene("cornell-box", None).unwrap()
@@ -30,6 +30,100 @@ fn direct_and_indirect_light_make_up_the_picture() {
     // The eye stands before the open front, which is as wide as the picture: all but some border is box.
     let seen = layer(&picture, "instance").iter().filter(|instance| instance.x == 0.0).count();
     assert!(seen > 24 * 24 * 8 / 10);
+}
+
+/// A floor seen from above, with a long wall of height 1 across the light of a wide red sun; a blue lamp shines straight down.
+fn shaded_floor(half_angle_deg: f32) -> Scene {
+    scene(&format!(
+        r#"
+        [[models]]
+        name = "floor"
+        primitive = "quad"
+        size = [20, 1, 20]
+        material = {{ albedo = [0.5, 0.5, 0.5], emission = [0, 0.1, 0] }}
+        [[models]]
+        name = "wall"
+        primitive = "box"
+        size = [0.002, 2, 400]
+        material = {{ albedo = [0.5, 0.5, 0.5] }}
+        [[instances]]
+        model = "floor"
+        [[instances]]
+        model = "wall"
+        translation = [-1, 0, 0]
+        [camera]
+        eye = [0.6, 4, 0]
+        target = [0.6, 0, 0]
+        up = [0, 0, -1]
+        vfov_deg = 40
+        [[lights]]
+        type = "directional"
+        direction = [1, -1, 0]
+        irradiance = [2, 0, 0]
+        angle_deg = {half_angle_deg}
+        [[lights]]
+        type = "directional"
+        direction = [0, -1, 0]
+        irradiance = [0, 0, 3]
+        "#
+    ))
+}
+
+/// Share of the red sun's light that passes the wall's edge: its directions are uniform in the cone.
+fn expected_shadow(x: f32, half_angle_deg: f32) -> f32 {
+    const STEPS: usize = 200;
+    let (axis, across) = (Vec3::new(-1.0, 1.0, 0.0).normalize(), Vec3::new(1.0, 1.0, 0.0).normalize());
+    let (mut arrives, mut all) = (0.0, 0.0);
+    for step in 0..STEPS * STEPS {
+        let [u, v] = [step / STEPS, step % STEPS].map(|at| (at as f32 + 0.5) / STEPS as f32);
+        let cosine = 1.0 - u * (1.0 - half_angle_deg.to_radians().cos());
+        let (sine, angle) = ((1.0 - cosine * cosine).sqrt(), 2.0 * std::f32::consts::PI * v);
+        let to_light = cosine * axis + sine * (angle.cos() * across + angle.sin() * Vec3::Z);
+        let passes = to_light.x >= 0.0 || (x + 1.0) / -to_light.x * to_light.y > 1.0;
+        all += to_light.y;
+        arrives += if passes { to_light.y } else { 0.0 };
+    }
+    arrives / all
+}
+
+#[test]
+fn the_layer_of_shadows_is_the_share_of_the_lights_that_arrives() {
+    for half_angle_deg in [4.0, 20.0] {
+        let settings = ReferenceSettings { filter: PixelFilter::Center, ..settings(24, Some(0)) };
+        let picture = picture(&shaded_floor(half_angle_deg), &settings, 1024);
+        let [shadow, unshadowed, direct, position] =
+            ["shadow", "unshadowed", "direct", "position"].map(|name| layer(&picture, name));
+        let mut penumbra = 0;
+        for pixel in 0..shadow.len() {
+            let (found, unshadowed, x) = (shadow[pixel], unshadowed[pixel], position[pixel].x);
+            if position[pixel].y.abs() > 1e-3 {
+                continue; // on the wall
+            }
+            let sum = found * unshadowed + 0.1 * Vec3::Y;
+            assert!(sum.abs_diff_eq(direct[pixel], 1e-5), "{sum}, {}", direct[pixel]);
+            assert_near(unshadowed.z, 0.5 / std::f32::consts::PI * 3.0, 0.02);
+            // No light is green, and the blue one has no shadow here.
+            assert_eq!((found.y, found.z), (1.0, 1.0));
+            let expected = if x > -1.0 { expected_shadow(x, half_angle_deg) } else { 1.0 };
+            assert!((found.x - expected).abs() <= 0.02, "{} for {expected} at {x}", found.x);
+            penumbra += u32::from((0.1..0.9).contains(&expected));
+        }
+        assert!(penumbra >= 24, "{penumbra}");
+        let shares = [0.0, 1.0].map(|share| shadow.iter().filter(|found| found.x == share).count());
+        assert!(shares.iter().all(|&count| count >= 24), "{shares:?}");
+    }
+}
+
+#[test]
+fn where_nothing_is_seen_or_lit_nothing_is_in_shadow() {
+    let mut scene = shaded_floor(4.0);
+    scene.camera.target = scene.camera.eye + Vec3::Y;
+    let away = picture(&scene, &settings(4, Some(0)), 1);
+    let dark = picture(&cornell(), &settings(16, Some(0)), 2);
+    for picture in [&away, &dark] {
+        assert!(layer(picture, "shadow").iter().all(|&shadow| shadow == Vec3::ONE));
+        assert!(layer(picture, "unshadowed").iter().all(|&light| light == Vec3::ZERO));
+    }
 }
 
 #[test]
@@ -64,18 +158,7 @@ fn the_estimated_error_is_about_the_true_one() {
 
 #[test]
 fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
-    let (mut scene, settings) = (cornell(), settings(16, Some(2)));
-    // Beside the area light one that casts direct shadows.
-    let (min, max) = scene.bounds(&scene.pose(0.0));
-    scene.lights.push(Light {
-        name: "lamp".into(),
-        kind: LightKind::Point { intensity: Vec3::new(3.0, 2.0, 1.0) },
-        position: min + (max - min) * Vec3::new(0.8, 0.6, 0.9),
-        direction: Vec3::NEG_Y,
-        radius: 0.05 * (max - min).x,
-        half_angle: 0.0,
-        animation: None,
-    });
+    let (scene, settings) = (shaded_floor(20.0), settings(16, Some(2)));
     let whole = film(&scene, &settings, 24);
     let begun = film(&scene, &settings, 9);
     let pose = scene.pose(0.0);
@@ -107,10 +190,8 @@ fn an_interrupted_picture_goes_on_as_if_nothing_had_been() {
         }
     };
     let (a, b) = (resumed.picture(), whole.picture());
-    assert!(layer(&a, "shadow").iter().any(|shadow| (0.1..0.9).contains(&shadow.x)));
-    for name in
-        ["direct", "unshadowed", "shadow", "indirect", "albedo", "position", "depth", "instance", "coverage"]
-    {
+    let light = ["direct", "indirect", "shadow", "unshadowed"];
+    for name in light.into_iter().chain(["albedo", "position", "depth", "instance", "coverage"]) {
         same(&a, &b, name, 1e-5);
     }
     assert_near(mean(&colour(&a)).y, mean(&colour(&b)).y, 1e-5);

@@ -7,7 +7,7 @@ use glowworm::scene::{Environment, EnvironmentMap, Scene};
 use glowworm::settings::Settings;
 
 use super::reference::{check_against_reference, reference};
-use super::support::{Lab, exact, indirect, layer, luminance, mean, quantile, scene};
+use super::support::{Lab, exact, indirect, layer, luminance, mean, plain, quantile, scene};
 use super::{forgetting, support};
 
 /// A blue sky over a brown ground, with a sun of four texels that gives about half of the light.
@@ -120,7 +120,7 @@ fn the_map_is_seen_as_in_the_reference() {
 fn a_sun_in_the_map_makes_no_fireflies() {
     let Some(lab) = Lab::open() else { return };
     let scene = under(sky(0.4), COURT);
-    let settings = Settings { size: [64, 48], ..Settings::default() };
+    let settings = Settings { size: [64, 48], ..plain() };
     let drawn = indirect(&lab.rendered(&scene, &settings, 16));
     let truth = layer(&reference(&scene, settings.size, settings.bounces, 512), "indirect");
     let usual = mean(truth.iter().map(luminance));

@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec3};
 use glowworm::scene::{Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, indirect, luminance, mean, relative_differences, scene};
+use super::support::{Lab, indirect, luminance, mean, plain, relative_differences, scene};
 
 const ROOM: &str = r#"
 [[models]]
@@ -61,7 +61,7 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
             interleave: 2,
             ..VplSettings::default()
         },
-        ..Settings::default()
+        ..plain()
     };
     let pose_at = |time: f32| {
         let mut pose = scene.pose(0.0);
@@ -163,7 +163,7 @@ fn a_static_object_moved_by_hand_is_forgotten() {
 fn a_light_that_jumps_is_shown_at_once() {
     let Some(lab) = Lab::open() else { return };
     let scene: Arc<Scene> = scene(ROOM);
-    let settings = Settings { size: [96, 72], ..Settings::default() };
+    let settings = Settings { size: [96, 72], ..plain() };
     let rest = scene.pose(0.0);
     let mut after = rest.clone();
     after.lights[0].position = Vec3::new(1.2, -0.6, -1.2);

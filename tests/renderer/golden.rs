@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::support::{Lab, mean, named_scene, quantile};
+use super::support::{Lab, mean, named_scene, plain, quantile};
 use glowworm::settings::{Settings, VplSettings};
 use image::RgbImage;
 
@@ -18,7 +18,7 @@ fn the_cornell_box_looks_as_it_did() {
     let settings = Settings {
         size: [SIDE; 2],
         vpl: VplSettings { slots: 256, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     };
     let picture = lab.rendered(&named_scene("cornell-box", None), &settings, 8).read_picture(false).unwrap();
     let actual = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();

@@ -10,14 +10,14 @@ use glowworm::scene::{Environment, EnvironmentMap, LightKind, Material, Scene};
 use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
 use super::materials::floor;
-use super::support::{Lab, assets, indirect, layer, luminance, mean, named_scene, scene};
+use super::support::{Lab, assets, indirect, layer, luminance, mean, named_scene, plain, scene};
 use super::views::STUDIO;
 
 fn start() -> Settings {
     Settings {
         size: [72, 48],
         vpl: VplSettings { slots: 128, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Device memory is what ARCHITECTURE.md says.
 
-use glowworm::settings::{Indirect, Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
-use super::support::{Lab, named_scene};
+use super::support::{Lab, named_scene, plain};
 
 /// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Memory".
 fn computed(settings: &Settings) -> u64 {
@@ -15,7 +15,11 @@ fn computed(settings: &Settings) -> u64 {
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
-    pixels * 88 + of_step(2) * 40 + of_step(set_step) * (16 + 8 * sets) + tiles + sets * 48 * (vpls + 64)
+    pixels * (if settings.antialiasing == Antialiasing::Taa { 140 } else { 108 })
+        + of_step(2) * 40
+        + of_step(set_step) * (16 + 8 * sets)
+        + tiles
+        + sets * 48 * (vpls + 64)
 }
 
 /// What thin sheets add with so many lamps.
@@ -33,7 +37,7 @@ fn sheets_take_what_they_say() {
     let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
     let model = "[[models]]\nname = \"pane\"\npath = \"pane.obj\"\n[[instances]]\nmodel = \"pane\"\n";
     write("scene.toml", &(model.to_owned() + &lamp.repeat(5)));
-    let settings = |size| Settings { size, indirect: Indirect::None, ..Settings::default() };
+    let settings = |size| Settings { size, indirect: Indirect::None, ..plain() };
     let grown = |material: &str| {
         write("pane.mtl", &format!("newmtl pane\nKd 0.5 0.5 0.5\n{material}\n"));
         let scene = named_scene(folder.path().join("scene.toml").to_str().unwrap(), None);
@@ -64,10 +68,13 @@ fn memory_grows_as_computed() {
         bytes
     };
     let of = |size, vpls, temporal_sets, interleave| {
+        // The larger ones with antialiasing.
+        let antialiasing = if size == [320, 200] { Antialiasing::Taa } else { Antialiasing::None };
         let settings = Settings {
             size,
+            antialiasing,
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
-            ..Settings::default()
+            ..plain()
         };
         (used(&settings), computed(&settings))
     };

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{MissingSets, Settings, VplSettings};
 
-use super::support::{Lab, channel, indirect, layer, luminance, mean, relative_differences, scene};
+use super::support::{Lab, channel, indirect, layer, luminance, mean, plain, relative_differences, scene};
 
 const HALL: &str = r#"
 [[models]]
@@ -47,7 +47,7 @@ fn settings(missing_sets: MissingSets) -> Settings {
     Settings {
         size: [160, 96],
         vpl: VplSettings { temporal_sets: SETS, missing_sets, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     }
 }
 

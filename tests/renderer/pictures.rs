@@ -1,6 +1,6 @@
 //! Whole pictures of the real scenes, for plausibility.
 
-use super::support::{Lab, assets, luminance, mean, named_scene};
+use super::support::{Lab, assets, luminance, mean, named_scene, plain};
 use glowworm::settings::{Settings, VplSettings};
 
 #[test]
@@ -12,7 +12,7 @@ fn the_real_scenes_render() {
         let settings = Settings {
             size: [96, 54],
             vpl: VplSettings { slots: 128, temporal_sets: 4, ..VplSettings::default() },
-            ..Settings::default()
+            ..plain()
         };
         let picture = lab.rendered(&scene, &settings, 5).read_picture(true).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite()), "{name}");

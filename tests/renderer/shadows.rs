@@ -10,7 +10,7 @@ use glowworm::settings::{Indirect, Settings};
 
 use super::reference::reference;
 use super::rooms::{SUN, SUN_IRRADIANCE, WINDOW, cornices, thin_room};
-use super::support::{Lab, assets, channel, layer, luminance, mean, named_scene};
+use super::support::{Lab, assets, channel, layer, luminance, mean, named_scene, plain};
 
 const SQUARE: [u32; 2] = [256; 2];
 
@@ -38,7 +38,7 @@ impl Mask {
 }
 
 fn drawn(lab: &Lab, scene: &Arc<Scene>, size: [u32; 2]) -> Picture {
-    let settings = Settings { size, indirect: Indirect::None, ..Settings::default() };
+    let settings = Settings { size, indirect: Indirect::None, ..plain() };
     lab.rendered(scene, &settings, 1).read_picture(true).unwrap()
 }
 

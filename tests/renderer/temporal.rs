@@ -2,13 +2,15 @@
 
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, exact, indirect, layer, luminance, mean, named_scene, relative_differences};
+use super::support::{
+    Lab, exact, indirect, layer, luminance, mean, named_scene, plain, relative_differences,
+};
 
 fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
     let vpl = VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() };
     // Without interleaving every VPL is gathered, and there are no short rays.
     let vpl = VplSettings { pool: vpls, clamp: 0.0, ..vpl };
-    Settings { vpl, size: [96, 96], ..Settings::default() }
+    Settings { vpl, size: [96, 96], ..plain() }
 }
 
 #[test]
@@ -112,7 +114,7 @@ fn extremes_work() {
             bounces,
             size,
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
-            ..Settings::default()
+            ..plain()
         };
         let picture = lab.rendered(&scene, &settings, 3).read_picture(false).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));

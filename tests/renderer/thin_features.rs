@@ -3,7 +3,7 @@
 use glowworm::settings::{Settings, VplSettings};
 
 use super::rooms::thin_features;
-use super::support::{Lab, indirect, luminance};
+use super::support::{Lab, indirect, luminance, plain};
 
 const SIZE: [u32; 2] = [320, 180];
 
@@ -12,7 +12,7 @@ const SIZE: [u32; 2] = [320, 180];
 fn dark_share(truth: Settings) -> Option<f32> {
     let lab = Lab::open()?;
     let scene = thin_features();
-    let settings = Settings { size: SIZE, ..Settings::default() };
+    let settings = Settings { size: SIZE, ..plain() };
     let ours = indirect(&lab.rendered(&scene, &settings, settings.vpl.temporal_sets));
     let truth = Settings { size: SIZE, vpl: VplSettings { interleave: 1, ..truth.vpl }, ..truth };
     let truth = indirect(&lab.rendered(&scene, &truth, truth.vpl.temporal_sets));
@@ -29,7 +29,7 @@ fn dark_share(truth: Settings) -> Option<f32> {
 #[test]
 fn thin_features_do_not_go_black() {
     let vpl = VplSettings { slots: 2048, temporal_sets: 2, ..VplSettings::default() };
-    let many = Settings { seed: 77, vpl, ..Settings::default() };
+    let many = Settings { seed: 77, vpl, ..plain() };
     let Some(share) = dark_share(many) else { return };
     assert!(share < 0.003, "{share} of the pixels have less than a quarter of their light");
 }
@@ -38,7 +38,7 @@ fn thin_features_do_not_go_black() {
 fn interleaving_leaves_no_pixel_in_the_dark() {
     // The same VPLs, so that all differences are those of drawing a few.
     let vpl = VplSettings { temporal_sets: 1, ..VplSettings::default() };
-    let same = Settings { vpl, ..Settings::default() };
+    let same = Settings { vpl, ..plain() };
     let Some(share) = dark_share(same) else { return };
     assert!(share < 0.003, "{share} of the pixels have less than a quarter of what their VPLs send");
 }

@@ -10,7 +10,7 @@ use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};
 
-use super::support::{Lab, assets, layer, luminance, mean, named_scene, skip};
+use super::support::{Lab, assets, layer, luminance, mean, named_scene, plain, skip};
 
 /// Seconds from frame to frame: things move a long way.
 const STEP: f64 = 0.1;
@@ -20,7 +20,7 @@ fn settings(tracer: TracerKind) -> Settings {
         size: [120, 80],
         tracer,
         vpl: VplSettings { slots: 128, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     }
 }
 

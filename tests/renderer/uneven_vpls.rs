@@ -7,7 +7,7 @@ use glowworm::settings::{Settings, VplSettings};
 
 use super::reference::reference;
 use super::rooms::{niche, uplighter};
-use super::support::{Lab, indirect, layer, luminance, mean};
+use super::support::{Lab, indirect, layer, luminance, mean, plain};
 
 const SIZE: [u32; 2] = [80, 60];
 /// Seeds over which pictures are averaged.
@@ -19,7 +19,7 @@ fn check(scene: &Arc<Scene>) {
     let mut drawn = vec![0.0; (SIZE[0] * SIZE[1]) as usize];
     for seed in 0..SEEDS {
         let vpl = VplSettings { slots: 4096, clamp: 0.0, ..VplSettings::default() };
-        let settings = Settings { size: SIZE, seed, vpl, ..Settings::default() };
+        let settings = Settings { size: SIZE, seed, vpl, ..plain() };
         let picture = indirect(&lab.rendered(scene, &settings, vpl.temporal_sets));
         drawn.iter_mut().zip(&picture).for_each(|(sum, pixel)| *sum += luminance(pixel) / SEEDS as f32);
     }

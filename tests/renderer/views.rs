@@ -6,11 +6,12 @@ use glam::{Affine3A, Vec2, Vec3};
 use glowworm::estimators;
 use glowworm::estimators::vpls::{SlotState, VplLook};
 use glowworm::output::{Picture, tone_map};
+use glowworm::passes::effect_view::VIEWS;
 use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::{Direct, Reflections, Settings, VplSettings};
 
-use super::support::{Lab, channel, layer, mean, scene};
+use super::support::{Lab, channel, layer, mean, plain, scene};
 
 pub const STUDIO: &str = r#"
 [[models]]
@@ -57,7 +58,7 @@ pub fn settings(temporal_sets: u32, interleave: u32) -> Settings {
         size,
         exposure: Some(0.0),
         vpl: VplSettings { temporal_sets, interleave, slots: 128, pool: 128, ..VplSettings::default() },
-        ..Settings::default()
+        ..plain()
     }
 }
 
@@ -200,7 +201,14 @@ fn every_view_shows_something_of_its_own() {
     let mut seen: Vec<(&str, Vec<[u8; 4]>)> = Vec::new();
     for buffer in estimators::views().map(|view| view.name) {
         let view = of_set(buffer, 1);
-        let (renderer, picture) = picture(&lab, &scene, &settings(4, 2), &view);
+        // Those of effects, which come last, show what is in use.
+        let is_effect = VIEWS.iter().any(|view| view.name == buffer);
+        let settings = if is_effect {
+            Settings { direct: Direct::Rays, reflections: Reflections::Rays, ..settings(4, 2) }
+        } else {
+            settings(4, 2)
+        };
+        let (renderer, picture) = picture(&lab, &scene, &settings, &view);
         assert_eq!(renderer.view(), &view);
         if buffer != "vpl-visibility" {
             let same = seen.iter().find(|(_, display)| *display == picture.display);

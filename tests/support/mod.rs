@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene, load_scene};
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
 /// A device whose validation messages fail the test when it goes.
@@ -97,6 +97,11 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
+/// The defaults without what other tests look at: one sample in the middle of each pixel, and nothing is mirrored.
+pub fn plain() -> Settings {
+    Settings { reflections: Reflections::None, antialiasing: Antialiasing::None, ..Settings::default() }
+}
+
 /// Settings for small, exact pictures: no clamp, no interleaving.
 pub fn exact(size: [u32; 2]) -> Settings {
     Settings {
@@ -110,7 +115,7 @@ pub fn exact(size: [u32; 2]) -> Settings {
             pool: 256,
             ..VplSettings::default()
         },
-        ..Settings::default()
+        ..plain()
     }
 }
 

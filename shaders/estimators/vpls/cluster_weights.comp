@@ -21,20 +21,6 @@ layout(set = 0, binding = 7, std430) readonly buffer VisibilityBlock { float dat
 
 const uint SURFACES = 3u;
 
-// About what a cluster brings to a surface, were nothing between. Never zero, as one of its VPLs may bring something.
-float importance(VplCluster cluster, Surface surface) {
-    if (cluster.at_infinity != 0u) {
-        return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
-    }
-    vec3 d = cluster.position - surface.position;
-    float inverse = 1.0 / (dot(d, d) + cluster.radius * cluster.radius + 1e-20);
-    float inverse_length = sqrt(inverse);
-    float arrives = clamp((dot(surface.shading, d) + cluster.radius) * inverse_length, 0.05, 1.0);
-    float leaves = clamp((0.5 * cluster.radius - dot(cluster.normal, d)) * inverse_length, 0.1, 1.0);
-    float bound = vpl.geometry_bound;
-    return cluster.flux / PI * arrives * leaves * (bound > 0.0 ? min(inverse, bound) : inverse);
-}
-
 void main() {
     uint index = gl_LocalInvocationIndex;
     uvec2 block = gl_WorkGroupID.xy;

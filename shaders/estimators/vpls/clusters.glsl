@@ -48,6 +48,20 @@ uvec2 tile_of(uvec2 texel) {
     return uvec2(clamp(tile, vec2(0.0), vec2(push.tiles) - 1.0));
 }
 
+// About what a cluster brings to a surface, were nothing between. Never zero, as one of its VPLs may bring something.
+float importance(VplCluster cluster, Surface surface) {
+    if (cluster.at_infinity != 0u) {
+        return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
+    }
+    vec3 d = cluster.position - surface.position;
+    float inverse = 1.0 / (dot(d, d) + cluster.radius * cluster.radius + 1e-20);
+    float inverse_length = sqrt(inverse);
+    float arrives = clamp((dot(surface.shading, d) + cluster.radius) * inverse_length, 0.05, 1.0);
+    float leaves = clamp((0.5 * cluster.radius - dot(cluster.normal, d)) * inverse_length, 0.1, 1.0);
+    float bound = vpl.geometry_bound;
+    return cluster.flux / PI * arrives * leaves * (bound > 0.0 ? min(inverse, bound) : inverse);
+}
+
 // Keeps one of many by weight (Chao 1982). The number that decides is used again: what is left of it is uniform.
 struct Choice {
     uint kept;

@@ -4,12 +4,14 @@
 
 use std::collections::BTreeMap;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
-use crate::settings::{Group, Indirect, MissingSets, Sequence, Settings, TracerKind, VplSettings, groups};
+use crate::settings::{
+    Denoise, Direct, Group, Indirect, MissingSets, Reflections, Settings, SvgfSettings, VplSettings, groups,
+};
 
 /// The groups of settings, and the documentation of each setting.
 pub(super) struct SettingsDocs {
@@ -30,7 +32,13 @@ impl Default for SettingsDocs {
 
 /// Whether the method that a group belongs to is in use.
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
-    group.table != "settings.vpls" || settings.indirect == Indirect::Vpls
+    let has_effects = settings.direct == Direct::Rays || settings.reflections != Reflections::None;
+    match group.table.as_str() {
+        "settings.vpls" => settings.indirect == Indirect::Vpls,
+        "settings.effects" => has_effects,
+        "settings.svgf" => has_effects && settings.effects.denoise == Denoise::Svgf,
+        _ => true,
+    }
 }
 
 /// Presets.
@@ -38,6 +46,11 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
     // Keep what does not affect quality.
     let base = Settings {
         indirect: now.indirect,
+        direct: now.direct,
+        reflections: now.reflections,
+        antialiasing: now.antialiasing,
+        effects: now.effects,
+        svgf: now.svgf,
         size: now.size,
         seed: now.seed,
         time_step: now.time_step,
@@ -142,9 +155,17 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
             let least = settings.vpl.temporal_sets;
             ui.add(DragValue::new(&mut settings.vpl.slots).range(least..=65_536).speed(8.0))
         }
-        "indirect" => {
-            choice(ui, name, &mut settings.indirect, &[(Indirect::Vpls, "vpls"), (Indirect::None, "none")])
+        "indirect" => choice(ui, name, &mut settings.indirect),
+        "direct" => choice(ui, name, &mut settings.direct),
+        "reflections" => choice(ui, name, &mut settings.reflections),
+        "antialiasing" => choice(ui, name, &mut settings.antialiasing),
+        "denoise" => choice(ui, name, &mut settings.effects.denoise),
+        "noise" => choice(ui, name, &mut settings.effects.noise),
+        "reflection_depth" => whole(ui, &mut settings.effects.reflection_depth, 8),
+        "reflection_roughness" => {
+            ui.add(DragValue::new(&mut settings.effects.reflection_roughness).range(0.0..=1.0).speed(0.01))
         }
+        name if name.starts_with("svgf_") => svgf_field(ui, name, &mut settings.svgf),
         "bounces" => whole(ui, &mut settings.bounces, 16),
         "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
         "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
@@ -152,22 +173,12 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "refresh" => ui.add(DragValue::new(&mut settings.vpl.refresh).range(0..=63)),
         "clamp" => ui.add(DragValue::new(&mut settings.vpl.clamp).range(0.0..=1e9).speed(5.0)),
         "seed" => ui.add(DragValue::new(&mut settings.seed)),
-        "sequence" => choice(
-            ui,
-            name,
-            &mut settings.vpl.sequence,
-            &[(Sequence::Sobol, "sobol"), (Sequence::Random, "random")],
-        ),
+        "sequence" => choice(ui, name, &mut settings.vpl.sequence),
         "temporal_sets" => {
             let most = settings.vpl.slots.min(64);
             whole(ui, &mut settings.vpl.temporal_sets, most)
         }
-        "missing_sets" => choice(
-            ui,
-            name,
-            &mut settings.vpl.missing_sets,
-            &[(MissingSets::Scale, "scale"), (MissingSets::Dark, "dark")],
-        ),
+        "missing_sets" => choice(ui, name, &mut settings.vpl.missing_sets),
         "position_cutoff" => {
             let slider = Slider::new(&mut settings.vpl.position_cutoff, 1e-4..=1.0).logarithmic(true);
             ui.spacing_mut().slider_width = 50.0;
@@ -180,16 +191,27 @@ fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
         "interleave" => whole(ui, &mut settings.vpl.interleave, 8),
         "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
         "exposure" => exposure(ui, &mut settings.exposure),
-        _ => choice(
-            ui,
-            name,
-            &mut settings.tracer,
-            &[
-                (TracerKind::Auto, "auto"),
-                (TracerKind::Software, "software"),
-                (TracerKind::Hardware, "hardware"),
-            ],
-        ),
+        _ => choice(ui, name, &mut settings.tracer),
+    }
+}
+
+fn svgf_field(ui: &mut Ui, name: &str, svgf: &mut SvgfSettings) -> egui::Response {
+    let share = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(0.0..=1.0).speed(0.005));
+    let above_0 = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(1e-3..=1e3).speed(0.05));
+    match name {
+        "svgf_alpha" => share(ui, &mut svgf.alpha),
+        "svgf_moments_alpha" => share(ui, &mut svgf.moments_alpha),
+        "svgf_history" => ui.add(DragValue::new(&mut svgf.longest_history).range(1..=1024)),
+        "svgf_clamp" => ui.add(DragValue::new(&mut svgf.clamp).range(0.0..=1e3).speed(0.05)),
+        "svgf_firefly" => ui.add(DragValue::new(&mut svgf.firefly).range(0.0..=1e3).speed(0.1)),
+        "svgf_levels" => ui.add(DragValue::new(&mut svgf.levels).range(0..=5).speed(0.05)),
+        "svgf_feedback" => ui.add(DragValue::new(&mut svgf.feedback).range(0..=4).speed(0.05)),
+        "svgf_separable" => ui.checkbox(&mut svgf.separable, ""),
+        "svgf_adaptive" => ui.checkbox(&mut svgf.adaptive, ""),
+        "svgf_reinhard" => ui.checkbox(&mut svgf.reinhard, ""),
+        "svgf_depth" => above_0(ui, &mut svgf.depth_tolerance),
+        "svgf_normal" => ui.add(DragValue::new(&mut svgf.normal_exponent).range(0.0..=1024.0)),
+        _ => above_0(ui, &mut svgf.luminance_tolerance),
     }
 }
 
@@ -205,18 +227,16 @@ fn exposure(ui: &mut Ui, exposure: &mut Option<f32>) -> egui::Response {
     response
 }
 
-fn choice<Value: Copy + PartialEq>(
-    ui: &mut Ui,
-    name: &str,
-    value: &mut Value,
-    choices: &[(Value, &str)],
-) -> egui::Response {
-    let chosen = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, label)| label);
-    let combo = ComboBox::from_id_salt(name).selected_text(chosen).width(80.0);
+/// One of an enum's values, by the names that the command line has for them.
+fn choice<Value: ValueEnum + PartialEq>(ui: &mut Ui, name: &str, value: &mut Value) -> egui::Response {
+    let label = |value: &Value| {
+        value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
+    };
+    let combo = ComboBox::from_id_salt(name).selected_text(label(value)).width(80.0);
     combo
         .show_ui(ui, |ui| {
-            for (choice, label) in choices {
-                ui.selectable_value(value, *choice, *label);
+            for choice in Value::value_variants() {
+                ui.selectable_value(value, choice.clone(), label(choice));
             }
         })
         .response
@@ -227,6 +247,14 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
     match name {
         "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
         "indirect" => to.indirect = from.indirect,
+        "direct" => to.direct = from.direct,
+        "reflections" => to.reflections = from.reflections,
+        "antialiasing" => to.antialiasing = from.antialiasing,
+        "denoise" => to.effects.denoise = from.effects.denoise,
+        "noise" => to.effects.noise = from.effects.noise,
+        "reflection_depth" => to.effects.reflection_depth = from.effects.reflection_depth,
+        "reflection_roughness" => to.effects.reflection_roughness = from.effects.reflection_roughness,
+        name if name.starts_with("svgf_") => copy_svgf(name, &from.svgf, &mut to.svgf),
         "bounces" => to.bounces = from.bounces,
         "candidates" => to.vpl.candidates = from.vpl.candidates,
         "pool" => to.vpl.pool = from.vpl.pool,
@@ -246,9 +274,28 @@ fn copy(name: &str, from: &Settings, to: &mut Settings) {
     }
 }
 
+fn copy_svgf(name: &str, from: &SvgfSettings, to: &mut SvgfSettings) {
+    match name {
+        "svgf_alpha" => to.alpha = from.alpha,
+        "svgf_moments_alpha" => to.moments_alpha = from.moments_alpha,
+        "svgf_history" => to.longest_history = from.longest_history,
+        "svgf_clamp" => to.clamp = from.clamp,
+        "svgf_firefly" => to.firefly = from.firefly,
+        "svgf_levels" => to.levels = from.levels,
+        "svgf_feedback" => to.feedback = from.feedback,
+        "svgf_separable" => to.separable = from.separable,
+        "svgf_adaptive" => to.adaptive = from.adaptive,
+        "svgf_reinhard" => to.reinhard = from.reinhard,
+        "svgf_depth" => to.depth_tolerance = from.depth_tolerance,
+        "svgf_normal" => to.normal_exponent = from.normal_exponent,
+        _ => to.luminance_tolerance = from.luminance_tolerance,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::{Antialiasing, EffectSettings, Noise, Sequence, TracerKind};
 
     /// Every field of the struct is in one group, has documentation, and can be copied.
     #[test]
@@ -261,12 +308,36 @@ mod tests {
         assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
         let other = Settings {
             indirect: Indirect::None,
+            direct: Direct::Rays,
+            reflections: Reflections::Rays,
+            antialiasing: Antialiasing::None,
             bounces: 7,
             size: [8, 9],
             seed: 4,
             time_step: 0.5,
             tracer: TracerKind::Software,
             exposure: Some(1.0),
+            effects: EffectSettings {
+                denoise: Denoise::None,
+                noise: Noise::White,
+                reflection_depth: 3,
+                reflection_roughness: 0.2,
+            },
+            svgf: SvgfSettings {
+                alpha: 0.1,
+                moments_alpha: 0.3,
+                longest_history: 16,
+                clamp: 1.0,
+                firefly: 5.0,
+                levels: 3,
+                feedback: 2,
+                separable: true,
+                adaptive: false,
+                reinhard: true,
+                depth_tolerance: 2.0,
+                normal_exponent: 64.0,
+                luminance_tolerance: 8.0,
+            },
             vpl: VplSettings {
                 slots: 77,
                 pool: 99,
@@ -291,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn vpl_settings_are_hidden_without_vpls() {
+    fn settings_of_what_is_not_in_use_are_hidden() {
         let none = Settings { indirect: Indirect::None, ..Settings::default() };
         let in_use = |settings: &Settings| {
             let groups = groups();
@@ -301,8 +372,13 @@ mod tests {
                 .map(|group| group.table)
                 .collect::<Vec<_>>()
         };
-        assert_eq!(in_use(&Settings::default()), ["settings", "settings.vpls"]);
-        assert_eq!(in_use(&none), ["settings"]);
+        let plain = Settings { reflections: Reflections::None, ..Settings::default() };
+        assert_eq!(
+            in_use(&Settings::default()),
+            ["settings", "settings.effects", "settings.svgf", "settings.vpls"]
+        );
+        assert_eq!(in_use(&plain), ["settings", "settings.vpls"]);
+        assert_eq!(in_use(&none), ["settings", "settings.effects", "settings.svgf"]);
     }
 
     #[test]

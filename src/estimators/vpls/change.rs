@@ -40,6 +40,9 @@ impl Vpls {
         let vpl_light = made_if(shows_light, || VplLightPass::new(device, tracer, new.size))?;
 
         // From here on nothing fails.
+        if retraced {
+            self.hit_light = None;
+        }
         self.tracer = tracer;
         let passes = &mut self.passes;
         replace(&mut passes.indirect_shadows, shadows);
@@ -83,10 +86,10 @@ fn dealt(settings: &Settings) -> [u32; 2] {
 
 /// The settings that decide which VPLs there are and how they are dealt, all others at their defaults.
 fn shot(settings: &Settings) -> Settings {
-    let Settings { bounces, seed, vpl, .. } = *settings;
+    let Settings { direct, bounces, seed, vpl, .. } = *settings;
     let VplSettings { slots, pool, candidates, temporal_sets, sequence, .. } = vpl;
     let vpl = VplSettings { slots, pool, candidates, temporal_sets, sequence, ..VplSettings::default() };
-    Settings { bounces, seed, vpl, ..Settings::default() }
+    Settings { direct, bounces, seed, vpl, ..Settings::default() }
 }
 
 fn made_if<T>(wanted: bool, make: impl FnOnce() -> Result<T, VulkanError>) -> Result<Option<T>, VulkanError> {

@@ -24,7 +24,7 @@ const BLOCK: u32 = 8;
 /// What a dispatch draws; `DrawPush` in shaders/estimators/vpls/clusters.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-struct DrawPush {
+pub(super) struct DrawPush {
     tiles: [u32; 2],
     /// Pixels from one texel of the set buffers to the next.
     set_step: u32,
@@ -36,6 +36,13 @@ struct DrawPush {
     set_share: f32,
     /// Of so many by so many texels one brings back what the bound takes away.
     spread: u32,
+}
+
+impl DrawPush {
+    /// For what draws from a set without a set buffer.
+    pub fn of_share(set_share: f32) -> Self {
+        Self { set_share, ..Self::default() }
+    }
 }
 
 /// The pass.

@@ -3,11 +3,13 @@
 //! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
 //! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has drawn.
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
+//! - `hit_light`: light at what reflection rays hit.
 //! - `clusters`: VPLs by neighbourhood, which texels draw from; `staleness`: what has changed since each set was drawn.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
 mod change;
 mod clusters;
+mod hit_light;
 mod indirect_reprojection;
 mod indirect_shading;
 mod indirect_shadows;
@@ -34,7 +36,7 @@ pub use path_lines::reason_colour;
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
 
 use super::{
-    DebugView, Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses, ViewInputs, World,
+    DebugView, Estimator, EstimatorContext, EstimatorInputs, Hits, Method, MethodPasses, ViewInputs, World,
 };
 use crate::passes::overlay::Line;
 use crate::passes::tracer::TracerVariant;
@@ -42,6 +44,7 @@ use crate::report::{Counters, PassInfo};
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
+use hit_light::HitLightPass;
 use indirect_reprojection::IndirectReprojectionPass;
 use indirect_shading::IndirectShadingPass;
 use indirect_shadows::IndirectShadowsPass;
@@ -66,6 +69,7 @@ const PASSES: MethodPasses = MethodPasses {
         PassInfo { name: "indirect_shadows", colour: [31, 111, 180] },
         PassInfo { name: "indirect_shading", colour: [98, 182, 222] },
         PassInfo { name: "indirect_reprojection", colour: [148, 103, 189] },
+        PassInfo { name: "hit_light", colour: [70, 130, 160] },
     ],
 };
 
@@ -96,8 +100,6 @@ pub struct Vpls {
     transport: f32,
     scene_radius: f32,
     instances: usize,
-    /// Frames so far.
-    frame_count: u64,
     /// What has changed since each set was drawn.
     staleness: Staleness,
     /// What the frame is to draw.
@@ -107,6 +109,8 @@ pub struct Vpls {
     uploaded: Option<UploadedSet>,
     look: VplLook,
     views: ViewPasses,
+    /// Made when reflections first need it.
+    hit_light: Option<HitLightPass>,
     tracer: TracerVariant,
     device: Arc<Device>,
 }
@@ -155,13 +159,13 @@ impl Vpls {
             transport: transport_length(context.world).unwrap_or(context.scene_radius),
             scene_radius: context.scene_radius,
             instances,
-            frame_count: 0,
             staleness: Staleness::new(context.settings.vpl.temporal_sets),
             turn: Turn::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
             look: VplLook::default(),
             views: ViewPasses::default(),
+            hit_light: None,
             tracer: context.tracer,
             device: Arc::clone(context.device),
         })
@@ -209,12 +213,20 @@ impl Estimator for Vpls {
         METHOD
     }
 
-    fn update(&mut self, world: World<'_>) -> Vec<f64> {
+    fn cycle(&self) -> u32 {
+        self.settings.vpl.temporal_sets
+    }
+
+    fn settles_in(&self) -> u32 {
+        self.settings.vpl.slots.div_ceil(self.settings.vpl.budget) + self.settings.vpl.temporal_sets
+    }
+
+    fn update(&mut self, world: World<'_>, frame: u64) -> Vec<f64> {
         let begun = Instant::now();
         self.manager.invalidate(world);
         let invalidated = Instant::now();
         self.manager.replace(world);
-        let set = (self.frame_count % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
         self.staleness.advance(&self.manager, self.transport);
         let redrawn = self.staleness.stalest(set, self.settings.vpl.refresh);
         let drawn: Vec<_> =
@@ -231,7 +243,6 @@ impl Estimator for Vpls {
                 self.manager.usable_vpls() as f32,
             ),
         };
-        self.frame_count += 1;
         let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
         vec![ms(begun, invalidated), ms(invalidated, Instant::now())]
     }
@@ -282,6 +293,20 @@ impl Estimator for Vpls {
 
     fn irradiance(&self) -> &Image {
         self.passes.indirect_reprojection.output()
+    }
+
+    fn light_hits(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+        hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        let Some(set) = &self.uploaded else { return Ok(()) };
+        let pass = match &mut self.hit_light {
+            Some(pass) => pass,
+            none => none.insert(HitLightPass::new(&self.device, self.tracer)?),
+        };
+        pass.record(frame, inputs, hits, set, 1.0 / self.settings.vpl.temporal_sets as f32)
     }
 
     fn device_counters(&self) -> Option<&Buffer> {

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 
 use crate::bvh::gpu::rows;
 use crate::passes::{storage_image_array, to_u32};
@@ -19,19 +19,27 @@ use crate::vulkan::{Buffer, Device, Frame, Image, Pass, VulkanError, vk};
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SetView {
     eye: Vec3,
-    /// [`Camera::pixel_rays`].
-    rays: [Vec3; 3],
+    /// Unit view direction.
+    forward: Vec3,
+    /// The last two of [`Camera::pixel_rays`].
+    rays: [Vec3; 2],
+    /// [`Camera::shift`].
+    shift: Vec2,
 }
 
 impl SetView {
     fn new(camera: &Camera, size: [u32; 2]) -> Self {
-        Self { eye: camera.eye, rays: camera.pixel_rays(size[0] as f32 / size[1] as f32) }
+        let [_, right, down] = camera.pixel_rays(size[0] as f32 / size[1] as f32);
+        Self { eye: camera.eye, forward: camera.forward(), rays: [right, down], shift: camera.shift }
     }
 
     /// Rows of the matrix from an instance's object space to the camera's: x to the right, y down, z along the view, world
-    /// units.
+    /// units, sheared by the shift, so that a pixel lies where its middle is.
     fn rows(&self, object_to_world: &Affine3A) -> [Vec4; 3] {
-        let [z, x, y] = self.rays.map(|ray| Vec3A::from(ray.normalize()));
+        let [right, down] = self.rays;
+        let sheared = |ray: Vec3, shift: f32| ray.normalize() - self.forward * (shift * ray.length());
+        let (x, y) = (sheared(right, self.shift.x), sheared(down, self.shift.y));
+        let [x, y, z] = [x, y, self.forward].map(Vec3A::from);
         let turned = Mat3A::from_cols(x, y, z).transpose();
         rows(&Affine3A {
             matrix3: turned * object_to_world.matrix3,
@@ -171,7 +179,7 @@ impl SetBuffers {
         let parameters = SetParameters {
             scale: 1.0 / drawn.irradiance_scale,
             flux: drawn.flux,
-            tan_y: view.rays[2].length(),
+            tan_y: view.rays[1].length(),
             offset: x | y << 1,
         };
         self.flux[drawn.set as usize] = Some(drawn.flux);

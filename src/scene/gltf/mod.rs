@@ -234,7 +234,8 @@ impl File {
                 camera.index()
             )));
         }
-        Ok(Some(Camera { eye, target: eye + forward, up, vertical_fov: lens.yfov(), near, far }))
+        let target = eye + forward;
+        Ok(Some(Camera { up, vertical_fov: lens.yfov(), near, far, ..Camera::looking(eye, target) }))
     }
 
     fn finish(&self, scene: &mut Scene) -> Result<(), SceneError> {

@@ -34,7 +34,7 @@ pub use slots::{SlotHistory, SlotState, SlotView};
 use crate::estimators::World;
 use crate::report::Counters;
 use crate::scene::WorldSurface;
-use crate::settings::Settings;
+use crate::settings::{Direct, Settings};
 use assignment::{Assignment, Layout, NONE};
 use bytemuck::{Pod, Zeroable};
 use changes::SceneChanges;
@@ -142,6 +142,8 @@ pub struct VplManager {
     vpls_per_slot: u32,
     /// In slots.
     budget: u32,
+    /// Whether VPLs on area lights shine: not where rays sample these.
+    area_lights_shine: bool,
     changes: SceneChanges,
     placement: Placement,
     assignment: Assignment,
@@ -191,6 +193,7 @@ impl VplManager {
             invalidations: vec![None; layout.slots as usize],
             vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
+            area_lights_shine: settings.direct != Direct::Rays,
             layout,
             changes,
             placement,

@@ -129,13 +129,17 @@ impl VplManager {
         })
     }
 
-    /// Flux of a slot's VPL, W; zero unless valid.
+    /// Flux of a slot's VPL, W; zero unless it is valid and shines.
     fn flux(&self, index: usize) -> Vec3 {
         let (slot, address) = (&self.slots[index], &self.assignment.addresses[index]);
         if slot.state != SlotState::Valid {
             return Vec3::ZERO;
         }
         let (light, bounce) = (address.light as usize, address.bounce as usize);
+        let on_area = bounce == 0 && matches!(self.changes.emitters[light].source, Source::Area(_));
+        if on_area && !self.area_lights_shine {
+            return Vec3::ZERO;
+        }
         let share = self.flux_corrections[light][bounce] / self.live[light][bounce] as f32;
         self.changes.emitters[light].flux * share * slot.throughput
     }

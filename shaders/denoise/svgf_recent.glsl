@@ -1,0 +1,42 @@
+// What the last frames of SVGF's history say, over the 5x5 texels around a place. Needs svgf.glsl and `last_moments`.
+
+struct Recent {
+    float mean;      // of the history's luminance
+    float deviation; // standard deviation of luminance, frame by frame
+    float change;    // of the mean of the last frames from that of the history
+    float texels;    // that witness it
+};
+
+// Histories shorter than this many frames do not differ from their last frames.
+const float FEW_FRAMES = 3.4;
+
+// Texels whose history is short witness as if they said the same as the rest: it may just have been dropped.
+Recent recent_at(ivec2 place) {
+    Recent sum = Recent(0.0, 0.0, 0.0, 0.0);
+    float count = 0.0;
+    for (int i = 0; i < 25; i++) {
+        ivec2 at = place + ivec2(i % 5, i / 5) - 2;
+        if (!inside(at)) continue;
+        vec4 then = imageLoad(last_moments, at);
+        if (then.b > 0.0) sum.texels += 1.0;
+        if (then.b < FEW_FRAMES) continue;
+        sum.mean += then.r;
+        sum.deviation += then.g * then.g;
+        sum.change += then.a - then.r;
+        count += 1.0;
+    }
+    if (count == 0.0) return sum;
+    return Recent(sum.mean / count, sqrt(sum.deviation / count), sum.change / count, sum.texels);
+}
+
+// What rounding makes of the change, as a share of the mean.
+const float ROUNDING = 0.02;
+// Rare bright samples come in heaps, but never go so: light that comes needs more proof than light that goes.
+const float RISE = 1.6;
+
+// Whether the last frames contradict the history: a test for means of samples (Welch 1947). `certainty`: standard deviations, of the
+// mean over as many texels, that it takes.
+bool has_changed(Recent recent, float certainty) {
+    float expected = certainty * recent.deviation * inversesqrt(max(recent.texels, 1.0)) + ROUNDING * recent.mean;
+    return -recent.change > expected || recent.change > RISE * expected;
+}

@@ -1,0 +1,299 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
+// the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
+// the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene.glsl"
+#include "bsdf.glsl"
+#include "rounded.glsl"
+#define TRACER_BINDING 18
+#include "tracer.glsl"
+#define HIT_BINDING 28
+#define HIT_TEXTURES
+#include "hit.glsl"
+#define NOISE_BINDING 10
+#include "noise.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+#include "surface.glsl"
+#include "lights.glsl"
+layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
+layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 5, std430) readonly buffer LightBlock { LightData data[]; } lights;
+layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
+#define AREA_LIGHTS_BINDING 8
+#include "unshadowed.glsl"
+#include "seen.glsl"
+#define EMITTERS_BINDING 9
+#include "light_sampling.glsl"
+#define ENVIRONMENT_BINDING 11
+#include "environment.glsl"
+#include "mirrored.glsl"
+#include "visible_surface.glsl"
+#include "hit_record.glsl"
+// Of the estimator.
+layout(set = 0, binding = 7) uniform texture2D irradiance;
+layout(set = 0, binding = 12, rgba16f) uniform readonly image2D reprojected;
+layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D reflection;
+layout(set = 0, binding = 14, rgba32ui) uniform writeonly uimage2D hit_place;
+layout(set = 0, binding = 15, rgba16f) uniform writeonly image2D hit_weight;
+// What is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
+layout(set = 0, binding = 16, r32f) uniform writeonly image2D image_depth;
+layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D image_normal;
+layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_surface;
+layout(set = 0, binding = 36, rgba16ui) uniform writeonly uimage2D image_surface;
+layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reprojected;
+
+// Twin: TracePush in src/effects/reflections.rs.
+layout(push_constant) uniform Push {
+    float spread; // of a pixel, over a distance of 1
+    float limit;  // roughness up to which surfaces mirror
+    uint depth;   // glossy surfaces that a path follows, at most
+    uint has_history;
+    uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
+} push;
+
+// What a half float holds at most.
+const float MOST = 65504.0;
+// Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
+const uint FIRST_DIMENSION = 4u;
+const uint DIMENSIONS = 4u;
+// Roughness up to which a surface shows a mirror image, and up to which what a flat one shows moves as a mirror image does; how much
+// neighbouring normals of a flat one differ.
+const float IMAGE_ROUGHNESS = 0.05;
+const float MOVING_ROUGHNESS = 0.25;
+const float FLAT = 0.999;
+// The same of what the last frame saw: see reprojection.comp.
+const float MIN_COSINE = 0.7071;
+const float DEPTH_TOLERANCE = 0.01;
+const float SLOPE_PIXELS = 2.0;
+const float MIN_SLOPE_COSINE = 0.05;
+// Pixels that a blur reaches at most, and those that one of noisy light at a sharp mirror image does.
+const float WIDEST = 30.0;
+const float IMAGE_BLUR = 3.0;
+// Tangent of the half angle that most of the lobe lies in, over alpha: GGX has long tails.
+const float LOBE_WIDTH = 4.0;
+const uint NO_INSTANCE = 4094u;
+// What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
+const float MIRROR_TOLERANCE = 0.1;
+
+// A path with what it has gathered, over the directional albedo of the visible surface's lobe.
+struct Path {
+    vec3 radiance;
+    vec3 throughput;
+    HitRecord record;
+    float record_weight; // of all hits that could have been the record
+};
+
+bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.size))); }
+
+// Irradiance of a surface that is on the screen; false where none of it is.
+bool seen_irradiance(HitSurface hit, uint instance, out vec3 result) {
+    vec4 clip = frame.view_projection * vec4(hit.position, 1.0);
+    ivec2 pixel = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size)));
+    if (clip.w <= 0.0 || !inside(pixel) || texelFetch(gbuffer_instance, pixel, 0).x != instance + 1u) return false;
+    Surface at = surface_at(pixel);
+    float footprint = at.depth * push.spread;
+    bool same = abs(dot(at.position - hit.position, hit.geometric)) < 2.0 * footprint + ray_offset(hit.position)
+        && distance(at.position, hit.position) < 4.0 * footprint / max(abs(dot(hit.geometric, normalize(hit.position - frame.eye.xyz))), 0.1)
+        && dot(at.shading, hit.shading) > 0.9;
+    result = texelFetch(irradiance, pixel, 0).rgb;
+    return same;
+}
+
+// Lights a hit: emission, one light, and irradiance, which is known or left to the estimator.
+void shade(inout Path path, HitSurface hit, Seen at, uint instance, vec3 albedo, vec4 random) {
+    path.radiance += path.throughput * hit.emission;
+    vec3 origin = ray_origin(at.surface);
+    ChosenLight chosen = choose_light(at, random.x);
+    if (chosen.probability > 0.0) {
+        LightSample light = sample_light(chosen.index, at, origin, random.zw);
+        path.radiance += path.throughput * sampled_radiance(at, chosen, light, origin);
+    }
+    vec3 weight = path.throughput * albedo / PI;
+    vec3 known;
+    if (seen_irradiance(hit, instance, known)) {
+        path.radiance += weight * known;
+        return;
+    }
+    float luma = luminance(weight);
+    if (!(luma > 0.0)) return;
+    path.record_weight += luma;
+    if (random.y * path.record_weight < luma) {
+        path.record = HitRecord(hit.position, at.surface.shading, at.surface.geometric, weight / luma, 0.0);
+    }
+}
+
+// The first hit of a path, or the environment.
+struct FirstHit {
+    bool met;
+    uint instance;
+    float distance;
+    vec3 position;
+    vec3 shading; // unit normals on the side that was hit
+    vec3 geometric;
+};
+
+Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
+    Path path = Path(vec3(0.0), vec3(1.0), HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0), 0.0);
+    first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
+    Seen at = seen_surface;
+    RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
+    for (uint depth = 0u; depth < push.depth; depth++) {
+        uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
+        Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
+        float cosine = dot(at.surface.shading, sampled.direction);
+        if (sampled.density == 0.0 || dot(at.surface.geometric, sampled.direction) <= 0.0 || cosine <= 0.0) break;
+        vec3 through = sampled.density < 0.0 ? fresnel(at.reflection, cosine)
+            : reflected_towards_eye(at.reflection, sampled.direction) * (cosine / sampled.density);
+        if (depth == 0u) through /= max(at.reflection.reflected, vec3(1e-4));
+        path.throughput *= through;
+        cone.spread += at.reflection.alpha;
+
+        vec3 origin = ray_origin(at.surface);
+        TracerHit hit;
+        bool met = trace_closest(origin, sampled.direction, 0.0, FAR, hit);
+        if (HAS_SHEETS) path.throughput *= trace_transmittance(origin, sampled.direction, 0.0, met ? just_before(hit.t) : FAR);
+        if (!met) {
+            if (push.has_environment == 1u) path.radiance += path.throughput * environment_radiance(sampled.direction);
+            break;
+        }
+        HitSurface surface = surface_of(hit, sampled.direction, cone);
+        cone.width += cone.spread * hit.t;
+        if (depth == 0u) first = FirstHit(true, hit.instance, hit.t, surface.position, surface.shading, surface.geometric);
+        at.surface = Surface(surface.position, surface.shading, surface.geometric, hit.t);
+        at.is_glossy = reflects(surface.bsdf);
+        at.reflection = seen(surface.bsdf, surface.shading, -sampled.direction);
+        at.diffuse = at.reflection.diffuse;
+        bool goes_on = at.is_glossy && depth + 1u < push.depth && mirrored_share(surface.bsdf.roughness, push.limit) > 0.5;
+        // What the path goes on to see of area lights it counts there.
+        at.gloss_of_areas = goes_on ? 0.0 : 1.0;
+        vec3 albedo = at.diffuse + (goes_on || !at.is_glossy ? vec3(0.0) : at.reflection.reflected);
+        vec2 picks = noise(pixel, dimension + 1u);
+        shade(path, surface, at, hit.instance, albedo, vec4(picks, noise(pixel, dimension + 2u)));
+        if (!goes_on) break;
+    }
+    path.record.weight *= path.record_weight;
+    path.record.random = noise(pixel, 3u).x;
+    return path;
+}
+
+// Whether the surface is flat around the pixel.
+bool is_flat(ivec2 pixel, vec3 normal) {
+    for (int i = 0; i < 4; i++) {
+        ivec2 at = pixel + ivec2(i / 2 == 0 ? i * 2 - 1 : 0, i / 2 == 1 ? i * 2 - 5 : 0) * 2;
+        if (!inside(at) || texelFetch(gbuffer_instance, at, 0).x != texelFetch(gbuffer_instance, pixel, 0).x) continue;
+        if (dot(octahedral_decode(imageLoad(gbuffer_normal, at).xy), normal) < FLAT) return false;
+    }
+    return true;
+}
+
+// What is seen in the reflection.
+struct SeenImage {
+    vec3 position; // of the mirror image
+    float depth;
+    vec3 shading;
+    vec3 geometric;
+    uint instance;
+};
+
+SeenImage image_of(Surface mirror, FirstHit hit) {
+    vec3 along = mirror.position - frame.eye.xyz;
+    float stretch = 1.0 + hit.distance / length(along);
+    SeenImage image = SeenImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
+    if (hit.met) {
+        image.shading = reflect(hit.shading, mirror.shading);
+        image.geometric = reflect(hit.geometric, mirror.shading);
+        image.instance = (hit.instance + 1u) & 4095u;
+    }
+    return image;
+}
+
+bool shows(SeenImage image, float depth_then, float tolerance, ivec2 texel) {
+    if (!inside(texel)) return false;
+    VisibleSurface there = unpack_surface(imageLoad(last_image_surface, texel));
+    return there.depth > 0.0 && there.instance == image.instance && dot(there.normal, image.shading) > MIN_COSINE
+        && abs(there.depth - depth_then) < tolerance;
+}
+
+// Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.
+vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage seen) {
+    vec3 then = image.position;
+    if (hit.met) {
+        InstanceData data = instances.data[hit.instance];
+        vec3 hit_then = transform_point(data.previous_object_to_world, transform_point(data.world_to_object, hit.position));
+        then += reflect(hit_then - hit.position, mirror.shading);
+    }
+    vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
+    if (clip.w <= 0.0 || push.has_history == 0u) return vec4(0.0);
+    vec2 motion = vec2(pixel) + 0.5 + frame.jitter - (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size);
+    float cosine = max(abs(dot(image.geometric, normalize(image.position - frame.eye.xyz))), MIN_SLOPE_COSINE);
+    float slope = sqrt(1.0 - cosine * cosine) / cosine;
+    float tolerance = clip.w * (DEPTH_TOLERANCE + SLOPE_PIXELS * slope * push.spread);
+    float depth_then = is_sharp ? clip.w : mirror.depth;
+    if (!is_sharp) tolerance = MIRROR_TOLERANCE * mirror.depth;
+    vec2 place = vec2(pixel) - motion;
+    ivec2 corner = ivec2(floor(place));
+    vec2 masks = vec2(0.0);
+    for (int tap = 0; tap < 4; tap++) {
+        if (shows(seen, depth_then, tolerance, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
+    }
+    ivec2 nearest = ivec2(floor(place + 0.5));
+    for (int tap = 0; tap < 9; tap++) {
+        if (masks.x == 0.0 && shows(seen, depth_then, tolerance, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
+    }
+    return vec4(motion, masks);
+}
+
+// How wide a blur is of use, as a share of the widest: what the lobe blurs anyway, and a little where light at the hit is noisy.
+float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
+    float seen_from = distance(mirror.position, frame.eye.xyz);
+    float lobe = LOBE_WIDTH * alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
+    return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
+    Surface surface = surface_at(pixel);
+    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, id.x & 4095u);
+    vec4 result = vec4(0.0);
+    vec4 then = imageLoad(reprojected, pixel);
+    HitRecord record = HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
+    float roughness = imageLoad(gbuffer_albedo, pixel).a;
+    bool mirrors = id.x != 0u && mirrored_share(roughness, push.limit) > 0.0;
+    if (mirrors) {
+        Seen at = seen_by(pixel, id);
+        mirrors = at.is_glossy;
+        if (mirrors) {
+            FirstHit first;
+            Path path = trace_path(pixel, at, first);
+            record = path.record;
+            float blur = blur_of(surface, at.reflection.alpha, first, record.weight != vec3(0.0));
+            result = vec4(min(path.radiance, MOST), blur);
+            bool is_sharp = roughness < IMAGE_ROUGHNESS;
+            SeenImage mirrored = image_of(surface, first);
+            if (is_sharp) image = mirrored;
+            if (roughness < MOVING_ROUGHNESS && is_flat(pixel, surface.shading)) {
+                then = image_then(pixel, surface, mirrored, first, is_sharp, image);
+            }
+        }
+    }
+    imageStore(reflection, pixel, rounded(result));
+    imageStore(hit_place, pixel, pack_place(record));
+    imageStore(hit_weight, pixel, pack_weight(record));
+    // Where nothing is mirrored there is nothing to denoise.
+    float depth = mirrors ? image.depth : 0.0;
+    imageStore(image_depth, pixel, vec4(depth));
+    imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
+    VisibleSurface packed = VisibleSurface(depth, image.shading, image.instance);
+    imageStore(image_surface, pixel, mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_reprojected, pixel, then);
+}

@@ -1,0 +1,111 @@
+// One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, were nothing between; then a
+// point of the light. Needs unshadowed.glsl and tracer.glsl. Define EMITTERS_BINDING before including.
+
+// A triangle, in the world; its normal is that of the side that emits.
+struct Emitter {
+    vec4 corner;   // xyz; w: share of the light's flux of the emitters up to this one
+    vec4 edge_u;   // xyz: to the second corner; w: density of points, 1/area
+    vec4 edge_v;   // xyz: to the third
+    vec4 radiance; // rgb; w: index of its alpha mask plus one, as bits
+    vec4 uvs;      // of the mask: first and second corner
+    vec4 uv;       // xy: third
+};
+
+layout(set = 0, binding = EMITTERS_BINDING, std430) readonly buffer EmitterBlock { Emitter data[]; } emitters;
+
+// A light; probability 0: none sends anything.
+struct ChosenLight {
+    uint index;
+    float probability;
+    vec3 unshadowed; // what all lights send, about
+};
+
+// Weighted reservoir sampling in one pass: each light replaces the choice with the probability weight / total so far.
+ChosenLight choose_light(Seen seen, float pick) {
+    ChosenLight chosen = ChosenLight(0u, 0.0, vec3(0.0));
+    float total = 0.0;
+    float chosen_weight = 0.0;
+    for (uint i = 0u; i < sampled_lights(); i++) {
+        vec3 radiance = unshadowed_radiance(i, seen);
+        float weight = luminance(radiance);
+        if (!(weight > 0.0)) continue;
+        chosen.unshadowed += radiance;
+        total += weight;
+        float probability = weight / total;
+        if (pick < probability) {
+            chosen.index = i;
+            chosen_weight = weight;
+            pick /= probability;
+        } else {
+            pick = (pick - probability) / (1.0 - probability);
+        }
+    }
+    chosen.probability = total > 0.0 ? chosen_weight / total : 0.0;
+    return chosen;
+}
+
+// A point of a light.
+struct LightSample {
+    vec3 to_light;   // unit
+    float reach;     // along it to the light, FAR at most
+    vec3 irradiance; // across it, over the density of the direction; 0: nothing comes from there
+    float gloss;     // share of the GGX lobe that counts
+};
+
+bool emitter_is_opaque(Emitter emitter, vec2 weights) {
+    uint mask = floatBitsToUint(emitter.radiance.w);
+    if (mask == 0u) return true;
+    vec2 uv = emitter.uvs.xy * (1.0 - weights.x - weights.y) + emitter.uvs.zw * weights.x + emitter.uv.xy * weights.y;
+    return tracer_mask_bit(mask - 1u, uv);
+}
+
+LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss) {
+    // By flux: a binary search in the cumulative distribution.
+    uint low = light.first;
+    uint high = light.first + light.count - 1u;
+    while (low < high) {
+        uint middle = (low + high) / 2u;
+        if (u.x < emitters.data[middle].corner.w) high = middle;
+        else low = middle + 1u;
+    }
+    Emitter emitter = emitters.data[low];
+    float before = low > light.first ? emitters.data[low - 1u].corner.w : 0.0;
+    u.x = clamp((u.x - before) / max(emitter.corner.w - before, 1e-30), 0.0, 1.0);
+    // Uniform in the triangle.
+    float root = sqrt(u.x);
+    vec2 weights = vec2(root * (1.0 - u.y), root * u.y);
+    vec3 point = emitter.corner.xyz + emitter.edge_u.xyz * weights.x + emitter.edge_v.xyz * weights.y;
+    vec3 normal = normalize(cross(emitter.edge_u.xyz, emitter.edge_v.xyz));
+    vec3 d = point - origin;
+    float squared = dot(d, d);
+    float cosine = -dot(normal, d);
+    LightSample none = LightSample(normal, 0.0, vec3(0.0), gloss);
+    if (!(cosine > 0.0 && squared > 0.0) || !emitter_is_opaque(emitter, weights)) return none;
+    vec3 end = point + normal * ray_offset(point) - origin;
+    float reach = length(end);
+    return LightSample(end / reach, reach, emitter.radiance.rgb * (cosine * inversesqrt(squared) / (squared * emitter.edge_u.w)), gloss);
+}
+
+// Samples a point of a light; rays to it begin at `origin`.
+LightSample sample_light(uint index, Seen seen, vec3 origin, vec2 u) {
+    if (index >= frame.light_count) {
+        return sample_emitter(area_lights.data[index - frame.light_count], origin, u, seen.gloss_of_areas);
+    }
+    LightData light = lights.data[index];
+    vec3 to_light;
+    vec3 irradiance = unshadowed(light, seen.surface.position, to_light);
+    LightCone cone = cone_of(light, origin);
+    LightSample result = LightSample(vec3(0.0), 0.0, irradiance * gain_of(cone), 1.0);
+    result.to_light = sample_cone(cone, u, result.reach);
+    return result;
+}
+
+// What the light that was sampled sends to the eye, over the probability of having chosen it.
+vec3 sampled_radiance(Seen seen, ChosenLight chosen, LightSample light, vec3 origin) {
+    float cosine = dot(seen.surface.shading, light.to_light);
+    bool faces = cosine > 0.0 && dot(seen.surface.geometric, light.to_light) > 0.0;
+    if (!faces || light.irradiance == vec3(0.0)) return vec3(0.0);
+    vec3 radiance = bsdf_of(seen, light.to_light, light.gloss) * light.irradiance * (cosine / chosen.probability);
+    if (radiance == vec3(0.0)) return radiance;
+    return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
+}

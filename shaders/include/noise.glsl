@@ -1,0 +1,39 @@
+// Random numbers of rays. Needs frame.glsl. Define NOISE_BINDING before including. Table: src/effects/noise.rs. Twin: tests/noise.rs.
+
+// 1: white noise; otherwise blue.
+layout(constant_id = 1) const uint WHITE_NOISE = 0u;
+
+// Two channels of 8 bits, frame by frame, 64 x 64 texels each: two texels a word. See examples/blue_noise.rs.
+layout(set = 0, binding = NOISE_BINDING, std430) readonly buffer BlueNoiseBlock { uint words[]; } blue_noise;
+
+const uint NOISE_SIDE = 64u;
+const uint NOISE_FRAMES = 32u;
+
+// Hashes of three words (Jarzynski and Olano 2020, pcg3d).
+uvec3 pcg3d(uvec3 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v ^= v >> 16u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    return v;
+}
+
+vec2 unit_of(uvec2 bits) { return vec2(bits >> 8u) * exp2(-24.0); }
+
+// Two numbers from 0 to 1 for a pixel of this frame: others for each dimension.
+vec2 noise(ivec2 pixel, uint dimension) {
+    uvec3 bits = pcg3d(uvec3(pixel, frame.noise_frame * 64u + dimension));
+    vec2 white = unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
+    if (WHITE_NOISE == 1u) return white;
+    // Each dimension and each cycle of the table looks elsewhere in it.
+    uvec2 place = pcg3d(uvec3(dimension, frame.noise_frame / NOISE_FRAMES, frame.seed)).xy >> 8u;
+    uvec2 texel = (uvec2(pixel) + place) % NOISE_SIDE;
+    uint index = (frame.noise_frame % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
+    uint both = blue_noise.words[index / 2u] >> (index % 2u * 16u);
+    // White noise fills the gaps between 256 values: what is rarer would never be chosen.
+    return min((vec2(both & 255u, both >> 8u & 255u) + white) / 256.0, 1.0 - exp2(-24.0));
+}

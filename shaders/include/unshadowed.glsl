@@ -1,0 +1,79 @@
+// About what each light sends from a surface to the eye, were nothing between: exactly for lights without extent, smoothly for others,
+// area lights among them, and never 0 where they send anything (for the ratio estimator of Heitz et al. 2018). Needs frame.glsl,
+// bsdf.glsl, surface.glsl, lights.glsl and `lights`. Define AREA_LIGHTS_BINDING before including. Twins: src/passes/area_lights.rs.
+#include "light_cone.glsl"
+
+struct AreaLightData {
+    vec4 centre; // xyz: of its bounds; w: their radius
+    vec4 facing; // xyz: mean normal, shorter than 1 where the light is not flat
+    vec4 power;  // rgb: radiance times area, the sum of its emitters, W/sr
+    uint first;  // of its emitters
+    uint count;
+    uint pad0;
+    uint pad1;
+};
+
+layout(set = 0, binding = AREA_LIGHTS_BINDING, std430) readonly buffer AreaLightBlock { AreaLightData data[]; } area_lights;
+
+// A surface with its BSDF, as the eye, or what a ray comes from, sees it.
+struct Seen {
+    Surface surface;
+    vec3 diffuse;          // directional albedo of the Lambertian lobe
+    bool is_glossy;        // has a GGX lobe
+    Reflection reflection; // of that
+    float gloss_of_areas;  // share of the GGX lobe's light of area lights that is to be counted here
+};
+
+// What the BSDF makes of irradiance across a direction, by both lobes, without the cosine.
+vec3 bsdf_of(Seen seen, vec3 to_light, float gloss) {
+    vec3 bsdf = seen.diffuse / PI;
+    if (seen.is_glossy && gloss > 0.0) bsdf += gloss * reflected_towards_eye(seen.reflection, to_light);
+    return bsdf;
+}
+
+// The mean cosine above the horizon of a light about a direction with this cosine, whose half angle has this sine.
+float cosine_above(float cosine, float sine) {
+    if (cosine >= sine) return cosine;
+    return cosine <= -sine ? 0.0 : (cosine + sine) * (cosine + sine) / (4.0 * sine);
+}
+
+// About what irradiance around a direction becomes, 0 only where the whole light is below the horizon: exact without extent.
+vec3 around(Seen seen, vec3 to_light, float sine, float gloss) {
+    float above = cosine_above(dot(seen.surface.shading, to_light), sine);
+    if (above <= 0.0 || dot(seen.surface.geometric, to_light) <= -sine) return vec3(0.0);
+    if (sine > 0.0) {
+        // A wide light makes a wide highlight.
+        seen.reflection.alpha = min(sqrt(seen.reflection.alpha * seen.reflection.alpha + 0.25 * sine * sine), 1.0);
+        to_light = normalize(to_light + seen.surface.shading * max(0.5 * sine - dot(seen.surface.shading, to_light), 0.0));
+    }
+    return bsdf_of(seen, to_light, gloss) * above;
+}
+
+LightCone cone_of(LightData light, vec3 p) {
+    if (light.kind == LIGHT_DIRECTIONAL) return cone_to_disc(-light.direction.xyz, light.half_angle);
+    vec3 d = light.position.xyz - p;
+    float distance = max(length(d), 1e-15);
+    return cone_to_sphere(d / distance, distance, light.radius);
+}
+
+// About what a light sends to the eye, were nothing between: positive wherever it sends anything.
+vec3 unshadowed_radiance(uint index, Seen seen) {
+    vec3 p = seen.surface.position;
+    if (index < frame.light_count) {
+        vec3 to_light;
+        vec3 irradiance = unshadowed(lights.data[index], p, to_light);
+        return irradiance * around(seen, to_light, sine_of(cone_of(lights.data[index], p)), 1.0);
+    }
+    AreaLightData light = area_lights.data[index - frame.light_count];
+    vec3 d = light.centre.xyz - p;
+    float squared = dot(d, d) + light.centre.w * light.centre.w;
+    float sine = light.centre.w * inversesqrt(squared);
+    vec3 to_light = d * inversesqrt(max(dot(d, d), 1e-30));
+    // A flat light sends by the cosine, a closed one the same everywhere: a quarter of its area faces any point.
+    float flatness = length(light.facing.xyz);
+    float cosine = flatness > 0.0 ? -dot(light.facing.xyz, to_light) / flatness : 0.0;
+    float facing = mix(0.25, cosine_above(cosine, sine), flatness);
+    return light.power.rgb * (max(facing, 0.02) / squared) * around(seen, to_light, sine, seen.gloss_of_areas);
+}
+
+uint sampled_lights() { return frame.light_count + frame.area_light_count; }

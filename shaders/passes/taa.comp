@@ -1,0 +1,107 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Temporal antialiasing (Karis 2014, Salvi 2016): each frame samples pixels at another position; history follows what moves and
+// stays within the colours of the 3x3 pixels around. In: radiance, motion, depth, history. Out: both blended; a: share of the pixel
+// that shows surfaces.
+#include "frame.glsl"
+#include "ycocg.glsl"
+#include "rounded.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1) uniform texture2D radiance;
+layout(set = 0, binding = 2) uniform texture2D gbuffer_motion;
+layout(set = 0, binding = 3, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 4) uniform texture2D history;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D antialiased;
+
+layout(push_constant) uniform Push {
+    float alpha; // share of this frame
+} push;
+
+// Standard deviations around the mean of the 3x3 pixels in which history is kept.
+const float REACH = 1.0;
+// Most that a half float holds.
+const float MOST = 65504.0;
+
+bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.size))); }
+
+bool is_finite(vec4 light) { return !any(isnan(light)) && !any(isinf(light)); }
+
+vec4 radiance_of(ivec2 pixel) {
+    vec4 light = texelFetch(radiance, clamp(pixel, ivec2(0), ivec2(frame.size) - 1), 0);
+    return is_finite(light) ? min(light, MOST) : vec4(0.0);
+}
+
+// How far what is nearest around the pixel has moved: edges move with what is before them.
+vec2 motion_at(ivec2 pixel) {
+    ivec2 nearest = pixel;
+    float least = 1e30;
+    for (int i = 0; i < 9; i++) {
+        ivec2 at = pixel + ivec2(i % 3, i / 3) - 1;
+        float depth = inside(at) ? imageLoad(gbuffer_depth, at).r : 0.0;
+        if (depth > 0.0 && depth < least) {
+            least = depth;
+            nearest = at;
+        }
+    }
+    if (least < 1e30) return texelFetch(gbuffer_motion, nearest, 0).xy;
+    // The environment is infinitely far away.
+    vec3 then = (frame.previous_view_projection * vec4(pixel_ray(vec2(pixel)), 0.0)).xyw;
+    if (then.z <= 0.0) return vec2(frame.size);
+    return vec2(pixel) + 0.5 + frame.jitter - (then.xy / then.z * 0.5 + 0.5) * vec2(frame.size);
+}
+
+// Catmull and Rom's cubic weights of four texels in a row.
+vec4 cubic_weights(float t) {
+    float u = 1.0 - t;
+    return vec4(-0.5 * t * u * u, 1.0 + t * t * (1.5 * t - 2.5), 1.0 + u * u * (1.5 * u - 2.5), -0.5 * u * t * t);
+}
+
+// Interpolated without blur: bilinear history loses contrast in each frame of motion.
+vec4 history_at(vec2 place) {
+    ivec2 first = ivec2(floor(place));
+    vec2 part = place - vec2(first);
+    if (part == vec2(0.0)) return texelFetch(history, first, 0);
+    vec4 x = cubic_weights(part.x);
+    vec4 y = cubic_weights(part.y);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 16; i++) {
+        ivec2 at = clamp(first + ivec2(i % 4, i / 4) - 1, ivec2(0), ivec2(frame.size) - 1);
+        sum += x[i % 4] * y[i / 4] * texelFetch(history, at, 0);
+    }
+    return max(sum, 0.0);
+}
+
+// The colour on the way to the mean of those around where it leaves their box.
+vec3 clipped(vec3 colour, ivec2 pixel) {
+    vec3 sum = vec3(0.0);
+    vec3 squares = vec3(0.0);
+    for (int i = 0; i < 9; i++) {
+        vec3 around = ycocg(radiance_of(pixel + ivec2(i % 3, i / 3) - 1).rgb);
+        sum += around;
+        squares += around * around;
+    }
+    vec3 mean = sum / 9.0;
+    vec3 reach = REACH * sqrt(max(squares / 9.0 - mean * mean, 0.0));
+    vec3 off = ycocg(colour) - mean;
+    vec3 times = abs(off) / max(reach, vec3(1e-6) * abs(mean.x) + 1e-20);
+    float most = max(times.x, max(times.y, times.z));
+    return max(rgb_of_ycocg(mean + off / max(most, 1.0)), 0.0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (!inside(pixel)) return;
+    vec4 now = radiance_of(pixel);
+    vec2 place = vec2(pixel) - motion_at(pixel);
+    bool seen = all(greaterThan(place, vec2(-0.5))) && all(lessThan(place, vec2(frame.size) - 0.5));
+    vec4 result = now;
+    if (push.alpha < 1.0 && seen) {
+        vec4 then = history_at(clamp(place, vec2(0.0), vec2(frame.size) - 1.0));
+        then.rgb = clipped(then.rgb, pixel);
+        result = mix(then, now, push.alpha);
+    }
+    imageStore(antialiased, pixel, rounded(result));
+}

@@ -1,0 +1,44 @@
+//! `hit_light`: lights what reflection rays have hit, by one VPL of the frame's set a hit.
+
+use std::sync::Arc;
+
+use super::indirect_shadows::DrawPush;
+use super::vpl_buffer::UploadedSet;
+use crate::estimators::{EstimatorInputs, Hits};
+use crate::passes::tracer::TracerVariant;
+use crate::vulkan::{ComputePipeline, Device, Frame, VulkanError, shaders};
+
+/// The pass.
+pub struct HitLightPass {
+    pipeline: ComputePipeline,
+}
+
+impl HitLightPass {
+    /// Makes the pipeline for a tracer.
+    pub fn new(device: &Arc<Device>, tracer: TracerVariant) -> Result<Self, VulkanError> {
+        Ok(Self { pipeline: tracer.pipeline(device, "hit_light", shaders::HIT_LIGHT_COMP, &[])? })
+    }
+
+    /// Adds the light of the set, which holds this share of all light.
+    pub fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &EstimatorInputs<'_>,
+        hits: &Hits<'_>,
+        set: &UploadedSet,
+        set_share: f32,
+    ) -> Result<(), VulkanError> {
+        let pass = frame
+            .pass("hit_light", &self.pipeline)
+            .read("frame_uniforms", inputs.frame)
+            .read("gbuffer_depth", &inputs.gbuffer.depth)
+            .read("gbuffer_normal", &inputs.gbuffer.normal)
+            .read("vpl_clusters", &*set.clusters)
+            .read("hit_place", hits.place)
+            .read("hit_weight", hits.weight)
+            .write("reflection", hits.reflection)
+            .write("ray_counters", &*set.ray_counters)
+            .push(&DrawPush::of_share(set_share));
+        set.bind(inputs.tracer.bind(pass)).dispatch_over(hits.reflection.extent())
+    }
+}

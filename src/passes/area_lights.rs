@@ -1,0 +1,178 @@
+//! Area lights as shaders sample them: of each its bounds and power, and its emissive triangles in the world.
+//!
+//! In: where everything stands. Out: two buffers, for shaders/include/unshadowed.glsl and light_sampling.glsl.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+use super::to_u32;
+use crate::scene::{AreaTriangle, BoundingSphere, LightKind, Pose, Scene, luminance};
+use crate::vulkan::{Frame, Upload, VulkanError};
+
+/// A light; `AreaLightData` in shaders/include/unshadowed.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct AreaLightData {
+    /// xyz: of its bounds; w: their radius.
+    pub centre: Vec4,
+    /// xyz: mean normal, shorter than 1 where the light is not flat.
+    pub facing: Vec4,
+    /// rgb: radiance times area, the sum of its emitters, W/sr.
+    pub power: Vec4,
+    /// Of its emitters.
+    pub first: u32,
+    /// Of emitters.
+    pub count: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+}
+
+/// A triangle; `Emitter` in shaders/include/light_sampling.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Emitter {
+    /// xyz: world position; w: share of the light's flux of the emitters up to this one.
+    pub corner: Vec4,
+    /// xyz: to the second corner; w: density of points, 1/area.
+    pub edge_u: Vec4,
+    /// xyz: to the third corner.
+    pub edge_v: Vec4,
+    /// rgb: radiance; w: index of its alpha mask plus one, as bits.
+    pub radiance: Vec4,
+    /// Of the mask: first and second corner.
+    pub uvs: Vec4,
+    /// xy: third corner.
+    pub uv: Vec4,
+}
+
+/// What the tables depend on.
+#[derive(PartialEq)]
+struct Key {
+    lights: Vec<(usize, Vec<AreaTriangle>, Affine3A)>,
+}
+
+/// The tables of a pose.
+#[derive(Default)]
+pub struct AreaLights {
+    lights: Vec<AreaLightData>,
+    emitters: Vec<Emitter>,
+    key: Option<Key>,
+}
+
+/// The tables on the device.
+pub struct UploadedAreaLights {
+    /// [`AreaLightData`].
+    pub lights: Upload,
+    /// [`Emitter`].
+    pub emitters: Upload,
+}
+
+impl AreaLights {
+    /// Brings the tables up to date.
+    pub fn update(&mut self, scene: &Scene, pose: &Pose) {
+        let lights = pose.lights.iter().filter_map(|light| match &light.kind {
+            LightKind::Area { instance, triangles } => {
+                Some((*instance, triangles.clone(), *pose.instances.get(*instance)?))
+            }
+            _ => None,
+        });
+        let key = Key { lights: lights.collect() };
+        if self.key.as_ref() == Some(&key) {
+            return;
+        }
+        (self.lights, self.emitters) = (Vec::new(), Vec::new());
+        for (instance, triangles, transform) in &key.lights {
+            self.add(scene, *instance, triangles, transform);
+        }
+        self.key = Some(key);
+    }
+
+    /// How many lights there are that emit anything.
+    pub fn count(&self) -> u32 {
+        to_u32(self.lights.len())
+    }
+
+    /// Uploads the tables. An empty one has one entry.
+    pub fn upload(&self, frame: &mut Frame<'_>) -> Result<UploadedAreaLights, VulkanError> {
+        let none = (&[AreaLightData::default()][..], &[Emitter::default()][..]);
+        let (lights, emitters) =
+            if self.lights.is_empty() { none } else { (&self.lights[..], &self.emitters[..]) };
+        Ok(UploadedAreaLights { lights: frame.upload(lights)?, emitters: frame.upload(emitters)? })
+    }
+
+    fn add(&mut self, scene: &Scene, instance: usize, triangles: &[AreaTriangle], transform: &Affine3A) {
+        let mesh = &scene.meshes[scene.instances[instance].mesh];
+        let mirrored = transform.matrix3.determinant() < 0.0;
+        let first = self.emitters.len();
+        let (mut flux, mut area, mut facing, mut power) = (0.0, 0.0, Vec3::ZERO, Vec3::ZERO);
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for triangle in triangles {
+            let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
+            let corners = mesh.triangle_positions(triangle.triangle).map(|at| transform.transform_point3(at));
+            let (mut corners, mut uvs) = (corners, mesh.mask_coordinates(triangle.triangle, material));
+            // Mirroring flips the winding but not the front side.
+            if mirrored {
+                corners.swap(1, 2);
+                uvs.swap(1, 2);
+            }
+            let [a, u, v] = [corners[0], corners[1] - corners[0], corners[2] - corners[0]];
+            let doubled = u.cross(v);
+            let own = 0.5 * doubled.length();
+            flux += f64::from(own) * f64::from(luminance(triangle.radiance).max(0.0));
+            area += own;
+            facing += 0.5 * doubled;
+            power += own * triangle.radiance;
+            for corner in corners {
+                (low, high) = (low.min(corner), high.max(corner));
+            }
+            let mask = material.alpha_mask.map_or(0, |mask| to_u32(mask) + 1);
+            let [first, second, third]: [Vec2; 3] = uvs;
+            self.emitters.push(Emitter {
+                // The running sum for now.
+                corner: a.extend(flux as f32),
+                edge_u: u.extend(own),
+                edge_v: v.extend(0.0),
+                radiance: triangle.radiance.extend(f32::from_bits(mask)),
+                uvs: Vec4::new(first.x, first.y, second.x, second.y),
+                uv: Vec4::new(third.x, third.y, 0.0, 0.0),
+            });
+        }
+        if !(flux > 0.0 && flux.is_finite()) {
+            self.emitters.truncate(first);
+            return;
+        }
+        // The density must match the rounded distribution.
+        let mut before = 0.0;
+        for emitter in &mut self.emitters[first..] {
+            let (up_to, own) = ((f64::from(emitter.corner.w) / flux).min(1.0) as f32, emitter.edge_u.w);
+            emitter.edge_u.w = (up_to - before) / own.max(f32::MIN_POSITIVE);
+            emitter.corner.w = up_to;
+            before = up_to;
+        }
+        let bounds = BoundingSphere::around((low, high));
+        self.lights.push(AreaLightData {
+            centre: bounds.center.extend(bounds.radius),
+            facing: (facing / area).extend(0.0),
+            power: power.extend(0.0),
+            first: to_u32(first),
+            count: to_u32(self.emitters.len() - first),
+            ..AreaLightData::default()
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::passes::structs::tests::same_layout;
+    use crate::vulkan::shaders;
+
+    #[test]
+    fn structs_have_the_layout_of_the_shaders() {
+        let shader = shaders::SOFT_SHADOWS_TRACE_COMP.software;
+        same_layout!(shader, AreaLightData, centre, facing, power, first, count, pad0, pad1);
+        same_layout!(shader, Emitter, corner, edge_u, edge_v, radiance, uvs, uv);
+    }
+}

@@ -1,0 +1,63 @@
+//! What was measured of frames, once the device has finished them.
+
+use std::collections::VecDeque;
+
+use super::{RenderError, Renderer};
+use crate::estimators::Estimator;
+use crate::report::{
+    CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
+};
+use crate::vulkan::FrameTimes;
+
+/// A frame on its way.
+pub(super) struct Pending {
+    pub frame: u64,
+    pub cpu_ms: Vec<f64>,
+    pub counters: Counters,
+}
+
+impl Renderer {
+    /// The reports of finished frames that were not given yet, in order. Does not wait.
+    pub fn take_reports(&mut self) -> Vec<FrameReport> {
+        std::mem::take(&mut self.reports)
+    }
+
+    /// Waits for all frames and gives the reports that were not given yet, in order.
+    pub fn finish(&mut self) -> Result<Vec<FrameReport>, RenderError> {
+        for times in self.frames.finish()? {
+            self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
+        }
+        Ok(std::mem::take(&mut self.reports))
+    }
+
+    /// The passes of a frame, in order.
+    pub fn pass_infos(&self) -> Vec<PassInfo> {
+        frame_passes(&*self.estimator).copied().collect()
+    }
+}
+
+/// The passes of a frame, in order.
+fn frame_passes(estimator: &dyn Estimator) -> impl Iterator<Item = &'static PassInfo> {
+    let of_method = estimator.method().passes;
+    let cpu = CPU_PASSES.iter().chain(of_method.cpu);
+    cpu.chain(&SHARED_PASSES).chain(of_method.device).chain(&LAST_PASSES)
+}
+
+/// Joins what the CPU knows of a frame with the device's times.
+pub(super) fn report(
+    pending: &mut VecDeque<Pending>,
+    estimator: &dyn Estimator,
+    times: &FrameTimes,
+) -> Option<FrameReport> {
+    let Pending { frame, cpu_ms, mut counters } = pending.pop_front()?;
+    let mut passes: PassTimes = frame_passes(estimator).map(|pass| (pass.name, 0.0)).collect();
+    passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
+    // Passes of views are not part of the frame.
+    for (name, ms) in &times.passes {
+        if let Some(pass) = passes.get_mut(name) {
+            *pass += ms;
+        }
+    }
+    estimator.add_device_counters(&mut counters, &times.readback);
+    Some(FrameReport { frame, figures: FrameFigures { total_ms: passes.values().sum(), passes, counters } })
+}

@@ -1,0 +1,71 @@
+//! The camera of a frame: where it samples the pixels, and what all passes are told.
+
+use glam::{Mat4, Vec2};
+
+use super::Renderer;
+use super::rest::{Cycle, FrameClock};
+use crate::estimators::World;
+use crate::passes::structs::FrameUniforms;
+use crate::passes::to_u32;
+use crate::scene::{Camera, Pose};
+use crate::settings::{Antialiasing, Direct};
+
+/// What a frame is drawn from.
+pub(super) struct Viewed {
+    /// Where everything stands, with the camera where it samples the pixels.
+    pub pose: Pose,
+    pub uniforms: FrameUniforms,
+    /// World to clip space without jitter, now and one frame ago.
+    pub unjittered: [Mat4; 2],
+}
+
+impl Renderer {
+    /// What the frames of a still scene go through.
+    pub(super) fn cycle(&self) -> Cycle {
+        Cycle {
+            estimator: self.estimator.cycle(),
+            settled: self.estimator.settles_in(),
+            is_noisy: self.passes.reprojection.is_some(),
+            is_jittered: self.settings.antialiasing == Antialiasing::Taa,
+        }
+    }
+
+    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock, lights: usize) -> Viewed {
+        let size = self.settings.size;
+        let extent = Vec2::from(size.map(|side| side as f32));
+        let aspect = extent.x / extent.y;
+        let unjittered = view_projection(&pose.camera, aspect);
+        let previous = self.unjittered.unwrap_or(unjittered);
+        let jitter = clock.jitter();
+        let mut pose = pose.clone();
+        pose.camera.shift = 2.0 * jitter / extent;
+        let [ray, ray_x, ray_y] = pose.camera.pixel_rays(aspect).map(|ray| ray.extend(0.0));
+        let uniforms = FrameUniforms {
+            view_projection: view_projection(&pose.camera, aspect),
+            previous_view_projection: previous,
+            eye: pose.camera.eye.extend(self.radius),
+            background: self.buffers.environment.background(&self.scene, &pose),
+            ray,
+            ray_x,
+            ray_y,
+            size,
+            light_count: to_u32(lights),
+            noise_frame: clock.noise_frame(),
+            jitter,
+            seed: self.settings.seed,
+            area_light_count: if self.settings.direct == Direct::Rays { self.area_lights.count() } else { 0 },
+        };
+        Viewed { pose, uniforms, unjittered: [unjittered, previous] }
+    }
+
+    /// The world as the last frame showed it, but for `pose`.
+    pub(crate) fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
+        World { scene: &self.scene, pose, bvh: &self.bvh }
+    }
+}
+
+/// World to clip space. Near and far are swapped: reversed depth keeps its precision far away.
+fn view_projection(camera: &Camera, aspect: f32) -> Mat4 {
+    let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
+    reversed.projection_matrix(aspect) * camera.view_matrix()
+}

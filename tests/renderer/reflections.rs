@@ -1,0 +1,307 @@
+//! Reflections by rays: mirrors show what is seen from the mirrored place, and the mean is that of the path tracer.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use glowworm::metrics::{CompareOptions, Image, compare};
+use glowworm::output::Picture;
+use glowworm::renderer::Renderer;
+use glowworm::scene::{Camera, Pose, Scene};
+use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings};
+
+use super::reference::reference;
+use super::support::{Lab, layer, luminance, mean, plain, scene};
+
+const SIZE: [u32; 2] = [96, 64];
+/// Frames of a still scene until it is frozen, without an estimator.
+const FRAMES: u32 = 64 + 1;
+
+/// Boxes, one of which glows, before an upright surface at z = -2 that faces them.
+fn stage(material: &str, more: &str) -> Arc<Scene> {
+    scene(&format!(
+        r#"
+[[models]]
+name = "mirror"
+primitive = "box"
+size = [12, 8, 0.2]
+material = {{ {material} }}
+[[models]]
+name = "floor"
+primitive = "box"
+size = [12, 0.2, 12]
+material = {{ albedo = [0.6, 0.55, 0.5] }}
+[[models]]
+name = "red"
+primitive = "box"
+size = [0.8, 1.6, 0.8]
+material = {{ albedo = [0.8, 0.15, 0.1] }}
+[[models]]
+name = "lamp"
+primitive = "box"
+size = [0.5, 0.5, 0.5]
+material = {{ albedo = [0, 0, 0], emission = [2, 1.5, 1] }}
+[[instances]]
+model = "mirror"
+translation = [0, 3, -2.1]
+[[instances]]
+model = "floor"
+translation = [0, -0.1, 3]
+[[instances]]
+name = "red"
+model = "red"
+translation = [-1, 0.8, 0]
+rotation = [0, 25, 0]
+dynamic = true
+[[instances]]
+model = "lamp"
+translation = [1.1, 0.9, 0.3]
+[[lights]]
+type = "directional"
+direction = [0.4, -1, -0.5]
+irradiance = [3, 3, 3]
+{more}
+[camera]
+eye = [0.8, 1.8, 4.5]
+target = [0.2, 1.2, -2]
+vfov_deg = 40
+"#
+    ))
+}
+
+const SKY: &str = "[environment]\ncolour = [0.2, 0.3, 0.5]\n";
+
+fn settings(denoise: Denoise) -> Settings {
+    let effects = EffectSettings { denoise, reflection_roughness: 1.0, ..EffectSettings::default() };
+    let (direct, reflections) = (Direct::Rays, Reflections::Rays);
+    Settings { size: SIZE, indirect: Indirect::None, direct, reflections, effects, ..plain() }
+}
+
+fn colour(renderer: &Renderer) -> Vec<[f32; 3]> {
+    renderer.read_picture(false).unwrap().colour
+}
+
+fn ssim(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
+    let image = |name: &str, pixels: &[[f32; 3]]| {
+        Image::from_linear(name, SIZE.map(|side| side as usize), pixels.to_vec()).unwrap()
+    };
+    let [ours, expected] = [image("ours", ours), image("expected", expected)];
+    compare(&ours, &expected, &CompareOptions::default()).unwrap().metrics.ssim
+}
+
+#[test]
+fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", "");
+    let pose = scene.pose(0.0);
+    // Area lights take random points, so they are left out.
+    let maps = Settings { direct: Direct::Maps, ..settings(Denoise::None) };
+    let mut renderer = lab.renderer(&scene, &maps, &pose);
+    renderer.render(&pose).unwrap();
+    let picture = renderer.read_picture(true).unwrap();
+    let (reflected, instance) = (layer(&picture, "reflected"), channel_of(&picture, "instance"));
+
+    // From behind the mirror's plane z = -2, with the mirror taken away.
+    let flip = |at: Vec3| Vec3::new(at.x, at.y, -4.0 - at.z);
+    let mut behind = pose.clone();
+    let (eye, target) = (flip(pose.camera.eye), flip(pose.camera.target));
+    behind.camera = Camera { eye, target, near: 0.01, far: 100.0, ..pose.camera };
+    behind.instances[0] = Affine3A::from_translation(Vec3::Y * 1e3) * behind.instances[0];
+    let plain = Settings { reflections: Reflections::None, ..maps };
+    let mut seen = lab.renderer(&scene, &plain, &behind);
+    seen.render(&behind).unwrap();
+    let seen = colour(&seen);
+
+    let width = SIZE[0] as usize;
+    let mirror: Vec<usize> = (0..reflected.len()).filter(|&at| instance[at] == 0.0).collect();
+    assert!(mirror.len() > 1500, "{}", mirror.len());
+    let differs = |&&at: &&usize| {
+        // Left and right are swapped.
+        let there = seen[at / width * width + width - 1 - at % width];
+        (0..3).any(|i| (reflected[at][i] - there[i]).abs() > 0.02 * there[i].max(0.02))
+    };
+    let off = mirror.iter().filter(differs).count();
+    // At edges rounding decides.
+    assert!(off as f32 <= 0.01 * mirror.len() as f32, "{off} of {} pixels differ", mirror.len());
+}
+
+fn channel_of(picture: &Picture, name: &str) -> Vec<f32> {
+    super::support::channel(picture, name)
+}
+
+#[test]
+fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
+    let Some(lab) = Lab::open() else { return };
+    for (roughness, metallic) in [(0.0, 1), (0.2, 1), (0.6, 1), (0.2, 0), (0.6, 0)] {
+        let scene =
+            stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = {metallic}"), "");
+        let expected = layer(&reference(&scene, SIZE, 1, 1024), "reflected");
+        // Several seeds, as one run averages 64 frames.
+        let mut ours = vec![[0.0; 3]; expected.len()];
+        let seeds = if roughness == 0.0 { 1 } else { 3 };
+        for seed in 0..seeds {
+            let settings = Settings { seed, ..settings(Denoise::None) };
+            let picture = lab.rendered(&scene, &settings, FRAMES).read_picture(true).unwrap();
+            for (sum, pixel) in ours.iter_mut().zip(layer(&picture, "reflected")) {
+                (0..3).for_each(|i| sum[i] += pixel[i] / seeds as f32);
+            }
+        }
+        let what = format!("roughness {roughness}, metallic {metallic}");
+        let [all, truth] = [&ours, &expected].map(|picture| mean(picture.iter().map(luminance)));
+        let blocks = |picture: &[[f32; 3]]| -> Vec<f32> {
+            let mut sums = vec![0.0; 24];
+            for (at, pixel) in picture.iter().enumerate() {
+                sums[at / 96 / 16 * 6 + at % 96 / 16] += luminance(pixel) / 256.0;
+            }
+            sums
+        };
+        let (ours, expected) = (blocks(&ours), blocks(&expected));
+        // In the darkest ones noise is more than that.
+        let least = 0.05 * expected.iter().copied().fold(0.0, f32::max);
+        let lit: Vec<f32> =
+            ours.iter().zip(&expected).filter(|(_, truth)| **truth > least).map(|(a, b)| a / b).collect();
+        let near = lit.iter().filter(|ratio| (**ratio - 1.0).abs() < 0.03).count();
+        eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / truth, lit.len());
+        assert!((all / truth - 1.0).abs() < 0.01, "{what}: mean {}", all / truth);
+        assert!(near as f32 >= 0.95 * lit.len() as f32, "{what}: {near} of {} blocks: {lit:?}", lit.len());
+    }
+}
+
+#[test]
+fn denoised_stills_are_like_the_truth() {
+    let Some(lab) = Lab::open() else { return };
+    let mut least: f64 = 1.0;
+    for roughness in [0.0, 0.1, 0.2, 0.4, 0.6, 1.0] {
+        let scene = stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), "");
+        // Without the light that the mirror throws on the floor, which only the path tracer has.
+        let seen = |picture: &Picture| -> Vec<[f32; 3]> {
+            let both = layer(picture, "direct").into_iter().zip(layer(picture, "reflected"));
+            both.map(|(direct, reflected)| [0, 1, 2].map(|i| direct[i] + reflected[i])).collect()
+        };
+        let expected = seen(&reference(&scene, SIZE, 1, 1024));
+        let renderer = lab.rendered(&scene, &settings(Denoise::Svgf), 32);
+        let ours = seen(&renderer.read_picture(true).unwrap());
+        let ssim = ssim(&ours, &expected);
+        eprintln!("roughness {roughness}, denoised: SSIM {ssim}");
+        least = least.min(ssim);
+    }
+    assert!(least >= 0.94, "{least}");
+}
+
+#[test]
+fn a_ray_that_hits_nothing_sees_the_environment_but_no_background() {
+    let Some(lab) = Lab::open() else { return };
+    let material = "albedo = [1, 1, 1], roughness = 0, metallic = 1";
+    for (sky, expected) in [(SKY, [0.2, 0.3, 0.5]), ("", [0.0; 3])] {
+        let scene = stage(material, sky);
+        let renderer = lab.rendered(&scene, &settings(Denoise::None), 1);
+        let picture = renderer.read_picture(true).unwrap();
+        // The upper edge of the picture shows the mirror, and in it what lies above the boxes.
+        for pixel in &layer(&picture, "reflected")[40..56] {
+            assert!((0..3).all(|i| (pixel[i] - expected[i]).abs() < 5e-3), "{pixel:?}, not {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_in_a_mirror_takes_a_second_ray() {
+    let Some(lab) = Lab::open() else { return };
+    // Another mirror opposite: its image in the first shows the glowing sky only where a path goes on.
+    let opposite = "[[instances]]\nmodel = \"mirror\"\ntranslation = [0, 3, 6.1]\n";
+    let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", &format!("{opposite}{SKY}"));
+    let of_depth = |reflection_depth| {
+        let base = settings(Denoise::None);
+        let effects = EffectSettings { reflection_depth, ..base.effects };
+        let renderer = lab.rendered(&scene, &Settings { effects, ..base }, 2);
+        mean(layer(&renderer.read_picture(true).unwrap(), "reflected").iter().map(luminance))
+    };
+    let [one, two, three] = [1, 2, 3].map(of_depth);
+    assert!(two > 1.1 * one && three >= two, "{one}, {two}, {three}");
+}
+
+#[test]
+fn reflections_are_traced_where_something_is_glossy() {
+    let Some(lab) = Lab::open() else { return };
+    let auto = Settings { reflections: Reflections::Auto, ..settings(Denoise::Svgf) };
+    let auto = Settings { effects: EffectSettings { reflection_roughness: 0.6, ..auto.effects }, ..auto };
+    let takes_time = |renderer: &mut Renderer, pose: &Pose| {
+        renderer.render(pose).unwrap();
+        renderer.finish().unwrap().last().unwrap().figures.passes["reflections_trace"] > 0.0
+    };
+    for (material, traced) in [
+        ("albedo = [0.5, 0.5, 0.5]", false),
+        ("albedo = [0.5, 0.5, 0.5], roughness = 0.9, metallic = 1", false),
+        ("albedo = [0.5, 0.5, 0.5], roughness = 0.3, metallic = 0", true),
+    ] {
+        let scene = stage(material, "");
+        let pose = scene.pose(0.0);
+        let mut renderer = lab.renderer(&scene, &auto, &pose);
+        assert_eq!(takes_time(&mut renderer, &pose), traced, "{material}");
+        let off = Settings { reflections: Reflections::None, ..auto.clone() };
+        renderer.set_settings(&off, &pose).unwrap();
+        assert!(!takes_time(&mut renderer, &pose));
+        // An edit makes it glossy.
+        renderer.set_settings(&auto, &pose).unwrap();
+        let mut edited = Scene::clone(&scene);
+        (edited.materials[0].roughness, edited.materials[0].metallic) = (0.1, 1.0);
+        renderer.set_scene(&edited.into(), &pose).unwrap();
+        assert!(takes_time(&mut renderer, &pose), "{material}, edited");
+    }
+}
+
+/// A box that crosses before a mirror, and the camera past it.
+#[test]
+fn in_motion_the_picture_is_like_the_truth() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");
+    let rest = scene.pose(0.0);
+    type Move = fn(&mut Pose, f32);
+    let moves: [(&str, Move); 2] = [
+        ("the camera", |pose, way| {
+            pose.camera.eye.x += way;
+            pose.camera.target.x += way;
+        }),
+        ("a box", |pose, way| {
+            pose.instances[2] = Affine3A::from_translation(Vec3::X * way) * pose.instances[2]
+        }),
+    ];
+    for (what, moved) in moves {
+        let at = |frame: u32| {
+            let mut pose = rest.clone();
+            moved(&mut pose, 0.03 * frame as f32);
+            pose
+        };
+        let settings = settings(Denoise::Svgf);
+        let mut renderer = lab.renderer(&scene, &settings, &at(0));
+        for frame in 0..24 {
+            renderer.render(&at(frame)).unwrap();
+        }
+        let end = at(23);
+        let mut still = lab.renderer(&scene, &settings, &end);
+        (0..FRAMES).for_each(|_| still.render(&end).unwrap());
+        let ssim = ssim(&colour(&renderer), &colour(&still));
+        eprintln!("{what} moves: SSIM {ssim}");
+        assert!(ssim >= 0.95, "{what}: {ssim}");
+    }
+}
+
+#[test]
+fn a_light_that_goes_leaves_the_mirror() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0.3, metallic = 1", "");
+    let rest = scene.pose(0.0);
+    let mut dark = rest.clone();
+    dark.lights.remove(0);
+    let settings = settings(Denoise::Svgf);
+    let mut renderer = lab.rendered(&scene, &settings, 24);
+    let of = |renderer: &Renderer| mean(colour(renderer).iter().map(luminance));
+    let before = of(&renderer);
+    let mut fresh = lab.renderer(&scene, &settings, &dark);
+    (0..FRAMES).for_each(|_| fresh.render(&dark).unwrap());
+    let after = of(&fresh);
+    for (frames, left) in [(4, 0.07), (12, 0.02)] {
+        (0..frames).for_each(|_| renderer.render(&dark).unwrap());
+        let share = (of(&renderer) - after) / (before - after);
+        eprintln!("{share} of the light is left after {frames} frames more");
+        assert!(share.abs() <= left, "{share} is left");
+    }
+}

@@ -1,0 +1,235 @@
+//! Temporal antialiasing: smooth edges that stand still, textures that keep their contrast, nothing that trails.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use glowworm::metrics::{CompareOptions, Image, compare};
+use glowworm::renderer::Renderer;
+use glowworm::scene::{Camera, Pose, Scene, load_scene};
+use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
+
+use super::support::{Lab, mean, plain, scene};
+
+const BOXES: &str = r#"
+[[models]]
+name = "room"
+primitive = "box"
+size = [6, 4, 6]
+material = { albedo = [0.7, 0.6, 0.5] }
+[[models]]
+name = "box"
+primitive = "box"
+size = [0.8, 0.8, 0.8]
+material = { albedo = [0.1, 0.2, 0.6] }
+[[instances]]
+model = "room"
+[[instances]]
+name = "box"
+model = "box"
+translation = [-0.4, -0.3, 0]
+rotation = [20, 30, 10]
+dynamic = true
+[[instances]]
+model = "box"
+translation = [1.2, 0.5, -1]
+rotation = [0, 45, 45]
+[[lights]]
+type = "point"
+position = [0.5, 1.5, 2]
+intensity = [12, 12, 12]
+[camera]
+eye = [0, 0, 2.9]
+target = [0, 0, 0]
+vfov_deg = 60
+"#;
+
+const SIZE: [u32; 2] = [96, 64];
+
+fn direct_only(antialiasing: Antialiasing) -> Settings {
+    Settings { size: SIZE, indirect: Indirect::None, antialiasing, ..plain() }
+}
+
+fn colour(renderer: &Renderer) -> Vec<[f32; 3]> {
+    renderer.read_picture(false).unwrap().colour
+}
+
+fn mean_of(texels: impl Iterator<Item = [f32; 3]>) -> [f32; 3] {
+    let (mut sum, mut count) = ([0.0; 3], 0.0f32);
+    for texel in texels {
+        (0..3).for_each(|i| sum[i] += texel[i]);
+        count += 1.0;
+    }
+    sum.map(|channel| channel / count)
+}
+
+/// The mean of 8 x 8 samples in each pixel.
+fn supersampled(lab: &Lab, scene: &Arc<Scene>, pose: &Pose) -> Vec<[f32; 3]> {
+    let [width, height] = SIZE.map(|side| side as usize);
+    let settings = Settings { size: SIZE.map(|side| 8 * side), ..direct_only(Antialiasing::None) };
+    let mut renderer = lab.renderer(scene, &settings, pose);
+    renderer.render(pose).unwrap();
+    let fine = colour(&renderer);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let texels = |(x, y): (usize, usize)| (0..64).map(move |i| (8 * y + i / 8) * 8 * width + 8 * x + i % 8);
+    pixels.map(|pixel| mean_of(texels(pixel).map(|at| fine[at]))).collect()
+}
+
+fn flip(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
+    let image = |name: &str, pixels: &[[f32; 3]]| {
+        Image::from_linear(name, SIZE.map(|side| side as usize), pixels.to_vec()).unwrap()
+    };
+    compare(&image("ours", ours), &image("expected", expected), &CompareOptions::default())
+        .unwrap()
+        .metrics
+        .flip
+}
+
+#[test]
+fn a_still_picture_is_the_supersampled_one() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(BOXES);
+    let pose = scene.pose(0.0);
+    let expected = supersampled(&lab, &scene, &pose);
+    let [smooth, rough] = [Antialiasing::Taa, Antialiasing::None]
+        .map(|antialiasing| flip(&colour(&lab.rendered(&scene, &direct_only(antialiasing), 64)), &expected));
+    eprintln!("FLIP {smooth}, without {rough}");
+    assert!(smooth <= 0.02 && rough > 0.02, "{smooth}, without {rough}");
+    let [ours, theirs] = [colour(&lab.rendered(&scene, &direct_only(Antialiasing::Taa), 64)), expected]
+        .map(|picture| mean(picture.iter().map(|pixel| pixel[0])));
+    assert!((ours / theirs - 1.0).abs() < 2e-3, "{ours} of {theirs}");
+}
+
+/// Frames until a still scene is frozen: VPLs settle, the first set's turn comes, 16 positions are averaged.
+fn frames_to_rest(settings: &Settings) -> u32 {
+    let vpl = &settings.vpl;
+    vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 16
+}
+
+#[test]
+fn a_still_picture_stands_still_and_depends_on_no_past() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(BOXES);
+    let vpl = VplSettings { slots: 96, temporal_sets: 6, budget: 32, ..VplSettings::default() };
+    let settings = Settings { size: SIZE, vpl, antialiasing: Antialiasing::Taa, ..plain() };
+    let rest = scene.pose(0.0);
+    let wait = |renderer: &mut Renderer, pose: &Pose, frames: u32| {
+        (0..frames).for_each(|_| renderer.render(pose).unwrap());
+        renderer.read_picture(false).unwrap()
+    };
+    let mut fresh = lab.renderer(&scene, &settings, &rest);
+    let expected = wait(&mut fresh, &rest, frames_to_rest(&settings));
+    for more in [1, 7, 30] {
+        assert!(wait(&mut fresh, &rest, more) == expected, "after {more} more frames");
+    }
+    // After a light, a box and the camera have moved, for numbers of frames that no cycle divides.
+    for frames in [1, 5] {
+        let mut renderer = lab.renderer(&scene, &settings, &rest);
+        for frame in 0..frames {
+            let mut pose = rest.clone();
+            pose.lights[0].position.x -= 0.1 * (frame + 1) as f32;
+            pose.instances[1] = Affine3A::from_translation(Vec3::X * 0.1 * frame as f32) * pose.instances[1];
+            pose.camera.eye.y += 0.05;
+            renderer.render(&pose).unwrap();
+        }
+        assert!(
+            wait(&mut renderer, &rest, frames_to_rest(&settings)) == expected,
+            "after {frames} frames of motion"
+        );
+    }
+    // After other settings.
+    let other = Settings { antialiasing: Antialiasing::None, ..settings.clone() };
+    fresh.set_settings(&other, &rest).unwrap();
+    wait(&mut fresh, &rest, 3);
+    fresh.set_settings(&settings, &rest).unwrap();
+    assert!(wait(&mut fresh, &rest, frames_to_rest(&settings)) == expected, "after other settings");
+}
+
+/// A wall with upright stripes that glow, of 5 pixels each.
+fn chart(folder: &Path) -> Arc<Scene> {
+    let stripes =
+        image::RgbImage::from_fn(128, 4, |x, _| image::Rgb([if x / 4 % 2 == 0 { 230 } else { 60 }; 3]));
+    stripes.save(folder.join("chart.png")).unwrap();
+    std::fs::write(folder.join("q.mtl"), "newmtl q\nKd 0 0 0\nKe 1 1 1\nmap_Ke chart.png\n").unwrap();
+    let quad = "mtllib q.mtl\nusemtl q\nv -2 -1 0\nv 2 -1 0\nv 2 1 0\nv -2 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(folder.join("q.obj"), quad).unwrap();
+    let mut scene = load_scene(folder.join("q.obj").to_str().unwrap(), None).unwrap();
+    let camera = Camera::looking(Vec3::new(0.0, 0.0, 1.28), Vec3::ZERO);
+    scene.camera = Camera { vertical_fov: 2.0 * (0.8f32 / 1.28).atan(), ..camera };
+    scene.into()
+}
+
+fn spread(picture: &[[f32; 3]]) -> f32 {
+    let [width, height] = SIZE.map(|side| side as usize);
+    let inner =
+        |at: &usize| (16..width - 16).contains(&(at % width)) && (16..height - 16).contains(&(at / width));
+    let values: Vec<f32> = (0..picture.len()).filter(inner).map(|at| picture[at][1]).collect();
+    let middle = mean(values.iter().copied());
+    mean(values.iter().map(|value| (value - middle).powi(2))).sqrt()
+}
+
+#[test]
+fn textures_keep_their_contrast_while_the_camera_moves() {
+    let Some(lab) = Lab::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = chart(folder.path());
+    let rest = scene.pose(0.0);
+    for step in [0.007, 0.0031, 0.025] {
+        let at = |frame: u32| {
+            let mut pose = rest.clone();
+            let shift = Vec3::new(step, 0.4 * step, 0.0) * (frame as f32 - 20.0);
+            pose.camera.eye += shift;
+            pose.camera.target += shift;
+            pose
+        };
+        let mut renderer = lab.renderer(&scene, &direct_only(Antialiasing::Taa), &at(0));
+        (0..=30).for_each(|frame| renderer.render(&at(frame)).unwrap());
+        let contrast = spread(&colour(&renderer)) / spread(&supersampled(&lab, &scene, &at(30)));
+        eprintln!("contrast {contrast} at {step} a frame");
+        assert!(contrast >= 0.9, "{contrast} at {step} a frame");
+    }
+}
+
+#[test]
+fn a_moving_box_leaves_no_trail() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = scene(BOXES);
+    let at = |frame: u32| {
+        let mut pose = scene.pose(0.0);
+        // Half a pixel to five of them a frame, across the wall.
+        pose.instances[1] = Affine3A::from_translation(Vec3::X * 0.2 * frame as f32) * pose.instances[1];
+        pose
+    };
+    let shown = |antialiasing, pose: &Pose| {
+        let mut renderer = lab.renderer(&scene, &direct_only(antialiasing), pose);
+        renderer.render(pose).unwrap();
+        renderer
+    };
+    let mut renderer = shown(Antialiasing::Taa, &at(0));
+    (1..=4).for_each(|frame| renderer.render(&at(frame)).unwrap());
+    let frames: Vec<_> = (0..=6).map(|frame| colour(&shown(Antialiasing::None, &at(frame)))).collect();
+    // The box goes on for two frames more; what it uncovered up to frame 4 was seen twice by then.
+    for frame in [5, 6] {
+        renderer.render(&at(frame)).unwrap();
+    }
+    let (ours, truth) = (colour(&renderer), &frames[6]);
+    let [width, height] = SIZE.map(|side| side as usize);
+    // Where no position in the pixel or next to it shows an edge.
+    let flat = |at: usize| {
+        let (x, y) = (at % width, at / width);
+        let around = |i: usize| truth[(y + i / 5 - 2) * width + x + i % 5 - 2][2];
+        (2..width - 2).contains(&x)
+            && (2..height - 2).contains(&y)
+            && (0..25).all(|i| (around(i) / truth[at][2] - 1.0).abs() < 0.1)
+    };
+    let uncovered: Vec<usize> = (0..truth.len())
+        .filter(|&at| (frames[4][at][2] / truth[at][2] - 1.0).abs() < 0.02)
+        .filter(|&at| (0..4).any(|frame| (frames[frame][at][2] / truth[at][2] - 1.0).abs() > 0.2))
+        .filter(|&at| flat(at))
+        .collect();
+    assert!(uncovered.len() > 30, "{}", uncovered.len());
+    for at in uncovered {
+        let off = (ours[at][2] / truth[at][2] - 1.0).abs();
+        assert!(off < 0.02, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], truth[at][2]);
+    }
+}
