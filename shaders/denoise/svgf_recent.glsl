@@ -35,8 +35,8 @@ const float ROUNDING = 0.02;
 // needs.
 const float RARITY = 0.15;
 
-// How much of the history the last frames leave: all up to two thirds of `certainty`, nothing beyond it, in standard deviations of the mean
-// over as many texels. A test for means of samples (Welch 1947).
+// How much of the history the last frames leave: all up to two thirds of `certainty`, nothing beyond it, in standard deviations of
+// the mean over as many texels. A test for means of samples (Welch 1947).
 float kept(Recent recent, float certainty) {
     float expected = certainty * recent.deviation * inversesqrt(max(recent.texels, 1.0)) + ROUNDING * recent.mean;
     float rarity = recent.deviation / max(recent.mean, 1e-6);
