@@ -1,4 +1,4 @@
-//! What separate axes are for. A test of its own, so that nothing else runs beside it.
+//! What separate axes are for, and what the clamp costs. A test of its own, so that nothing else runs beside it.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -18,16 +18,19 @@ fn separate_axes_are_faster() {
     let Some(lab) = lab::Lab::open_to_measure() else { return };
     let pixels: Vec<Pixel> =
         (0..SIDE * SIDE).map(|index| Pixel::at_rest(Vec3::splat((index % 7) as f32), Vec3::Z, 4.0)).collect();
-    let mut benches = [false, true].map(|separable| {
-        let settings = SvgfSettings { separable, ..SvgfSettings::default() };
-        Bench::of_size(&lab.device, [SIDE, SIDE], &settings)
-    });
+    let default = SvgfSettings::default();
+    let mut benches = [
+        default,
+        SvgfSettings { separable: true, ..default },
+        SvgfSettings { clamp: 0.0, firefly: 0.0, ..default },
+    ]
+    .map(|settings| Bench::of_size(&lab.device, [SIDE, SIDE], &settings));
     for bench in &mut benches {
         (0..4).for_each(|_| bench.denoise(&pixels));
         bench.frames.finish().unwrap();
     }
     // In turns, so that a machine that is slow for a while is slow for both.
-    let mut times = [vec![], vec![]];
+    let mut times = [vec![], vec![], vec![]];
     for _ in 0..5 {
         for (bench, times) in benches.iter_mut().zip(&mut times) {
             bench.denoise(&pixels);
@@ -42,7 +45,12 @@ fn separate_axes_are_faster() {
         all[all.len() / 2]
     };
     for pass in ["svgf_temporal", "svgf_variance", "svgf_atrous"] {
-        println!("{SIDE}x{SIDE}, {pass}: {:.1} ms, with separate axes {:.1} ms", ms(0, pass), ms(1, pass));
+        println!(
+            "{SIDE}x{SIDE}, {pass}: {:.1} ms, with separate axes {:.1} ms, without clamp {:.1} ms",
+            ms(0, pass),
+            ms(1, pass),
+            ms(2, pass)
+        );
     }
     let ratio = ms(0, "svgf_atrous") / ms(1, "svgf_atrous");
     println!("{}: separate axes are {ratio:.2} times as fast", lab.device.info().name);

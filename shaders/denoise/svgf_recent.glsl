@@ -31,12 +31,15 @@ Recent recent_at(ivec2 place) {
 
 // What rounding makes of the change, as a share of the mean.
 const float ROUNDING = 0.02;
-// Rare bright samples come in heaps, but never go so: light that comes needs more proof than light that goes.
-const float RISE = 1.6;
+// Rare bright samples come in heaps, but never go so: the rarer they are, by deviation over mean, the more proof light that comes
+// needs.
+const float RARITY = 0.15;
 
-// Whether the last frames contradict the history: a test for means of samples (Welch 1947). `certainty`: standard deviations, of the
-// mean over as many texels, that it takes.
-bool has_changed(Recent recent, float certainty) {
+// How much of the history the last frames leave: all up to two thirds of `certainty`, nothing beyond it, in standard deviations of
+// the mean over as many texels. A test for means of samples (Welch 1947).
+float kept(Recent recent, float certainty) {
     float expected = certainty * recent.deviation * inversesqrt(max(recent.texels, 1.0)) + ROUNDING * recent.mean;
-    return -recent.change > expected || recent.change > RISE * expected;
+    float rarity = recent.deviation / max(recent.mean, 1e-6);
+    if (recent.change > 0.0) expected *= 1.0 + RARITY * rarity;
+    return clamp(3.0 - 3.0 * abs(recent.change) / max(expected, 1e-6), 0.0, 1.0);
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SVGF's temporal accumulation (Schied et al. 2017, section 4.1, with Falcor's 3x3 fallback). In: the noisy signal, its history
-// and where the surface was. Out: both blended, and the moments of luminance. History that the last frames contradict is dropped.
+// and where the surface was. Out: both blended, and the moments of luminance. History shrinks as far as the last frames contradict it.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "visible_surface.glsl"
@@ -104,8 +104,8 @@ void main() {
     vec3 counted = now;
     if ((push.certainty > 0.0 || push.brightest > 0.0) && then.moments.z > 0.0) {
         Recent recent = recent_at(ivec2(floor(vec2(pixel) - imageLoad(reprojected, pixel).xy + 0.5)));
-        if (push.certainty > 0.0 && has_changed(recent, push.certainty)) then.moments.z = 0.0;
-        else if (push.brightest > 0.0 && then.moments.z > FEW_FRAMES) counted = without_firefly(now, pixel, recent);
+        if (push.certainty > 0.0) then.moments.z *= kept(recent, push.certainty);
+        if (push.brightest > 0.0 && then.moments.z > FEW_FRAMES) counted = without_firefly(now, pixel, recent);
     }
 
     float frames = min(then.moments.z + 1.0, push.longest);

@@ -22,15 +22,15 @@ pub struct SvgfSettings {
     #[arg(id = "svgf_history", long = "svgf-history", value_name = "FRAMES", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "32")]
     #[serde(rename = "svgf_history")]
     pub longest_history: u32,
-    /// Standard errors by which the mean of the last frames, over 5x5 pixels, may lie below history before that is dropped; above,
-    /// 1.6 times as many; 0: any. More: what has changed goes later; less: more noise, as history is dropped by chance. 0 saves a
-    /// tenth of the time.
-    #[arg(id = "svgf_clamp", long = "svgf-clamp", value_name = "ERRORS", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "3")]
+    /// Standard errors by which the mean of the last frames, over 5x5 pixels, may differ from history before that is dropped; more
+    /// where it is brighter and bright samples are rare; 0: any. More: what has changed goes later; less: more noise, as history is
+    /// dropped by chance. Costs 25 reads of 8 bytes a pixel.
+    #[arg(id = "svgf_clamp", long = "svgf-clamp", value_name = "ERRORS", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "2.5")]
     #[serde(rename = "svgf_clamp")]
     pub clamp: f32,
     /// Standard deviations above the mean of 5x5 pixels, beyond which a sample that is brighter than those around is a firefly and
-    /// taken down, while anything moves; 0: none is. Less: fewer spots, and rare bright light gets darker. Costs the same as the clamp,
-    /// once.
+    /// taken down, while anything moves; 0: none is. Less: fewer spots, and rare bright light gets darker. Shares the clamp's
+    /// reads.
     #[arg(id = "svgf_firefly", long = "svgf-firefly", value_name = "DEVIATIONS", value_parser = text::parse_number, allow_negative_numbers = true, default_value = "10")]
     #[serde(rename = "svgf_firefly")]
     pub firefly: f32,
@@ -82,7 +82,7 @@ impl Default for SvgfSettings {
             alpha: 0.05,
             moments_alpha: 0.05,
             longest_history: 32,
-            clamp: 3.0,
+            clamp: 2.5,
             firefly: 10.0,
             levels: 4,
             feedback: 0,

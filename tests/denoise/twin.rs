@@ -111,11 +111,15 @@ pub fn temporal(
         let [mean, deviation, change, texels] = around;
         let errors = deviation_of_change([1.0 / 3.0, settings.moments_alpha.into()]) * deviation
             / texels.max(1.0).sqrt();
-        let most = settings.clamp * errors + 0.02 * mean;
+        let mut most = settings.clamp * errors + 0.02 * mean;
+        if change > 0.0 {
+            most *= 1.0 + 0.15 * deviation / mean.max(1e-6);
+        }
+        if settings.clamp > 0.0 {
+            length *= (3.0 - 3.0 * change.abs() / most.max(1e-6)).clamp(0.0, 1.0);
+        }
         let brightest = mean + settings.firefly * deviation;
-        if settings.clamp > 0.0 && (change < -most || change > 1.6 * most) {
-            length = 0.0;
-        } else if settings.firefly > 0.0 && length > 3.4 && luminance(now) > brightest {
+        if settings.firefly > 0.0 && length > 3.4 && luminance(now) > brightest {
             let around = (-1..=1).flat_map(|y| (-1..=1).map(move |x| here + IVec2::new(x, y)));
             let others = around.filter(|other| *other != here).filter_map(index);
             let lights =

@@ -298,7 +298,7 @@ fn a_light_that_goes_leaves_the_mirror() {
     let mut fresh = lab.renderer(&scene, &settings, &dark);
     (0..FRAMES).for_each(|_| fresh.render(&dark).unwrap());
     let after = of(&fresh);
-    for (frames, left) in [(4, 0.07), (12, 0.02)] {
+    for (frames, left) in [(4, 0.05), (12, 0.01)] {
         (0..frames).for_each(|_| renderer.render(&dark).unwrap());
         let share = (of(&renderer) - after) / (before - after);
         eprintln!("{share} of the light is left after {frames} frames more");

@@ -253,7 +253,7 @@ fn a_light_that_goes_takes_its_light_along() {
     let mut fresh = lab.renderer(&scene, &settings, &dark);
     (0..64).for_each(|_| fresh.render(&dark).unwrap());
     let after = mean(direct(&fresh).iter().map(luminance));
-    for (frames, left) in [(4, 0.06), (12, 0.025)] {
+    for (frames, left) in [(4, 0.05), (12, 0.02)] {
         (0..frames).for_each(|_| renderer.render(&dark).unwrap());
         let share = (mean(direct(&renderer).iter().map(luminance)) - after) / (before - after);
         assert!(share.abs() <= left, "{share} of its light is left");
