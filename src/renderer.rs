@@ -33,6 +33,7 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
+use crate::effects::reflections::Reflections;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::area_lights::AreaLights;
 use crate::passes::combine::CombineInputs;
@@ -247,7 +248,7 @@ impl Renderer {
             albedo: &gbuffer.albedo,
             specular_albedo: shading.specular_albedo(),
             sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
-            reflection: reflections.map(|mirrored| (mirrored.output(), mirrored.limit())),
+            reflection: reflections.map(Reflections::output),
         };
         let passes = (&self.passes.combine, self.passes.taa.as_mut());
         let display = show(&mut frame, passes, &joined, gbuffer, (&clock, self.settings.exposure))?;

@@ -34,7 +34,6 @@ layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
 #include "light_sampling.glsl"
 #define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
-#include "mirrored.glsl"
 #include "visible_surface.glsl"
 #include "hit_record.glsl"
 // Of the estimator.
@@ -53,7 +52,6 @@ layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reproject
 // Twin: TracePush in src/effects/reflections.rs.
 layout(push_constant) uniform Push {
     float spread; // of a pixel, over a distance of 1
-    float limit;  // roughness up to which surfaces mirror
     uint depth;   // glossy surfaces that a path follows, at most
     uint has_history;
     uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
@@ -171,7 +169,7 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
         at.is_glossy = reflects(surface.bsdf);
         at.reflection = seen(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
-        bool goes_on = at.is_glossy && depth + 1u < push.depth && mirrored_share(surface.bsdf.roughness, push.limit) > 0.5;
+        bool goes_on = at.is_glossy && depth + 1u < push.depth && mirrored_share(surface.bsdf.roughness) > 0.5;
         // What the path goes on to see of area lights it counts there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
         vec3 albedo = at.diffuse + (goes_on || !at.is_glossy ? vec3(0.0) : at.reflection.reflected);
@@ -268,7 +266,7 @@ void main() {
     vec4 then = imageLoad(reprojected, pixel);
     HitRecord record = HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
     float roughness = imageLoad(gbuffer_albedo, pixel).a;
-    bool mirrors = id.x != 0u && mirrored_share(roughness, push.limit) > 0.0;
+    bool mirrors = id.x != 0u && mirrored_share(roughness) > 0.0;
     if (mirrors) {
         Seen at = seen_by(pixel, id);
         mirrors = at.is_glossy;

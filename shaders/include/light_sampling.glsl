@@ -89,7 +89,8 @@ LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss
 // Samples a point of a light; rays to it begin at `origin`.
 LightSample sample_light(uint index, Seen seen, vec3 origin, vec2 u) {
     if (index >= frame.light_count) {
-        return sample_emitter(area_lights.data[index - frame.light_count], origin, u, seen.gloss_of_areas);
+        AreaLightData light = area_lights.data[index - frame.light_count];
+        return sample_emitter(light, origin, u, gloss_of(light, seen));
     }
     LightData light = lights.data[index];
     vec3 to_light;

@@ -1,7 +1,7 @@
 // What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance + specular albedo * reflection. Where no reflection rays
 // are traced, the GGX lobe gets the mean of the light above the surface, irradiance/pi: exact under uniform light, and no picture of
-// it. Sheets before it let their share of that pass and add what they reflect. Needs frame.glsl. Define REFLECTION_LIMIT: see
-// mirrored.glsl. Twin: `Light` in src/renderer/picture.rs.
+// it. Sheets before it let their share of that pass and add what they reflect. Needs frame.glsl. Twin: `Light` in
+// src/renderer/picture.rs.
 #include "has_sheets.glsl"
 #include "mirrored.glsl"
 
@@ -19,7 +19,7 @@ vec4 radiance_at(ivec2 pixel) {
     vec4 light = imageLoad(direct, pixel);
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
     vec3 specular = imageLoad(specular_albedo, pixel).rgb;
-    float mirrored = mirrored_share(albedo_roughness.a, REFLECTION_LIMIT);
+    float mirrored = mirrored_share(albedo_roughness.a);
     vec3 albedo = albedo_roughness.rgb + specular * (1.0 - mirrored);
     if (mirrored > 0.0 && specular != vec3(0.0)) light.rgb += specular * mirrored * imageLoad(reflection, pixel).rgb;
     if (HAS_SHEETS) {

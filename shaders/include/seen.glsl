@@ -1,4 +1,5 @@
 // The surface that a pixel sees, with its BSDF. Needs unshadowed.glsl and the G-buffer's images.
+#include "mirrored.glsl"
 
 Seen seen_by(ivec2 pixel, uvec2 id) {
     Seen at;
@@ -10,6 +11,7 @@ Seen seen_by(ivec2 pixel, uvec2 id) {
     at.diffuse = albedo_roughness.rgb;
     at.is_glossy = reflects(bsdf);
     if (at.is_glossy) at.reflection = seen(bsdf, at.surface.shading, normalize(frame.eye.xyz - at.surface.position));
-    at.gloss_of_areas = 1.0;
+    // Reflection rays meet area lights.
+    at.gloss_of_areas = 1.0 - mirrored_share(bsdf.roughness);
     return at;
 }

@@ -9,8 +9,8 @@ struct AreaLightData {
     vec4 power;  // rgb: radiance times area, the sum of its emitters, W/sr
     uint first;  // of its emitters
     uint count;
+    uint is_met; // by rays; 0: it is invisible
     uint pad0;
-    uint pad1;
 };
 
 layout(set = 0, binding = AREA_LIGHTS_BINDING, std430) readonly buffer AreaLightBlock { AreaLightData data[]; } area_lights;
@@ -21,7 +21,7 @@ struct Seen {
     vec3 diffuse;          // directional albedo of the Lambertian lobe
     bool is_glossy;        // has a GGX lobe
     Reflection reflection; // of that
-    float gloss_of_areas;  // share of the GGX lobe's light of area lights that is to be counted here
+    float gloss_of_areas;  // share of the GGX lobe's light of area lights that counts here: rays along the lobe do not meet it
 };
 
 // What the BSDF makes of irradiance across a direction, by both lobes, without the cosine.
@@ -37,10 +37,11 @@ float cosine_above(float cosine, float sine) {
     return cosine <= -sine ? 0.0 : (cosine + sine) * (cosine + sine) / (4.0 * sine);
 }
 
-// About what irradiance around a direction becomes, 0 only where the whole light is below the horizon: exact without extent.
-vec3 around(Seen seen, vec3 to_light, float sine, float gloss) {
-    float above = cosine_above(dot(seen.surface.shading, to_light), sine);
-    if (above <= 0.0 || dot(seen.surface.geometric, to_light) <= -sine) return vec3(0.0);
+// About what irradiance around a direction becomes, 0 only where the whole light is below the horizon: exact without extent. `within`:
+// how far the surface is from the border of the light's bounds to their centre, 0 to 1; there light may come from anywhere.
+vec3 around(Seen seen, vec3 to_light, float sine, float within, float gloss) {
+    float above = max(cosine_above(dot(seen.surface.shading, to_light), sine), 0.25 * within);
+    if (above <= 0.0 || (within == 0.0 && dot(seen.surface.geometric, to_light) <= -sine)) return vec3(0.0);
     if (sine > 0.0) {
         // A wide light makes a wide highlight.
         seen.reflection.alpha = min(sqrt(seen.reflection.alpha * seen.reflection.alpha + 0.25 * sine * sine), 1.0);
@@ -56,24 +57,30 @@ LightCone cone_of(LightData light, vec3 p) {
     return cone_to_sphere(d / distance, distance, light.radius);
 }
 
+// Share of the GGX lobe's light of an area light that counts.
+float gloss_of(AreaLightData light, Seen seen) { return light.is_met == 0u ? 1.0 : seen.gloss_of_areas; }
+
 // About what a light sends to the eye, were nothing between: positive wherever it sends anything.
 vec3 unshadowed_radiance(uint index, Seen seen) {
     vec3 p = seen.surface.position;
     if (index < frame.light_count) {
         vec3 to_light;
         vec3 irradiance = unshadowed(lights.data[index], p, to_light);
-        return irradiance * around(seen, to_light, sine_of(cone_of(lights.data[index], p)), 1.0);
+        return irradiance * around(seen, to_light, sine_of(cone_of(lights.data[index], p)), 0.0, 1.0);
     }
     AreaLightData light = area_lights.data[index - frame.light_count];
     vec3 d = light.centre.xyz - p;
-    float squared = dot(d, d) + light.centre.w * light.centre.w;
-    float sine = light.centre.w * inversesqrt(squared);
-    vec3 to_light = d * inversesqrt(max(dot(d, d), 1e-30));
+    float radius = light.centre.w;
+    float distance = max(length(d), 1e-15);
+    vec3 to_light = d / distance;
+    float sine = min(radius / distance, 1.0);
+    float within = max(1.0 - distance / radius, 0.0);
     // A flat light sends by the cosine, a closed one the same everywhere: a quarter of its area faces any point.
     float flatness = length(light.facing.xyz);
     float cosine = flatness > 0.0 ? -dot(light.facing.xyz, to_light) / flatness : 0.0;
     float facing = mix(0.25, cosine_above(cosine, sine), flatness);
-    return light.power.rgb * (max(facing, 0.02) / squared) * around(seen, to_light, sine, seen.gloss_of_areas);
+    float spread = max(facing, 0.02) / (distance * distance + radius * radius);
+    return light.power.rgb * spread * around(seen, to_light, sine, within, gloss_of(light, seen));
 }
 
 uint sampled_lights() { return frame.light_count + frame.area_light_count; }

@@ -2,11 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 // Direct and indirect light together. Out: radiance towards the eye; a: 1 where a surface is.
 #include "frame.glsl"
-
-layout(push_constant) uniform Push {
-    float reflection_limit;
-} push;
-#define REFLECTION_LIMIT push.reflection_limit
 #include "radiance.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -44,7 +44,6 @@ pub struct ReflectionInputs<'a> {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TracePush {
     spread: f32,
-    limit: f32,
     depth: u32,
     has_history: u32,
     has_environment: u32,
@@ -167,7 +166,7 @@ impl Reflections {
         let last = self.image.last.unwrap_or_default();
         let has_history = u32::from(self.image.last.is_some());
         let has_environment = u32::from(scene.pose.environment.is_some());
-        let push = TracePush { spread, limit: self.limit, depth: self.depth, has_history, has_environment };
+        let push = TracePush { spread, depth: self.depth, has_history, has_environment };
         let pass = frame
             .pass("reflections_trace", &self.trace)
             .read("frame_uniforms", inputs.frame)

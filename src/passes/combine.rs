@@ -30,8 +30,8 @@ pub struct CombineInputs<'a> {
     pub specular_albedo: &'a Image,
     /// What is seen of sheets, in scenes that have them.
     pub sheets: Option<&'a SheetImages>,
-    /// What the GGX lobe mirrors, over its directional albedo, and the roughness up to which it does; where rays trace it.
-    pub reflection: Option<(&'a Image, f32)>,
+    /// What the GGX lobe mirrors, over its directional albedo; where rays trace it.
+    pub reflection: Option<&'a Image>,
 }
 
 impl CombineInputs<'_> {
@@ -42,7 +42,7 @@ impl CombineInputs<'_> {
             Some(sheets) => [&sheets.light, &sheets.albedo, &sheets.transmittance],
             None => [self.direct, self.albedo, self.albedo],
         };
-        let reflection = self.reflection.map_or(self.albedo, |(image, _)| image);
+        let reflection = self.reflection.unwrap_or(self.albedo);
         pass.read("frame_uniforms", self.frame)
             .read("reflection", reflection)
             .read("direct", self.direct)
@@ -110,11 +110,7 @@ impl CombinePass {
     /// Joins the light.
     pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<(), VulkanError> {
         let pass = frame.pass("combine", &self.combine);
-        inputs
-            .bind_radiance(pass)
-            .write("radiance", &self.radiance)
-            .push(&inputs.reflection.map_or(-1.0f32, |(_, limit)| limit))
-            .dispatch_over(self.radiance.extent())
+        inputs.bind_radiance(pass).write("radiance", &self.radiance).dispatch_over(self.radiance.extent())
     }
 
     /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.

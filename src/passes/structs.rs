@@ -37,6 +37,14 @@ pub struct FrameUniforms {
     pub seed: u32,
     /// Area lights that rays sample.
     pub area_light_count: u32,
+    /// Roughness up to which rays trace what surfaces mirror; 1: always, below 0: never.
+    pub reflection_limit: f32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+    /// Unused.
+    pub pad2: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -215,7 +223,11 @@ pub(crate) mod tests {
             noise_frame,
             jitter,
             seed,
-            area_light_count
+            area_light_count,
+            reflection_limit,
+            pad0,
+            pad1,
+            pad2
         );
         same_layout!(
             shaders::GBUFFER_FRAG,

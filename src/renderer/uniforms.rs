@@ -4,6 +4,7 @@ use glam::{Mat4, Vec2};
 
 use super::Renderer;
 use super::rest::{Cycle, FrameClock};
+use crate::effects::reflections::Reflections;
 use crate::estimators::World;
 use crate::passes::structs::FrameUniforms;
 use crate::passes::to_u32;
@@ -54,6 +55,8 @@ impl Renderer {
             jitter,
             seed: self.settings.seed,
             area_light_count: if self.settings.direct == Direct::Rays { self.area_lights.count() } else { 0 },
+            reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
+            ..FrameUniforms::default()
         };
         Viewed { pose, uniforms, unjittered: [unjittered, previous] }
     }

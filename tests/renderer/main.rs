@@ -14,6 +14,7 @@ mod golden;
 mod live;
 mod materials;
 mod memory;
+mod mirrors;
 mod motion;
 mod normal_maps;
 mod overlay;

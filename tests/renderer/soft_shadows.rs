@@ -17,7 +17,7 @@ const SIZE: [u32; 2] = [112, 80];
 /// Frames of a still scene until it is frozen, without an estimator.
 const FRAMES: u32 = 64 + 1;
 
-/// A floor, a wall, a slab above the floor, a glossy ball.
+/// A floor, a wall, a slab above the floor, two glossy balls: a metal, a dielectric.
 fn yard(light: &str) -> Arc<Scene> {
     scene(&format!(
         r#"
@@ -32,11 +32,22 @@ primitive = "box"
 size = [1.5, 0.1, 1.2]
 material = {{ albedo = [0.3, 0.4, 0.7] }}
 [[models]]
-name = "ball"
+name = "wall"
+primitive = "box"
+size = [8, 3, 0.2]
+material = {{ albedo = [0.6, 0.6, 0.6] }}
+[[models]]
+name = "metal"
 primitive = "sphere"
 size = [0.5, 0.5, 0.5]
 subdivisions = 4
-material = {{ albedo = [0.8, 0.6, 0.3], roughness = 0.4, metallic = 0.5 }}
+material = {{ albedo = [0.8, 0.6, 0.3], roughness = 0.3, metallic = 1 }}
+[[models]]
+name = "dielectric"
+primitive = "sphere"
+size = [0.4, 0.4, 0.4]
+subdivisions = 4
+material = {{ albedo = [0.2, 0.4, 0.3], roughness = 0.3, metallic = 0 }}
 [[instances]]
 model = "floor"
 [[instances]]
@@ -46,9 +57,14 @@ translation = [-0.6, 0.9, 0.2]
 rotation = [0, 20, 0]
 dynamic = true
 [[instances]]
-name = "ball"
-model = "ball"
+model = "wall"
+translation = [0, 1.5, -1.6]
+[[instances]]
+model = "metal"
 translation = [1.1, 0.6, 0.6]
+[[instances]]
+model = "dielectric"
+translation = [0.1, 0.5, 1.2]
 [camera]
 eye = [0.6, 2.6, 4.2]
 target = [0, 0.4, 0]
@@ -68,6 +84,32 @@ fn sun(half_angle: u32) -> String {
 const BULB: &str = "type = \"point\"\nposition = [-1.2, 2.4, 1]\nintensity = [9, 9, 9]\nradius = 0.35";
 const SPOT: &str = "type = \"spot\"\nposition = [-1.2, 3, 1]\ndirection = [0.4, -1, -0.3]\nintensity = [20, 18, 15]\nouter_deg = 35\nradius = 0.2";
 const PANEL: &str = "type = \"area\"\npolygon = [[-1.4, 2.6, 0.4], [-0.2, 2.6, 0.4], [-0.2, 2.6, 1.8], [-1.4, 2.6, 1.8]]\nradiance = [6, 6, 5]";
+
+const GLOBE: &str = r#"type = "area"
+instance = "globe"
+radiance = [5, 6, 6]
+[[models]]
+name = "globe"
+primitive = "sphere"
+size = [0.35, 0.35, 0.35]
+subdivisions = 2
+[[instances]]
+name = "globe"
+model = "globe"
+translation = [-0.9, 1.9, 0.8]"#;
+/// Before the sun, out of sight.
+const PANE: &str = r#"
+[[models]]
+name = "pane"
+primitive = "quad"
+size = [1.6, 1, 1.6]
+material = { albedo = [0.9, 0.4, 0.2] }
+[[materials]]
+name = "pane"
+transmission = 0.8
+[[instances]]
+model = "pane"
+translation = [-1.4, 3, 0.8]"#;
 
 fn settings(denoise: Denoise) -> Settings {
     Settings {
@@ -105,34 +147,84 @@ fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]]) {
     assert!(near as f32 >= 0.95 * lit.len() as f32, "{what}: {near} of {} blocks, {lit:?}", lit.len());
 }
 
+/// Direct light with that of area lights by both lobes, as the path tracer has it.
+fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
+    let truth = reference(scene, SIZE, 0, spp);
+    let [direct, irradiance, reflected, albedo] =
+        ["direct", "indirect", "reflected", "albedo"].map(|name| layer(&truth, name));
+    let sum = |at: usize, i: usize| {
+        direct[at][i] + albedo[at][i] / std::f32::consts::PI * irradiance[at][i] + reflected[at][i]
+    };
+    (0..direct.len()).map(|at| [0, 1, 2].map(|i| sum(at, i))).collect()
+}
+
+/// The mean of the pictures of two seeds.
+fn mean_of_seeds(of: impl Fn(u32) -> Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    let half = |(a, b): (&[f32; 3], &[f32; 3])| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
+    of(1).iter().zip(&of(2)).map(half).collect()
+}
+
+/// The mean of still pictures of two seeds, without a denoiser.
+fn mean_of_rays(lab: &Lab, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
+    let of = |seed| direct(&lab.rendered(scene, &Settings { seed, ..settings(Denoise::None) }, FRAMES));
+    mean_of_seeds(of)
+}
+
 #[test]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let Some(lab) = Lab::open() else { return };
-    let suns = [0, 4, 20].map(|angle| (format!("sun of {angle} degrees"), sun(angle), "direct"));
-    let others = [("bulb", BULB, "direct"), ("spot", SPOT, "direct"), ("panel", PANEL, "indirect")];
-    for (what, light, part) in
-        suns.into_iter().chain(others.map(|(what, light, part)| (what.to_owned(), light.to_owned(), part)))
-    {
+    let suns = [0, 4, 20].map(|angle| (format!("sun of {angle} degrees"), sun(angle)));
+    let others = [("bulb", BULB), ("spot", SPOT), ("panel", PANEL), ("globe", GLOBE)]
+        .map(|(what, light)| (what.to_owned(), light.to_owned()));
+    let pane = ("sun behind a pane".to_owned(), format!("{}\n{PANE}", sun(4)));
+    for (what, light) in suns.into_iter().chain(others).chain([pane]) {
         let scene = yard(&light);
-        let truth = reference(&scene, SIZE, 0, 256);
-        let expected = match part {
-            "direct" => layer(&truth, "direct"),
-            // Area lights shine by what the path tracer calls indirect, and by the other lobe.
-            _ => {
-                let (e, albedo) = (layer(&truth, "indirect"), layer(&truth, "albedo"));
-                let mirrored = layer(&truth, "reflected");
-                let emitted = layer(&truth, "direct");
-                (0..e.len())
-                    .map(|at| {
-                        [0, 1, 2].map(|i| {
-                            emitted[at][i] + albedo[at][i] / std::f32::consts::PI * e[at][i] + mirrored[at][i]
-                        })
-                    })
-                    .collect()
-            }
-        };
-        let ours = direct(&lab.rendered(&scene, &settings(Denoise::None), FRAMES));
-        assert_agree(&what, &ours, &expected);
+        assert_agree(&what, &mean_of_rays(&lab, &scene), &expected_direct(&scene, 512));
+    }
+}
+
+/// Rays along a lobe meet the lights that shadow rays sample, but for invisible ones.
+#[test]
+fn area_lights_count_once_beside_reflections() {
+    let Some(lab) = Lab::open() else { return };
+    let portal = format!("{PANEL}\nvisible = false");
+    for (what, light) in [("panel", PANEL), ("globe", GLOBE), ("portal", &portal)] {
+        let scene = yard(light);
+        let lit = expected_direct(&scene, 512);
+        let [none, one] = [0, 1].map(|bounces| layer(&reference(&scene, SIZE, bounces, 512), "reflected"));
+        // Of the balls' roughness, half of the light is mirrored.
+        for (limit, share) in [(1.0, 1.0), (0.3, 0.5)] {
+            let expected: Vec<[f32; 3]> = (0..lit.len())
+                .map(|at| [0, 1, 2].map(|i| lit[at][i] + share * (one[at][i] - none[at][i])))
+                .collect();
+            let of = |seed| {
+                let plain = settings(Denoise::None);
+                let effects =
+                    EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
+                let settings = Settings { seed, effects, reflections: Reflections::Rays, ..plain };
+                lab.rendered(&scene, &settings, FRAMES).read_picture(false).unwrap().colour
+            };
+            assert_agree(&format!("{what}, mirrored by {share}"), &mean_of_seeds(of), &expected);
+        }
+    }
+}
+
+#[test]
+fn lights_without_extent_have_the_shadows_of_maps() {
+    let Some(lab) = Lab::open() else { return };
+    let sharp = |light: &str| light.split("\nradius").next().unwrap().to_owned();
+    for light in [sun(0), sharp(BULB), sharp(SPOT)] {
+        let scene = yard(&light);
+        let [maps, rays] = [Direct::Maps, Direct::Rays].map(|kind| {
+            direct(&lab.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
+        });
+        let dark = maps.iter().filter(|pixel| **pixel == [0.0; 3]).count();
+        assert!((100..maps.len() - 100).contains(&dark), "{dark} pixels are dark");
+        let differs =
+            |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-3 * a[i].max(b[i]));
+        let off = maps.iter().zip(&rays).filter(differs).count();
+        // Where rounding decides whether a ray passes an edge.
+        assert!(off <= maps.len() / 1000, "{off} pixels differ");
     }
 }
 
@@ -193,11 +285,12 @@ fn denoised_stills_are_like_the_truth() {
 }
 
 /// Settings with everything in use, and frames until the picture stands still.
-fn all_in_use(antialiasing: Antialiasing, denoise: Denoise) -> (Settings, u32) {
+fn all_in_use(direct: Direct, antialiasing: Antialiasing, denoise: Denoise) -> (Settings, u32) {
     let vpl = VplSettings { slots: 64, temporal_sets: 4, budget: 16, ..VplSettings::default() };
     let settings = Settings {
         size: [64, 48],
         indirect: Indirect::Vpls,
+        direct,
         reflections: Reflections::Rays,
         antialiasing,
         vpl,
@@ -212,12 +305,16 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
     let Some(lab) = Lab::open() else { return };
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     let rest = scene.pose(0.0);
-    for (antialiasing, denoise) in [
-        (Antialiasing::Taa, Denoise::Svgf),
-        (Antialiasing::Taa, Denoise::None),
-        (Antialiasing::None, Denoise::Svgf),
+    for (direct, antialiasing, denoise) in [
+        (Direct::Rays, Antialiasing::Taa, Denoise::Svgf),
+        (Direct::Rays, Antialiasing::Taa, Denoise::None),
+        (Direct::Rays, Antialiasing::None, Denoise::Svgf),
+        (Direct::Rays, Antialiasing::None, Denoise::None),
+        (Direct::Maps, Antialiasing::Taa, Denoise::Svgf),
+        (Direct::Maps, Antialiasing::None, Denoise::None),
     ] {
-        let (settings, frames) = all_in_use(antialiasing, denoise);
+        let what = format!("{direct:?}, {antialiasing:?}, {denoise:?}");
+        let (settings, frames) = all_in_use(direct, antialiasing, denoise);
         let wait = |renderer: &mut Renderer, frames: u32| {
             (0..frames).for_each(|_| renderer.render(&rest).unwrap());
             renderer.read_picture(false).unwrap()
@@ -226,7 +323,7 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
         let expected = wait(&mut fresh, frames);
         assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite()));
         for more in [1, 6] {
-            assert!(wait(&mut fresh, more) == expected, "{antialiasing:?}, {denoise:?}: {more} frames later");
+            assert!(wait(&mut fresh, more) == expected, "{what}: {more} frames later");
         }
         let mut renderer = lab.renderer(&scene, &settings, &rest);
         for frame in 0..5 {
@@ -236,7 +333,7 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
             pose.lights[0].direction = Vec3::new(0.1 * frame as f32, -1.0, 0.0).normalize();
             renderer.render(&pose).unwrap();
         }
-        assert!(wait(&mut renderer, frames) == expected, "{antialiasing:?}, {denoise:?}: after motion");
+        assert!(wait(&mut renderer, frames) == expected, "{what}: after motion");
     }
 }
 

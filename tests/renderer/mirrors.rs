@@ -1,0 +1,270 @@
+//! Reflections together with the rest of a frame: light of VPLs, thin sheets, rest, changes while it runs, roughness.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use glowworm::output::Picture;
+use glowworm::renderer::Renderer;
+use glowworm::scene::{Pose, Scene};
+use glowworm::settings::{
+    Antialiasing, Denoise, Direct, EffectSettings, Indirect, Noise, Reflections, Settings, VplSettings,
+};
+
+use super::reference::reference;
+use super::reflections::{FRAMES, SIZE, SKY, settings, stage};
+use super::support::{Lab, channel, exact, layer, luminance, mean, scene};
+
+/// A closed room with a mirror on its far wall, seen from a place where the mirror shows the wall behind the camera too.
+fn room(roughness: f32) -> Arc<Scene> {
+    scene(&format!(
+        r#"
+[[models]]
+name = "room"
+primitive = "box"
+size = [6, 4, 6]
+material = {{ albedo = [0.7, 0.65, 0.6] }}
+[[models]]
+name = "mirror"
+primitive = "box"
+size = [1.2, 0.9, 0.1]
+material = {{ albedo = [0.95, 0.9, 0.8], roughness = {roughness}, metallic = 1 }}
+[[models]]
+name = "box"
+primitive = "box"
+size = [0.9, 1.8, 0.9]
+material = {{ albedo = [0.3, 0.4, 0.7] }}
+[[instances]]
+model = "room"
+[[instances]]
+model = "mirror"
+translation = [0.2, 0, -2.9]
+[[instances]]
+model = "box"
+translation = [-0.9, -1.1, -1.2]
+rotation = [0, 30, 0]
+[[lights]]
+type = "point"
+position = [0.6, 1.5, 0.5]
+intensity = [12, 12, 12]
+[camera]
+eye = [0.6, 0.2, 0.2]
+target = [0.1, -0.1, -3]
+vfov_deg = 40
+"#
+    ))
+}
+
+/// Light at hits holds a bounce more than the path tracer has: VPLs stand for all bounces at the hit, as at surfaces that are seen.
+#[test]
+fn a_mirror_shows_the_light_of_vpls() {
+    let Some(lab) = Lab::open() else { return };
+    let size = [64, 48];
+    for (roughness, bounces) in [(0.0, 1), (0.3, 1), (0.0, 2), (0.3, 2)] {
+        let scene = room(roughness);
+        let effects =
+            EffectSettings { denoise: Denoise::None, reflection_roughness: 1.0, ..Default::default() };
+        let vpl = VplSettings { slots: 1024, pool: 1024, budget: 1024, temporal_sets: 4, ..exact(size).vpl };
+        let settings = Settings { bounces, vpl, effects, reflections: Reflections::Rays, ..exact(size) };
+        let picture = lab.rendered(&scene, &settings, 1 + 2 * 4 + 64).read_picture(true).unwrap();
+        let is_mirror: Vec<bool> = channel(&picture, "instance").iter().map(|id| *id == 1.0).collect();
+        let of = |picture: &Picture| {
+            let pixels = layer(picture, "reflected").into_iter().zip(&is_mirror);
+            mean(pixels.filter(|(_, is_mirror)| **is_mirror).map(|(pixel, _)| luminance(&pixel)))
+        };
+        let truth = of(&reference(&scene, size, bounces + 1, 512));
+        let ours = of(&picture);
+        assert!(
+            (ours / truth - 1.0).abs() < 0.03,
+            "roughness {roughness}, {bounces} bounces: {}",
+            ours / truth
+        );
+    }
+}
+
+#[test]
+fn a_sheet_before_a_mirror_tints_it_twice() {
+    let Some(lab) = Lab::open() else { return };
+    let pane = r#"
+[[models]]
+name = "pane"
+primitive = "quad"
+size = [12, 1, 8]
+material = { albedo = [0.9, 0.5, 0.2] }
+[[materials]]
+name = "pane"
+transmission = 1
+[[instances]]
+model = "pane"
+translation = [0, 3, -1.2]
+rotation = [90, 0, 0]
+"#;
+    let mirror = "albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1";
+    let reflected = |more: &str| {
+        let scene = stage(mirror, more);
+        let picture = lab.rendered(&scene, &settings(Denoise::None), FRAMES).read_picture(true).unwrap();
+        let truth = reference(&scene, SIZE, 1, 256);
+        [picture, truth].map(|picture| {
+            let pixels = layer(&picture, "reflected");
+            [0, 1, 2].map(|i| mean(pixels.iter().map(|pixel| pixel[i])))
+        })
+    };
+    let ([tinted, truth], [clear, _]) = (reflected(pane), reflected(""));
+    eprintln!("{tinted:?}, {truth:?} in the path tracer, {clear:?} without the sheet");
+    for i in 0..3 {
+        assert!((tinted[i] / truth[i] - 1.0).abs() < 0.02, "{tinted:?}, {truth:?}");
+    }
+    // The more of a colour the sheet swallows, by its square.
+    let shares = [0, 1, 2].map(|i| tinted[i] / clear[i]);
+    assert!(shares[0] > 0.7 && shares[1] < 0.4 && shares[2] < 0.15, "{shares:?}");
+}
+
+/// Before the mirror: a ball that mirrors blurredly, one between mirroring and not, the sky, an area light.
+const BALLS: &str = r#"
+[[models]]
+name = "metal"
+primitive = "sphere"
+size = [0.4, 0.4, 0.4]
+subdivisions = 3
+material = { albedo = [0.9, 0.7, 0.3], roughness = 0.3, metallic = 1 }
+[[models]]
+name = "dull"
+primitive = "sphere"
+size = [0.4, 0.4, 0.4]
+subdivisions = 3
+material = { albedo = [0.3, 0.5, 0.3], roughness = 0.62, metallic = 0.5 }
+[[instances]]
+model = "metal"
+translation = [0.1, 0.4, 0.6]
+[[instances]]
+model = "dull"
+translation = [0.6, 1.8, -0.4]
+[environment]
+colour = [0.2, 0.3, 0.5]
+"#;
+
+/// Everything in use, and frames until the picture stands still.
+fn all_in_use() -> (Settings, u32) {
+    let vpl = VplSettings { slots: 60, temporal_sets: 5, budget: 16, ..VplSettings::default() };
+    let effects = EffectSettings { reflection_depth: 3, ..EffectSettings::default() };
+    let settings = Settings {
+        size: [64, 48],
+        indirect: Indirect::Vpls,
+        reflections: Reflections::Auto,
+        antialiasing: Antialiasing::Taa,
+        vpl,
+        effects,
+        ..settings(Denoise::Svgf)
+    };
+    (settings, vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 48 + 16)
+}
+
+fn wait(renderer: &mut Renderer, pose: &Pose, frames: u32) -> Picture {
+    (0..frames).for_each(|_| renderer.render(pose).unwrap());
+    renderer.read_picture(false).unwrap()
+}
+
+fn mirrors() -> Arc<Scene> {
+    stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", BALLS)
+}
+
+#[test]
+fn mirrors_stand_still_and_depend_on_no_past() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = mirrors();
+    let rest = scene.pose(0.0);
+    let (smooth, frames) = all_in_use();
+    let effects = EffectSettings { denoise: Denoise::None, noise: Noise::White, ..smooth.effects };
+    let (direct, antialiasing) = (Direct::Maps, Antialiasing::None);
+    let rough = Settings { direct, antialiasing, effects, ..smooth.clone() };
+    for (what, settings) in [("denoised", smooth), ("not denoised", rough)] {
+        let mut fresh = lab.renderer(&scene, &settings, &rest);
+        let expected = wait(&mut fresh, &rest, frames);
+        assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite()));
+        for more in [1, 9] {
+            assert!(wait(&mut fresh, &rest, more) == expected, "{what}: {more} frames later");
+        }
+        for moved in [1, 4] {
+            let mut renderer = lab.renderer(&scene, &settings, &rest);
+            for frame in 0..moved {
+                let mut pose = rest.clone();
+                let way = Affine3A::from_translation(Vec3::X * 0.2 * (frame + 1) as f32);
+                pose.instances[2] = way * pose.instances[2];
+                pose.camera.eye.x += 0.1;
+                pose.environment.as_mut().unwrap().radiance *= 3.0;
+                let picture = wait(&mut renderer, &pose, 1);
+                assert!(
+                    picture.colour.iter().flatten().all(|channel| channel.is_finite()),
+                    "{what}, {frame}"
+                );
+            }
+            assert!(wait(&mut renderer, &rest, frames) == expected, "{what}: after {moved} frames of motion");
+        }
+    }
+}
+
+#[test]
+fn changes_while_it_runs_end_as_a_fresh_renderer() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = mirrors();
+    let pose = scene.pose(0.0);
+    let (start, frames) = all_in_use();
+    let mut renderer = lab.renderer(&scene, &start, &pose);
+    wait(&mut renderer, &pose, 7);
+    type Change = fn(&mut Settings);
+    let changes: [(&str, Change); 5] = [
+        ("none", |settings| settings.reflections = Reflections::None),
+        ("rays", |settings| settings.reflections = Reflections::Rays),
+        ("depth and noise", |settings| {
+            (settings.effects.reflection_depth, settings.effects.noise) = (1, Noise::White);
+        }),
+        ("limit and shadows", |settings| {
+            (settings.effects.reflection_roughness, settings.direct) = (0.2, Direct::Maps);
+        }),
+        ("denoiser", |settings| settings.effects.denoise = Denoise::None),
+    ];
+    // One after the other: what an earlier change left must not show either.
+    let mut settings = start;
+    for (what, change) in changes {
+        change(&mut settings);
+        renderer.set_settings(&settings, &pose).unwrap();
+        let ours = wait(&mut renderer, &pose, frames);
+        assert!(ours == wait(&mut lab.renderer(&scene, &settings, &pose), &pose, frames), "{what}");
+    }
+    // The mirror becomes a dull one, below the limit.
+    let mut edited = Scene::clone(&scene);
+    edited.materials[0].roughness = 0.15;
+    let edited = Arc::new(edited);
+    renderer.set_scene(&edited, &pose).unwrap();
+    let ours = wait(&mut renderer, &pose, frames);
+    assert!(ours == wait(&mut lab.renderer(&edited, &settings, &pose), &pose, frames), "edited");
+}
+
+#[test]
+fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
+    let Some(lab) = Lab::open() else { return };
+    let (base, frames) = all_in_use();
+    let base = Settings { direct: Direct::Maps, antialiasing: Antialiasing::None, ..base };
+    let reflected = |roughness: f32, reflections, reflection_roughness| {
+        let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
+        let effects = EffectSettings { denoise: Denoise::None, reflection_roughness, ..base.effects };
+        let settings = Settings { reflections, effects, ..base.clone() };
+        layer(&lab.rendered(&scene, &settings, frames).read_picture(true).unwrap(), "reflected")
+    };
+    for (roughness, share) in [(0.45, 1.0), (0.55, 0.84375), (0.65, 0.15625), (0.75, 0.0)] {
+        let ours = reflected(roughness, Reflections::Rays, 0.6);
+        let (rays, irradiance) =
+            (reflected(roughness, Reflections::Rays, 1.0), reflected(roughness, Reflections::None, 0.6));
+        assert_ne!(rays, irradiance);
+        for at in 0..ours.len() {
+            for i in 0..3 {
+                let expected = share * rays[at][i] + (1.0 - share) * irradiance[at][i];
+                let off = (ours[at][i] - expected).abs();
+                assert!(
+                    off <= 2e-3 * expected.max(0.1),
+                    "roughness {roughness}: {}, not {expected}",
+                    ours[at][i]
+                );
+            }
+        }
+    }
+}
