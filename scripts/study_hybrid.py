@@ -16,8 +16,10 @@ import study_hybrid_page
 
 ROUGHNESS = [0, 0.1, 0.2, 0.3, 0.4, 0.6, 1]
 HALF_ANGLES = [0, 2, 4, 6, 10, 20, 40, 90]
+# Those of sequences.
+MOVING = [0, 0.2, 0.4, 1, 4, 20, 90]
 # Each extension by itself is measured at these values, still and under a moving camera.
-CHOSEN = {"boxes": [0, 0.2, 0.6], "icosphere": [0.2], "sponza": [0.2], "pillars": [4], "objects": [4, 20]}
+CHOSEN = {"boxes": [0, 0.2, 0.4], "icosphere": [0.2], "sponza": [0.2], "pillars": [4], "objects": [4, 20]}
 # A still picture after so many frames; one frame of a sequence, with its past.
 FRAMES = {"still": 32, "camera": 40, "things": 40, "light": 40}
 NOISY_SAMPLES = 16
@@ -78,9 +80,9 @@ class Study:
             unfinished.rename(picture)
         return picture
 
-    def samples(self, motion):
-        """A pixel, of the truth."""
-        return self.options.spp if motion == "still" else self.options.spp // 2
+    def samples(self, value):
+        """A pixel, of the truth: sharp mirrors and shadows need few."""
+        return self.options.spp if value > 0 else NOISY_SAMPLES
 
     def error(self, picture, truth, layer):
         compared = self.run("compare", picture, truth, "--layer", layer)
@@ -96,7 +98,7 @@ class Study:
         if not kept.exists():
             drawn = self.cache / "drawn.exr"
             report = self.run("render", scene, *options, "--out", drawn)
-            truth = self.truth(scene, name, frames - 1, self.samples(motion))
+            truth = self.truth(scene, name, frames - 1, self.samples(value))
             row = self.error(drawn, truth, layer_of(name)) | {key: report[key] for key in ["device", "driver", "commit"]}
             kept.write_text(json.dumps(row))
         return {"scene": name, "motion": motion, "value": value, "variant": variant} | json.loads(kept.read_text())
@@ -104,12 +106,14 @@ class Study:
     def judged(self, name, motion, value):
         """The same of the path tracer itself: with few samples, and another picture of as many, for the noise of the truth."""
         scene = hybrid_scenes.make(self.cache / "scenes", name, motion, value)
-        frame, layer, spp = FRAMES[motion] - 1, layer_of(name), self.samples(motion)
+        frame, layer, spp = FRAMES[motion] - 1, layer_of(name), self.samples(value)
         kept = self.key(scene, "judged", frame, layer, self.options.size, spp).with_suffix(".json")
         if not kept.exists():
             truth = self.truth(scene, name, frame, spp)
-            rows = {f"{NOISY_SAMPLES} samples": self.error(self.truth(scene, name, frame, NOISY_SAMPLES), truth, layer)}
-            if value in CHOSEN[name] and motion == "still":
+            rows = {}
+            if value > 0:
+                rows[f"{NOISY_SAMPLES} samples"] = self.error(self.truth(scene, name, frame, NOISY_SAMPLES), truth, layer)
+            if value in CHOSEN[name] and motion == "still" and value > 0:
                 rows["truth again"] = self.error(self.truth(scene, name, frame, spp, 1), truth, layer)
             kept.write_text(json.dumps(rows))
         rows = json.loads(kept.read_text())
@@ -147,15 +151,16 @@ def switches(settings):
     return [part for name, value in settings.items() for part in [f"--{name}", value]]
 
 
-def values_of(name):
-    return ROUGHNESS if layer_of(name) == "reflected" else HALF_ANGLES
+def values_of(name, motion):
+    values = ROUGHNESS if layer_of(name) == "reflected" else HALF_ANGLES
+    return [value for value in values if motion == "still" or value in MOVING]
 
 
 def runs(scenes):
     """Scene, motion, value and variants, in the order in which they are measured."""
     for name in scenes:
         for motion in hybrid_scenes.MOTIONS:
-            for value in values_of(name):
+            for value in values_of(name, motion):
                 closely = value in CHOSEN[name] and motion in ["still", "camera"]
                 yield name, motion, value, list(VARIANTS) if closely else EVERYWHERE
 
@@ -170,7 +175,7 @@ def arguments(root):
     parser.add_argument("--scenes", default=",".join(names), metavar="A,B", help="names (%(default)s)")
     parser.add_argument("--size", default="320x180", metavar="WxH", help="size of the pictures (%(default)s)")
     parser.add_argument("--spp", type=int, default=1024, metavar="N",
-                        help="samples a pixel of the truth, half as many in motion (%(default)s)")
+                        help="samples a pixel of the truth (%(default)s)")
     parser.add_argument("--cache", type=Path, default=cache, metavar="DIR", help="keeps what was measured (%(default)s)")
     parser.add_argument("--out", type=Path, default=root / "docs", metavar="DIR",
                         help="folder of HYBRID.md and hybrid/ (%(default)s)")

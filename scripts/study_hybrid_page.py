@@ -28,8 +28,8 @@ P. Granja, *Real Time Hybrid Rendering Techniques*, 2021, whose models are not p
 (`scripts/hybrid_scenes.py`). Compared is the light of the effect alone, in linear values: the layer `reflected` or `shadow` of
 `render --layers --antialiasing none --indirect none` with that of `reference --pixel-filter center` (`--bounces 1` and 0).
 
-{size}, commit {commit}, {device} ({driver}), {spp} samples a pixel of the truth, half as many in
-motion. Still: after 32 frames. In motion: the 40th frame, with motion since the first. To make this page, in about an hour:
+{size}, commit {commit}, {device} ({driver}), {spp} samples a pixel of the truth (16 of
+sharp mirrors and shadows). Still: after 32 frames. In motion: the 40th frame, with motion since the first. To make this page, in about an hour:
 
 ```sh
 scripts/study-hybrid     # --help lists the options
@@ -90,8 +90,8 @@ def plot(figures, scene, folder):
     places = range(len(values))
     for colour, (motion, label) in enumerate(MOTIONS.items()):
         for variant, style in [("default", "-"), ("SVGF", ":")]:
-            line = [figures.get(scene, motion, value, variant) for value in values]
-            axes.plot(places, line, style, color=f"C{colour}", marker="o" if variant == "default" else None, markersize=3,
+            line = [(place, figures.get(scene, motion, value, variant)) for place, value in zip(places, values)]
+            axes.plot(*zip(*[point for point in line if point[1] is not None]), style, color=f"C{colour}", marker="o" if variant == "default" else None, markersize=3,
                       label=label if variant == "default" else None)
     axes.set_xticks(places, [f"{value:g}" for value in values])
     unit = ", degrees" if WHAT[scene] == "half angle" else ""

@@ -91,12 +91,13 @@ vec3 without_firefly(vec3 now, ivec2 pixel, Recent recent) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (!inside(pixel)) return;
+    vec3 now = noisy_at(pixel);
     if (surface_of_pixel(pixel).depth == 0.0) {
-        imageStore(light, pixel, vec4(0.0));
+        // Where nothing is seen there is nothing to average.
+        imageStore(light, pixel, is_finite(now) ? rounded(vec4(now, 0.0)) : vec4(0.0));
         imageStore(moments, pixel, vec4(0.0));
         return;
     }
-    vec3 now = noisy_at(pixel);
     History then = History(vec3(0.0), vec4(0.0));
     if (push.has_history == 1u) then = history_at(pixel);
     // What is not a number never reaches the history.

@@ -64,7 +64,9 @@ pub fn temporal(
     pixel: usize,
 ) -> (Vec4, Vec4) {
     if pixels[pixel].depth == 0.0 {
-        return (Vec4::ZERO, Vec4::ZERO);
+        let now = signal(settings, &pixels[pixel]);
+        let shown = if now.is_finite() { now.extend(0.0) } else { Vec4::ZERO };
+        return (shown, Vec4::ZERO);
     }
     let here = place_of(pixel);
     let (mut light, mut mean, mut variance, mut length, mut last) = (Vec3::ZERO, 0.0, 0.0, 0.0, 0.0);
