@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use super::split::RightSide;
 use super::stage::Selected;
 use crate::renderer::DebugView;
 use crate::scene::{EnvironmentEntry, InstanceEntry, LightEntry, LightType, MaterialEdit};
@@ -43,6 +44,16 @@ pub enum Action {
     Reload,
     /// Changes the settings.
     Set(Box<Settings>),
+    /// Divides the window, or shows something else right of the divider; none: the whole window is one picture again.
+    Split(Option<RightSide>),
+    /// Divides the window between two methods, or no longer.
+    ToggleSplit,
+    /// Shows the truth right of the divider, or no longer.
+    ToggleTruth,
+    /// Moves the divider, share of the width.
+    MoveDivider(f32),
+    /// Shows or hides the error of the left side.
+    ToggleDifference,
     /// Sets the debug view.
     View(Box<DebugView>),
     /// Steps to the next (+1) or previous (-1) buffer view.
@@ -123,6 +134,9 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
     bind("F4", "copy the command line that renders this picture", KeyCode::F4, NONE, || Action::CopyCommand),
     bind("F5", "reload the scene", KeyCode::F5, NONE, || Action::Reload),
+    bind("C", "compare with another method right of a divider", KeyCode::KeyC, NONE, || Action::ToggleSplit),
+    bind("G", "compare with the truth, by the path tracer", KeyCode::KeyG, NONE, || Action::ToggleTruth),
+    bind("X", "the error of the left side (FLIP)", KeyCode::KeyX, NONE, || Action::ToggleDifference),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
     bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
     bind("P", "show or hide VPL paths", KeyCode::KeyP, NONE, || Action::TogglePaths),

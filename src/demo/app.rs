@@ -24,6 +24,7 @@ use super::panel::{PanelState, Places, is_map};
 use super::pointer::Pointer;
 use super::recorder::Recorder;
 use super::screenshot::Saving;
+use super::split::Split;
 use super::stage::Stage;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
@@ -62,6 +63,7 @@ pub(super) enum Recording {
 /// State while the window is open. Drop order: users of the device, then the device.
 pub(super) struct Open {
     pub stage: Option<Stage>,
+    pub split: Option<Split>,
     pub loader: Loader,
     pub gpu: Gpu,
     pub window: Arc<Window>,
@@ -138,6 +140,7 @@ impl App {
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
         self.open = Some(Open {
             stage: None,
+            split: None,
             loader: Loader::new(&self.launch),
             egui: egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, None),
             gpu,

@@ -15,7 +15,7 @@ use super::recorder::Recorder;
 use super::screenshot::Saving;
 use super::stage::{Change, Stage};
 use crate::estimators::vpls::VplManager;
-use crate::vulkan::{Presented, UiDrawing};
+use crate::vulkan::{Pane, Presented, UiDrawing};
 
 impl App {
     pub(super) fn frame(&mut self) -> Result<(), DemoError> {
@@ -41,9 +41,15 @@ impl App {
         open.draw_stage()?;
         let drawing =
             UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
-        let picture = open.stage.as_ref().map(|stage| stage.renderer.display());
+        let panes = match (&open.stage, &open.split) {
+            (Some(stage), Some(split)) => split.panes(stage),
+            (Some(stage), None) => {
+                vec![Pane { picture: stage.renderer.display(), columns: [0.0, 1.0] }]
+            }
+            (None, _) => Vec::new(),
+        };
         open.window.pre_present_notify();
-        let presented = open.gpu.presenter.present(picture, &drawing)?;
+        let presented = open.gpu.presenter.present(&panes, &drawing)?;
         if presented == Presented::Skipped {
             open.textures.append(drawing.textures);
             return Ok(());
@@ -164,6 +170,7 @@ impl Open {
                     self.flight = Flight::new(stage.radius);
                     self.clock.time = 0.0;
                 }
+                self.split = None;
                 self.stage = Some(stage);
                 self.inspector.forget();
                 // A recording covers one scene.
@@ -224,6 +231,7 @@ impl Open {
         let output = context.run_ui(input, |ui| {
             let mut shown = Shown {
                 stage: self.stage.as_ref(),
+                split: self.split.as_ref(),
                 clock: &mut self.clock,
                 history: &self.history,
                 loader: &self.loader,
@@ -247,6 +255,9 @@ impl Open {
         self.inspector.refresh(stage)?;
         let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
         stage.render(self.clock.time, camera)?;
+        if let Some(split) = &mut self.split {
+            split.render(stage)?;
+        }
         if let Recording::On(recorder) = &mut self.recording {
             recorder.frame(stage);
         }

@@ -7,6 +7,8 @@ use crate::statistics::percentile;
 
 /// Frames to keep.
 const KEPT: usize = 240;
+/// What the frame rate is taken over, ms: short, so that what a setting does to it is seen at once.
+const RECENT_MS: f64 = 500.0;
 
 /// Measurements of one frame of the window.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +43,19 @@ impl History {
 
     pub fn samples(&self) -> impl ExactSizeIterator<Item = &Sample> + Clone {
         self.samples.iter()
+    }
+
+    /// Mean interval of the frames of the last half second, ms; 0 before the first.
+    pub fn recent_ms(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for sample in self.samples.iter().rev() {
+            sum += sample.interval_ms;
+            count += 1.0;
+            if sum >= RECENT_MS {
+                break;
+            }
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
     }
 
     /// Median and 95th percentile of a figure.

@@ -190,7 +190,7 @@ const CPU_VPLS: i64 = 128;
 
 /// Runs `work` in a thread pool of its own, on at most half of the cores. In the global pool, a frame that waits
 /// for a small task could steal a large one of the loader.
-fn pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+pub(super) fn pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static POOL: OnceLock<Option<ThreadPool>> = OnceLock::new();
     let pool = POOL.get_or_init(|| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

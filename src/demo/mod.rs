@@ -14,6 +14,7 @@ mod gpu;
 mod handles;
 mod history;
 mod inspector;
+mod judge;
 mod loader;
 mod log;
 mod mouse;
@@ -22,7 +23,9 @@ mod perform;
 mod pointer;
 mod recorder;
 mod screenshot;
+mod split;
 mod stage;
+mod truth;
 
 use std::path::PathBuf;
 

@@ -11,8 +11,9 @@ use super::edit::new_light;
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_light};
 use super::loader::{Edited, Order};
-use super::panel::Purpose;
+use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
+use super::split::{Right, RightSide, Split};
 use super::stage::{Change, Selected, Stage, carry};
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
@@ -64,6 +65,27 @@ impl App {
                 open.resized = Some(std::time::Instant::now());
             }
             Action::Set(settings) => open.set(&settings)?,
+            Action::Split(side) => open.divide(side)?,
+            Action::ToggleSplit => {
+                let is_on =
+                    open.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
+                let settings = open.stage.as_ref().map(|stage| Box::new(stage.settings.clone()));
+                open.divide(settings.filter(|_| !is_on).map(RightSide::Settings))?;
+            }
+            Action::ToggleTruth => {
+                let is_on = open.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+                open.divide((!is_on).then_some(RightSide::Truth))?;
+            }
+            Action::MoveDivider(at) => {
+                if let Some(split) = &mut open.split {
+                    split.at = at;
+                }
+            }
+            Action::ToggleDifference => {
+                if let Some(split) = &mut open.split {
+                    split.shows_difference = !split.shows_difference;
+                }
+            }
             Action::View(view) => open.view(&view)?,
             Action::StepBuffer(by) => open.step_buffer(by)?,
             Action::StepVpl(by) => open.step_vpl(by)?,
@@ -96,6 +118,8 @@ impl App {
     pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
+        open.split = None;
+        open.panel.split = SplitState::default();
         let stage = open.stage.take();
         let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
         let mode = open.gpu.presenter.mode();
@@ -251,6 +275,31 @@ impl Open {
             Ok(()) => stage.settings.clone_from(settings),
             Err(error) if error.is_device_lost() => return Err(error),
             Err(error) => self.panel.error = Some(error.to_string()),
+        }
+        Ok(())
+    }
+
+    /// Divides the window, shows something else right of the divider, or goes back to one picture.
+    fn divide(&mut self, side: Option<RightSide>) -> Result<(), DemoError> {
+        let (Some(stage), Some(side)) = (&mut self.stage, side) else {
+            self.split = None;
+            return Ok(());
+        };
+        let had_renderer = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
+        let restarts = matches!(side, RightSide::Settings(_)) && !had_renderer;
+        let done = match &mut self.split {
+            Some(split) => split.show(&self.gpu.device, stage, side),
+            None => Split::new(&self.gpu.device, stage, side).map(|split| self.split = Some(split)),
+        };
+        match done {
+            Err(error) if error.is_device_lost() => return Err(error),
+            Err(error) => self.panel.error = Some(error.to_string()),
+            Ok(()) => {}
+        }
+        if let Recording::On(recorder) = &mut self.recording
+            && restarts
+        {
+            recorder.renewed(stage);
         }
         Ok(())
     }

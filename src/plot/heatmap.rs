@@ -96,10 +96,14 @@ impl Heatmap<'_> {
     }
 
     fn colour(&self, value: f64) -> [u8; 3] {
-        let share = (value / self.limit).clamp(0.0, 1.0);
-        let colour = colorous::MAGMA.eval_continuous(share);
-        [colour.r, colour.g, colour.b]
+        magma(value / self.limit)
     }
+}
+
+/// The magma colour map, from 0 to 1.
+pub fn magma(share: f64) -> [u8; 3] {
+    let colour = colorous::MAGMA.eval_continuous(share.clamp(0.0, 1.0));
+    [colour.r, colour.g, colour.b]
 }
 
 impl Canvas {

@@ -11,7 +11,7 @@ mod page;
 pub use axis::{Axis, Scale};
 pub use bars::{Bar, BarPanel, Bars};
 pub use curves::{Curves, Line, Look, Panel};
-pub use heatmap::{Heatmap, round_limit};
+pub use heatmap::{Heatmap, magma, round_limit};
 
 use std::path::PathBuf;
 use std::sync::Once;

@@ -125,6 +125,11 @@ impl Renderer {
         Ok(())
     }
 
+    /// The scene as it is prepared, for another renderer of the same world.
+    pub fn prepared(&self) -> PreparedScene {
+        PreparedScene { scene: Arc::clone(&self.scene), bvh: self.bvh.clone(), bvh_ms: self.bvh_ms }
+    }
+
     /// The settings in use.
     pub fn settings(&self) -> &Settings {
         &self.settings

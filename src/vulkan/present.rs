@@ -26,6 +26,15 @@ pub enum Presented {
     Skipped,
 }
 
+/// A picture in a range of the window's columns, each shown where the whole picture would have it.
+#[derive(Clone, Copy)]
+pub struct Pane<'a> {
+    /// sRGB-encoded; scaled to the window.
+    pub picture: &'a Image,
+    /// From this share of the width to that, 0 to 1.
+    pub columns: [f32; 2],
+}
+
 /// Presents frames in a window. Recreates its swapchain whenever the window changed.
 pub struct Presenter {
     swapchain: Option<Swapchain>,
@@ -98,8 +107,8 @@ impl Presenter {
         self.ui_ms
     }
 
-    /// Presents `picture` (sRGB-encoded; none: black), scaled to the window, with `ui` over it.
-    pub fn present(&mut self, picture: Option<&Image>, ui: &UiDrawing) -> Result<Presented, VulkanError> {
+    /// Presents `panes` (none: black) with `ui` over them.
+    pub fn present(&mut self, panes: &[Pane<'_>], ui: &UiDrawing) -> Result<Presented, VulkanError> {
         if self.stale && !self.recreate_swapchain()? {
             // The caller keeps the interface's textures, which are sent once, until there is a swapchain.
             return Ok(Presented::Skipped);
@@ -117,7 +126,7 @@ impl Presenter {
         };
         let image = &swapchain.images[index as usize];
         slot.begin()?;
-        slot.record(swapchain, image, picture, |commands| drawer.draw(commands, swapchain.extent, ui))?;
+        slot.record(swapchain, image, panes, |commands| drawer.draw(commands, swapchain.extent, ui))?;
         slot.submit(image.drawn)?;
         self.count += 1;
         queue_present(&self.device, swapchain, index, &mut self.stale)
@@ -256,7 +265,7 @@ impl Slot {
         &self,
         swapchain: &Swapchain,
         image: &SwapchainImage,
-        picture: Option<&Image>,
+        panes: &[Pane<'_>],
         draw_ui: impl FnOnce(vk::CommandBuffer) -> Result<(), VulkanError>,
     ) -> Result<(), VulkanError> {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
@@ -270,7 +279,12 @@ impl Slot {
         self.write_timestamp(0);
         // The acquire semaphore blocks these stages; the barrier chains after them.
         self.barrier(image.raw, (S::ALL_TRANSFER, A::NONE, L::UNDEFINED), written);
-        self.copy(picture, image.raw, swapchain.extent);
+        if panes.is_empty() {
+            self.clear(image.raw);
+        }
+        for pane in panes {
+            self.copy(pane, image.raw, swapchain.extent);
+        }
         self.barrier(image.raw, written, target);
         self.write_timestamp(1);
         let colors = [vk::RenderingAttachmentInfo::default()
@@ -292,44 +306,53 @@ impl Slot {
         drawn
     }
 
-    /// Blits the picture to `target`, scaled if the sizes differ; clears it to black without a picture.
-    fn copy(&self, picture: Option<&Image>, target: vk::Image, extent: vk::Extent2D) {
+    /// Clears `target` to black.
+    fn clear(&self, target: vk::Image) {
+        let range = vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            base_mip_level: 0,
+            level_count: 1,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        // SAFETY: the image is in this layout and can be a transfer destination.
+        unsafe {
+            self.device.raw().cmd_clear_color_image(self.commands, target, layout, &black, &[range]);
+        }
+    }
+
+    /// Blits a pane to `target`, scaled if the sizes differ.
+    fn copy(&self, pane: &Pane<'_>, target: vk::Image, extent: vk::Extent2D) {
+        let picture = pane.picture;
         let layers = vk::ImageSubresourceLayers {
             aspect_mask: vk::ImageAspectFlags::COLOR,
             mip_level: 0,
             base_array_layer: 0,
             layer_count: 1,
         };
-        let raw = self.device.raw();
-        let Some(picture) = picture else {
-            let range = vk::ImageSubresourceRange {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                base_mip_level: 0,
-                level_count: 1,
-                base_array_layer: 0,
-                layer_count: 1,
-            };
-            let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
-            let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
-            // SAFETY: the image is in this layout and can be a transfer destination.
-            unsafe { raw.cmd_clear_color_image(self.commands, target, layout, &black, &[range]) };
+        // Whole columns of the picture, and those of the window that show them.
+        let (window, size) = ([extent.width, extent.height], picture.extent());
+        let columns = pane.columns.map(|share| (share * size[0] as f32).round());
+        let shown = columns.map(|column| (column / size[0] as f32 * window[0] as f32).round());
+        if columns[0] >= columns[1] || shown[0] >= shown[1] {
             return;
-        };
+        }
         barrier_for_image(&self.device, self.commands, picture, Access::TransferRead);
-        let corners = |[width, height]: [u32; 2]| {
-            let corner = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
-            [vk::Offset3D::default(), vk::Offset3D { x: corner(width), y: corner(height), z: 1 }]
+        let corners = |[left, right]: [f32; 2], height: u32| {
+            let bottom = i32::try_from(height).unwrap_or(i32::MAX);
+            [vk::Offset3D { x: left as i32, y: 0, z: 0 }, vk::Offset3D { x: right as i32, y: bottom, z: 1 }]
         };
-        let window = [extent.width, extent.height];
-        let filter = if picture.extent() == window { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        let filter = if size == window { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
         let region = [vk::ImageBlit::default()
             .src_subresource(layers)
-            .src_offsets(corners(picture.extent()))
+            .src_offsets(corners(columns, size[1]))
             .dst_subresource(layers)
-            .dst_offsets(corners(window))];
+            .dst_offsets(corners(shown, window[1]))];
         // SAFETY: both images are in these layouts; the picture lives until the frame is done.
         unsafe {
-            raw.cmd_blit_image(
+            self.device.raw().cmd_blit_image(
                 self.commands,
                 picture.raw,
                 vk::ImageLayout::TRANSFER_SRC_OPTIMAL,

@@ -1,5 +1,6 @@
 //! The panel, one file per section. Sections show state and return actions; they change nothing themselves.
 
+mod bar;
 mod environment;
 mod help;
 mod inspector;
@@ -8,6 +9,7 @@ mod objects;
 mod plots;
 mod scene;
 mod settings;
+mod split;
 mod time;
 mod views;
 
@@ -24,9 +26,11 @@ use super::handles::{self, Mode};
 use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
+use super::split::Split;
 use super::stage::Stage;
 
 pub(super) use scene::{Purpose, is_map};
+pub(super) use split::SplitState;
 
 /// What is loaded sooner needs no word, which would move the panel under the pointer.
 const SOON: Duration = Duration::from_millis(500);
@@ -44,6 +48,7 @@ pub(super) struct PanelState {
     /// The last status message.
     pub message: String,
     pub scene: scene::SceneState,
+    pub split: SplitState,
     pub places: Places,
     /// Documentation of the settings, for tooltips.
     settings: settings::SettingsDocs,
@@ -52,6 +57,7 @@ pub(super) struct PanelState {
 /// Input of the panel.
 pub(super) struct Shown<'a> {
     pub stage: Option<&'a Stage>,
+    pub split: Option<&'a Split>,
     pub clock: &'a mut Clock,
     pub history: &'a History,
     pub loader: &'a Loader,
@@ -65,6 +71,9 @@ pub(super) struct Shown<'a> {
 /// Lays out panel and overlays; returns the user's actions.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
+    if let Some(split) = shown.split {
+        split::pictures(ui, &mut state.split, split);
+    }
     if state.help {
         help::show(ui, state);
     }
@@ -78,6 +87,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     state.places.clear();
     let fill = ui.visuals().panel_fill.gamma_multiply(0.93);
     let frame = Frame::side_top_panel(ui.style()).fill(fill);
+    let bar = Frame::side_top_panel(ui.style()).fill(fill);
+    egui::Panel::top("bar").resizable(false).frame(bar).show(ui, |ui| {
+        bar::show(ui, shown, &mut state.places, &mut actions);
+    });
     egui::Panel::right("panel").exact_size(WIDTH).resizable(false).frame(frame).show(ui, |ui| {
         head(ui, state, shown);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -104,13 +117,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
             let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
             header(ui, "Performance", plots);
             let settings = section(ui, "Settings", false, |ui| {
-                settings::show(ui, state, shown, &mut inner, &mut actions);
+                settings::show(ui, state, shown, &mut actions);
             });
             header(ui, "Settings", settings);
             places.extend(inner);
             state.places = places;
         });
     });
+    split::show(ui, shown, &state.settings, &mut state.places, &mut actions);
     if shown.inspector.is_on() {
         material::show(ui, shown, &mut state.places, &mut actions);
         inspector::show(ui, shown, &mut actions);
@@ -141,14 +155,8 @@ fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) 
     header.show(ui, content).header_response
 }
 
-/// Frame rate, messages and errors.
+/// Messages and errors.
 fn head(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) {
-    let median = shown.history.median_and_p95(|sample| sample.interval_ms).map_or(0.0, |[median, _]| median);
-    let rate = if median > 0.0 { 1e3 / median } else { 0.0 };
-    ui.horizontal(|ui| {
-        ui.strong("glowworm");
-        ui.label(format!("{rate:.0} frames/s"));
-    });
     if shown.gpu.device.is_cpu() {
         ui.small("CPU driver: smaller picture and fewer VPLs by default.")
             .on_hover_text(&shown.gpu.device.info().name);

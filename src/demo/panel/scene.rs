@@ -8,7 +8,6 @@ use egui_file_dialog::{DialogState, FileDialog, Filter};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::app::Recording;
-use crate::scene::BUILTIN_SCENES;
 
 /// Text field and file dialog.
 #[derive(Default)]
@@ -80,14 +79,6 @@ pub(super) fn show(
     places: &mut Places,
     actions: &mut Vec<Action>,
 ) {
-    let name = shown.stage.map_or("none", |stage| stage.name.as_str());
-    ComboBox::from_id_salt("scene").selected_text(short(name)).width(210.0).truncate().show_ui(ui, |ui| {
-        for scene in BUILTIN_SCENES {
-            if ui.selectable_label(scene == name, scene).clicked() {
-                actions.push(Action::Open(scene.to_owned()));
-            }
-        }
-    });
     ui.horizontal(|ui| {
         let field =
             TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml, model.obj or model.glb");

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use clap::{Args, ValueEnum};
 use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
-use super::{PanelState, Places, Shown, place};
+use super::{PanelState, Shown};
 use crate::demo::action::Action;
 use crate::settings::{
     Denoise, Direct, Group, Indirect, MissingSets, Reflections, Settings, SvgfSettings, VplSettings, groups,
@@ -30,6 +30,13 @@ impl Default for SettingsDocs {
     }
 }
 
+impl SettingsDocs {
+    /// What a setting is for.
+    pub fn doc(&self, setting: &str) -> &str {
+        self.docs.get(setting).map_or("", String::as_str)
+    }
+}
+
 /// Whether the method that a group belongs to is in use.
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
     let has_effects = settings.direct == Direct::Rays || settings.reflections != Reflections::None;
@@ -42,7 +49,7 @@ fn is_in_use(group: &Group, settings: &Settings) -> bool {
 }
 
 /// Presets.
-fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
+pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
     // Keep what does not affect quality.
     let base = Settings {
         indirect: now.indirect,
@@ -64,9 +71,9 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
             "Few VPLs, one bounce: for slow devices.",
             Settings { bounces: 1, vpl: VplSettings { slots: 128, budget: 32, ..base.vpl }, ..base.clone() },
         ),
-        ("balanced", "The defaults.", base.clone()),
+        ("normal", "The defaults.", base.clone()),
         (
-            "quality",
+            "fine",
             "Many VPLs, four bounces, a large budget: for fast devices.",
             Settings {
                 bounces: 4,
@@ -82,32 +89,16 @@ fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
     ]
 }
 
-pub(super) fn show(
-    ui: &mut Ui,
-    state: &PanelState,
-    shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(stage) = shown.stage else { return };
     let mut settings = stage.settings.clone();
-    ui.horizontal_wrapped(|ui| {
-        for (name, what, preset) in presets(&stage.settings) {
-            let label = ui.selectable_label(preset == stage.settings, name).on_hover_text(what);
-            place(ui, places, name, &label);
-            if label.clicked() {
-                settings = preset;
-            }
-        }
-    });
     let defaults = Settings { size: settings.size, ..Settings::default() };
     for group in &state.settings.groups {
         ui.separator();
         ui.small(&group.heading);
         ui.add_enabled_ui(is_in_use(group, &stage.settings), |ui| {
             for name in &group.settings {
-                let doc = state.settings.docs.get(name).map_or("", String::as_str);
-                row(ui, name, doc, &mut settings, &defaults);
+                row(ui, name, state.settings.doc(name), &mut settings, &defaults);
             }
         });
     }
@@ -129,7 +120,7 @@ pub(super) fn show(
 }
 
 /// One setting: its name, its value, a reset.
-fn row(ui: &mut Ui, name: &str, doc: &str, settings: &mut Settings, defaults: &Settings) {
+pub(super) fn row(ui: &mut Ui, name: &str, doc: &str, settings: &mut Settings, defaults: &Settings) {
     ui.horizontal(|ui| {
         let label = ui.label(name.replace('_', " ")).on_hover_text(doc);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -227,16 +218,22 @@ fn exposure(ui: &mut Ui, exposure: &mut Option<f32>) -> egui::Response {
     response
 }
 
-/// One of an enum's values, by the names that the command line has for them.
-fn choice<Value: ValueEnum + PartialEq>(ui: &mut Ui, name: &str, value: &mut Value) -> egui::Response {
-    let label = |value: &Value| {
-        value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
-    };
-    let combo = ComboBox::from_id_salt(name).selected_text(label(value)).width(80.0);
+/// The name of a value on the command line.
+pub(super) fn name_of(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
+}
+
+/// One of an enum's values.
+pub(super) fn choice<Value: ValueEnum + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut Value,
+) -> egui::Response {
+    let combo = ComboBox::from_id_salt(name).selected_text(name_of(value)).width(64.0);
     combo
         .show_ui(ui, |ui| {
             for choice in Value::value_variants() {
-                ui.selectable_value(value, choice.clone(), label(choice));
+                ui.selectable_value(value, choice.clone(), name_of(choice));
             }
         })
         .response

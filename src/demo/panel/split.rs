@@ -1,0 +1,235 @@
+//! The divided window: divider, what each side shows, the truth's picture, the error of the left side.
+
+use std::time::Duration;
+
+use egui::{
+    Align2, Area, Color32, ColorImage, CursorIcon, FontId, Frame, Id, Pos2, Rect, RichText, Sense, Stroke,
+    TextureHandle, TextureOptions, Ui, pos2, vec2,
+};
+
+use super::settings::{SettingsDocs, name_of, row};
+use super::{Places, Shown, place};
+use crate::demo::action::Action;
+use crate::demo::split::{Right, RightSide, Split};
+use crate::demo::stage::Stage;
+use crate::demo::truth::{ENOUGH, Truth};
+use crate::plot::magma;
+use crate::report::FrameReport;
+use crate::settings::{Indirect, Settings};
+
+/// Half the width of what can be gripped of the divider, points.
+const GRIP: f32 = 6.0;
+/// Where the sides say what they are, below the bar, points.
+const LABELS_AT: f32 = 84.0;
+/// What can be chosen of the right side.
+const CHOICES: [&str; 8] = [
+    "indirect",
+    "temporal_sets",
+    "bounces",
+    "direct",
+    "reflections",
+    "antialiasing",
+    "denoise",
+    "svgf_separable",
+];
+
+/// Pictures of the CPU, as textures.
+#[derive(Default)]
+pub(in crate::demo) struct SplitState {
+    truth: Option<(u64, TextureHandle)>,
+    difference: Option<(u64, TextureHandle)>,
+}
+
+/// What the CPU has drawn, below everything else.
+pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
+    let window = ui.ctx().content_rect();
+    if let Right::Truth(truth) = &split.right
+        && let Some(picture) = truth.picture()
+    {
+        let shown = state.truth.take().filter(|(version, _)| *version == truth.version);
+        let (version, texture) = shown.unwrap_or_else(|| {
+            let bytes: &[u8] = bytemuck::cast_slice(&picture.display);
+            let image = ColorImage::from_rgba_unmultiplied([picture.width, picture.height], bytes);
+            (truth.version, ui.ctx().load_texture("truth", image, TextureOptions::NEAREST))
+        });
+        let right = window.with_min_x(divider_of(window, split.at));
+        paint(ui, &texture, right, window);
+        state.truth = Some((version, texture));
+    }
+    if !split.shows_difference {
+        state.difference = None;
+        return;
+    }
+    let Some(judged) = split.judge.judged() else { return };
+    let shown = state.difference.take().filter(|(version, _)| *version == split.judge.version);
+    let (version, texture) = shown.unwrap_or_else(|| {
+        let colours = judged.flip.iter().map(|&error| magma(f64::from(error)));
+        let pixels = colours.map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
+        let image = ColorImage::new(judged.size, pixels);
+        (split.judge.version, ui.ctx().load_texture("difference", image, TextureOptions::NEAREST))
+    });
+    paint(ui, &texture, window, window);
+    scale(ui, window);
+    state.difference = Some((version, texture));
+}
+
+fn divider_of(window: Rect, at: f32) -> f32 {
+    (window.left() + at * window.width()).round()
+}
+
+/// The part of a picture of the whole window.
+fn paint(ui: &Ui, texture: &TextureHandle, part: Rect, window: Rect) {
+    let share = |at: Pos2| ((at - window.min) / window.size()).to_pos2();
+    let uv = Rect::from_min_max(share(part.min), share(part.max));
+    ui.painter().image(texture.id(), part, uv, Color32::WHITE);
+}
+
+/// The scale of the error.
+fn scale(ui: &Ui, window: Rect) {
+    let bar = Rect::from_min_size(pos2(window.left() + 12.0, window.bottom() - 34.0), vec2(160.0, 10.0));
+    let steps = 32;
+    for step in 0..steps {
+        let share = |step: i32| step as f32 / steps as f32;
+        let [r, g, b] = magma(f64::from(share(step) + 0.5 / steps as f32));
+        let piece = Rect::from_x_y_ranges(
+            bar.left() + share(step) * bar.width()..=bar.left() + share(step + 1) * bar.width(),
+            bar.y_range(),
+        );
+        ui.painter().rect_filled(piece, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let text = |at: Pos2, align, text: &str| {
+        ui.painter().text(at, align, text, FontId::proportional(12.0), Color32::WHITE);
+    };
+    text(bar.left_bottom(), Align2::LEFT_TOP, "0");
+    text(bar.center_bottom(), Align2::CENTER_TOP, "FLIP error");
+    text(bar.right_bottom(), Align2::RIGHT_TOP, "1");
+}
+
+/// The divider, and what both sides are.
+pub(super) fn show(
+    ui: &mut Ui,
+    shown: &Shown<'_>,
+    docs: &SettingsDocs,
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
+    let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
+    let window = ui.ctx().content_rect();
+    let x = divider_of(window, split.at);
+    let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, window.y_range());
+    let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
+        ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
+    });
+    ui.painter().vline(x, window.y_range(), Stroke::new(2.0, Color32::WHITE));
+    place(ui, places, "divider", &divider.inner);
+    if divider.inner.dragged()
+        && let Some(at) = divider.inner.interact_pointer_pos()
+    {
+        actions.push(Action::MoveDivider(((at.x - window.left()) / window.width()).clamp(0.02, 0.98)));
+    }
+    let label = |id: &str, at: Pos2, align: Align2, add: &mut dyn FnMut(&mut Ui)| {
+        Area::new(Id::new(id)).fixed_pos(at).pivot(align).show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(190.0);
+                add(ui);
+            });
+        });
+    };
+    let left = pos2(x - 10.0, window.top() + LABELS_AT);
+    label("left side", left, Align2::RIGHT_TOP, &mut |ui| {
+        ui.label(RichText::new(described(&stage.settings)).strong());
+        ui.label(milliseconds(&stage.report));
+        numbers(ui, split);
+    });
+    let right = pos2(x + 10.0, window.top() + LABELS_AT);
+    label("right side", right, Align2::LEFT_TOP, &mut |ui| {
+        right_side(ui, (stage, split), docs, places, actions);
+    });
+}
+
+fn right_side(
+    ui: &mut Ui,
+    (stage, split): (&Stage, &Split),
+    docs: &SettingsDocs,
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
+    ui.horizontal(|ui| {
+        let is_truth = matches!(split.right, Right::Truth(_));
+        for (name, what, truth) in [
+            ("method", "The same world at the same moment by other settings.", false),
+            ("truth", "The path tracer, while nothing moves (G).", true),
+        ] {
+            let choice = ui.selectable_label(is_truth == truth, name).on_hover_text(what);
+            place(ui, places, name, &choice);
+            if choice.clicked() && is_truth != truth {
+                let settings = RightSide::Settings(Box::new(stage.settings.clone()));
+                actions.push(Action::Split(Some(if truth { RightSide::Truth } else { settings })));
+            }
+        }
+        let difference = ui
+            .selectable_label(split.shows_difference, "difference")
+            .on_hover_text("FLIP error of the left side (X).");
+        place(ui, places, "difference", &difference);
+        if difference.clicked() {
+            actions.push(Action::ToggleDifference);
+        }
+    });
+    match &split.right {
+        Right::Truth(truth) => progress(ui, truth),
+        Right::Renderer(other) => {
+            ui.label(RichText::new(described(&other.settings)).strong());
+            ui.label(milliseconds(&other.report));
+            let mut settings = other.settings.clone();
+            let folded = egui::CollapsingHeader::new("change").default_open(false);
+            let header = folded.show(ui, |ui| {
+                for name in CHOICES {
+                    row(ui, name, docs.doc(name), &mut settings, &stage.settings);
+                }
+            });
+            place(ui, places, "change", &header.header_response);
+            if settings != other.settings {
+                actions.push(Action::Split(Some(RightSide::Settings(Box::new(settings)))));
+            }
+        }
+    }
+}
+
+fn progress(ui: &mut Ui, truth: &Truth) {
+    let Some(progress) = truth.progress() else {
+        ui.label("waits until nothing moves (Space pauses)");
+        return;
+    };
+    let percent = progress.error.map_or(String::new(), |error| format!(", noise {:.1} %", 100.0 * error));
+    ui.label(RichText::new(format!("path tracer: {} of {ENOUGH} samples", progress.samples)).strong());
+    ui.label(format!("{} left{percent}", minutes(progress.left())));
+}
+
+fn minutes(time: Duration) -> String {
+    let seconds = time.as_secs();
+    if seconds >= 60 { format!("{} min {} s", seconds / 60, seconds % 60) } else { format!("{seconds} s") }
+}
+
+/// The error of the left side.
+fn numbers(ui: &mut Ui, split: &Split) {
+    let Some(judged) = split.judge.judged() else { return };
+    let verdict = judged.verdict;
+    ui.label(format!("FLIP {:.4}, SSIM {:.4}", verdict.flip, verdict.ssim));
+    ui.label(format!("relative error {:.2} %", 100.0 * verdict.relative_error));
+    if let Some(error) = verdict.temporal_error {
+        ui.label(format!("flicker {:.2} %", 100.0 * error));
+    }
+}
+
+fn milliseconds(report: &FrameReport) -> String {
+    format!("{:.1} ms", report.figures.total_ms)
+}
+
+/// What lights a picture.
+fn described(settings: &Settings) -> String {
+    let indirect = match settings.indirect {
+        Indirect::Vpls => format!("vpls, T = {}", settings.vpl.temporal_sets),
+        Indirect::None => "no indirect light".to_owned(),
+    };
+    format!("{indirect}; {}, {}", name_of(&settings.direct), name_of(&settings.antialiasing))
+}

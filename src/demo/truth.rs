@@ -1,0 +1,147 @@
+//! The path tracer's picture of what stands still, which gets better in the background.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::loader::pool;
+use super::stage::Stage;
+use crate::output::{Picture, tone_map};
+use crate::reference::{PixelFilter, Reference, ReferenceSettings};
+use crate::scene::{Pose, Scene};
+use crate::settings::{Antialiasing, Settings};
+
+/// Samples a pixel after which it is good enough.
+pub(super) const ENOUGH: u64 = 4096;
+/// Time between pictures.
+const INTERVAL: Duration = Duration::from_millis(250);
+
+/// A picture as far as it is.
+pub(super) struct Progress {
+    pub picture: Picture,
+    /// A pixel.
+    pub samples: u64,
+    /// Standard error over the mean luminance.
+    pub error: Option<f64>,
+    /// Since the first sample.
+    pub elapsed: Duration,
+}
+
+/// The path tracer of the world as it stood in the last frame.
+#[derive(Default)]
+pub(super) struct Truth {
+    /// Of the last frame.
+    last: Option<Key>,
+    run: Option<Run>,
+    shown: Option<Progress>,
+    /// Counts pictures.
+    pub version: u64,
+}
+
+/// What the picture depends on.
+#[derive(Clone)]
+struct Key {
+    scene: Arc<Scene>,
+    pose: Pose,
+    settings: Settings,
+}
+
+struct Run {
+    stop: Arc<AtomicBool>,
+    progress: Receiver<Progress>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Truth {
+    /// Starts again where anything has changed; the path tracer waits until nothing does.
+    pub fn follow(&mut self, stage: &Stage) {
+        let same = self.last.as_ref().is_some_and(|last| last.is_of(stage));
+        if !same {
+            (self.run, self.shown) = (None, None);
+            self.last = Some(Key {
+                scene: Arc::clone(stage.renderer.scene()),
+                pose: stage.pose.clone(),
+                settings: stage.settings.clone(),
+            });
+        } else if let (None, Some(key)) = (&self.run, &self.last) {
+            self.run = Some(Run::start(key.clone()));
+        }
+        if let Some(newest) = self.run.as_ref().and_then(|run| run.progress.try_iter().last()) {
+            self.shown = Some(newest);
+            self.version += 1;
+        }
+    }
+
+    /// How far it is; none before the first sample.
+    pub fn progress(&self) -> Option<&Progress> {
+        self.shown.as_ref()
+    }
+
+    /// The picture so far.
+    pub fn picture(&self) -> Option<&Picture> {
+        self.shown.as_ref().map(|shown| &shown.picture)
+    }
+}
+
+impl Progress {
+    /// Until it is good enough.
+    pub fn left(&self) -> Duration {
+        let still = ENOUGH.saturating_sub(self.samples) as f64 / self.samples.max(1) as f64;
+        self.elapsed.mul_f64(still)
+    }
+}
+
+impl Key {
+    fn is_of(&self, stage: &Stage) -> bool {
+        Arc::ptr_eq(&self.scene, stage.renderer.scene())
+            && self.pose == stage.pose
+            && self.settings == stage.settings
+    }
+}
+
+impl Run {
+    fn start(key: Key) -> Self {
+        let (sender, progress) = channel();
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let thread = std::thread::spawn(move || pool(|| trace(&key, &stopped, &sender)));
+        Self { stop, progress, thread: Some(thread) }
+    }
+}
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
+    let Settings { size, bounces, seed, .. } = key.settings;
+    let filter = match key.settings.antialiasing {
+        Antialiasing::Taa => PixelFilter::Box,
+        Antialiasing::None => PixelFilter::Center,
+    };
+    let settings = ReferenceSettings { size, bounces: Some(bounces), seed, filter, layers: false };
+    let reference = Reference::new(&key.scene, &key.pose, &settings);
+    let Ok(mut film) = reference.film() else { return };
+    let begun = Instant::now();
+    let mut sent: Option<Instant> = None;
+    while film.samples() < ENOUGH && reference.add_sample(&mut film, stop) {
+        if film.samples() < ENOUGH && sent.is_some_and(|sent| sent.elapsed() < INTERVAL) {
+            continue;
+        }
+        let mut picture = film.picture();
+        tone_map(&mut picture, key.settings.exposure, film.covered());
+        let error = film.standard_error().map(|error| error / film.mean_luminance());
+        let progress = Progress { picture, samples: film.samples(), error, elapsed: begun.elapsed() };
+        if sender.send(progress).is_err() {
+            return;
+        }
+        sent = Some(Instant::now());
+    }
+}
