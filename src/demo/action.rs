@@ -90,6 +90,10 @@ pub enum Action {
     Delete,
     /// Attaches the selected light to the camera, or detaches it.
     ToggleHeadlamp,
+    /// Takes the last edit or change of settings back.
+    Undo,
+    /// Makes it again.
+    Redo,
     /// Saves the current scene.
     Save(PathBuf),
     /// Opens the file dialog to open a scene.
@@ -155,6 +159,8 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
     bind("Ctrl+D", "duplicate the selected light", KeyCode::KeyD, CONTROL, || Action::Duplicate),
     bind("Del", "delete the selected light", KeyCode::Delete, NONE, || Action::Delete),
+    bind("Ctrl+Z", "undo the last edit", KeyCode::KeyZ, CONTROL, || Action::Undo),
+    bind("Ctrl+Shift+Z", "redo it", KeyCode::KeyZ, CONTROL.union(SHIFT), || Action::Redo),
     bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || Action::AskOpen),
     bind("Ctrl+S", "save the scene", KeyCode::KeyS, CONTROL, || Action::AskSave),
     bind("Ctrl+R", "start recording; again: stop and save", KeyCode::KeyR, CONTROL, || {

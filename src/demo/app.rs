@@ -26,6 +26,7 @@ use super::recorder::Recorder;
 use super::screenshot::Saving;
 use super::split::Split;
 use super::stage::Stage;
+use super::undo::Press;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
 use crate::vulkan::Instance;
@@ -79,6 +80,7 @@ pub(super) struct Open {
     /// Mode of the handles.
     pub mode: Mode,
     pub modifiers: ModifiersState,
+    pub press: Press,
     /// Textures of the user interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
     /// Window pixels per picture pixel in each direction.
@@ -154,6 +156,7 @@ impl App {
             inspector: Inspector::default(),
             mode: Mode::default(),
             modifiers: ModifiersState::empty(),
+            press: Press::default(),
             textures: egui::TexturesDelta::default(),
             coarseness,
             resized: None,
@@ -214,6 +217,9 @@ fn coarseness_at(scale: f64) -> u32 {
 pub(super) fn slow_click_context() -> egui::Context {
     let context = egui::Context::default();
     context.options_mut(|options| options.input_options.max_click_duration = 5.0);
+    context.all_styles_mut(|style| {
+        style.text_styles.insert(egui::TextStyle::Small, egui::FontId::proportional(12.0));
+    });
     context
 }
 
@@ -234,6 +240,9 @@ impl ApplicationHandler for App {
             if !typing && event.physical_key != PhysicalKey::Code(KeyCode::Escape));
         let consumed = !ours && open.egui.on_window_event(&open.window, &event).consumed;
         let pointer_taken = open.egui.egui_ctx().egui_wants_pointer_input();
+        if let WindowEvent::MouseInput { state, .. } = &event {
+            open.press.turn(*state == ElementState::Pressed);
+        }
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::RedrawRequested => self.draw(events),

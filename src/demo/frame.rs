@@ -34,11 +34,17 @@ impl App {
             self.perform(action)?;
         }
         let Some(open) = &mut self.open else { return Ok(()) };
+        open.press.end_frame();
         if open.places != open.panel.places {
             open.places.clone_from(&open.panel.places);
             self.log.event("layout", &open.places);
         }
         open.draw_stage()?;
+        if let Some(split) = &mut open.split
+            && let Some(judged) = split.newly_judged()
+        {
+            self.log.event("judged", judged);
+        }
         let drawing =
             UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
         let panes = match (&open.stage, &open.split) {

@@ -41,12 +41,20 @@ pub(super) struct Judge {
     judged: Option<Judged>,
     /// Counts verdicts.
     pub version: u64,
+    /// That of the last one that was asked for as news.
+    told: u64,
 }
 
 impl Judge {
     /// The last verdict.
     pub fn judged(&self) -> Option<&Judged> {
         self.judged.as_ref()
+    }
+
+    /// The last verdict, if it came since the last call.
+    pub fn newest(&mut self) -> Option<Verdict> {
+        let told = std::mem::replace(&mut self.told, self.version);
+        self.judged.as_ref().filter(|_| told != self.version).map(|judged| judged.verdict)
     }
 
     /// Forgets the last verdict, and that on its way.

@@ -26,6 +26,7 @@ mod screenshot;
 mod split;
 mod stage;
 mod truth;
+mod undo;
 
 use std::path::PathBuf;
 

@@ -15,6 +15,7 @@ use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
 use super::split::{Right, RightSide, Split};
 use super::stage::{Change, Selected, Stage, carry};
+use super::undo::State;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
 use crate::renderer::DebugView;
@@ -64,7 +65,9 @@ impl App {
                 open.coarseness = pixels.clamp(1, 8);
                 open.resized = Some(std::time::Instant::now());
             }
-            Action::Set(settings) => open.set(&settings)?,
+            Action::Set(settings) => open.set_and_remember(&settings)?,
+            Action::Undo => open.step_back()?,
+            Action::Redo => open.step_forward()?,
             Action::Split(side) => open.divide(side)?,
             Action::ToggleSplit => {
                 let is_on =
@@ -193,11 +196,41 @@ impl Open {
     /// Executes an edit, and rebuilds the renderer if needed.
     fn edit(&mut self, edit: impl FnOnce(&mut Stage) -> Result<Change, SceneError>) {
         let Some(stage) = &mut self.stage else { return };
-        match edit(stage) {
+        let before = stage.state();
+        let change = edit(stage);
+        if change.is_ok() && stage.state() != before {
+            stage.undo.remember(before, self.press);
+        }
+        self.take(change);
+    }
+
+    /// Rebuilds the renderer if an edit needs it.
+    fn take(&mut self, change: Result<Change, SceneError>) {
+        match change {
             Ok(Change::Live) => {}
             Ok(Change::Rebuild) => self.rebuild(),
             Err(error) => self.panel.error = Some(error.to_string()),
         }
+    }
+
+    fn step_back(&mut self) -> Result<(), DemoError> {
+        let state = self.stage.as_mut().and_then(|stage| stage.undo.back(stage.state()));
+        self.go_to(state)
+    }
+
+    fn step_forward(&mut self) -> Result<(), DemoError> {
+        let state = self.stage.as_mut().and_then(|stage| stage.undo.forward(stage.state()));
+        self.go_to(state)
+    }
+
+    /// Goes to a state that was before or after the current one; the window keeps its size.
+    fn go_to(&mut self, state: Option<State>) -> Result<(), DemoError> {
+        let (Some(state), Some(stage)) = (state, &mut self.stage) else { return Ok(()) };
+        let settings = Settings { size: stage.settings.size, ..state.settings.clone() };
+        let change = stage.go_to(&state);
+        let differs = settings != stage.settings;
+        self.take(change);
+        if differs { self.set(&settings) } else { Ok(()) }
     }
 
     /// Builds the scene of the current document, with a renderer of its own if the current one cannot go on with it, or if a
@@ -262,6 +295,18 @@ impl Open {
         let text = stage.document_to_save(camera).text();
         stage.edited = false;
         self.saving.push(Saving::text(path, text));
+    }
+
+    /// Changes the settings of the current scene, so that it can be taken back; a change of the window's size alone cannot.
+    fn set_and_remember(&mut self, settings: &Settings) -> Result<(), DemoError> {
+        let Some(before) = self.stage.as_ref().map(Stage::state) else { return Ok(()) };
+        self.set(settings)?;
+        if let Some(stage) = &mut self.stage
+            && stage.settings != (Settings { size: stage.settings.size, ..before.settings.clone() })
+        {
+            stage.undo.remember(before, self.press);
+        }
+        Ok(())
     }
 
     /// Changes the settings of the current scene.

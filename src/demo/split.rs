@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use serde::Serialize;
+use serde_json::json;
 
 use super::DemoError;
 use super::judge::Judge;
@@ -90,6 +91,16 @@ impl Split {
             }
         }
         Ok(())
+    }
+
+    /// A verdict that came since the last call, and the samples of the truth it is about.
+    pub fn newly_judged(&mut self) -> Option<serde_json::Value> {
+        let verdict = self.judge.newest()?;
+        let samples = match &self.right {
+            Right::Truth(truth) => truth.progress().map(|progress| progress.samples),
+            Right::Renderer(_) => None,
+        };
+        Some(json!({ "verdict": verdict, "samples": samples }))
     }
 
     /// The pictures to present.

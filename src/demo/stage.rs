@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::DemoError;
 use super::loader::{Built, Edited};
+use super::undo::{State, Undo};
 use crate::bvh::Ray;
 use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
@@ -50,6 +51,7 @@ pub(super) struct Stage {
     pub headlamp: Option<usize>,
     /// Whether there are unsaved edits.
     pub edited: bool,
+    pub undo: Undo,
     /// The pose of the last frame.
     pub pose: Pose,
     /// Report of the last finished frame.
@@ -86,6 +88,7 @@ impl Stage {
             selected: None,
             headlamp: None,
             edited: false,
+            undo: Undo::default(),
             pose,
             report: FrameReport::default(),
         })
@@ -102,6 +105,20 @@ impl Stage {
         (self.made, self.scene, self.read, self.pose) = (document, scene, read, pose);
         self.rest = Scene::clone(&self.scene);
         Ok(self.apply()?)
+    }
+
+    /// What can be taken back, as it is.
+    pub fn state(&self) -> State {
+        State { document: self.document.clone(), settings: self.settings.clone(), headlamp: self.headlamp }
+    }
+
+    /// Goes to a state that was before or after the current one, but for its settings.
+    pub fn go_to(&mut self, state: &State) -> Result<Change, SceneError> {
+        self.document = state.document.clone();
+        self.headlamp = state.headlamp;
+        self.selected = None;
+        self.edited = true;
+        self.apply()
     }
 
     /// What to build for the document as it is. With `anew` the whole of it with a renderer of its own; else, where that is

@@ -145,3 +145,45 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
         sent = Some(Instant::now());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rmse(a: &Picture, b: &Picture) -> f64 {
+        let pairs = a.colour.iter().flatten().zip(b.colour.iter().flatten());
+        let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        (squares / a.colour.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn the_picture_nears_the_reference_as_samples_grow() {
+        let scene = Arc::new(crate::scene::load_scene("cornell-box", None).unwrap());
+        let pose = scene.pose(0.0);
+        let settings = Settings { size: [24, 16], seed: 5, exposure: Some(0.0), ..Settings::default() };
+        let run =
+            Run::start(Key { scene: Arc::clone(&scene), pose: pose.clone(), settings: settings.clone() });
+        let other = ReferenceSettings {
+            size: settings.size,
+            bounces: Some(settings.bounces),
+            seed: 77,
+            filter: PixelFilter::Box,
+            layers: false,
+        };
+        let reference = Reference::new(&scene, &pose, &other);
+        let mut film = reference.film().unwrap();
+        while film.samples() < 4 * ENOUGH {
+            assert!(reference.add_sample(&mut film, &AtomicBool::new(false)));
+        }
+        let truth = film.picture();
+        let progress: Vec<Progress> = run.progress.iter().collect();
+        let (first, last) = (&progress[0], progress.last().unwrap());
+        assert_eq!(last.samples, ENOUGH);
+        // That of the reference counts, too.
+        let expected = (last.samples as f64).recip() + (4.0 * ENOUGH as f64).recip();
+        let ratio = rmse(&last.picture, &truth) / rmse(&first.picture, &truth);
+        let wanted = (expected * first.samples as f64).sqrt();
+        assert!((0.4 * wanted..2.5 * wanted).contains(&ratio), "{ratio}, not {wanted}");
+        assert_eq!(last.left(), Duration::ZERO);
+    }
+}

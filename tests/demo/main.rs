@@ -14,6 +14,7 @@ mod replay;
 mod screen;
 mod session;
 mod smooth;
+mod split;
 mod window;
 
 use std::sync::Mutex;

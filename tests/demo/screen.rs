@@ -5,6 +5,9 @@ use std::path::PathBuf;
 /// Width of the panel, points; pixels here.
 pub const PANEL: u32 = 250;
 
+/// Height of the bar at the top of a window 640 points wide, at most.
+pub const BAR: u32 = 48;
+
 /// A picture of the window: width, height, RGB.
 #[derive(Clone, PartialEq)]
 pub struct Screen {
@@ -14,12 +17,12 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Left of the panel.
+    /// Left of the panel and below the bar.
     pub fn picture(&self) -> Screen {
         let width = self.width - PANEL;
-        let rows = self.pixels.chunks_exact(self.width as usize);
+        let rows = self.pixels.chunks_exact(self.width as usize).skip(BAR as usize);
         let pixels = rows.flat_map(|row| row[..width as usize].iter().copied()).collect();
-        Screen { width, height: self.height, pixels }
+        Screen { width, height: self.height - BAR, pixels }
     }
 
     /// Mean absolute difference of channels, 0 to 255.

@@ -12,6 +12,8 @@ use crate::settings::{Indirect, Settings};
 
 /// Temporal sets to choose from.
 const SETS: [u32; 5] = [1, 4, 8, 16, 32];
+/// Presets that are in the bar, the first ones.
+const QUALITIES: usize = 3;
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
@@ -24,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
             sets(ui, &mut settings, places);
         }
         ui.separator();
-        for (name, what, preset) in presets(&stage.settings) {
+        for (name, what, preset) in presets(&stage.settings).into_iter().take(QUALITIES) {
             let label = ui.selectable_label(preset == stage.settings, name).on_hover_text(what);
             place(ui, places, name, &label);
             if label.clicked() {

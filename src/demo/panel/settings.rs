@@ -92,6 +92,10 @@ pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings)
 pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(stage) = shown.stage else { return };
     let mut settings = stage.settings.clone();
+    let [.., (name, what, dissertation)] = presets(&stage.settings);
+    if ui.selectable_label(dissertation == settings, name).on_hover_text(what).clicked() {
+        settings = dissertation;
+    }
     let defaults = Settings { size: settings.size, ..Settings::default() };
     for group in &state.settings.groups {
         ui.separator();

@@ -19,8 +19,8 @@ use crate::settings::{Indirect, Settings};
 
 /// Half the width of what can be gripped of the divider, points.
 const GRIP: f32 = 6.0;
-/// Where the sides say what they are, below the bar, points.
-const LABELS_AT: f32 = 84.0;
+/// How far below the bar the sides say what they are, points.
+const LABELS_AT: f32 = 8.0;
 /// What can be chosen of the right side.
 const CHOICES: [&str; 8] = [
     "indirect",
@@ -114,13 +114,13 @@ pub(super) fn show(
     actions: &mut Vec<Action>,
 ) {
     let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
-    let window = ui.ctx().content_rect();
+    let (window, free) = (ui.ctx().content_rect(), ui.available_rect_before_wrap());
     let x = divider_of(window, split.at);
-    let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, window.y_range());
+    let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, free.y_range());
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
         ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
     });
-    ui.painter().vline(x, window.y_range(), Stroke::new(2.0, Color32::WHITE));
+    ui.painter().vline(x, free.y_range(), Stroke::new(2.0, Color32::WHITE));
     place(ui, places, "divider", &divider.inner);
     if divider.inner.dragged()
         && let Some(at) = divider.inner.interact_pointer_pos()
@@ -128,20 +128,20 @@ pub(super) fn show(
         actions.push(Action::MoveDivider(((at.x - window.left()) / window.width()).clamp(0.02, 0.98)));
     }
     let label = |id: &str, at: Pos2, align: Align2, add: &mut dyn FnMut(&mut Ui)| {
-        Area::new(Id::new(id)).fixed_pos(at).pivot(align).show(ui.ctx(), |ui| {
+        Area::new(Id::new(id)).fixed_pos(at).pivot(align).constrain_to(free).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(190.0);
                 add(ui);
             });
         });
     };
-    let left = pos2(x - 10.0, window.top() + LABELS_AT);
+    let left = pos2(x - 10.0, free.top() + LABELS_AT);
     label("left side", left, Align2::RIGHT_TOP, &mut |ui| {
         ui.label(RichText::new(described(&stage.settings)).strong());
         ui.label(milliseconds(&stage.report));
         numbers(ui, split);
     });
-    let right = pos2(x + 10.0, window.top() + LABELS_AT);
+    let right = pos2(x + 10.0, free.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
         right_side(ui, (stage, split), docs, places, actions);
     });

@@ -1,0 +1,85 @@
+//! What can be taken back: edits of the scene, and settings.
+
+use crate::scene::SceneDocument;
+use crate::settings::Settings;
+
+/// Steps to keep.
+const KEPT: usize = 200;
+
+/// What an edit changes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct State {
+    pub document: SceneDocument,
+    /// Of any size: that of the window is not taken back.
+    pub settings: Settings,
+    pub headlamp: Option<usize>,
+}
+
+/// A press of a mouse button; all it changes is one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Press {
+    number: u64,
+    is_down: bool,
+    is_released: bool,
+}
+
+/// States before and after the current one, the nearest last.
+#[derive(Default)]
+pub(super) struct Undo {
+    past: Vec<State>,
+    future: Vec<State>,
+    /// The press that the last step belongs to.
+    press: Option<u64>,
+}
+
+impl Press {
+    /// A button was pressed or released.
+    pub fn turn(&mut self, pressed: bool) {
+        if pressed {
+            *self = Self { number: self.number + 1, is_down: true, is_released: false };
+        } else {
+            self.is_released = true;
+        }
+    }
+
+    /// The frame has done what the press wanted.
+    pub fn end_frame(&mut self) {
+        self.is_down &= !self.is_released;
+    }
+
+    fn current(self) -> Option<u64> {
+        self.is_down.then_some(self.number)
+    }
+}
+
+impl Undo {
+    /// Notes the state before an edit that was made during `press`.
+    pub fn remember(&mut self, before: State, press: Press) {
+        let same_press = press.current().is_some() && press.current() == self.press;
+        self.press = press.current();
+        self.future.clear();
+        if same_press {
+            return;
+        }
+        if self.past.len() == KEPT {
+            self.past.remove(0);
+        }
+        self.past.push(before);
+    }
+
+    /// Steps back from `now`: the state before it.
+    pub fn back(&mut self, now: State) -> Option<State> {
+        Self::step(&mut self.past, &mut self.future, now)
+    }
+
+    /// Steps forward again from `now`.
+    pub fn forward(&mut self, now: State) -> Option<State> {
+        Self::step(&mut self.future, &mut self.past, now)
+    }
+
+    fn step(from: &mut Vec<State>, to: &mut Vec<State>, now: State) -> Option<State> {
+        let state = from.pop()?;
+        to.push(now);
+        Some(state)
+    }
+}

@@ -1,0 +1,132 @@
+//! The divided window: methods side by side, the truth, the error; and edits that are taken back.
+
+use serde_json::Value;
+
+use crate::ONE_AT_A_TIME;
+use crate::desk::Desk;
+use crate::window::{Demo, is_action};
+
+const SMALL: [&str; 7] = [
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size=640x360",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--validate",
+];
+/// Frames after which the picture of a stationary scene is stationary.
+const SETTLED: u64 = 40;
+
+fn judged(demo: &mut Demo<'_>, what: &str, is_it: impl Fn(&Value) -> bool) -> Value {
+    let seen = demo.now();
+    let event = demo.wait_after(seen, what, |event| event["event"] == "judged" && is_it(&event["details"]));
+    event["details"].clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn methods_and_truth_stand_side_by_side() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.frames(6);
+
+    // The same method on both sides, while a board turns: no difference, not by a bit.
+    demo.key_for("c", "toggle-split");
+    for _ in 0..4 {
+        let same = judged(&mut demo, "verdict while things move", |_| true);
+        assert_eq!(
+            (number(&same["verdict"]["flip"]), number(&same["verdict"]["rmse"])),
+            (0.0, 0.0),
+            "{same}"
+        );
+    }
+    assert!(
+        number(
+            &judged(&mut demo, "motion", |details| !details["verdict"]["temporal_error"].is_null())["verdict"]
+                ["temporal_error"]
+        ) > 0.0,
+        "nothing moves"
+    );
+    demo.screen().keep("20-split");
+
+    // Each method in turn on the left.
+    for (thing, way) in [("T = 1", "set"), ("T = 16", "set"), ("draft", "set")] {
+        let seen = demo.now();
+        demo.click_thing(thing);
+        demo.wait_after(seen, thing, |event| is_action(event, way));
+        let differs = judged(&mut demo, thing, |details| number(&details["verdict"]["flip"]) > 1e-3);
+        assert!(number(&differs["verdict"]["ssim"]) < 1.0, "{differs}");
+    }
+
+    // The divider follows the pointer.
+    let seen = demo.now();
+    demo.drag_thing("divider", -120);
+    demo.wait_after(seen, "divider further left", |event| {
+        event["details"]["move-divider"].as_f64().is_some_and(|at| at < 0.4)
+    });
+
+    // The truth, once nothing moves.
+    demo.key_for("space", "toggle-pause");
+    demo.key_for("g", "toggle-truth");
+    let early = judged(&mut demo, "first samples", |details| !details["samples"].is_null());
+    let late = judged(&mut demo, "more samples", |details| {
+        details["samples"].as_u64() >= early["samples"].as_u64().map(|samples| 16 * samples)
+    });
+    let ssim = |verdict: &Value| number(&verdict["verdict"]["ssim"]);
+    assert!(ssim(&late) > ssim(&early), "the truth does not converge: {early}, {late}");
+    demo.screen().keep("21-truth");
+    let before = demo.screen().picture();
+    demo.key_for("x", "toggle-difference");
+    let difference = demo.screen();
+    difference.keep("22-difference");
+    assert!(difference.picture().difference(&before) > 3.0, "no error is shown");
+    demo.key_for("x", "toggle-difference");
+    demo.key_for("g", "toggle-truth");
+    demo.close();
+}
+
+#[test]
+fn edits_and_settings_are_taken_back_and_made_again() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.key_for("space", "toggle-pause");
+    demo.click_thing("Scene");
+    demo.click_thing("Lights and objects");
+    let settled = |demo: &mut Demo<'_>| {
+        demo.frames(SETTLED);
+        demo.screen().picture()
+    };
+    demo.input(&["key", "Escape"]);
+    let start = settled(&mut demo);
+    let mut edits = 0;
+    for thing in ["add point", "add spot", "T = 1", "add directional", "T = 8"] {
+        let seen = demo.now();
+        demo.click_thing(thing);
+        demo.wait_after(seen, thing, |event| is_action(event, "add-light") || is_action(event, "set"));
+        edits += 1;
+    }
+    for _ in 0..15 {
+        let seen = demo.now();
+        demo.input(&["key", "ctrl+d"]);
+        demo.wait_after(seen, "copy", |event| is_action(event, "duplicate"));
+        edits += 1;
+    }
+    demo.key_for("Escape", "select");
+    let end = settled(&mut demo);
+    assert!(end != start, "the edits change nothing");
+    for _ in 0..edits {
+        demo.key_for("ctrl+z", "undo");
+    }
+    assert!(settled(&mut demo) == start, "the start has not come back");
+    for _ in 0..edits {
+        demo.key_for("ctrl+shift+z", "redo");
+    }
+    assert!(settled(&mut demo) == end, "the end has not come back");
+    demo.close();
+}
