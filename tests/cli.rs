@@ -80,6 +80,12 @@ fn what_is_no_subcommand_is_wrong_usage() {
     let output = run.glowworm(&["frobnicate"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("frobnicate: neither a subcommand nor a scene"), "{}", stderr(&output));
+    let output = run.glowworm(&["nothere.toml"]);
+    assert!(
+        stderr(&output).contains("nothere.toml") && !stderr(&output).contains("subcommand"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

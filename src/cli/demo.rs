@@ -49,7 +49,10 @@ fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<
     let DemoOptions { scene, settings, run } = options;
     let (camera, view) = (CameraOptions::default(), ViewOptions::default());
     let out = out.into();
-    render(&RenderOptions { scene, frames: None, out, layers: false, camera, view, settings, run }, given)
+    render(
+        &RenderOptions { scene, frames: None, time: None, out, layers: false, camera, view, settings, run },
+        given,
+    )
 }
 
 impl From<DemoError> for CliError {

@@ -95,10 +95,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo, &given).map_err(|error| match error {
-            CliError::Scene(SceneError::NotFound(name)) => CliError::Usage(format!(
-                "{}: neither a subcommand nor a scene; see glowworm --help",
-                name.display()
-            )),
+            CliError::Scene(SceneError::NotFound(name)) if name.extension().is_none() => CliError::Usage(
+                format!("{}: neither a subcommand nor a scene; see glowworm --help", name.display()),
+            ),
             other => other,
         }),
     }

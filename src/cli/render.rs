@@ -14,7 +14,7 @@ use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
 use crate::report::{FrameReport, LoadTimes, RenderReport};
-use crate::settings::Settings;
+use crate::settings::{Settings, text};
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -26,6 +26,9 @@ pub(super) struct RenderOptions {
     /// picture.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub frames: Option<u64>,
+    /// Animation time of the last frame, seconds; those before it lead up to it by --time-step. Otherwise frame 0 is at 0.
+    #[arg(long, value_name = "SECONDS", value_parser = text::parse_time)]
+    pub time: Option<f64>,
     /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
     /// frame if the name has a {frame} or {frame:04}.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
@@ -125,6 +128,14 @@ pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliE
     }
     device::note_slow(&device);
     let mut replay = Replay::new(&device, &scene, &settings, options.run.files.assets_folder())?;
+    if let Some(time) = options.time {
+        if recorded.is_some() {
+            return Err(CliError::Usage(
+                "--time: a recording has a time of its own; leave it out".to_owned(),
+            ));
+        }
+        replay.end_at(time, frames);
+    }
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut replay, frames, &target)?;

@@ -4,8 +4,10 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-/// Longest step of real time, seconds; longer frames do not advance the animation further.
+/// Longest step of a flight, seconds, so that a slow frame does not carry the camera through a wall.
 const LONGEST_STEP: f64 = 0.1;
+/// Longest step of the animation, seconds: it follows real time at any frame rate, but stands still while the program does.
+const LONGEST_PAUSE: f64 = 1.0;
 
 /// How animation time advances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -40,13 +42,13 @@ impl Clock {
         self.last_frame = now;
         if !self.paused {
             self.time += match self.pace {
-                Pace::RealTime => self.seconds(),
+                Pace::RealTime => self.interval.as_secs_f64().min(LONGEST_PAUSE),
                 Pace::Steps => step,
             };
         }
     }
 
-    /// Time since the last frame, seconds, limited for motion by real time.
+    /// Time since the last frame, seconds, limited for flights.
     pub fn seconds(&self) -> f64 {
         self.interval.as_secs_f64().min(LONGEST_STEP)
     }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::action::Action;
 use super::app::Open;
+use super::clock::Clock;
 use super::screenshot::free_name;
 use super::stage::Stage;
 
@@ -14,29 +15,31 @@ impl Open {
         let stage = self.stage.as_ref()?;
         let camera_moved = self.flight.has_moved();
         let stem = format!("glowworm-{}", stage.rest.name);
-        let mut scene = stage.name.clone();
-        if stage.edited || stage.headlamp.is_some() || camera_moved {
+        let saved = stage.saved.as_ref().filter(|saved| saved.is_current(stage));
+        let mut scene = saved.map_or(stage.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
+        if stage.headlamp.is_some() || saved.is_none() && (stage.edited || camera_moved) {
             let path: PathBuf = free_name(&stem, "toml").ok()?;
             scene = path.to_string_lossy().into_owned();
             self.actions.push(Action::Save(path));
         }
-        // Render enough frames to reach the current animation time, and at least one per temporal set.
-        let step = stage.settings.time_step;
-        let passed = if step > 0.0 { (self.clock.time / step).round() as u64 + 1 } else { 1 };
-        let frames = passed.clamp(u64::from(stage.settings.vpl.temporal_sets), 100_000);
-        Some(command_line(stage, &scene, frames))
+        Some(command_line(stage, &scene, &self.clock))
     }
 }
 
-fn command_line(stage: &Stage, scene: &str, frames: u64) -> String {
-    let options: String = stage
-        .settings
+/// Renders as many frames as a picture takes to come to rest; all of them at one time if the animation is paused.
+fn command_line(stage: &Stage, scene: &str, clock: &Clock) -> String {
+    let mut settings = stage.settings.clone();
+    if clock.paused {
+        settings.time_step = 0.0;
+    }
+    let (frames, time) = (stage.renderer.frames_to_rest(), clock.time);
+    let options: String = settings
         .differing_options()
         .into_iter()
         .map(|(option, value)| format!(" --{option}={value}"))
         .collect();
     let out = quoted(&format!("{}.png", stage.rest.name));
-    format!("glowworm render {} --frames {frames}{options} --out {out}", quoted(scene))
+    format!("glowworm render {} --frames {frames} --time {time}{options} --out {out}", quoted(scene))
 }
 
 /// Quotes a word for the shell.

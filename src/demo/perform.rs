@@ -14,7 +14,7 @@ use super::loader::{Edited, Order};
 use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
 use super::split::{Right, RightSide, Split};
-use super::stage::{Change, Selected, Stage, carry};
+use super::stage::{Change, Saved, Selected, Stage, carry};
 use super::undo::State;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
@@ -294,6 +294,7 @@ impl Open {
         let camera = self.flight.has_moved().then_some(&stage.pose.camera);
         let text = stage.document_to_save(camera).text();
         stage.edited = false;
+        stage.saved = Some(Saved { path: path.clone(), camera: stage.pose.camera });
         self.saving.push(Saving::text(path, text));
     }
 

@@ -52,10 +52,25 @@ pub(super) struct Stage {
     /// Whether there are unsaved edits.
     pub edited: bool,
     pub undo: Undo,
+    /// The file that holds what is shown.
+    pub saved: Option<Saved>,
     /// The pose of the last frame.
     pub pose: Pose,
     /// Report of the last finished frame.
     pub report: FrameReport,
+}
+
+/// What a file holds.
+pub(super) struct Saved {
+    pub path: PathBuf,
+    pub camera: Camera,
+}
+
+impl Saved {
+    /// Whether there were neither edits since then nor another camera.
+    pub fn is_current(&self, stage: &Stage) -> bool {
+        !stage.edited && self.camera == stage.pose.camera
+    }
 }
 
 /// How an edit takes effect.
@@ -89,6 +104,7 @@ impl Stage {
             headlamp: None,
             edited: false,
             undo: Undo::default(),
+            saved: None,
             pose,
             report: FrameReport::default(),
         })

@@ -16,6 +16,8 @@ pub struct Replay {
     pose: Pose,
     recording: Arc<Vec<RecordedFrame>>,
     frame: u64,
+    /// Animation time of frame 0, seconds.
+    start: f64,
     assets: Option<PathBuf>,
     /// What was read for scenes within the recording.
     read: ReadFiles,
@@ -38,10 +40,16 @@ impl Replay {
             pose,
             recording: Arc::clone(&scene.recording),
             frame: 0,
+            start: 0.0,
             assets,
             read: ReadFiles::default(),
             device: Arc::clone(device),
         })
+    }
+
+    /// Has the last of `frames` frames at this animation time, seconds; before 0 nothing moves.
+    pub fn end_at(&mut self, time: f64, frames: u64) {
+        self.start = time - frames.saturating_sub(1) as f64 * self.settings.time_step;
     }
 
     /// Draws the next frame.
@@ -50,7 +58,7 @@ impl Replay {
     /// Those of the renderer, and where a recording does not fit its scene.
     pub fn next_frame(&mut self) -> Result<(), RenderError> {
         if self.recording.is_empty() {
-            self.pose = self.scene.pose(self.frame as f64 * self.settings.time_step);
+            self.pose = self.scene.pose((self.start + self.frame as f64 * self.settings.time_step).max(0.0));
         } else {
             let recording = Arc::clone(&self.recording);
             let at = recording.partition_point(|recorded| recorded.frame < self.frame);

@@ -27,6 +27,11 @@ pub(super) struct Cycle {
 }
 
 impl Cycle {
+    /// All of them.
+    pub fn frames(&self) -> u64 {
+        u64::from(self.settling() + JITTERS)
+    }
+
     /// Frames before those whose pictures are averaged.
     fn settling(&self) -> u32 {
         self.settled + if self.is_noisy { NOISE_FRAMES } else { 0 }

@@ -29,6 +29,15 @@ pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The same, from 0 to 1,000,000.
+pub(crate) fn parse_time(text: &str) -> Result<f64, String> {
+    let range = 0.0..=1e6;
+    parse_seconds(text)
+        .ok()
+        .filter(|seconds| range.contains(seconds))
+        .ok_or_else(|| "must be seconds from 0 to 1,000,000, such as 2.5".to_owned())
+}
+
 /// `auto` -> none, `-1.5` -> stops.
 pub(crate) fn parse_exposure(text: &str) -> Result<Option<f32>, String> {
     match text {

@@ -8,6 +8,43 @@ use crate::window::{CACHE, Demo, is_action};
 
 const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
+/// F4 copies the command of the very picture on screen, of a paused scene that moves, with another camera; twice the same.
+#[test]
+fn the_command_renders_to_what_is_on_screen() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.frames(3);
+    demo.key_for("space", "toggle-pause");
+    demo.input(&["keydown", "d"]);
+    demo.frames(2);
+    demo.input(&["keyup", "d"]);
+    demo.key_for("Tab", "toggle-panel");
+    demo.frames(100);
+    let screen = demo.screen();
+    let mut commands = Vec::new();
+    for _ in 0..2 {
+        let seen = demo.now();
+        demo.input(&["key", "F4"]);
+        let command = demo.wait_after(seen, "command", |event| event["event"] == "command");
+        commands.push(command["details"].as_str().unwrap().to_owned());
+        demo.frames(4);
+    }
+    assert_eq!(commands[0], commands[1], "saved once, named twice");
+    let arguments = commands[1].split(' ').skip(1);
+    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
+        .args(arguments)
+        .current_dir(demo.folder.path())
+        .env("XDG_CACHE_HOME", CACHE)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rendered = image::open(demo.path("playroom.png")).unwrap().to_rgb8();
+    let same = rendered.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
+    assert_eq!(same, screen.pixels.len(), "{}: pixels that are the same, of all", commands[1]);
+    demo.close();
+}
+
 #[test]
 fn a_recording_renders_to_what_was_on_screen() {
     let _one = ONE_AT_A_TIME.lock();
