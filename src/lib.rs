@@ -14,6 +14,7 @@
 //! - [`plot`]: charts as PNG files.
 //! - [`passes`]: the passes that all methods share, one file each.
 //! - [`denoise`]: denoisers; none knows where its signal comes from.
+//! - [`effects`]: soft shadows and reflections by rays.
 //! - [`estimators`]: methods for indirect light; one folder each.
 //! - [`renderer`]: the frame itself.
 //! - [`mod@reference`]: the ground truth, by path tracing on the CPU.

@@ -69,25 +69,11 @@ impl App {
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
             Action::Split(side) => open.divide(side)?,
-            Action::ToggleSplit => {
-                let is_on =
-                    open.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
-                let settings = open.stage.as_ref().map(|stage| Box::new(stage.settings.clone()));
-                open.divide(settings.filter(|_| !is_on).map(RightSide::Settings))?;
-            }
-            Action::ToggleTruth => {
-                let is_on = open.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
-                open.divide((!is_on).then_some(RightSide::Truth))?;
-            }
-            Action::MoveDivider(at) => {
-                if let Some(split) = &mut open.split {
-                    split.at = at;
-                }
-            }
+            Action::ToggleSplit => open.toggle_split()?,
+            Action::ToggleTruth => open.toggle_truth()?,
+            Action::MoveDivider(at) => open.change_split(|split| split.at = at),
             Action::ToggleDifference => {
-                if let Some(split) = &mut open.split {
-                    split.shows_difference = !split.shows_difference;
-                }
+                open.change_split(|split| split.shows_difference = !split.shows_difference);
             }
             Action::View(view) => open.view(&view)?,
             Action::StepBuffer(by) => open.step_buffer(by)?,
@@ -323,6 +309,25 @@ impl Open {
             Err(error) => self.panel.error = Some(error.to_string()),
         }
         Ok(())
+    }
+
+    /// Divides the window between two methods, the same at first, or goes back to one picture.
+    fn toggle_split(&mut self) -> Result<(), DemoError> {
+        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
+        let settings = self.stage.as_ref().map(|stage| Box::new(stage.settings.clone()));
+        self.divide(settings.filter(|_| !is_on).map(RightSide::Settings))
+    }
+
+    /// Shows the truth right of the divider, or goes back to one picture.
+    fn toggle_truth(&mut self) -> Result<(), DemoError> {
+        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+        self.divide((!is_on).then_some(RightSide::Truth))
+    }
+
+    fn change_split(&mut self, change: impl FnOnce(&mut Split)) {
+        if let Some(split) = &mut self.split {
+            change(split);
+        }
     }
 
     /// Divides the window, shows something else right of the divider, or goes back to one picture.

@@ -37,7 +37,7 @@ pub(super) struct Split {
 /// Right of the divider.
 pub(super) enum Right {
     Renderer(Box<Other>),
-    Truth(Truth),
+    Truth(Box<Truth>),
 }
 
 /// Another renderer of the stage's world.
@@ -119,7 +119,7 @@ impl Split {
 impl Right {
     fn new(device: &Arc<Device>, stage: &mut Stage, side: RightSide) -> Result<Self, DemoError> {
         Ok(match side {
-            RightSide::Truth => Self::Truth(Truth::default()),
+            RightSide::Truth => Self::Truth(Box::default()),
             RightSide::Settings(settings) => {
                 let settings = Settings { size: stage.settings.size, ..*settings };
                 let prepared = stage.renderer.prepared();

@@ -207,7 +207,7 @@ pub(crate) mod tests {
     pub(crate) use same_layout;
 
     #[test]
-    fn structs_have_the_layout_of_the_shaders() {
+    fn the_uniforms_have_the_layout_of_the_shaders() {
         same_layout!(
             shaders::COMBINE_COMP,
             FrameUniforms,
@@ -229,6 +229,10 @@ pub(crate) mod tests {
             pad1,
             pad2
         );
+    }
+
+    #[test]
+    fn structs_of_the_scene_have_the_layout_of_the_shaders() {
         same_layout!(
             shaders::GBUFFER_FRAG,
             InstanceData,

@@ -20,6 +20,13 @@ pub struct UiDrawing {
     pub pixels_per_point: f32,
 }
 
+impl Default for UiDrawing {
+    /// Nothing.
+    fn default() -> Self {
+        Self { primitives: Vec::new(), textures: TexturesDelta::default(), pixels_per_point: 1.0 }
+    }
+}
+
 /// Draws a [`UiDrawing`].
 pub(super) struct UiRenderer {
     // Dropped manually, before the device.

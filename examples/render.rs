@@ -1,0 +1,33 @@
+//! Renders a still picture of a built-in scene by the library: `cargo run --release --example render`.
+
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+
+use glowworm::output::PictureTarget;
+use glowworm::renderer::Renderer;
+use glowworm::scene::load_scene;
+use glowworm::settings::{Direct, Settings};
+use glowworm::vulkan::{Device, Instance, InstanceOptions};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let target = PictureTarget::new(Path::new("cornell-box.png"), false)?;
+
+    // The best device; name or index choose another one.
+    let instance = Instance::new(InstanceOptions { validate: false, display: None })?;
+    let device = Device::open(&instance, None)?;
+
+    // A scene stands in a pose: where camera, lights and objects are at a time.
+    let scene = Arc::new(load_scene("cornell-box", None)?);
+    let pose = scene.pose(0.0);
+    let settings = Settings { size: [640, 480], direct: Direct::Rays, ..Settings::default() };
+    let mut renderer = Renderer::new(&device, &scene, &settings, &pose)?;
+
+    // Temporal sets, antialiasing and noise come to rest.
+    for _ in 0..renderer.frames_to_rest() {
+        renderer.render(&pose)?;
+    }
+    let path = target.write(&renderer.read_picture(false)?, 0)?;
+    println!("{}", path.display());
+    Ok(())
+}
