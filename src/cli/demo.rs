@@ -1,6 +1,6 @@
 //! `glowworm [demo]`: the window; without a display, its scene rendered to a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::options::{CameraOptions, RunOptions};
 use super::render::{RenderOptions, ViewOptions, render};
@@ -16,6 +16,12 @@ pub(super) struct DemoOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     #[arg(default_value = "playroom")]
     pub scene: String,
+    /// Begin with a tour: six stops of 10 s, each of which shows one idea. Esc ends it.
+    #[arg(long)]
+    pub tour: bool,
+    /// Write a .png of all stops of the tour, and their captions beside it as .txt, then close.
+    #[arg(long, value_name = "FILE", requires = "tour", help_heading = "Files")]
+    pub contact_sheet: Option<PathBuf>,
     #[command(flatten)]
     pub settings: Settings,
     #[command(flatten)]
@@ -34,6 +40,8 @@ pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError>
         json: options.run.files.json.clone(),
         device: options.run.device.device.clone(),
         validate: options.run.device.validate,
+        tour: options.tour,
+        contact_sheet: options.contact_sheet.clone(),
     };
     match demo::run(launch) {
         Ok(messages) => device::check_validation(&messages),
@@ -46,7 +54,7 @@ fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<
     let name = Path::new(&options.scene).file_stem().unwrap_or_default().to_string_lossy();
     let out = format!("glowworm-{name}.png");
     say::warning(&format!("no display to open a window on ({reason}); rendering {} to {out}", options.scene));
-    let DemoOptions { scene, settings, run } = options;
+    let DemoOptions { scene, settings, run, .. } = options;
     let (camera, view) = (CameraOptions::default(), ViewOptions::default());
     let out = out.into();
     render(

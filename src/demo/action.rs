@@ -22,6 +22,10 @@ pub enum Action {
     TogglePanel,
     /// Pauses or resumes the animation.
     TogglePause,
+    /// Pauses the animation, or has it go on.
+    Pause(bool),
+    /// Begins the tour, or ends it.
+    ToggleTour,
     /// Sets the animation time, seconds.
     Scrub(f64),
     /// Resets the camera to the scene's.
@@ -133,6 +137,7 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Tab", "show or hide panel and handles", KeyCode::Tab, NONE, || Action::TogglePanel),
     bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
     bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
+    bind("F2", "begin or end the tour", KeyCode::F2, NONE, || Action::ToggleTour),
     bind("F11", "toggle full screen", KeyCode::F11, NONE, || Action::ToggleFullscreen),
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),

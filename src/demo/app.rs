@@ -26,6 +26,7 @@ use super::recorder::Recorder;
 use super::screenshot::Saving;
 use super::split::Split;
 use super::stage::Stage;
+use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
@@ -65,6 +66,9 @@ pub(super) enum Recording {
 pub(super) struct Open {
     pub stage: Option<Stage>,
     pub split: Option<Split>,
+    pub tour: Option<Tour>,
+    /// Whether the tour is to begin with the first scene.
+    pub tour_waits: bool,
     pub loader: Loader,
     pub gpu: Gpu,
     pub window: Arc<Window>,
@@ -143,6 +147,8 @@ impl App {
         self.open = Some(Open {
             stage: None,
             split: None,
+            tour: None,
+            tour_waits: self.launch.tour,
             loader: Loader::new(&self.launch),
             egui: egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, None),
             gpu,

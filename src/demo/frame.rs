@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::DemoError;
 use super::action::Action;
 use super::app::{App, Open, RESIZE_DELAY, Recording};
 use super::flight::Flight;
@@ -14,6 +13,8 @@ use super::panel::{self, Shown};
 use super::recorder::Recorder;
 use super::screenshot::Saving;
 use super::stage::{Change, Stage};
+use super::tour::Tour;
+use super::{DemoError, Launch};
 use crate::estimators::vpls::VplManager;
 use crate::vulkan::{Pane, Presented, UiDrawing};
 
@@ -26,6 +27,9 @@ impl App {
         let step = open.stage.as_ref().map_or(0.0, |stage| stage.settings.time_step);
         open.clock.tick(step);
         open.fly();
+        if let Some(stop) = open.follow_tour(&self.launch)? {
+            self.log.event("tour-stop", stop);
+        }
         open.drag_handle();
         let started = Instant::now();
         let (primitives, pixels_per_point) = open.run_panel();
@@ -222,6 +226,24 @@ impl Open {
         [size.width, size.height].map(|side| side.div_ceil(self.coarseness).max(1))
     }
 
+    /// Goes on with the tour; the caption of a stop that begins.
+    fn follow_tour(&mut self, launch: &Launch) -> Result<Option<&'static str>, DemoError> {
+        if self.stage.is_some() && std::mem::take(&mut self.tour_waits) {
+            self.toggle_tour(launch.contact_sheet.clone())?;
+        }
+        let (Some(stage), Some(tour)) = (&self.stage, &mut self.tour) else { return Ok(None) };
+        let own = stage.rest.pose(self.clock.time).camera;
+        let seconds = self.clock.interval_ms() * 1e-3;
+        let Some(frame) = tour.advance(seconds, &own, stage, self.split.as_ref())? else {
+            self.end_tour()?;
+            return Ok(None);
+        };
+        let caption = frame.begins.then(|| tour.caption());
+        self.flight.go_to(frame.camera);
+        self.actions.extend(frame.actions);
+        Ok(caption)
+    }
+
     /// Moves the camera by the held keys.
     fn fly(&mut self) {
         let Some(stage) = &self.stage else { return };
@@ -238,6 +260,7 @@ impl Open {
             let mut shown = Shown {
                 stage: self.stage.as_ref(),
                 split: self.split.as_ref(),
+                caption: self.tour.as_ref().map(Tour::caption),
                 clock: &mut self.clock,
                 history: &self.history,
                 loader: &self.loader,

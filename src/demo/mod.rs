@@ -25,6 +25,7 @@ mod recorder;
 mod screenshot;
 mod split;
 mod stage;
+mod tour;
 mod truth;
 mod undo;
 
@@ -56,6 +57,10 @@ pub struct Launch {
     pub device: Option<String>,
     /// Whether to enable the validation layer.
     pub validate: bool,
+    /// Whether to begin with the tour.
+    pub tour: bool,
+    /// File for the tour's contact sheet; the program ends with the tour then.
+    pub contact_sheet: Option<PathBuf>,
 }
 
 /// Errors of the window.

@@ -15,6 +15,7 @@ use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
 use super::split::{Right, RightSide, Split};
 use super::stage::{Change, Saved, Selected, Stage, carry};
+use super::tour::Tour;
 use super::undo::State;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
@@ -32,6 +33,9 @@ impl App {
             Action::ToggleHelp => open.panel.help = !open.panel.help,
             Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
             Action::TogglePause => open.clock.paused = !open.clock.paused,
+            Action::Pause(paused) => open.clock.paused = paused,
+            Action::ToggleTour => return open.toggle_tour(self.launch.contact_sheet.clone()),
+            Action::Select(None) if open.tour.is_some() => return open.end_tour(),
             Action::Scrub(time) => open.clock.time = time.max(0.0),
             Action::Home => open.flight.home(),
             Action::StoreBookmark(number) => {
@@ -309,6 +313,30 @@ impl Open {
             Err(error) => self.panel.error = Some(error.to_string()),
         }
         Ok(())
+    }
+
+    /// Begins the tour, with a contact sheet at its end if that has a file; or ends it.
+    pub(super) fn toggle_tour(&mut self, sheet: Option<PathBuf>) -> Result<(), DemoError> {
+        if self.tour.is_some() {
+            return self.end_tour();
+        }
+        self.tour = self.stage.as_ref().map(|stage| Tour::new(&stage.settings, sheet));
+        self.panel.hidden = true;
+        Ok(())
+    }
+
+    /// Ends the tour where it is; everything goes back to how it was.
+    pub(super) fn end_tour(&mut self) -> Result<(), DemoError> {
+        let Some(tour) = self.tour.take() else { return Ok(()) };
+        let (settings, closes) = tour.end()?;
+        self.closing |= closes;
+        self.panel.hidden = false;
+        self.clock.paused = false;
+        self.flight.home();
+        self.split = None;
+        self.change_view(|view| *view = DebugView::default())?;
+        let size = self.stage.as_ref().map_or(settings.size, |stage| stage.settings.size);
+        self.set(&Settings { size, ..settings })
     }
 
     /// Divides the window between two methods, the same at first, or goes back to one picture.

@@ -183,7 +183,8 @@ mod tests {
         let expected = (last.samples as f64).recip() + (4.0 * ENOUGH as f64).recip();
         let ratio = rmse(&last.picture, &truth) / rmse(&first.picture, &truth);
         let wanted = (expected * first.samples as f64).sqrt();
-        assert!((0.4 * wanted..2.5 * wanted).contains(&ratio), "{ratio}, not {wanted}");
+        // Random samples would fall as this; those of a low-discrepancy sequence fall faster.
+        assert!(ratio < 1.5 * wanted, "{ratio}, not {wanted}");
         assert_eq!(last.left(), Duration::ZERO);
     }
 }

@@ -23,9 +23,8 @@ pub(super) struct Viewed {
 impl Renderer {
     /// Frames that a renderer takes from its first one until a picture in which nothing moves stands still.
     pub fn frames_to_rest(&self) -> u64 {
-        // The estimator shoots its first paths, and a cycle begins with one of its rounds.
-        let shot = u64::from(self.settings.vpl.slots.div_ceil(self.settings.vpl.budget));
-        shot + u64::from(self.cycle().estimator) + self.cycle().frames() + 1
+        // A cycle begins with a round of the estimator.
+        u64::from(self.cycle().estimator) + self.cycle().frames() + 1
     }
 
     /// What the frames of a still scene go through.

@@ -15,6 +15,7 @@ mod screen;
 mod session;
 mod smooth;
 mod split;
+mod tour;
 mod window;
 
 use std::sync::Mutex;

@@ -58,6 +58,8 @@ pub(super) struct PanelState {
 pub(super) struct Shown<'a> {
     pub stage: Option<&'a Stage>,
     pub split: Option<&'a Split>,
+    /// Of the tour.
+    pub caption: Option<&'static str>,
     pub clock: &'a mut Clock,
     pub history: &'a History,
     pub loader: &'a Loader,
@@ -73,6 +75,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     let mut actions = Vec::new();
     if let Some(split) = shown.split {
         split::pictures(ui, &mut state.split, split);
+    }
+    if let Some(caption) = shown.caption {
+        caption_below(ui, caption);
     }
     if state.help {
         help::show(ui, state);
@@ -130,6 +135,19 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         inspector::show(ui, shown, &mut actions);
     }
     actions
+}
+
+/// What the tour says, at the lower edge.
+fn caption_below(ui: &Ui, caption: &str) {
+    let window = ui.ctx().content_rect();
+    let area = egui::Area::new(egui::Id::new("caption")).anchor(egui::Align2::CENTER_BOTTOM, [0.0, -12.0]);
+    area.interactable(false).show(ui.ctx(), |ui| {
+        let fill = egui::Color32::from_black_alpha(200);
+        Frame::popup(ui.style()).fill(fill).show(ui, |ui| {
+            ui.set_max_width((window.width() - 40.0).min(720.0));
+            ui.label(RichText::new(caption).size(16.0).color(egui::Color32::WHITE));
+        });
+    });
 }
 
 /// Widget rectangles in the window, points; logged so that tests find them.

@@ -58,6 +58,8 @@ pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
     }
     if !split.shows_difference {
         state.difference = None;
+        let divider = divider_of(window, split.at);
+        ui.painter().vline(divider, window.y_range(), Stroke::new(2.0, Color32::WHITE));
         return;
     }
     let Some(judged) = split.judge.judged() else { return };
@@ -120,7 +122,6 @@ pub(super) fn show(
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
         ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
     });
-    ui.painter().vline(x, free.y_range(), Stroke::new(2.0, Color32::WHITE));
     place(ui, places, "divider", &divider.inner);
     if divider.inner.dragged()
         && let Some(at) = divider.inner.interact_pointer_pos()
