@@ -16,6 +16,8 @@ use crate::settings::{Indirect, Settings, VplSettings};
 
 /// Length of a stop, seconds.
 const STOP: f64 = 10.0;
+/// VPLs whose paths are shown.
+const FEW: u32 = 128;
 /// Pictures of the contact sheet beside each other.
 const COLUMNS: usize = 3;
 
@@ -32,6 +34,8 @@ struct Stop {
 #[derive(Clone, Copy)]
 enum Act {
     Sets(u32),
+    /// Few VPLs, so that their paths can be told apart; or as many as before.
+    Few(bool),
     Paths(bool),
     Pause(bool),
     /// Direct light alone right of the divider, which sways.
@@ -51,7 +55,7 @@ const STOPS: [Stop; 6] = [
     Stop {
         caption: "Virtual point lights. Light paths start at the lamps; where they meet a surface they leave a point that \
                   shines for the light that bounces there.",
-        acts: &[(0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
+        acts: &[(0.0, Act::Few(true)), (0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
         sway: [4.0, 1.0],
     },
     Stop {
@@ -63,7 +67,7 @@ const STOPS: [Stop; 6] = [
     Stop {
         caption: "Disocclusion. What comes into view was in no earlier frame; surfaces around it stand in until all sets \
                   have seen it.",
-        acts: &[(0.0, Act::Paths(false))],
+        acts: &[(0.0, Act::Paths(false)), (0.0, Act::Few(false))],
         sway: [14.0, 3.0],
     },
     Stop {
@@ -137,7 +141,7 @@ impl Tour {
         let Some(stop) = STOPS.get(self.stop) else { return Ok(None) };
         let due = stop.acts.iter().filter(|(at, _)| *at <= self.time).count();
         let mut actions: Vec<Action> =
-            stop.acts[self.acts..due].iter().map(|(_, act)| Self::action(*act, stage)).collect();
+            stop.acts[self.acts..due].iter().map(|(_, act)| self.action(*act, stage)).collect();
         self.acts = due;
         let share = (self.time / STOP) as f32;
         if let Some(Right::Renderer(_)) = split.map(|split| &split.right) {
@@ -165,12 +169,17 @@ impl Tour {
         Ok((self.settings, true))
     }
 
-    fn action(act: Act, stage: &Stage) -> Action {
+    fn action(&self, act: Act, stage: &Stage) -> Action {
         match act {
             Act::Sets(sets) => {
                 let vpl =
                     VplSettings { temporal_sets: sets.min(stage.settings.vpl.slots), ..stage.settings.vpl };
                 Action::Set(Box::new(Settings { vpl, indirect: Indirect::Vpls, ..stage.settings.clone() }))
+            }
+            Act::Few(few) => {
+                let pool = if few { FEW } else { self.settings.vpl.pool };
+                let vpl = VplSettings { pool, ..stage.settings.vpl };
+                Action::Set(Box::new(Settings { vpl, ..stage.settings.clone() }))
             }
             Act::Paths(shown) => {
                 let mut view = stage.renderer.view().clone();
