@@ -24,6 +24,9 @@ CHOSEN = {"boxes": [0, 0.2, 0.4], "icosphere": [0.2], "sponza": [0.2], "pillars"
 FRAMES = {"still": 32, "camera": 40, "things": 40, "light": 40}
 NOISY_SAMPLES = 16
 
+# Keys of a report.
+MACHINE = ["device", "driver", "commit"]
+
 PLAIN = {"svgf-clamp": 0, "svgf-firefly": 0, "svgf-adaptive": "false"}
 
 
@@ -53,6 +56,7 @@ class Study:
         self.options = options
         self.cache = options.cache
         self.cache.mkdir(parents=True, exist_ok=True)
+        self.machine = []
         self.build = hashlib.sha256(options.glowworm.read_bytes()).hexdigest()[:12]
 
     def run(self, command, *arguments):
@@ -99,9 +103,9 @@ class Study:
             drawn = self.cache / "drawn.exr"
             report = self.run("render", scene, *options, "--out", drawn)
             truth = self.truth(scene, name, frames - 1, self.samples(value))
-            row = self.error(drawn, truth, layer_of(name)) | {key: report[key] for key in ["device", "driver", "commit"]}
-            kept.write_text(json.dumps(row))
-        return {"scene": name, "motion": motion, "value": value, "variant": variant} | json.loads(kept.read_text())
+            kept.write_text(json.dumps([self.error(drawn, truth, layer_of(name)), *(report[key] for key in MACHINE)]))
+        row, *self.machine = json.loads(kept.read_text())
+        return {"scene": name, "motion": motion, "value": value, "variant": variant} | row
 
     def judged(self, name, motion, value):
         """The same of the path tracer itself: with few samples, and another picture of as many, for the noise of the truth."""
@@ -166,6 +170,13 @@ def runs(scenes):
                 yield name, motion, value, list(VARIANTS) if closely else EVERYWHERE
 
 
+def text(figures):
+    """JSON with a line for each row."""
+    head = json.dumps({key: value for key, value in figures.items() if key != "rows"}, indent=1)
+    rows = ",\n".join("  " + json.dumps(row) for row in figures["rows"])
+    return head.removesuffix("\n}") + ',\n "rows": [\n' + rows + "\n ]\n}\n"
+
+
 def arguments(root):
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "glowworm" / "hybrid"
     target = Path(os.environ.get("CARGO_TARGET_DIR") or "target")
@@ -203,8 +214,8 @@ def main():
             print(f"{name} {motion} {value:g} ...", file=sys.stderr, flush=True)
             rows += study.judged(name, motion, value)
             rows += [study.measure(name, motion, value, variant) for variant in variants]
-        figures = {"size": options.size, "spp": options.spp, "times": times, "rows": rows}
-        file.write_text(json.dumps(figures, indent=1) + "\n")
+        figures = dict(zip(MACHINE, study.machine)) | {"size": options.size, "spp": options.spp, "times": times, "rows": rows}
+        file.write_text(text(figures))
     study_hybrid_page.write(options.out)
 
 

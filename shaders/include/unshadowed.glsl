@@ -9,7 +9,7 @@ struct AreaLightData {
     vec4 power;  // rgb: radiance times area, the sum of its emitters, W/sr
     uint first;  // of its emitters
     uint count;
-    uint is_met; // by rays; 0: it is invisible
+    uint is_visible; // to rays
     uint pad0;
 };
 
@@ -58,7 +58,7 @@ LightCone cone_of(LightData light, vec3 p) {
 }
 
 // Share of the GGX lobe's light of an area light that counts.
-float gloss_of(AreaLightData light, Seen seen) { return light.is_met == 0u ? 1.0 : seen.gloss_of_areas; }
+float gloss_of(AreaLightData light, Seen seen) { return light.is_visible == 0u ? 1.0 : seen.gloss_of_areas; }
 
 // About what a light sends to the eye, were nothing between: positive wherever it sends anything.
 vec3 unshadowed_radiance(uint index, Seen seen) {

@@ -39,6 +39,11 @@ impl Flight {
         self.moved.is_some()
     }
 
+    /// Where the user moved the camera.
+    pub fn moved(&self) -> Option<Camera> {
+        self.moved
+    }
+
     /// Resets to the scene's camera.
     pub fn home(&mut self) {
         self.moved = None;

@@ -45,9 +45,9 @@ impl App {
         }
         open.draw_stage()?;
         if let Some(split) = &mut open.split
-            && let Some(judged) = split.newly_judged()
+            && let Some(metrics) = split.take_log()
         {
-            self.log.event("judged", judged);
+            self.log.event("metrics", metrics);
         }
         let drawing =
             UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
@@ -181,6 +181,7 @@ impl Open {
                     self.clock.time = 0.0;
                 }
                 self.split = None;
+                self.panel.hidden &= self.tour.take().is_none();
                 self.stage = Some(stage);
                 self.inspector.forget();
                 // A recording covers one scene.

@@ -14,7 +14,7 @@ mod gpu;
 mod handles;
 mod history;
 mod inspector;
-mod judge;
+mod live_metrics;
 mod loader;
 mod log;
 mod mouse;

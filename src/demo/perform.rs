@@ -15,7 +15,7 @@ use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
 use super::split::{Right, RightSide, Split};
 use super::stage::{Change, Saved, Selected, Stage, carry};
-use super::tour::Tour;
+use super::tour::{Before, Tour};
 use super::undo::State;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
@@ -320,23 +320,36 @@ impl Open {
         if self.tour.is_some() {
             return self.end_tour();
         }
-        self.tour = self.stage.as_ref().map(|stage| Tour::new(&stage.settings, sheet));
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let before = Before {
+            settings: stage.settings.clone(),
+            view: stage.renderer.view().clone(),
+            camera: self.flight.moved(),
+            paused: self.clock.paused,
+            undo: std::mem::take(&mut stage.undo),
+        };
+        self.tour = Some(Tour::new(before, sheet));
+        self.split = None;
         self.panel.hidden = true;
         Ok(())
     }
 
     /// Ends the tour where it is; everything goes back to how it was.
     pub(super) fn end_tour(&mut self) -> Result<(), DemoError> {
-        let Some(tour) = self.tour.take() else { return Ok(()) };
-        let (settings, closes) = tour.end()?;
+        let (Some(tour), Some(stage)) = (self.tour.take(), &mut self.stage) else { return Ok(()) };
+        let (before, closes) = tour.end()?;
         self.closing |= closes;
         self.panel.hidden = false;
-        self.clock.paused = false;
-        self.flight.home();
+        self.clock.paused = before.paused;
         self.split = None;
-        self.change_view(|view| *view = DebugView::default())?;
-        let size = self.stage.as_ref().map_or(settings.size, |stage| stage.settings.size);
-        self.set(&Settings { size, ..settings })
+        match before.camera {
+            Some(camera) => self.flight.go_to(camera),
+            None => self.flight.home(),
+        }
+        stage.undo = before.undo;
+        let settings = Settings { size: stage.settings.size, ..before.settings };
+        self.view(&before.view)?;
+        self.set(&settings)
     }
 
     /// Divides the window between two methods, the same at first, or goes back to one picture.

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use serde_json::json;
 
 use super::DemoError;
-use super::judge::Judge;
+use super::live_metrics::{LiveMetrics, Logged, Shot};
 use super::stage::Stage;
 use super::truth::Truth;
 use crate::renderer::{RenderError, Renderer};
@@ -31,7 +30,7 @@ pub(super) struct Split {
     /// Whether the error of the left side is shown in place of the pictures.
     pub shows_difference: bool,
     pub right: Right,
-    pub judge: Judge,
+    pub metrics: LiveMetrics,
 }
 
 /// Right of the divider.
@@ -51,7 +50,7 @@ impl Split {
     /// Divides the window in the middle. With a renderer, that of the stage starts again, so that both have the same past.
     pub fn new(device: &Arc<Device>, stage: &mut Stage, side: RightSide) -> Result<Self, DemoError> {
         let right = Right::new(device, stage, side)?;
-        Ok(Self { at: 0.5, shows_difference: false, right, judge: Judge::default() })
+        Ok(Self { at: 0.5, shows_difference: false, right, metrics: LiveMetrics::default() })
     }
 
     /// Shows something else right of the divider.
@@ -69,38 +68,41 @@ impl Split {
             }
             (right, side) => *right = Right::new(device, stage, side)?,
         }
-        self.judge.forget();
+        self.metrics.forget();
         Ok(())
     }
 
-    /// Draws the frame that the stage has just drawn, and judges it now and then.
+    /// Draws the frame that the stage has just drawn, and compares both sides now and then.
     pub fn render(&mut self, stage: &Stage) -> Result<(), DemoError> {
         match &mut self.right {
             Right::Renderer(other) => other.render(stage)?,
             Right::Truth(truth) => truth.follow(stage),
         }
-        if self.judge.is_waiting() {
-            let left = stage.renderer.read_picture(false)?;
-            match &self.right {
-                Right::Renderer(other) => self.judge.judge(left, other.renderer.read_picture(false)?),
-                Right::Truth(truth) => {
-                    if let Some(truth) = truth.picture() {
-                        self.judge.judge(left, truth.clone());
-                    }
-                }
-            }
+        if self.metrics.is_due()
+            && let Some(right) = self.right_shot()?
+        {
+            self.metrics.compare(stage.shot()?, right);
         }
         Ok(())
     }
 
-    /// A verdict that came since the last call, and the samples of the truth it is about.
-    pub fn newly_judged(&mut self) -> Option<serde_json::Value> {
-        let verdict = self.judge.newest()?;
+    /// What the whole window would show of the right side; none where the truth has no picture yet.
+    pub fn right_shot(&self) -> Result<Option<Shot>, DemoError> {
+        Ok(match &self.right {
+            Right::Renderer(other) => {
+                Some(Shot { size: other.settings.size, pixels: other.renderer.read_display()? })
+            }
+            Right::Truth(truth) => truth.progress().map(|progress| progress.shot.clone()),
+        })
+    }
+
+    /// A comparison for the log, once.
+    pub fn take_log(&mut self) -> Option<Logged> {
         let samples = match &self.right {
             Right::Truth(truth) => truth.progress().map(|progress| progress.samples),
             Right::Renderer(_) => None,
         };
-        Some(json!({ "verdict": verdict, "samples": samples }))
+        self.metrics.take_log(samples)
     }
 
     /// The pictures to present.

@@ -7,6 +7,7 @@ use glam::{Mat4, Vec2, Vec3};
 use serde::Serialize;
 
 use super::DemoError;
+use super::live_metrics::Shot;
 use super::loader::{Built, Edited};
 use super::undo::{State, Undo};
 use crate::bvh::Ray;
@@ -180,6 +181,11 @@ impl Stage {
             self.report = report;
         }
         Ok(())
+    }
+
+    /// What the last frame shows.
+    pub fn shot(&self) -> Result<Shot, RenderError> {
+        Ok(Shot { size: self.settings.size, pixels: self.renderer.read_display()? })
     }
 
     fn pose_at(&self, time: f64, camera: Camera) -> Pose {

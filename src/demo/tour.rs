@@ -3,14 +3,18 @@
 use std::f32::consts::TAU;
 use std::path::PathBuf;
 
-use glam::Quat;
+use glam::{Quat, Vec3};
+use image::{Rgb, RgbImage};
 
 use super::DemoError;
 use super::action::Action;
+use super::live_metrics::Shot;
 use super::split::{Right, RightSide, Split};
 use super::stage::Stage;
+use super::undo::Undo;
 use crate::estimators::vpls::PathStyle;
 use crate::output::OutputFile;
+use crate::renderer::DebugView;
 use crate::scene::Camera;
 use crate::settings::{Indirect, Settings, VplSettings};
 
@@ -35,7 +39,7 @@ struct Stop {
 enum Act {
     Sets(u32),
     /// Few VPLs, so that their paths can be told apart; or as many as before.
-    Few(bool),
+    FewVpls(bool),
     Paths(bool),
     Pause(bool),
     /// Direct light alone right of the divider, which sways.
@@ -55,7 +59,7 @@ const STOPS: [Stop; 6] = [
     Stop {
         caption: "Virtual point lights. Light paths start at the lamps; where they meet a surface they leave a point that \
                   shines for the light that bounces there.",
-        acts: &[(0.0, Act::Few(true)), (0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
+        acts: &[(0.0, Act::FewVpls(true)), (0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
         sway: [4.0, 1.0],
     },
     Stop {
@@ -67,7 +71,7 @@ const STOPS: [Stop; 6] = [
     Stop {
         caption: "Disocclusion. What comes into view was in no earlier frame; surfaces around it stand in until all sets \
                   have seen it.",
-        acts: &[(0.0, Act::Paths(false)), (0.0, Act::Few(false))],
+        acts: &[(0.0, Act::Paths(false)), (0.0, Act::FewVpls(false))],
         sway: [14.0, 3.0],
     },
     Stop {
@@ -77,7 +81,7 @@ const STOPS: [Stop; 6] = [
         sway: [4.0, 1.0],
     },
     Stop {
-        caption: "The truth. A path tracer goes on as long as nothing moves; the picture on the left is judged by it.",
+        caption: "The truth. A path tracer goes on as long as nothing moves; the picture on the left is compared with it.",
         acts: &[(0.0, Act::Join), (0.0, Act::Pause(true)), (0.0, Act::Truth)],
         sway: [0.0, 1.0],
     },
@@ -90,16 +94,20 @@ pub(super) struct Tour {
     time: f64,
     /// Acts of the stop that are over.
     acts: usize,
-    /// The settings to go back to.
-    settings: Settings,
+    before: Before,
     /// Where to write the contact sheet, and its pictures so far.
-    sheet: Option<(PathBuf, Vec<Tile>)>,
+    sheet: Option<(PathBuf, Vec<Shot>)>,
 }
 
-/// What was on screen at the end of a stop, RGBA.
-struct Tile {
-    size: [usize; 2],
-    pixels: Vec<[u8; 4]>,
+/// What the end of the tour goes back to.
+pub(super) struct Before {
+    pub settings: Settings,
+    pub view: DebugView,
+    /// Where the user had moved the camera.
+    pub camera: Option<Camera>,
+    pub paused: bool,
+    /// Without the steps of the tour.
+    pub undo: Undo,
 }
 
 /// What a frame of the tour does.
@@ -112,9 +120,9 @@ pub(super) struct TourFrame {
 
 impl Tour {
     /// Begins at the first stop; `sheet`: file of the contact sheet.
-    pub fn new(settings: &Settings, sheet: Option<PathBuf>) -> Self {
+    pub fn new(before: Before, sheet: Option<PathBuf>) -> Self {
         let sheet = sheet.map(|path| (path, Vec::new()));
-        Self { stop: 0, time: 0.0, acts: 0, settings: settings.clone(), sheet }
+        Self { stop: 0, time: 0.0, acts: 0, before, sheet }
     }
 
     /// What is to be read.
@@ -135,7 +143,7 @@ impl Tour {
         self.time += if first { 0.0 } else { seconds };
         let ends = self.time >= STOP;
         if ends {
-            self.take_tile(stage, split)?;
+            self.take_shot(stage, split)?;
             (self.stop, self.time, self.acts) = (self.stop + 1, 0.0, 0);
         }
         let Some(stop) = STOPS.get(self.stop) else { return Ok(None) };
@@ -150,15 +158,15 @@ impl Tour {
         let [degrees, times] = stop.sway;
         let angle = degrees.to_radians() * (TAU * times * share).sin();
         let mut camera = *own;
-        camera.eye = own.target
-            + Quat::from_axis_angle(own.up.normalize_or(glam::Vec3::Y), angle) * (own.eye - own.target);
+        camera.eye =
+            own.target + Quat::from_axis_angle(own.up.normalize_or(Vec3::Y), angle) * (own.eye - own.target);
         Ok(Some(TourFrame { actions, camera, begins: first || ends }))
     }
 
-    /// The settings that were in use before, and whether the tour was only to draw its sheet.
-    pub fn end(self) -> Result<(Settings, bool), DemoError> {
-        let Some((path, tiles)) = &self.sheet else { return Ok((self.settings, false)) };
-        let (size, pixels) = joined(tiles);
+    /// Writes the sheet. What to go back to, and whether the tour was only to draw its sheet.
+    pub fn end(self) -> Result<(Before, bool), DemoError> {
+        let Some((path, shots)) = &self.sheet else { return Ok((self.before, false)) };
+        let (size, pixels) = joined(shots);
         OutputFile::new(path)?.save_png(size, &pixels)?;
         let captions: String = STOPS
             .iter()
@@ -166,7 +174,7 @@ impl Tour {
             .map(|(number, stop)| format!("{}. {}\n", number + 1, stop.caption))
             .collect();
         OutputFile::new(path.with_extension("txt"))?.save_text(&captions)?;
-        Ok((self.settings, true))
+        Ok((self.before, true))
     }
 
     fn action(&self, act: Act, stage: &Stage) -> Action {
@@ -176,8 +184,8 @@ impl Tour {
                     VplSettings { temporal_sets: sets.min(stage.settings.vpl.slots), ..stage.settings.vpl };
                 Action::Set(Box::new(Settings { vpl, indirect: Indirect::Vpls, ..stage.settings.clone() }))
             }
-            Act::Few(few) => {
-                let pool = if few { FEW } else { self.settings.vpl.pool };
+            Act::FewVpls(few) => {
+                let pool = if few { FEW } else { self.before.settings.vpl.pool };
                 let vpl = VplSettings { pool, ..stage.settings.vpl };
                 Action::Set(Box::new(Settings { vpl, ..stage.settings.clone() }))
             }
@@ -196,39 +204,34 @@ impl Tour {
         }
     }
 
-    fn take_tile(&mut self, stage: &Stage, split: Option<&Split>) -> Result<(), DemoError> {
-        let Some((_, tiles)) = &mut self.sheet else { return Ok(()) };
-        let mut picture = stage.renderer.read_picture(false)?;
-        let right = match split.map(|split| &split.right) {
-            Some(Right::Renderer(other)) => Some(other.renderer.read_picture(false)?.display),
-            Some(Right::Truth(truth)) => truth.picture().map(|picture| picture.display.clone()),
-            None => None,
-        };
-        let divider = split.map_or(1.0, |split| split.at) * picture.width as f32;
-        for (at, pixel) in right.iter().flatten().enumerate() {
-            if (at % picture.width) as f32 >= divider {
-                picture.display[at] = *pixel;
-            }
+    /// Keeps what is on screen for the sheet.
+    fn take_shot(&mut self, stage: &Stage, split: Option<&Split>) -> Result<(), DemoError> {
+        let Some((_, shots)) = &mut self.sheet else { return Ok(()) };
+        let mut shot = stage.shot()?;
+        if let Some(split) = split
+            && let Some(right) = split.right_shot()?
+        {
+            let width = shot.size[0] as usize;
+            let divider = (split.at * width as f32).round() as usize;
+            let rows = shot.pixels.chunks_exact_mut(width).zip(right.pixels.chunks_exact(width));
+            rows.for_each(|(row, right)| row[divider..].copy_from_slice(&right[divider..]));
         }
-        tiles.push(Tile { size: [picture.width, picture.height], pixels: picture.display });
+        shots.push(shot);
         Ok(())
     }
 }
 
-/// All tiles in rows; what is smaller than the largest has a black margin.
-fn joined(tiles: &[Tile]) -> ([u32; 2], Vec<u8>) {
-    let most = |axis: usize| tiles.iter().map(|tile| tile.size[axis]).max().unwrap_or(1);
-    let [width, height] = [most(0), most(1)];
-    let columns = COLUMNS.min(tiles.len().max(1));
-    let rows = tiles.len().div_ceil(columns).max(1);
-    let mut pixels = vec![0; columns * width * rows * height * 3];
-    for (number, tile) in tiles.iter().enumerate() {
-        let corner = [number % columns * width, number / columns * height];
-        for (at, [r, g, b, _]) in tile.pixels.iter().enumerate() {
-            let [x, y] = [corner[0] + at % tile.size[0], corner[1] + at / tile.size[0]];
-            let to = 3 * (y * columns * width + x);
-            pixels[to..to + 3].copy_from_slice(&[*r, *g, *b]);
+/// All shots in rows; what is smaller than the largest has a black margin.
+fn joined(shots: &[Shot]) -> ([u32; 2], Vec<u8>) {
+    let most = |axis: usize| shots.iter().map(|shot| shot.size[axis]).max().unwrap_or(1);
+    let columns = COLUMNS.min(shots.len().max(1)) as u32;
+    let rows = (shots.len() as u32).div_ceil(columns).max(1);
+    let mut sheet = RgbImage::new(columns * most(0), rows * most(1));
+    for (number, shot) in (0..).zip(shots) {
+        let corner = [number % columns * most(0), number / columns * most(1)];
+        for (at, [r, g, b, _]) in (0..).zip(&shot.pixels) {
+            sheet.put_pixel(corner[0] + at % shot.size[0], corner[1] + at / shot.size[0], Rgb([*r, *g, *b]));
         }
     }
-    ([(columns * width) as u32, (rows * height) as u32], pixels)
+    (sheet.dimensions().into(), sheet.into_raw())
 }

@@ -6,9 +6,10 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::live_metrics::Shot;
 use super::loader::pool;
 use super::stage::Stage;
-use crate::output::{Picture, tone_map};
+use crate::output::tone_map;
 use crate::reference::{PixelFilter, Reference, ReferenceSettings};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Antialiasing, Settings};
@@ -20,7 +21,7 @@ const INTERVAL: Duration = Duration::from_millis(250);
 
 /// A picture as far as it is.
 pub(super) struct Progress {
-    pub picture: Picture,
+    pub shot: Shot,
     /// A pixel.
     pub samples: u64,
     /// Standard error over the mean luminance.
@@ -78,11 +79,6 @@ impl Truth {
     pub fn progress(&self) -> Option<&Progress> {
         self.shown.as_ref()
     }
-
-    /// The picture so far.
-    pub fn picture(&self) -> Option<&Picture> {
-        self.shown.as_ref().map(|shown| &shown.picture)
-    }
 }
 
 impl Progress {
@@ -138,7 +134,8 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
         let mut picture = film.picture();
         tone_map(&mut picture, key.settings.exposure, film.covered());
         let error = film.standard_error().map(|error| error / film.mean_luminance());
-        let progress = Progress { picture, samples: film.samples(), error, elapsed: begun.elapsed() };
+        let shot = Shot { size, pixels: picture.display };
+        let progress = Progress { shot, samples: film.samples(), error, elapsed: begun.elapsed() };
         if sender.send(progress).is_err() {
             return;
         }
@@ -149,11 +146,12 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::{CompareOptions, compare};
 
-    fn rmse(a: &Picture, b: &Picture) -> f64 {
-        let pairs = a.colour.iter().flatten().zip(b.colour.iter().flatten());
-        let squares: f64 = pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum();
-        (squares / a.colour.len() as f64).sqrt()
+    /// Root mean square error of display values.
+    fn rmse(ours: &Shot, truth: &Shot) -> f64 {
+        let image = |shot: &Shot| shot.clone().image("shot").unwrap();
+        compare(&image(ours), &image(truth), &CompareOptions::default()).unwrap().metrics.rmse
     }
 
     #[test]
@@ -175,13 +173,15 @@ mod tests {
         while film.samples() < 4 * ENOUGH {
             assert!(reference.add_sample(&mut film, &AtomicBool::new(false)));
         }
-        let truth = film.picture();
+        let mut picture = film.picture();
+        tone_map(&mut picture, settings.exposure, film.covered());
+        let truth = Shot { size: settings.size, pixels: picture.display };
         let progress: Vec<Progress> = run.progress.iter().collect();
         let (first, last) = (&progress[0], progress.last().unwrap());
         assert_eq!(last.samples, ENOUGH);
         // That of the reference counts, too.
         let expected = (last.samples as f64).recip() + (4.0 * ENOUGH as f64).recip();
-        let ratio = rmse(&last.picture, &truth) / rmse(&first.picture, &truth);
+        let ratio = rmse(&last.shot, &truth) / rmse(&first.shot, &truth);
         let wanted = (expected * first.samples as f64).sqrt();
         // Random samples would fall as this; those of a low-discrepancy sequence fall faster.
         assert!(ratio < 1.5 * wanted, "{ratio}, not {wanted}");

@@ -23,8 +23,8 @@ pub struct AreaLightData {
     pub first: u32,
     /// Of emitters.
     pub count: u32,
-    /// By rays: 0 where it is invisible.
-    pub is_met: u32,
+    /// Whether rays can hit it.
+    pub is_visible: u32,
     /// Unused.
     pub pad0: u32,
 }
@@ -158,7 +158,7 @@ impl AreaLights {
             power: power.extend(0.0),
             first: to_u32(first),
             count: to_u32(self.emitters.len() - first),
-            is_met: u32::from(scene.instances[instance].visible),
+            is_visible: u32::from(scene.instances[instance].visible),
             ..AreaLightData::default()
         });
     }
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         let shader = shaders::SOFT_SHADOWS_TRACE_COMP.software;
-        same_layout!(shader, AreaLightData, centre, facing, power, first, count, is_met, pad0);
+        same_layout!(shader, AreaLightData, centre, facing, power, first, count, is_visible, pad0);
         same_layout!(shader, Emitter, corner, edge_u, edge_v, radiance, uvs, uv);
     }
 }

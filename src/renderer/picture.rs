@@ -69,7 +69,6 @@ impl Renderer {
     /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
-        let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
         let colour = match &self.passes.taa {
             Some(taa) if !taa.is_averaged() => self.read_halves(taa.output(), 4)?,
             Some(taa) => self.read_floats(taa.output())?,
@@ -79,13 +78,19 @@ impl Renderer {
             width,
             height,
             colour: colour.into_iter().map(|[r, g, b, _]| [r, g, b]).collect(),
-            display: bytemuck::cast_slice(&display).to_vec(),
+            display: self.read_display()?,
             ..Picture::default()
         };
         if layers {
             picture.layers = self.read_layers(&self.read_light()?)?;
         }
         Ok(picture)
+    }
+
+    /// Waits for the last frame and reads what it shows: sRGB, in rows from the top left.
+    pub fn read_display(&self) -> Result<Vec<[u8; 4]>, RenderError> {
+        let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
+        Ok(bytemuck::cast_slice(&display).to_vec())
     }
 
     fn read_light(&self) -> Result<Light, RenderError> {

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::access::Access;
 use super::barrier::barrier_for_image;
-use super::swapchain::{Swapchain, SwapchainImage};
+use super::swapchain::{Swapchain, SwapchainImage, WHOLE};
 use super::ui::UiRenderer;
 use super::{Device, Image, PresentMode, Surface, UiDrawing, VulkanError};
 
@@ -308,18 +308,11 @@ impl Slot {
 
     /// Clears `target` to black.
     fn clear(&self, target: vk::Image) {
-        let range = vk::ImageSubresourceRange {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
-            base_mip_level: 0,
-            level_count: 1,
-            base_array_layer: 0,
-            layer_count: 1,
-        };
         let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
         let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         // SAFETY: the image is in this layout and can be a transfer destination.
         unsafe {
-            self.device.raw().cmd_clear_color_image(self.commands, target, layout, &black, &[range]);
+            self.device.raw().cmd_clear_color_image(self.commands, target, layout, &black, &[WHOLE]);
         }
     }
 
@@ -373,13 +366,7 @@ impl Slot {
             .dst_access_mask(to.1)
             .new_layout(to.2)
             .image(image)
-            .subresource_range(vk::ImageSubresourceRange {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                base_mip_level: 0,
-                level_count: 1,
-                base_array_layer: 0,
-                layer_count: 1,
-            })];
+            .subresource_range(WHOLE)];
         let info = vk::DependencyInfo::default().image_memory_barriers(&barrier);
         // SAFETY: the image is a live one of the swapchain; no rendering is open.
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.commands, &info) };

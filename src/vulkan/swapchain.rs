@@ -7,6 +7,15 @@ use serde::Serialize;
 
 use super::{Device, Surface, VulkanError};
 
+/// All of an image of a swapchain.
+pub(super) const WHOLE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    base_mip_level: 0,
+    level_count: 1,
+    base_array_layer: 0,
+    layer_count: 1,
+};
+
 /// When a presented image replaces the one on screen (`VkPresentModeKHR`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -129,18 +138,11 @@ impl Swapchain {
         // SAFETY: the infos are complete; `drop` destroys what was made.
         unsafe {
             for raw in self.functions.get_swapchain_images(self.raw).map_err(error)? {
-                let range = vk::ImageSubresourceRange {
-                    aspect_mask: vk::ImageAspectFlags::COLOR,
-                    base_mip_level: 0,
-                    level_count: 1,
-                    base_array_layer: 0,
-                    layer_count: 1,
-                };
                 let info = vk::ImageViewCreateInfo::default()
                     .image(raw)
                     .view_type(vk::ImageViewType::TYPE_2D)
                     .format(self.format)
-                    .subresource_range(range);
+                    .subresource_range(WHOLE);
                 let device = self.device.raw();
                 let view = device.create_image_view(&info, None).map_err(error)?;
                 let drawn =

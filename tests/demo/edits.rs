@@ -1,14 +1,13 @@
 //! Materials and the environment are edited while the scene is shown, recorded and saved.
 
 use std::fs;
-use std::process::Command;
 
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
 use crate::desk::Desk;
 use crate::screen::Screen;
-use crate::window::{CACHE, Demo, is_action};
+use crate::window::{Demo, is_action};
 
 const SMALL: [&str; 8] = [
     "--antialiasing=none",
@@ -44,21 +43,6 @@ fn saved(demo: &mut Demo<'_>) -> String {
     saved["details"].as_str().unwrap().to_owned()
 }
 
-/// Renders a scene file to what is on screen.
-fn assert_renders_to(demo: &Demo<'_>, arguments: &[&str], screen: &Screen) {
-    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
-        .args(["render", "--out", "rendered.png"])
-        .args(arguments)
-        .current_dir(demo.folder.path())
-        .env("XDG_CACHE_HOME", CACHE)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let rendered = image::open(demo.path("rendered.png")).unwrap().to_rgb8();
-    let same = rendered.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
-    assert_eq!(same, screen.pixels.len(), "{arguments:?}: pixels that are the same, of all");
-}
-
 #[test]
 fn a_material_is_picked_edited_recorded_and_saved() {
     let _one = ONE_AT_A_TIME.lock();
@@ -88,7 +72,7 @@ fn a_material_is_picked_edited_recorded_and_saved() {
     let file = saved(&mut demo);
     let text = fs::read_to_string(demo.path(&file)).unwrap();
     assert!(text.contains("[[materials]]") && text.contains("metallic"), "{text}");
-    assert_renders_to(&demo, &["--frames=24", &file], &metal);
+    demo.assert_renders_to(&["render", "--out=rendered.png", "--frames=24", &file], "rendered.png", &metal);
 
     // Taken back, nothing of it is left.
     inspect_the_wall(&mut demo);
@@ -107,7 +91,7 @@ fn a_material_is_picked_edited_recorded_and_saved() {
     let recording = recording["details"].as_str().unwrap();
     let text = fs::read_to_string(demo.path(recording)).unwrap();
     assert!(text.contains("edited = "), "the edit was not recorded");
-    assert_renders_to(&demo, &[recording], &end);
+    demo.assert_renders_to(&["render", "--out=rendered.png", recording], "rendered.png", &end);
     demo.close();
 }
 
@@ -176,7 +160,11 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
         assert!(text.contains(part), "{text}");
     }
     assert!(!text.contains("blue") && !text.contains("broken"), "{text}");
-    assert_renders_to(&demo, &["--frames=24", &saved_file], &dim);
+    demo.assert_renders_to(
+        &["render", "--out=rendered.png", "--frames=24", &saved_file],
+        "rendered.png",
+        &dim,
+    );
     demo.close();
 }
 

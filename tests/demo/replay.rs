@@ -1,10 +1,8 @@
 //! Recordings replay to the same pixels; saved scenes load to the same scene.
 
-use std::process::Command;
-
 use crate::ONE_AT_A_TIME;
 use crate::desk::Desk;
-use crate::window::{CACHE, Demo, is_action};
+use crate::window::{Demo, is_action};
 
 const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
@@ -31,17 +29,8 @@ fn the_command_renders_to_what_is_on_screen() {
         demo.frames(4);
     }
     assert_eq!(commands[0], commands[1], "saved once, named twice");
-    let arguments = commands[1].split(' ').skip(1);
-    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
-        .args(arguments)
-        .current_dir(demo.folder.path())
-        .env("XDG_CACHE_HOME", CACHE)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let rendered = image::open(demo.path("playroom.png")).unwrap().to_rgb8();
-    let same = rendered.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
-    assert_eq!(same, screen.pixels.len(), "{}: pixels that are the same, of all", commands[1]);
+    let arguments: Vec<&str> = commands[1].split(' ').skip(1).collect();
+    demo.assert_renders_to(&arguments, "playroom.png", &screen);
     demo.close();
 }
 
@@ -80,16 +69,6 @@ fn a_recording_renders_to_what_was_on_screen() {
     let saved = demo.wait_after(seen, "recording", |event| event["event"] == "saved");
     let file = saved["details"].as_str().unwrap().to_owned();
 
-    let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
-        .args(["render", &file, "--out", "replayed.png"])
-        .current_dir(demo.folder.path())
-        .env("XDG_CACHE_HOME", CACHE)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let replayed = image::open(demo.path("replayed.png")).unwrap().to_rgb8();
-    assert_eq!(replayed.dimensions(), (screen.width, screen.height));
-    let same = replayed.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
-    assert_eq!(same, screen.pixels.len(), "pixels that are the same, of all");
+    demo.assert_renders_to(&["render", &file, "--out=replayed.png"], "replayed.png", &screen);
     demo.close();
 }

@@ -6,7 +6,7 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ExitStatus};
+use std::process::{Child, Command, ExitStatus};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -297,6 +297,21 @@ impl<'d> Demo<'d> {
         assert_eq!(closed["event"], "closed");
         assert_eq!(closed["details"]["validation_messages"], 0);
         log
+    }
+
+    /// Runs the program with `arguments`, which write the picture `out`: the same as on `screen`, pixel by pixel.
+    pub fn assert_renders_to(&self, arguments: &[&str], out: &str, screen: &Screen) {
+        let output = Command::new(env!("CARGO_BIN_EXE_glowworm"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .env("XDG_CACHE_HOME", CACHE)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let rendered = image::open(self.path(out)).unwrap().to_rgb8();
+        assert_eq!(rendered.dimensions(), (screen.width, screen.height));
+        let same = rendered.pixels().zip(&screen.pixels).filter(|(a, b)| a.0 == **b).count();
+        assert_eq!(same, screen.pixels.len(), "{arguments:?}: pixels that are the same, of all");
     }
 
     pub fn path(&self, name: &str) -> PathBuf {

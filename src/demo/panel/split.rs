@@ -22,16 +22,8 @@ const GRIP: f32 = 6.0;
 /// How far below the bar the sides say what they are, points.
 const LABELS_AT: f32 = 8.0;
 /// What can be chosen of the right side.
-const CHOICES: [&str; 8] = [
-    "indirect",
-    "temporal_sets",
-    "bounces",
-    "direct",
-    "reflections",
-    "antialiasing",
-    "denoise",
-    "svgf_separable",
-];
+const CHOICES: [&str; 7] =
+    ["indirect", "temporal_sets", "bounces", "direct", "reflections", "antialiasing", "denoise"];
 
 /// Pictures of the CPU, as textures.
 #[derive(Default)]
@@ -44,12 +36,12 @@ pub(in crate::demo) struct SplitState {
 pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
     let window = ui.ctx().content_rect();
     if let Right::Truth(truth) = &split.right
-        && let Some(picture) = truth.picture()
+        && let Some(progress) = truth.progress()
     {
         let shown = state.truth.take().filter(|(version, _)| *version == truth.version);
         let (version, texture) = shown.unwrap_or_else(|| {
-            let bytes: &[u8] = bytemuck::cast_slice(&picture.display);
-            let image = ColorImage::from_rgba_unmultiplied([picture.width, picture.height], bytes);
+            let size = progress.shot.size.map(|side| side as usize);
+            let image = ColorImage::from_rgba_unmultiplied(size, bytemuck::cast_slice(&progress.shot.pixels));
             (truth.version, ui.ctx().load_texture("truth", image, TextureOptions::NEAREST))
         });
         let right = window.with_min_x(divider_of(window, split.at));
@@ -62,13 +54,13 @@ pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
         ui.painter().vline(divider, window.y_range(), Stroke::new(2.0, Color32::WHITE));
         return;
     }
-    let Some(judged) = split.judge.judged() else { return };
-    let shown = state.difference.take().filter(|(version, _)| *version == split.judge.version);
+    let Some(compared) = split.metrics.last() else { return };
+    let shown = state.difference.take().filter(|(version, _)| *version == split.metrics.version);
     let (version, texture) = shown.unwrap_or_else(|| {
-        let colours = judged.flip.iter().map(|&error| magma(f64::from(error)));
+        let colours = compared.flip.iter().map(|&error| magma(f64::from(error)));
         let pixels = colours.map(|[r, g, b]| Color32::from_rgb(r, g, b)).collect();
-        let image = ColorImage::new(judged.size, pixels);
-        (split.judge.version, ui.ctx().load_texture("difference", image, TextureOptions::NEAREST))
+        let image = ColorImage::new(compared.size, pixels);
+        (split.metrics.version, ui.ctx().load_texture("difference", image, TextureOptions::NEAREST))
     });
     paint(ui, &texture, window, window);
     scale(ui, window);
@@ -213,12 +205,12 @@ fn minutes(time: Duration) -> String {
 
 /// The error of the left side.
 fn numbers(ui: &mut Ui, split: &Split) {
-    let Some(judged) = split.judge.judged() else { return };
-    let verdict = judged.verdict;
-    ui.label(format!("FLIP {:.4}, SSIM {:.4}", verdict.flip, verdict.ssim));
-    ui.label(format!("relative error {:.2} %", 100.0 * verdict.relative_error));
-    if let Some(error) = verdict.temporal_error {
-        ui.label(format!("flicker {:.2} %", 100.0 * error));
+    let Some(compared) = split.metrics.last() else { return };
+    let metrics = compared.metrics;
+    ui.label(format!("FLIP {:.4}, SSIM {:.4}", metrics.flip, metrics.ssim));
+    ui.label(format!("relative error {:.2} %", 100.0 * metrics.mean_relative_error));
+    if let Some(error) = compared.temporal_error {
+        ui.label(format!("temporal error {error:.4}"));
     }
 }
 
