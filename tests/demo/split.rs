@@ -16,7 +16,7 @@ const SMALL: [&str; 7] = [
     "--validate",
 ];
 /// Frames after which the picture of a stationary scene is stationary.
-const SETTLED: u64 = 40;
+const SETTLED: u64 = 24;
 
 fn metrics(demo: &mut Demo<'_>, what: &str, is_it: impl Fn(&Value) -> bool) -> Value {
     let seen = demo.now();

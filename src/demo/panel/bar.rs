@@ -53,7 +53,8 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
-    ui.monospace(format!("{fps:4.0} fps {ms:6.1} ms"));
+    let digits = usize::from(fps < 10.0);
+    ui.monospace(format!("{fps:4.digits$} fps {ms:6.1} ms"));
     ui.separator();
 }
 
