@@ -49,10 +49,12 @@ layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_sur
 layout(set = 0, binding = 36, rgba16ui) uniform writeonly uimage2D image_surface;
 layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reprojected;
 
+// Glossy surfaces that a path follows, at most.
+layout(constant_id = 2) const uint DEPTH = 2u;
+
 // Twin: TracePush in src/effects/reflections.rs.
 layout(push_constant) uniform Push {
     float spread; // of a pixel, over a distance of 1
-    uint depth;   // glossy surfaces that a path follows, at most
     uint has_history;
     uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
 } push;
@@ -143,7 +145,7 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
     first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
     Seen at = seen_surface;
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
-    for (uint depth = 0u; depth < push.depth; depth++) {
+    for (uint depth = 0u; depth < DEPTH; depth++) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
         float cosine = dot(at.surface.shading, sampled.direction);
@@ -169,7 +171,7 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
         at.is_glossy = reflects(surface.bsdf);
         at.reflection = seen(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
-        bool goes_on = at.is_glossy && depth + 1u < push.depth && mirrored_share(surface.bsdf.roughness) > 0.5;
+        bool goes_on = at.is_glossy && depth + 1u < DEPTH && mirrored_share(surface.bsdf.roughness) > 0.5;
         // What the path goes on to see of area lights it counts there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
         vec3 albedo = at.diffuse + (goes_on || !at.is_glossy ? vec3(0.0) : at.reflection.reflected);

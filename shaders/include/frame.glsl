@@ -14,7 +14,7 @@ struct FrameUniforms {
     vec2 jitter;                   // from the middle of a pixel to where it is sampled, pixels
     uint seed;                     // of random numbers
     uint area_light_count;         // where these are sampled by rays
-    float reflection_limit;        // roughness up to which rays trace what surfaces mirror; 1: always, below 0: never
+    float reflection_limit;        // roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never
     uint pad0;
     uint pad1;
     uint pad2;

@@ -8,8 +8,7 @@ const float MIRRORED_BLEND = 0.1;
 
 float mirrored_share(float roughness) {
     float limit = frame.reflection_limit;
-    if (limit < 0.0) return 0.0;
-    return limit >= 1.0 ? 1.0 : 1.0 - smoothstep(limit - MIRRORED_BLEND, limit + MIRRORED_BLEND, roughness);
+    return 1.0 - smoothstep(limit - MIRRORED_BLEND, limit + MIRRORED_BLEND, roughness);
 }
 
 #endif

@@ -45,8 +45,6 @@ struct MaterialData {
     TextureUse metallic_roughness_texture; // green: roughness, blue: metallic
     TextureUse emission_texture;
     TextureUse normal_texture;
-    vec4 pad2;        // 256 bytes, so that any of them may be bound as a uniform block
-    vec4 pad3;
 };
 
 // The coordinates on the image, before wrapping; `uvs` are both sets.

@@ -22,8 +22,8 @@ layout(set = 1, binding = 0) uniform sampler2D base_texture;
 layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 1, binding = 2) uniform sampler2D emission_texture;
 layout(set = 1, binding = 3) uniform sampler2D normal_texture;
-layout(set = 1, binding = 4, std140) uniform MaterialBlock { MaterialData data; } material_block;
-MaterialData material = material_block.data;
+layout(set = 0, binding = 6, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
+MaterialData material = materials.data[push.material];
 
 layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_normal;

@@ -73,11 +73,10 @@ pub struct Comparison {
 /// Compares the runs with the same scene and settings in both reports.
 pub fn compare_reports(old: &Report, new: &Report) -> Comparison {
     let noise = [Noise::of(&old.runs), Noise::of(&new.runs)];
-    let is_same = |a: &Run, b: &Run| a.scene == b.scene && a.settings == b.settings;
     let mut comparison =
         Comparison { other_machine: old.machine.difference(&new.machine), ..Comparison::default() };
     for run in &new.runs {
-        let before = old.runs.iter().find(|before| is_same(before, run));
+        let before = old.runs.iter().find(|before| before.is_same(run));
         let Some(before) = before.filter(|before| !before.rounds.is_empty() && !run.rounds.is_empty()) else {
             comparison.unmatched += 1;
             continue;
@@ -85,7 +84,7 @@ pub fn compare_reports(old: &Report, new: &Report) -> Comparison {
         comparison.compared += 1;
         comparison.changes.extend(changes([before, run], [&noise[0], &noise[1]]));
     }
-    let lost = |run: &&Run| !new.runs.iter().any(|now| is_same(run, now));
+    let lost = |run: &&Run| !new.runs.iter().any(|now| run.is_same(now));
     comparison.unmatched += old.runs.iter().filter(lost).count();
     comparison
 }
@@ -100,7 +99,7 @@ fn changes(runs: [&Run; 2], noise: [&Noise; 2]) -> Vec<Change> {
         let [old_ms, new_ms] = [median(&old), median(&new)];
         let margin = (MARGIN * old_ms.min(new_ms)).max(MARGIN_OF_FRAME * frame_ms).max(MARGIN_MS);
         let is_change = growth_ms[0] > margin || growth_ms[1] < -margin;
-        let run = Axis::ALL.map(|axis| axis.phrase(&runs[1].settings)).join(", ");
+        let run = Axis::ALL.map(|axis| axis.phrase(runs[1])).join(", ");
         let run = format!("{}, {run}", runs[1].scene);
         is_change.then_some(Change { run, quantity, old_ms, new_ms, growth_ms })
     };

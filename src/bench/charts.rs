@@ -60,13 +60,14 @@ impl Chart {
 pub(super) fn charts(report: &Report) -> Vec<Chart> {
     let noise = Noise::of(&report.runs);
     let grids: Vec<Grid<'_>> = axes(report).into_iter().map(|axis| grid(report, axis)).collect();
+    let has_curve = |grid: &&Grid<'_>| grid.columns.len() > 1 && grid.axis != Axis::Method;
     let mut charts: Vec<Chart> =
-        grids.iter().filter(|grid| grid.columns.len() > 1).map(|grid| frame_times(grid, &noise)).collect();
+        grids.iter().filter(has_curve).map(|grid| frame_times(grid, &noise)).collect();
     charts.extend(speed_up(&grids[0], &noise));
     charts.push(stages_by_axis(&grids[0], &noise));
     charts.push(stages_by_scene(report, &noise));
     charts.push(along_animation(report, &grids[0]));
-    charts.extend(quality(report, &grids[0], &noise));
+    charts.extend(pareto(report, &noise));
     charts
 }
 
@@ -74,7 +75,8 @@ fn axis(of: Axis, grid: &Grid<'_>) -> plot::Axis {
     let runs = grid.rows.iter().flat_map(|row| row.runs.iter().flatten());
     let mut ticks: Vec<(f64, String)> = Vec::new();
     for run in runs {
-        let tick = (of.value(&run.settings), of.text(&run.settings));
+        let Some(value) = of.value(run) else { continue };
+        let tick = (value, of.text(run));
         if !ticks.iter().any(|known| known.0 == tick.0) {
             ticks.push(tick);
         }
@@ -89,7 +91,7 @@ fn logarithmic(label: &str) -> plot::Axis {
 
 /// One line per row, over the values of the axis.
 fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> Line {
-    let point = |run: &&Run| Some((axis.value(&run.settings), value(run)?));
+    let point = |run: &&Run| Some((axis.value(run)?, value(run)?));
     let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     Line { name: row.label.clone(), points, look: Look::Marked }
@@ -152,7 +154,7 @@ fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
             title: row.label.clone(),
             x_label: grid.axis.label().to_owned(),
             y_label: "ms".to_owned(),
-            bars: bars.filter_map(|run| bar(run, grid.axis.text(&run.settings), &stages, noise)).collect(),
+            bars: bars.filter_map(|run| bar(run, grid.axis.text(run), &stages, noise)).collect(),
         }
     };
     let panels: Vec<BarPanel> = grid.rows.iter().map(panel).collect();
@@ -194,7 +196,7 @@ fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
             Some((f64::from(frame), percentile(rounds, 0.5)?))
         };
         let points = (0..report.plan.frames).filter_map(time).collect();
-        Line { name: grid.axis.phrase(&run.settings), points, look: Look::Plain }
+        Line { name: grid.axis.phrase(run), points, look: Look::Plain }
     };
     let panel = |row: &GridRow<'_>| Panel {
         title: row.label.clone(),
@@ -213,34 +215,94 @@ fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
     Chart::curves("along-the-animation", curves)
 }
 
-fn quality(report: &Report, grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
-    report.runs.iter().find_map(|run| run.quality.as_ref())?;
-    let line = |row: &GridRow<'_>| {
-        let mut points = Vec::new();
-        let mut texts = Vec::new();
-        for run in row.runs.iter().flatten() {
-            if let (Some(quality), Some(summary)) = (&run.quality, Summary::of(run, noise)) {
-                points.push((summary.median(TOTAL), quality.mean(|frame| frame.flip)));
-                texts.push(grid.axis.text(&run.settings));
-            }
+/// Error against time, a panel for each scene: in motion, and until a still picture stands still.
+fn pareto(report: &Report, noise: &Noise) -> Vec<Chart> {
+    if report.runs.iter().all(|run| run.quality.is_none()) {
+        return Vec::new();
+    }
+    let moving = |run: &Run| {
+        let (quality, summary) = (run.quality.as_ref()?, Summary::of(run, noise)?);
+        Some((summary.median(TOTAL), quality.mean(|frame| frame.flip)))
+    };
+    let still = |run: &Run| {
+        let still = &run.quality.as_ref()?.still;
+        Some((still.ms, still.error.flip))
+    };
+    vec![
+        pareto_chart(
+            report,
+            "pareto-moving",
+            "Error against time in motion",
+            "median frame time, ms",
+            &moving,
+        ),
+        pareto_chart(
+            report,
+            "pareto-still",
+            "Error against time of a still picture",
+            "time until the picture stands still, ms",
+            &still,
+        ),
+    ]
+}
+
+fn pareto_chart(
+    report: &Report,
+    name: &str,
+    title: &str,
+    time: &str,
+    point: &dyn Fn(&Run) -> Option<(f64, f64)>,
+) -> Chart {
+    let axes = axes(report);
+    let panel = |scene: &SceneFacts| {
+        let measured =
+            |run| Some((point(run)?, axes.iter().map(|axis| axis.phrase(run)).collect::<Vec<_>>()));
+        let measured: Vec<_> = report.runs_of(&scene.name).filter_map(measured).collect();
+        let front = Line {
+            name: "Pareto front".to_owned(),
+            points: front(measured.iter().map(|(point, _)| *point).collect()),
+            look: Look::Broken,
+        };
+        let points = measured.into_iter().map(|(point, texts)| Line {
+            name: String::new(),
+            points: vec![point],
+            look: Look::Labelled(vec![texts.join(", ")]),
+        });
+        Panel {
+            title: scene.name.clone(),
+            y: plot::Axis {
+                label: "FLIP error against the path tracer".to_owned(),
+                scale: Scale::FromZero,
+                ticks: Vec::new(),
+            },
+            lines: std::iter::once(front).chain(points).collect(),
         }
-        Line { name: row.label.clone(), points, look: Look::Labelled(texts) }
     };
-    let panel = Panel {
-        title: String::new(),
-        y: plot::Axis {
-            label: "mean FLIP error against converged pictures".to_owned(),
-            scale: Scale::FromZero,
-            ticks: Vec::new(),
-        },
-        lines: grid.rows.iter().take(MOST_LINES).map(line).collect(),
-    };
-    let curves = Curves {
-        title: format!("Quality against speed; labels: {}", grid.axis.label()),
-        x: logarithmic("median frame time, ms"),
-        panels: vec![panel],
-        columns: 1,
-        panel_size: WIDE,
-    };
-    Some(Chart::curves("quality-against-speed", curves))
+    let panels = report.scenes.iter().map(panel).collect();
+    let curves =
+        Curves { title: title.to_owned(), x: logarithmic(time), panels, columns: 1, panel_size: WIDE };
+    Chart::curves(name, curves)
+}
+
+/// The points than which none is both faster and better.
+fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut front: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if front.last().is_none_or(|best| point.1 < best.1) {
+            front.push(point);
+        }
+    }
+    front
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let points = vec![(4.0, 0.1), (1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (4.0, 0.05), (9.0, 0.05)];
+        assert_eq!(front(points), [(1.0, 0.5), (3.0, 0.2), (4.0, 0.05)]);
+    }
 }

@@ -38,9 +38,9 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Counts a frame drawn with `settings`; an error once cancelled.
-    pub(super) fn frame_done(&mut self, settings: &Settings) -> Result<(), BenchError> {
-        (self.progress)(&self.task, work_of_frame(settings));
+    /// Counts work; an error once cancelled.
+    pub(super) fn done(&mut self, work: u64) -> Result<(), BenchError> {
+        (self.progress)(&self.task, work);
         if self.stop.load(Ordering::Relaxed) {
             return Err(BenchError::Interrupted { done: self.runs[0], planned: self.runs[1] });
         }
@@ -48,8 +48,24 @@ impl<'a> Control<'a> {
     }
 }
 
-/// Estimated work of a frame, for the remaining time: pixels * (shadow rays per pixel + a constant).
-pub(super) fn work_of_frame(settings: &Settings) -> u64 {
+/// Work of a path, in shadow rays: it has several rays, which are incoherent, and shading.
+const WORK_OF_PATH: u64 = 40;
+
+/// Estimated work of a frame, for the remaining time: pixels * (shadow rays per pixel + a constant), or that of the path
+/// tracer's samples.
+pub(super) fn work_of_frame(settings: &Settings, samples: Option<u32>) -> u64 {
+    if let Some(samples) = samples {
+        return u64::from(samples) * work_of_sample(settings.size);
+    }
     let rays = settings.vpl.slots.div_ceil(settings.vpl.temporal_sets * settings.vpl.interleave.pow(2));
-    u64::from(settings.size[0]) * u64::from(settings.size[1]) * u64::from(rays + 4)
+    pixels(settings.size) * u64::from(rays + 4)
+}
+
+/// Estimated work of one of the path tracer's samples of each pixel.
+pub(super) fn work_of_sample(size: [u32; 2]) -> u64 {
+    pixels(size) * WORK_OF_PATH
+}
+
+fn pixels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }

@@ -8,13 +8,13 @@ use super::summary::{Noise, Summary, key};
 pub(super) fn long(report: &Report) -> String {
     let noise = Noise::of(&report.runs);
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let axes = [Axis::Size, Axis::Vpls, Axis::Bounces, Axis::Interleave, Axis::TemporalSets];
+    let axes = [Axis::Method, Axis::Size, Axis::Vpls, Axis::Bounces, Axis::Interleave, Axis::TemporalSets];
     let head =
         ["scene"].into_iter().chain(axes.map(Axis::key)).chain(["quantity", "unit", "statistic", "value"]);
     // Writing to memory cannot fail.
     let _ = writer.write_record(head);
     for run in &report.runs {
-        let settings = axes.map(|axis| axis.text(&run.settings));
+        let settings = axes.map(|axis| axis.text(run));
         for (quantity, unit, statistic, value) in lines(run, &noise) {
             let quantity = key(quantity);
             let run = std::iter::once(run.scene.as_str()).chain(settings.iter().map(String::as_str));
@@ -45,6 +45,9 @@ fn lines(run: &Run, noise: &Noise) -> Vec<Line> {
         lines.extend(quality.relative_error().map(|error| ("relative_error", "", "mean", error)));
         lines.push(("settling_frames", "", "value", quality.settling_frames.into()));
         lines.push(("temporal_error", "W/m^2/sr", "mean", quality.temporal_error));
+        lines.push(("still_flip", "", "value", quality.still.error.flip));
+        lines.push(("still_time", "ms", "value", quality.still.ms));
+        lines.push(("still_frames", "", "value", quality.still.frames.into()));
     }
     lines
 }

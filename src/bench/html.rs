@@ -12,7 +12,7 @@ use super::charts::Chart;
 use super::pictures::{PictureEntry, PictureKind};
 use super::report::Report;
 use super::summary::Noise;
-use super::tables::{Table, common_settings};
+use super::tables::{Table, common_settings, milliseconds};
 use crate::output::OutputError;
 use crate::plot::PlotError;
 
@@ -68,6 +68,9 @@ pub(super) fn page(
                         @for table in &main { (table_markup(table)) }
                     }
                     section { h2 { "Plots" } @for plot in &plots { (plot) } }
+                    @if !report.equal_time.is_empty() {
+                        section { h2 { "Equal time" } (equal_time(report, pictures)?) }
+                    }
                     section { h2 { "Camera motion" } (artefacts(report, pictures)?) }
                     section {
                         h2 { "Details" }
@@ -132,6 +135,42 @@ fn scenes(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
     Ok(html! { div.cards { @for card in cards { (card) } } })
 }
 
+/// For each scene the path tracer's picture, then each method's with its error, at equal time.
+fn equal_time(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
+    let mut rows = Vec::new();
+    for scene in &report.scenes {
+        let truth = picture(report, &scene.name, PictureKind::Truth, pictures)?;
+        let mut cards = Vec::new();
+        for equal in report.equal_time.iter().filter(|equal| equal.scene == scene.name) {
+            let mut shown = Vec::new();
+            for kind in [PictureKind::EqualTime, PictureKind::FlipMap] {
+                let is_it = |entry: &&PictureEntry| {
+                    entry.scene == scene.name
+                        && entry.kind == kind
+                        && entry.method.as_ref() == Some(&equal.run)
+                };
+                if let Some(entry) = report.pictures.iter().find(is_it) {
+                    shown.push(picture_markup(entry, pictures)?);
+                }
+            }
+            let (ms, flip) = (milliseconds(equal.ms), equal.error.flip);
+            let text = format!("{}: {ms} ms, FLIP {flip:.4}", equal.run);
+            cards.push(html! { div.card { h3 { (text) } div.row { @for picture in &shown { (picture) } } } });
+        }
+        rows.push(html! {
+            div.card { h3 { (scene.name) } div.row { @if let Some(truth) = &truth { (truth) } } }
+            @for card in &cards { (card) }
+        });
+    }
+    Ok(html! {
+        p {
+            "Each method with as many VPLs, or samples a pixel, that a frame takes about as long as one of the first; in "
+            "motion, at the last frame, with its FLIP error: black is 0, white 1."
+        }
+        div.wide { @for row in rows { (row) } }
+    })
+}
+
 fn artefacts(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
     let mut rows = Vec::new();
     for scene in &report.scenes {
@@ -160,14 +199,18 @@ fn picture(
     folder: &Path,
 ) -> Result<Option<Markup>, BenchError> {
     let wanted = |entry: &&PictureEntry| entry.scene == scene && entry.kind == kind;
-    let Some(entry) = report.pictures.iter().find(wanted) else { return Ok(None) };
+    report.pictures.iter().find(wanted).map(|entry| picture_markup(entry, folder)).transpose()
+}
+
+fn picture_markup(entry: &PictureEntry, folder: &Path) -> Result<Markup, BenchError> {
     let path = folder.join(&entry.file);
     let bytes = fs::read(&path).map_err(|source| OutputError::Read { path, source })?;
     let data = format!("data:image/png;base64,{}", STANDARD.encode(bytes));
-    let text = format!("{scene}, {}", kind.caption());
-    Ok(Some(html! {
-        figure { img src=(data) alt=(text); figcaption { (kind.caption()) } }
-    }))
+    let caption = entry.kind.caption();
+    let text = format!("{}, {caption}", entry.scene);
+    Ok(html! {
+        figure { img src=(data) alt=(text); figcaption { (caption) } }
+    })
 }
 
 fn method(report: &Report) -> Markup {

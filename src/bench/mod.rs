@@ -3,7 +3,8 @@
 //! In: a [`Plan`] and a device. Out: a [`Report`] of samples. All tables, plots and pages derive from it (Tonna 2019,
 //! figures 23 to 27 and 30).
 //!
-//! - `plan`: scenes, settings, frames; `run`: one measurement; `samples`: its samples; `quality`, `pictures`.
+//! - `plan`: scenes, methods, settings, frames; `method`: what lights the pictures; `run`: one measurement; `source`: what
+//!   renders its frames; `samples`: its samples; `quality`, `equal_time`, `pictures`.
 //! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
 //! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
 //! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
@@ -12,10 +13,12 @@ mod against;
 mod charts;
 mod control;
 mod csv;
+mod equal_time;
 mod folder;
 mod html;
 mod machine;
 mod markdown;
+mod method;
 pub mod micro;
 mod pictures;
 mod plan;
@@ -23,16 +26,19 @@ mod quality;
 mod report;
 mod run;
 mod samples;
+mod source;
 mod summary;
 mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
 pub use control::Control;
+pub use equal_time::EqualTime;
 pub use folder::{Folder, MICRO_FILE, REPORT_FILE, read_report};
 pub use machine::Machine;
+pub use method::Method;
 pub use pictures::{PictureEntry, PictureKind};
 pub use plan::{Axis, Plan, Sweep};
-pub use quality::{FrameQuality, Quality};
+pub use quality::{FrameQuality, Quality, Still};
 pub use report::{FORMAT, Report, Round, Run, SceneFacts};
 pub use samples::{Columns, OTHER, Samples, TOTAL, Unit};
 pub use summary::{Figure, Noise, QuantityNoise, Summary};
@@ -45,14 +51,16 @@ use std::time::Instant;
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
-use crate::renderer::{RenderError, Renderer, tracer_rates};
+use crate::reference::ReferenceError;
+use crate::renderer::{RenderError, tracer_rates};
 use crate::report::LoadTimes;
 use crate::scene::{SceneError, load_scene};
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::Device;
-use control::work_of_frame;
-use quality::Converged;
+use control::{work_of_frame, work_of_sample};
+use quality::Truth;
 use run::{Stage, warm_up};
+use source::FrameSource;
 
 /// Errors of the benchmark.
 #[derive(Debug, thiserror::Error)]
@@ -83,6 +91,9 @@ pub enum BenchError {
     /// Pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),
+    /// A picture cannot be path traced.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
     /// A file is no report, or cannot be resumed.
     #[error("{path}: {reason}")]
     Report {
@@ -138,8 +149,9 @@ impl Bench {
                 .combinations(&scene.settings)
                 .map_err(|error| BenchError::Settings { scene: name.clone(), error })?;
             scenes.push(SceneFacts::of(&scene));
-            runs.extend(combinations.into_iter().map(|settings| Run {
+            runs.extend(combinations.into_iter().map(|(method, settings)| Run {
                 scene: scene.name.clone(),
+                method,
                 warm_up: warm_up(&settings),
                 settings,
                 rounds: Vec::new(),
@@ -172,11 +184,7 @@ impl Bench {
             return cannot(format!("was measured by another version of glowworm; {anew}"));
         }
         let same_runs = earlier.runs.len() == self.report.runs.len()
-            && earlier
-                .runs
-                .iter()
-                .zip(&self.report.runs)
-                .all(|(a, b)| a.settings == b.settings && a.scene == b.scene);
+            && earlier.runs.iter().zip(&self.report.runs).all(|(a, b)| a.is_same(b));
         let scenes = (&earlier.scenes, &self.report.scenes);
         let same_scenes =
             scenes.0.len() == scenes.1.len() && scenes.0.iter().zip(scenes.1).all(|(a, b)| a.is_same(b));
@@ -192,23 +200,26 @@ impl Bench {
         let plan = &self.report.plan;
         let mut work = 0;
         for scene in &self.report.scenes {
-            let mut converged = None;
+            let mut truth = None;
             for run in self.report.runs_of(&scene.name) {
-                let frame = work_of_frame(&run.settings);
+                let frame = work_of_frame(&run.settings, run.method.samples());
                 let rounds_left = plan.rounds.saturating_sub(run.rounds.len() as u32);
                 work += u64::from(rounds_left * (run.warm_up + plan.frames)) * frame;
                 if plan.quality && run.quality.is_none() {
-                    work += u64::from(quality::longest_settling(&run.settings)) * frame;
-                    let many = quality::converged_settings(&run.settings);
-                    if converged.as_ref() != Some(&many) {
-                        work += quality::chosen_frames(plan.frames).len() as u64 * work_of_frame(&many);
-                        converged = Some(many);
+                    // After motion stops, and from a fresh start.
+                    work += u64::from(2 * quality::LIKELY_SETTLING) * frame;
+                    let settings = quality::truth_settings(&run.settings);
+                    if truth.as_ref() != Some(&settings) {
+                        let samples = quality::chosen_frames(plan.frames).len() as u64 * u64::from(plan.spp);
+                        work += samples * work_of_sample(settings.size);
+                        truth = Some(settings);
                     }
                 }
             }
-            if let Some(settings) = self.missing_artefacts(&scene.name) {
+            if let Some(run) = self.missing_artefacts(&scene.name) {
                 let kinds = PictureKind::ARTEFACTS.len() as u64;
-                work += kinds * u64::from(pictures::artefact_frames(settings)) * work_of_frame(settings);
+                let frames = u64::from(pictures::artefact_frames(&run.settings));
+                work += kinds * frames * work_of_frame(&run.settings, None);
             }
         }
         work
@@ -229,7 +240,7 @@ impl Bench {
             let name = self.report.scenes[index].name.clone();
             let rounds = self.report.plan.rounds as usize;
             let measured = self.report.runs_of(&name).all(|run| run.rounds.len() >= rounds);
-            if measured && self.missing_artefacts(&name).is_none() {
+            if measured && self.missing_artefacts(&name).is_none() && !self.wants_equal_time(&name) {
                 continue;
             }
             control.begin(format!("loading {name}"));
@@ -238,22 +249,24 @@ impl Bench {
             let load_ms = begun.elapsed().as_secs_f64() * 1e3;
             let stage = Stage::new(&self.device, scene);
             self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: stage.prepared.bvh_ms() });
-            self.measure_scene(index, &stage, control)?;
+            let mut truth = None;
+            self.measure_scene(index, &stage, &mut truth, control)?;
+            self.compare_at_equal_time(index, &stage, &mut truth, control)?;
             self.take_artefacts(index, &stage, control)?;
         }
         self.report.complete = true;
         Ok(())
     }
 
-    /// Measures all settings of a scene, round by round, so that drift affects all settings alike.
+    /// Measures all runs of a scene, round by round, so that drift affects all alike.
     fn measure_scene(
         &mut self,
         index: usize,
         stage: &Stage,
+        truth: &mut Option<Truth>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let name = &stage.scene.name;
-        let mut converged = None;
         for round in 0..self.report.plan.rounds as usize {
             for at in 0..self.report.runs.len() {
                 let run = &self.report.runs[at];
@@ -262,9 +275,9 @@ impl Bench {
                 }
                 let (planned, done) = self.runs();
                 control.runs = [done, planned];
-                let sets = Axis::TemporalSets.phrase(&run.settings);
-                control.begin(format!("run {} of {planned}: {name}, {sets}", done + 1));
-                self.measure(at, index, stage, &mut converged, control)?;
+                let what = [Axis::Method, Axis::TemporalSets].map(|axis| axis.phrase(run)).join(", ");
+                control.begin(format!("run {} of {planned}: {name}, {what}", done + 1));
+                self.measure(at, index, stage, truth, control)?;
                 self.folder.keep(&self.report)?;
             }
         }
@@ -277,43 +290,88 @@ impl Bench {
         at: usize,
         scene: usize,
         stage: &Stage,
-        converged: &mut Option<Converged>,
+        truth: &mut Option<Truth>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let run = &self.report.runs[at];
         let frames = self.report.plan.frames;
-        let settings = run.settings.clone();
+        let (method, settings) = (run.method.clone(), run.settings.clone());
         let judged = self.report.plan.quality && run.quality.is_none();
         let chosen = if judged { quality::chosen_frames(frames) } else { Vec::new() };
-        if judged && !converged.as_ref().is_some_and(|converged| converged.serves(&settings)) {
-            *converged = Some(Converged::render(stage, &settings, frames, control)?);
-        }
         let ends = self.wants_ends(at).then(|| [0, frames - 1]);
         let mut taken: Vec<(u32, Picture)> = Vec::new();
         let mut stop = (0, 0.0);
-        let mut look = |frame: u32, renderer: &mut Renderer, control: &mut Control<'_>| {
+        let mut look = |frame: u32, source: &mut FrameSource, control: &mut Control<'_>| {
             if chosen.contains(&frame) || ends.is_some_and(|ends| ends.contains(&frame)) {
-                taken.push((frame, renderer.read_picture(false)?));
+                taken.push((frame, source.picture()?));
             }
             if judged && frame + 1 == frames {
-                stop = quality::stop(stage, renderer, &settings, frames, control)?;
+                stop = quality::stop(stage, source, &settings, frames, control)?;
             }
             Ok(())
         };
-        let round = stage.measure(&settings, frames, control, &mut look)?;
+        let round = stage.measure(&method, &settings, frames, control, &mut look)?;
         if let Some([first, last]) = ends {
             for (kind, frame) in [(PictureKind::Beginning, first), (PictureKind::End, last)] {
                 if let Some((_, picture)) = taken.iter().find(|(number, _)| *number == frame) {
-                    self.keep_picture(scene, kind, settings.vpl.temporal_sets, picture)?;
+                    self.keep_picture(self.entry(scene, kind, &settings), picture)?;
                 }
             }
         }
-        if let Some(converged) = converged.as_ref().filter(|_| judged) {
-            let (frames, (settling_frames, temporal_error)) = (converged.compare(&taken)?, stop);
-            self.report.runs[at].quality = Some(Quality { frames, settling_frames, temporal_error });
+        if judged {
+            let truth = Truth::of(truth, stage, &settings, &self.report.plan, control)?;
+            let (frames, (settling_frames, temporal_error)) = (truth.errors(&taken)?, stop);
+            let still = quality::still(stage, &method, &settings, truth, control)?;
+            self.report.runs[at].quality = Some(Quality { frames, settling_frames, temporal_error, still });
         }
         self.report.runs[at].rounds.push(round);
         Ok(())
+    }
+
+    /// Whether a scene's methods are to be compared at equal time: where there are several.
+    fn wants_equal_time(&self, scene: &str) -> bool {
+        let done = self.report.equal_time.iter().any(|equal| equal.scene == scene);
+        self.report.plan.quality && self.report.plan.sweep.methods.len() > 1 && !done
+    }
+
+    /// Renders every method so that its frames take as long as those of the first one.
+    fn compare_at_equal_time(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        truth: &mut Option<Truth>,
+        control: &mut Control<'_>,
+    ) -> Result<(), BenchError> {
+        let name = stage.scene.name.clone();
+        if !self.wants_equal_time(&name) {
+            return Ok(());
+        }
+        let noise = Noise::of(&self.report.runs);
+        let time = |run: &Run| Summary::of(run, &noise).map_or(0.0, |summary| summary.median(TOTAL));
+        let mut runs: Vec<Run> = Vec::new();
+        for run in self.report.runs_of(&name) {
+            if !runs.iter().any(|known| known.method == run.method) {
+                runs.push(run.clone());
+            }
+        }
+        let Some(wanted) = runs.first().map(time) else { return Ok(()) };
+        let mut all = Vec::new();
+        for run in &runs {
+            control.begin(format!("{name}: {} at equal time", run.method));
+            let truth = Truth::of(truth, stage, &run.settings, &self.report.plan, control)?;
+            let (equal, shown) = equal_time::at_time(stage, run, [time(run), wanted], truth, control)?;
+            let entry = self.entry(index, PictureKind::Truth, &run.settings);
+            self.keep_picture(entry, truth.last().1)?;
+            for (kind, picture) in
+                [(PictureKind::EqualTime, &shown.picture), (PictureKind::FlipMap, &shown.map)]
+            {
+                let entry = self.entry(index, kind, &run.settings).of(&run.method);
+                self.keep_picture(entry, picture)?;
+            }
+            all.push(equal);
+        }
+        self.report.equal_time.extend(all);
+        self.folder.keep(&self.report)
     }
 
     /// Whether this run takes the scene's first and last picture: the first run with the representative number of sets.
@@ -321,20 +379,20 @@ impl Bench {
         let run = &self.report.runs[at];
         let shown = self.report.shown_sets();
         let first = self.report.runs_of(&run.scene).find(|run| run.settings.vpl.temporal_sets == shown);
-        run.rounds.is_empty() && first.is_some_and(|first| first.settings == run.settings)
+        run.rounds.is_empty() && first.is_some_and(|first| first.is_same(run))
     }
 
-    /// The settings, with the most sets, for missing pictures of a moving camera.
-    fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Settings> {
+    /// The run, with the most sets, for missing pictures of a moving camera.
+    fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
         let taken = |kind: PictureKind| {
             self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
         };
         if PictureKind::ARTEFACTS.into_iter().all(taken) {
             return None;
         }
-        let runs = || self.report.runs_of(scene).map(|run| &run.settings);
-        let most = runs().map(|settings| settings.vpl.temporal_sets).max()?;
-        runs().find(|settings| settings.vpl.temporal_sets == most)
+        let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
+        let most = runs().map(|run| run.settings.vpl.temporal_sets).max()?;
+        runs().find(|run| run.settings.vpl.temporal_sets == most)
     }
 
     fn take_artefacts(
@@ -343,25 +401,23 @@ impl Bench {
         stage: &Stage,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
-        let Some(settings) = self.missing_artefacts(&stage.scene.name).cloned() else { return Ok(()) };
+        let Some(run) = self.missing_artefacts(&stage.scene.name) else { return Ok(()) };
+        let settings = run.settings.clone();
         let (planned, done) = self.runs();
         control.runs = [done, planned];
         for kind in PictureKind::ARTEFACTS {
             control.begin(format!("{}: the camera {}", stage.scene.name, kind.caption()));
             let picture = pictures::artefact(stage, &settings, kind, control)?;
-            self.keep_picture(index, kind, settings.vpl.temporal_sets, &picture)?;
+            self.keep_picture(self.entry(index, kind, &settings), &picture)?;
         }
         self.folder.keep(&self.report)
     }
 
-    fn keep_picture(
-        &mut self,
-        scene: usize,
-        kind: PictureKind,
-        temporal_sets: u32,
-        picture: &Picture,
-    ) -> Result<(), BenchError> {
-        let entry = PictureEntry::new(scene, &self.report.scenes[scene].name, kind, temporal_sets);
+    fn entry(&self, scene: usize, kind: PictureKind, settings: &Settings) -> PictureEntry {
+        PictureEntry::new(scene, &self.report.scenes[scene].name, kind, settings.vpl.temporal_sets)
+    }
+
+    fn keep_picture(&mut self, entry: PictureEntry, picture: &Picture) -> Result<(), BenchError> {
         self.folder.keep_picture(&entry, picture)?;
         self.report.pictures.retain(|known| known.file != entry.file);
         self.report.pictures.push(entry);

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::control::work_of_frame;
+use super::method::Method;
 use super::run::Stage;
 use super::{BenchError, Control};
 use crate::output::Picture;
@@ -27,6 +29,12 @@ pub enum PictureKind {
     Turning,
     /// Camera moving to the right.
     Strafing,
+    /// The path tracer's picture of the last measured frame.
+    Truth,
+    /// A method at equal time, at the last measured frame.
+    EqualTime,
+    /// Its FLIP error.
+    FlipMap,
 }
 
 impl PictureKind {
@@ -41,6 +49,9 @@ impl PictureKind {
             Self::Static => "stationary",
             Self::Turning => "turning down",
             Self::Strafing => "strafing right",
+            Self::Truth => "path tracer",
+            Self::EqualTime => "at equal time",
+            Self::FlipMap => "FLIP error",
         }
     }
 
@@ -51,6 +62,9 @@ impl PictureKind {
             Self::Static => "static",
             Self::Turning => "turning",
             Self::Strafing => "strafing",
+            Self::Truth => "truth",
+            Self::EqualTime => "equal-time",
+            Self::FlipMap => "flip-map",
         }
     }
 }
@@ -62,6 +76,8 @@ pub struct PictureEntry {
     pub scene: String,
     /// What it shows.
     pub kind: PictureKind,
+    /// The method among the runs; none where it does not matter.
+    pub method: Option<Method>,
     /// Temporal sets that it was rendered with.
     pub temporal_sets: u32,
     /// Its name in the folder of pictures.
@@ -71,10 +87,14 @@ pub struct PictureEntry {
 impl PictureEntry {
     /// That of number `index` of the scenes, whose name may not suit a file.
     pub fn new(index: usize, scene: &str, kind: PictureKind, temporal_sets: u32) -> Self {
-        let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-        let name: String = scene.chars().map(plain).collect();
-        let file = format!("{}-{name}-{}.png", index + 1, kind.file_name());
-        Self { scene: scene.to_owned(), kind, temporal_sets, file }
+        let file = format!("{}-{}-{}.png", index + 1, plain(scene), kind.file_name());
+        Self { scene: scene.to_owned(), kind, method: None, temporal_sets, file }
+    }
+
+    /// That of a method among several.
+    pub fn of(self, method: &Method) -> Self {
+        let file = format!("{}-{}.png", self.file.trim_end_matches(".png"), plain(method.name()));
+        Self { method: Some(method.clone()), file, ..self }
     }
 
     /// Whether [`Self::new`] could have named its file; validates untrusted reports.
@@ -82,6 +102,11 @@ impl PictureEntry {
         let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         self.file.chars().all(plain) && self.file.ends_with(".png") && !self.file.starts_with('.')
     }
+}
+
+/// With a `_` for what may not suit a file.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
 /// Renders the picture of a camera that moves through the scene's camera position; all else is stationary.
@@ -102,7 +127,7 @@ pub(super) fn artefact(
     for frame in 0..frames {
         renderer.render(&pose(frame))?;
         renderer.finish()?;
-        control.frame_done(settings)?;
+        control.done(work_of_frame(settings, None))?;
     }
     Ok(renderer.read_picture(false)?)
 }
@@ -126,7 +151,7 @@ fn moved(camera: &Camera, kind: PictureKind, seconds: f32, aspect: f32) -> Camer
             let way = right * (width * seconds / STRAFING_TIME);
             Camera { eye: camera.eye + way, target: camera.target + way, ..*camera }
         }
-        PictureKind::Static | PictureKind::Beginning | PictureKind::End => *camera,
+        _ => *camera,
     }
 }
 

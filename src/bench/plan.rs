@@ -1,9 +1,11 @@
-//! The plan of a benchmark: scenes, settings, frames.
+//! The plan of a benchmark: scenes, methods, settings, frames.
 //!
-//! In: the options. Out: for each scene, every combination of the swept settings.
+//! In: the options. Out: for each scene, every combination of the methods and the swept settings.
 
 use serde::{Deserialize, Serialize};
 
+use super::method::Method;
+use super::report::Run;
 use crate::settings::{Settings, SettingsError, VplSettings};
 
 /// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
@@ -16,8 +18,10 @@ pub struct Plan {
     pub frames: u32,
     /// Measurements of each setting.
     pub rounds: u32,
-    /// Whether to compare pictures with converged ones.
+    /// Whether to compare pictures with the path tracer's.
     pub quality: bool,
+    /// Samples a pixel of the path tracer's pictures.
+    pub spp: u32,
     /// Settings with several values.
     pub sweep: Sweep,
     /// Other settings, which override those of the scene files.
@@ -28,6 +32,8 @@ pub struct Plan {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
+    /// Methods.
+    pub methods: Vec<Method>,
     /// Temporal sets T.
     pub temporal_sets: Vec<u32>,
     /// Width and height in pixels.
@@ -40,9 +46,11 @@ pub struct Sweep {
     pub interleave: Vec<u32>,
 }
 
-/// A setting that can be swept.
+/// What can be swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
+    /// The method.
+    Method,
     /// Temporal sets T.
     TemporalSets,
     /// Width and height.
@@ -56,12 +64,14 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// All axes; the first is that of the tables' columns.
-    pub const ALL: [Self; 5] = [Self::TemporalSets, Self::Size, Self::Vpls, Self::Bounces, Self::Interleave];
+    /// All axes. The first with several values is that of the tables' columns.
+    pub const ALL: [Self; 6] =
+        [Self::Method, Self::TemporalSets, Self::Size, Self::Vpls, Self::Bounces, Self::Interleave];
 
     /// Key of the setting.
     pub fn key(self) -> &'static str {
         match self {
+            Self::Method => "method",
             Self::TemporalSets => "temporal_sets",
             Self::Size => "size",
             Self::Vpls => "vpls",
@@ -73,6 +83,7 @@ impl Axis {
     /// Label in plots and tables.
     pub fn label(self) -> &'static str {
         match self {
+            Self::Method => "method",
             Self::TemporalSets => "temporal sets T",
             Self::Size => "size in pixels",
             Self::Vpls => "VPLs",
@@ -81,33 +92,35 @@ impl Axis {
         }
     }
 
-    /// Its value in `settings` as a coordinate of a plot; for a size the number of pixels.
-    pub fn value(self, settings: &Settings) -> f64 {
+    /// Its value of `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
+    pub fn value(self, run: &Run) -> Option<f64> {
+        let settings = &run.settings;
         match self {
-            Self::TemporalSets => settings.vpl.temporal_sets.into(),
-            Self::Size => f64::from(settings.size[0]) * f64::from(settings.size[1]),
-            Self::Vpls => settings.vpl.slots.into(),
-            Self::Bounces => settings.bounces.into(),
-            Self::Interleave => settings.vpl.interleave.into(),
+            Self::Method => None,
+            Self::TemporalSets => Some(settings.vpl.temporal_sets.into()),
+            Self::Size => Some(f64::from(settings.size[0]) * f64::from(settings.size[1])),
+            Self::Vpls => Some(settings.vpl.slots.into()),
+            Self::Bounces => Some(settings.bounces.into()),
+            Self::Interleave => Some(settings.vpl.interleave.into()),
         }
     }
 
-    /// Its value in `settings` as text.
-    pub fn text(self, settings: &Settings) -> String {
+    /// Its value of `run` as text.
+    pub fn text(self, run: &Run) -> String {
         match self {
-            Self::Size => format!("{}x{}", settings.size[0], settings.size[1]),
-            _ => self.value(settings).to_string(),
+            Self::Size => format!("{}x{}", run.settings.size[0], run.settings.size[1]),
+            _ => self.value(run).map_or_else(|| run.method.to_string(), |value| value.to_string()),
         }
     }
 
-    /// Its value in `settings` as a phrase.
-    pub fn phrase(self, settings: &Settings) -> String {
-        let text = self.text(settings);
+    /// Its value of `run` as a phrase.
+    pub fn phrase(self, run: &Run) -> String {
+        let text = self.text(run);
         match self {
             Self::TemporalSets => format!("T = {text}"),
-            Self::Size => text,
+            Self::Method | Self::Size => text,
             Self::Vpls => format!("{text} VPLs"),
-            Self::Bounces if settings.bounces == 1 => "1 bounce".to_owned(),
+            Self::Bounces if run.settings.bounces == 1 => "1 bounce".to_owned(),
             Self::Bounces => format!("{text} bounces"),
             Self::Interleave => format!("n = {text}"),
         }
@@ -115,23 +128,47 @@ impl Axis {
 }
 
 impl Plan {
-    /// The settings to measure a scene with; `scene_settings` are those of its file. Temporal sets vary fastest.
+    /// What to measure of a scene; `scene_settings` are those of its file. Temporal sets vary fastest, methods slowest.
     ///
     /// # Errors
     /// If a combination is invalid.
-    pub fn combinations(&self, scene_settings: &toml::Table) -> Result<Vec<Settings>, SettingsError> {
-        let given = Settings::from_table(&self.settings)?;
-        let mut names: Vec<&str> = self.settings.keys().map(String::as_str).collect();
-        names.extend(self.sweep.names());
-        let base = Settings::resolve(scene_settings, &self.sweep.first(&given), &names)?;
+    pub fn combinations(
+        &self,
+        scene_settings: &toml::Table,
+    ) -> Result<Vec<(Method, Settings)>, SettingsError> {
+        if self.sweep.methods.is_empty() {
+            let all = self.combinations_of(scene_settings, &toml::Table::new())?;
+            return Ok(all.into_iter().map(|settings| (Method::of(&settings), settings)).collect());
+        }
+        let mut combinations = Vec::new();
+        for method in &self.sweep.methods {
+            let all = self.combinations_of(scene_settings, method.settings())?;
+            combinations.extend(all.into_iter().map(|settings| (method.clone(), settings)));
+        }
+        Ok(combinations)
+    }
+
+    /// Every combination of the swept settings, except of those that `fixed` states.
+    fn combinations_of(
+        &self,
+        scene_settings: &toml::Table,
+        fixed: &toml::Table,
+    ) -> Result<Vec<Settings>, SettingsError> {
+        let mut own = self.settings.clone();
+        own.extend(fixed.clone());
+        let given = Settings::from_table(&own)?;
+        let sweep = self.sweep.without(fixed);
+        let mut names: Vec<&str> = own.keys().map(String::as_str).collect();
+        names.extend(sweep.names());
+        let base = Settings::resolve(scene_settings, &sweep.first(&given), &names)?;
         let or = |list: &[u32], base: u32| if list.is_empty() { vec![base] } else { list.to_vec() };
-        let sizes = if self.sweep.size.is_empty() { vec![base.size] } else { self.sweep.size.clone() };
+        let sizes = if sweep.size.is_empty() { vec![base.size] } else { sweep.size.clone() };
         let mut combinations = Vec::new();
         for size in sizes {
-            for vpls in or(&self.sweep.vpls, base.vpl.slots) {
-                for bounces in or(&self.sweep.bounces, base.bounces) {
-                    for interleave in or(&self.sweep.interleave, base.vpl.interleave) {
-                        for temporal_sets in or(&self.sweep.temporal_sets, base.vpl.temporal_sets) {
+            for vpls in or(&sweep.vpls, base.vpl.slots) {
+                for bounces in or(&sweep.bounces, base.bounces) {
+                    for interleave in or(&sweep.interleave, base.vpl.interleave) {
+                        for temporal_sets in or(&sweep.temporal_sets, base.vpl.temporal_sets) {
                             let cli = Settings {
                                 size,
                                 bounces,
@@ -154,6 +191,8 @@ impl Plan {
             ("--frames", self.frames != other.frames),
             ("--rounds", self.rounds != other.rounds),
             ("--quality", self.quality != other.quality),
+            ("--spp", self.spp != other.spp),
+            ("--methods", self.sweep.methods != other.sweep.methods),
             ("--temporal-sets", self.sweep.temporal_sets != other.sweep.temporal_sets),
             ("--size", self.sweep.size != other.sweep.size),
             ("--vpls", self.sweep.vpls != other.sweep.vpls),
@@ -166,6 +205,22 @@ impl Plan {
 }
 
 impl Sweep {
+    /// Without the lists of settings that `fixed` states.
+    fn without(&self, fixed: &toml::Table) -> Self {
+        let list = |axis: Axis, list: &[u32]| {
+            if fixed.contains_key(axis.key()) { Vec::new() } else { list.to_vec() }
+        };
+        let has_size = fixed.contains_key(Axis::Size.key());
+        Self {
+            methods: Vec::new(),
+            temporal_sets: list(Axis::TemporalSets, &self.temporal_sets),
+            size: if has_size { Vec::new() } else { self.size.clone() },
+            vpls: list(Axis::Vpls, &self.vpls),
+            bounces: list(Axis::Bounces, &self.bounces),
+            interleave: list(Axis::Interleave, &self.interleave),
+        }
+    }
+
     /// `settings` with the first value of each list.
     fn first(&self, settings: &Settings) -> Settings {
         let first = |list: &[u32], else_: u32| list.first().copied().unwrap_or(else_);
@@ -204,6 +259,7 @@ mod tests {
             frames: 4,
             rounds: 1,
             quality: false,
+            spp: 16,
             sweep: Sweep {
                 temporal_sets: vec![1, 4],
                 size: vec![[8, 4]],
@@ -219,10 +275,28 @@ mod tests {
         let combinations = plan().combinations(&toml::toml! { budget = 3 bounces = 5 vpls = 9 }).unwrap();
         let values: Vec<_> = combinations
             .iter()
-            .map(|s| (s.vpl.slots, s.vpl.temporal_sets, s.bounces, s.vpl.budget))
+            .map(|(_, s)| (s.vpl.slots, s.vpl.temporal_sets, s.bounces, s.vpl.budget))
             .collect();
         assert_eq!(values, [(16, 1, 5, 7), (16, 4, 5, 7), (64, 1, 5, 7), (64, 4, 5, 7)]);
-        assert!(combinations.iter().all(|settings| settings.size == [8, 4] && settings.vpl.interleave == 4));
+        assert!(
+            combinations.iter().all(|(_, settings)| settings.size == [8, 4] && settings.vpl.interleave == 4)
+        );
+        assert!(combinations.iter().all(|(method, _)| method.name() == "vpls"));
+    }
+
+    #[test]
+    fn a_method_is_measured_with_what_it_states() {
+        let mut plan = plan();
+        plan.sweep.methods =
+            ["vpls", "vpls@T=2@vpls=8", "reference@4"].map(|name| name.parse().unwrap()).into();
+        let combinations = plan.combinations(&toml::Table::new()).unwrap();
+        let of = |name: &str| {
+            let found = combinations.iter().filter(|(method, _)| method.name() == name);
+            found.map(|(_, s)| (s.vpl.slots, s.vpl.temporal_sets)).collect::<Vec<_>>()
+        };
+        let all = [(16, 1), (16, 4), (64, 1), (64, 4)];
+        assert_eq!((of("vpls"), of("vpls@T=2@vpls=8")), (all.into(), vec![(8, 2)]));
+        assert_eq!(of("reference@4").len(), 4);
     }
 
     #[test]

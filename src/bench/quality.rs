@@ -1,26 +1,26 @@
 //! Picture quality of a run.
 //!
-//! In: pictures of selected frames of a run, and converged ones of the same moments. Out: errors of each, and the
-//! behaviour of the picture when all motion stops after the last frame. A converged picture comes from the same
-//! renderer with 16 times the VPLs in a single temporal set, all shot for that moment: so the error is that of few
-//! VPLs and of temporal reuse, not the bias of the method.
+//! In: pictures of selected frames of a run, and the path tracer's of the same moments, with as many bounces. Out: errors of
+//! each; the behaviour of the picture when all motion stops after the last frame; and how long a still picture takes from a
+//! fresh start, with its error.
 
 use serde::{Deserialize, Serialize};
 
+use super::method::Method;
+use super::plan::Plan;
 use super::run::Stage;
+use super::source::{FrameSource, trace};
 use super::{BenchError, Control};
-use crate::metrics::{CompareOptions, Image, compare, temporal_error};
-use crate::output::{Picture, automatic_exposure};
-use crate::renderer::Renderer;
-use crate::settings::{Settings, VplSettings};
+use crate::metrics::{CompareOptions, Comparison, Image, compare, temporal_error};
+use crate::output::{Picture, automatic_exposure, tone_map};
+use crate::reference::{Reference, ReferenceSettings};
+use crate::settings::Settings;
 use crate::statistics::mean;
 
 /// Pictures to compare in each run.
 const FRAMES: u32 = 4;
-/// Factor on the VPLs of a converged picture.
-const CONVERGED: u32 = 16;
-/// Limit of VPLs.
-const MOST_VPLS: u32 = 65_536;
+/// Frames that most methods take to settle, for the remaining time.
+pub(super) const LIKELY_SETTLING: u32 = 40;
 /// Frames over which the temporal error is measured.
 const STILL_FRAMES: usize = 8;
 
@@ -33,18 +33,31 @@ pub struct Quality {
     pub settling_frames: u32,
     /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
     pub temporal_error: f64,
+    /// At the last moment.
+    pub still: Still,
 }
 
-/// Error of one picture against the converged one.
+/// A picture of one moment, from a fresh start until it stands still.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Still {
+    /// Frames until it stands still.
+    pub frames: u32,
+    /// Their time, ms.
+    pub ms: f64,
+    /// Error of the last one.
+    pub error: FrameQuality,
+}
+
+/// Error of one picture against the path tracer's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameQuality {
     /// Number of the frame.
     pub frame: u32,
     /// Mean HDR-FLIP error, 0 to 1.
     pub flip: f64,
-    /// Structural similarity of display values at the exposure of the converged picture.
+    /// Structural similarity of display values at the exposure of the path tracer's picture.
     pub ssim: f64,
-    /// Mean relative error of luminance; none where the converged picture is black.
+    /// Mean relative error of luminance; none where the path tracer's picture is black.
     pub relative_error: Option<f64>,
 }
 
@@ -68,94 +81,114 @@ pub fn chosen_frames(frames: u32) -> Vec<u32> {
     chosen
 }
 
-/// Converged pictures of the selected frames.
-pub(super) struct Converged {
-    /// Their settings, except the number of temporal sets.
-    settings: Settings,
+/// The path tracer's pictures of the selected frames.
+pub(super) struct Truth {
+    settings: ReferenceSettings,
+    /// At least one.
     frames: Vec<(u32, Picture)>,
 }
 
-impl Converged {
-    /// Renders them for runs with `settings`.
-    pub fn render(
+impl Truth {
+    /// Those in `known` if they apply to runs with `settings`; otherwise path traces them.
+    pub fn of<'a>(
+        known: &'a mut Option<Self>,
         stage: &Stage,
         settings: &Settings,
-        frames: u32,
+        plan: &Plan,
+        control: &mut Control<'_>,
+    ) -> Result<&'a Self, BenchError> {
+        let truth = match known.take().filter(|truth| truth.serves(settings)) {
+            Some(truth) => truth,
+            None => Self::render(stage, settings, plan, control)?,
+        };
+        Ok(known.insert(truth))
+    }
+
+    fn render(
+        stage: &Stage,
+        settings: &Settings,
+        plan: &Plan,
         control: &mut Control<'_>,
     ) -> Result<Self, BenchError> {
-        let many = converged_settings(settings);
+        let tracer = truth_settings(settings);
         let mut pictures = Vec::new();
-        for frame in chosen_frames(frames) {
-            let pose = stage.pose(frame.into(), &many);
-            let mut renderer = stage.renderer(&many, &pose)?;
-            renderer.render(&pose)?;
-            pictures.push((frame, renderer.read_picture(false)?));
-            control.frame_done(&many)?;
+        for frame in chosen_frames(plan.frames) {
+            let pose = stage.pose(frame.into(), settings);
+            let reference = Reference::new(&stage.scene, &pose, &tracer);
+            let film = trace(&reference, settings.size, plan.spp, control)?;
+            let mut picture = film.picture();
+            tone_map(&mut picture, settings.exposure, film.covered());
+            pictures.push((frame, picture));
         }
-        Ok(Self { settings: many, frames: pictures })
+        Ok(Self { settings: tracer, frames: pictures })
     }
 
     /// Whether they apply to runs with `settings`.
-    pub fn serves(&self, settings: &Settings) -> bool {
-        self.settings == converged_settings(settings)
+    fn serves(&self, settings: &Settings) -> bool {
+        self.settings == truth_settings(settings)
     }
 
-    /// Compares the pictures of a run with them.
-    pub fn compare(&self, pictures: &[(u32, Picture)]) -> Result<Vec<FrameQuality>, BenchError> {
-        let pairs = pictures.iter().filter_map(|(frame, picture)| {
-            let (_, converged) = self.frames.iter().find(|(known, _)| known == frame)?;
-            Some((*frame, picture, converged))
-        });
-        pairs.map(|(frame, picture, converged)| compare_frame(frame, picture, converged)).collect()
+    /// The last selected frame.
+    pub fn last(&self) -> (u32, &Picture) {
+        let (frame, picture) = &self.frames[self.frames.len() - 1];
+        (*frame, picture)
+    }
+
+    /// The picture of a selected frame.
+    fn picture(&self, frame: u32) -> Option<&Picture> {
+        self.frames.iter().find(|(known, _)| *known == frame).map(|(_, picture)| picture)
+    }
+
+    /// The errors of the pictures of selected frames.
+    pub fn errors(&self, pictures: &[(u32, Picture)]) -> Result<Vec<FrameQuality>, BenchError> {
+        let pairs =
+            pictures.iter().filter_map(|(frame, picture)| Some((*frame, picture, self.picture(*frame)?)));
+        pairs
+            .map(|(frame, picture, truth)| Ok(FrameQuality::of(frame, &compare_with(picture, truth)?)))
+            .collect()
     }
 }
 
-/// The settings that converged pictures are rendered with.
-pub(super) fn converged_settings(settings: &Settings) -> Settings {
-    Settings {
-        vpl: VplSettings {
-            temporal_sets: 1,
-            slots: (settings.vpl.slots * CONVERGED).min(MOST_VPLS),
-            ..settings.vpl
-        },
-        ..settings.clone()
-    }
+/// Those of the path tracer's pictures, whose samples are independent of a run's.
+pub(super) fn truth_settings(settings: &Settings) -> ReferenceSettings {
+    ReferenceSettings { seed: !settings.seed, ..ReferenceSettings::like(settings) }
 }
 
-fn compare_frame(frame: u32, picture: &Picture, converged: &Picture) -> Result<FrameQuality, BenchError> {
-    let exposure = automatic_exposure(converged, std::iter::repeat(true)).log2();
+/// Compares a picture with the path tracer's, at the exposure of the latter.
+pub(super) fn compare_with(picture: &Picture, truth: &Picture) -> Result<Comparison, BenchError> {
+    let exposure = automatic_exposure(truth, std::iter::repeat(true)).log2();
     let options = CompareOptions { exposure, ..CompareOptions::default() };
-    let metrics = compare(&image(picture)?, &image(converged)?, &options)?.metrics;
-    let relative_error = Some(metrics.mean_relative_error).filter(|error| error.is_finite());
-    Ok(FrameQuality { frame, flip: metrics.flip, ssim: metrics.ssim, relative_error })
+    Ok(compare(&image(picture)?, &image(truth)?, &options)?)
+}
+
+impl FrameQuality {
+    pub(super) fn of(frame: u32, comparison: &Comparison) -> Self {
+        let metrics = comparison.metrics;
+        let relative_error = Some(metrics.mean_relative_error).filter(|error| error.is_finite());
+        Self { frame, flip: metrics.flip, ssim: metrics.ssim, relative_error }
+    }
 }
 
 fn image(picture: &Picture) -> Result<Image, BenchError> {
     Ok(Image::from_linear("picture", [picture.width, picture.height], picture.colour.clone())?)
 }
 
-/// Upper bound of the frames until the picture is stationary: all slots are shot again, then all sets drawn.
-pub(super) fn longest_settling(settings: &Settings) -> u32 {
-    settings.vpl.slots.div_ceil(settings.vpl.budget) + settings.vpl.temporal_sets + 2
-}
-
 /// Stops all motion at the last of `frames` frames; returns the settling frames and the temporal error after them.
 pub(super) fn stop(
     stage: &Stage,
-    renderer: &mut Renderer,
+    source: &mut FrameSource,
     settings: &Settings,
     frames: u32,
     control: &mut Control<'_>,
 ) -> Result<(u32, f64), BenchError> {
     let pose = stage.pose(i64::from(frames) - 1, settings);
-    let mut last = renderer.read_picture(false)?.colour;
+    let mut last = source.picture()?.colour;
     let mut settling_frames = 0;
     let mut still = Vec::new();
-    let longest = longest_settling(settings);
+    let longest = source.frames_to_rest();
     for number in 1..=longest + STILL_FRAMES as u32 {
-        renderer.render(&pose)?;
-        let picture = renderer.read_picture(false)?;
-        control.frame_done(settings)?;
+        source.render(&pose, control)?;
+        let picture = source.picture()?;
         if number > longest {
             still.push(image(&picture)?);
         } else if picture.colour != last {
@@ -164,6 +197,30 @@ pub(super) fn stop(
         last = picture.colour;
     }
     Ok((settling_frames, temporal_error(&still)?.unwrap_or(0.0)))
+}
+
+/// The last moment of `frames` frames from a fresh start. Pipelines have been built.
+pub(super) fn still(
+    stage: &Stage,
+    method: &Method,
+    settings: &Settings,
+    truth: &Truth,
+    control: &mut Control<'_>,
+) -> Result<Still, BenchError> {
+    let (frame, truth) = truth.last();
+    let pose = stage.pose(frame.into(), settings);
+    let mut source = FrameSource::new(stage, method, settings, &pose)?;
+    let mut last = Picture::default();
+    let (mut frames, mut ms, mut total_ms) = (0, 0.0, 0.0);
+    for number in 1..=source.frames_to_rest() {
+        total_ms += source.render(&pose, control)?.0;
+        let picture = source.picture()?;
+        if picture.colour != last.colour {
+            (frames, ms) = (number, total_ms);
+        }
+        last = picture;
+    }
+    Ok(Still { frames, ms, error: FrameQuality::of(frame, &compare_with(&last, truth)?) })
 }
 
 #[cfg(test)]

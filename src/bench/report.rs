@@ -3,7 +3,9 @@
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::equal_time::EqualTime;
 use super::machine::Machine;
+use super::method::Method;
 use super::pictures::PictureEntry;
 use super::plan::{Axis, Plan};
 use super::quality::Quality;
@@ -14,7 +16,7 @@ use crate::scene::Scene;
 use crate::settings::Settings;
 
 /// File format.
-pub const FORMAT: &str = "glowworm bench 1";
+pub const FORMAT: &str = "glowworm bench 2";
 
 /// A whole benchmark.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -33,6 +35,8 @@ pub struct Report {
     pub runs: Vec<Run>,
     /// Pictures, in files beside this one.
     pub pictures: Vec<PictureEntry>,
+    /// The methods at equal time, with `--quality`.
+    pub equal_time: Vec<EqualTime>,
 }
 
 /// Size of a scene.
@@ -72,18 +76,20 @@ impl SceneFacts {
     }
 }
 
-/// One setting of one scene.
+/// One method with one setting of one scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Name of the scene.
     pub scene: String,
+    /// What lights its pictures.
+    pub method: Method,
     /// The settings.
     pub settings: Settings,
     /// Warm-up frames.
     pub warm_up: u32,
     /// Its measurements.
     pub rounds: Vec<Round>,
-    /// Errors against converged pictures, with `--quality`.
+    /// Errors against the path tracer's pictures, with `--quality`.
     pub quality: Option<Quality>,
 }
 
@@ -99,6 +105,11 @@ pub struct Round {
 }
 
 impl Run {
+    /// Whether it measures the same as `other`.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.scene == other.scene && self.method == other.method && self.settings == other.settings
+    }
+
     /// The samples of all rounds together, in the order of [`Samples::quantities`].
     pub fn rounds(&self) -> impl Iterator<Item = &Samples> {
         self.rounds.iter().map(|round| &round.samples)
@@ -118,7 +129,16 @@ impl Run {
 impl Report {
     /// A report without measurements.
     pub fn new(machine: Machine, plan: Plan, scenes: Vec<SceneFacts>, runs: Vec<Run>) -> Self {
-        Self { format: FORMAT.to_owned(), complete: false, machine, plan, scenes, runs, pictures: Vec::new() }
+        Self {
+            format: FORMAT.to_owned(),
+            complete: false,
+            machine,
+            plan,
+            scenes,
+            runs,
+            pictures: Vec::new(),
+            equal_time: Vec::new(),
+        }
     }
 
     /// The runs of a scene.
@@ -126,16 +146,13 @@ impl Report {
         self.runs.iter().filter(move |run| run.scene == scene)
     }
 
-    /// The settings with several values.
+    /// What has several values: the method, and settings that differ between runs of one method.
     pub fn varied(&self) -> Vec<Axis> {
-        let several = |axis: &Axis| {
-            let text = |run: &Run| axis.text(&run.settings);
-            self.scenes.iter().any(|scene| {
-                let mut runs = self.runs_of(&scene.name).map(text);
-                let first = runs.next();
-                runs.any(|other| Some(other) != first)
-            })
+        let differ = |axis: Axis, a: &Run, b: &Run| {
+            let is_alike = a.scene == b.scene && (axis == Axis::Method || a.method == b.method);
+            is_alike && axis.text(a) != axis.text(b)
         };
+        let several = |axis: &Axis| self.runs.iter().any(|a| self.runs.iter().any(|b| differ(*axis, a, b)));
         Axis::ALL.into_iter().filter(several).collect()
     }
 
@@ -178,7 +195,7 @@ impl Serialize for Report {
         let load = |get: fn(&LoadTimes) -> f64| -> f64 {
             self.scenes.iter().filter_map(|scene| scene.load.as_ref()).map(get).sum()
         };
-        let mut fields = serializer.serialize_struct("Report", 10)?;
+        let mut fields = serializer.serialize_struct("Report", 11)?;
         fields.serialize_field("format", &self.format)?;
         fields.serialize_field("complete", &self.complete)?;
         fields.serialize_field("machine", &self.machine)?;
@@ -189,6 +206,7 @@ impl Serialize for Report {
         fields.serialize_field("noise", &noise)?;
         fields.serialize_field("runs", &runs)?;
         fields.serialize_field("pictures", &self.pictures)?;
+        fields.serialize_field("equal_time", &self.equal_time)?;
         fields.end()
     }
 }

@@ -4,11 +4,12 @@
 //! finished it, and the stages add up to it. Readback between frames is not included.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::machine::{cpu_peak, restart_cpu_peak};
+use super::method::Method;
 use super::report::Round;
 use super::samples::Samples;
+use super::source::FrameSource;
 use super::{BenchError, Control};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::scene::{Pose, Scene};
@@ -23,8 +24,8 @@ pub fn warm_up(settings: &Settings) -> u32 {
     settings.vpl.temporal_sets.max(LEAST_WARM_UP)
 }
 
-/// Callback with the number of a measured frame and its renderer.
-pub(super) type Look<'a> = dyn FnMut(u32, &mut Renderer, &mut Control<'_>) -> Result<(), BenchError> + 'a;
+/// Callback with the number of a measured frame and what rendered it.
+pub(super) type Look<'a> = dyn FnMut(u32, &mut FrameSource, &mut Control<'_>) -> Result<(), BenchError> + 'a;
 
 /// A scene prepared for measurement.
 pub(super) struct Stage {
@@ -52,6 +53,7 @@ impl Stage {
     /// Measures `frames` frames and calls `look` after each.
     pub fn measure(
         &self,
+        method: &Method,
         settings: &Settings,
         frames: u32,
         control: &mut Control<'_>,
@@ -60,19 +62,14 @@ impl Stage {
         restart_cpu_peak();
         self.device.restart_memory_peak();
         let first = -i64::from(warm_up(settings));
-        let mut renderer = self.renderer(settings, &self.pose(first, settings))?;
+        let mut source = FrameSource::new(self, method, settings, &self.pose(first, settings))?;
         let mut samples = Samples::default();
         for number in first..i64::from(frames) {
-            let pose = self.pose(number, settings);
-            let begun = Instant::now();
-            renderer.render(&pose)?;
-            let reports = renderer.finish()?;
-            let wall_ms = begun.elapsed().as_secs_f64() * 1e3;
-            if let (Ok(number), [report]) = (u32::try_from(number), reports.as_slice()) {
-                samples.push(wall_ms, &report.figures);
-                look(number, &mut renderer, control)?;
+            let (ms, figures) = source.render(&self.pose(number, settings), control)?;
+            if let Ok(number) = u32::try_from(number) {
+                samples.push(ms, &figures);
+                look(number, &mut source, control)?;
             }
-            control.frame_done(settings)?;
         }
         Ok(Round { samples, cpu_peak: cpu_peak(), device_peak: self.device.memory_peak() })
     }

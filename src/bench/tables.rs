@@ -1,6 +1,8 @@
 //! The report as tables, for Markdown, HTML and the terminal.
 
+use super::equal_time::EqualTime;
 use super::plan::Axis;
+use super::quality::FrameQuality;
 use super::report::{Report, Run};
 use super::samples::{FPS, TOTAL, stages};
 use super::summary::{Noise, Summary};
@@ -44,6 +46,7 @@ pub fn tables(report: &Report) -> Vec<Table> {
     let mut tables: Vec<Table> = grids.iter().flat_map(|grid| times(grid, &noise)).collect();
     tables.extend(speed_up(&grids[0], &noise));
     tables.extend(quality(report, &noise));
+    tables.extend(equal_time(report));
     tables.extend(grids[0].rows.iter().map(|row| stage_times(&grids[0], row, &noise)));
     tables.push(spread(report, &noise));
     tables.push(counters(report, &noise));
@@ -61,14 +64,14 @@ pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
     let others: Vec<Axis> = report.varied().into_iter().filter(|other| *other != axis).collect();
     let mut grid = Grid { axis, columns: Vec::new(), rows: Vec::<GridRow<'_>>::new() };
     for run in &report.runs {
-        let column = axis.text(&run.settings);
+        let column = axis.text(run);
         if !grid.columns.contains(&column) {
             grid.columns.push(column);
         }
     }
     for run in report.runs.iter() {
         let label = label(run, &others);
-        let column = axis.text(&run.settings);
+        let column = axis.text(run);
         let at = grid.columns.iter().position(|known| *known == column).unwrap_or(0);
         if !grid.rows.iter().any(|row| row.label == label) {
             let runs = vec![None; grid.columns.len()];
@@ -83,19 +86,19 @@ pub(super) fn grid(report: &Report, axis: Axis) -> Grid<'_> {
 
 /// Label of a run: its scene and the varied settings.
 fn label(run: &Run, varied: &[Axis]) -> String {
-    let phrases = varied.iter().map(|axis| axis.phrase(&run.settings));
+    let phrases = varied.iter().map(|axis| axis.phrase(run));
     std::iter::once(run.scene.clone()).chain(phrases).collect::<Vec<_>>().join(", ")
 }
 
 /// The settings common to all runs.
 pub(super) fn common_settings(report: &Report) -> String {
-    let varied = report.varied();
     let Some(first) = report.runs.first() else { return String::new() };
-    let axes = Axis::ALL.into_iter().filter(|axis| !varied.contains(axis));
+    let is_common = |axis: &Axis| report.runs.iter().all(|run| axis.text(run) == axis.text(first));
+    let axes = Axis::ALL.into_iter().filter(is_common);
     axes.map(|axis| match axis {
-        Axis::Interleave => format!("{0}x{0} interleaving", axis.text(&first.settings)),
-        Axis::Size => format!("{} pixels", axis.text(&first.settings)),
-        _ => axis.phrase(&first.settings),
+        Axis::Interleave => format!("{0}x{0} interleaving", axis.text(first)),
+        Axis::Size => format!("{} pixels", axis.text(first)),
+        _ => axis.phrase(first),
     })
     .collect::<Vec<_>>()
     .join(", ")
@@ -257,16 +260,19 @@ fn counters(report: &Report, noise: &Noise) -> Table {
 /// The settings that row labels name.
 fn row_axes(report: &Report) -> Vec<Axis> {
     let mut axes = report.varied();
-    if !axes.contains(&Axis::TemporalSets) {
+    if !axes.contains(&Axis::TemporalSets) && !axes.contains(&Axis::Method) {
         axes.insert(0, Axis::TemporalSets);
     }
     axes
 }
 
 /// Quality against frame time.
-fn quality(report: &Report, noise: &Noise) -> Option<Table> {
+fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
     let varied = row_axes(report);
-    let row = |run: &Run| {
+    let Some(first) = report.runs.iter().find_map(|run| run.quality.as_ref()) else { return Vec::new() };
+    let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
+    let spp = report.plan.spp;
+    let moving = |run: &Run| {
         let (quality, summary) = (run.quality.as_ref()?, Summary::of(run, noise)?);
         Some(vec![
             label(run, &varied),
@@ -278,23 +284,70 @@ fn quality(report: &Report, noise: &Noise) -> Option<Table> {
             error(quality.temporal_error),
         ])
     };
-    let rows: Vec<_> = report.runs.iter().filter_map(row).collect();
-    let first = report.runs.iter().find_map(|run| run.quality.as_ref())?;
-    let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
-    let heads = ["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"];
-    Some(Table {
-        title: "Quality in motion, and after it stops".to_owned(),
-        note: format!(
-            "Means over frames {} of the animation, against a converged picture of the same moment: the same renderer \
-             with 16 times the VPLs, all of them fresh, in one set. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; \
-             relative error of luminance. Settling: frames until the picture is stationary after all motion \
-             stops; temporal error: mean change from frame to frame after that, W/m²/sr.",
-            frames.join(", ")
+    let still = |run: &Run| {
+        let still = &run.quality.as_ref()?.still;
+        let mut cells = vec![label(run, &varied), still.frames.to_string(), milliseconds(still.ms)];
+        cells.extend(errors(&still.error));
+        Some(cells)
+    };
+    let table =
+        |title: &str, note: String, columns: &[&str], row: &dyn Fn(&Run) -> Option<Vec<String>>| Table {
+            title: title.to_owned(),
+            note,
+            columns: columns.iter().map(|&head| head.to_owned()).collect(),
+            rows: report.runs.iter().filter_map(row).collect(),
+            detail: false,
+        };
+    vec![
+        table(
+            "Quality in motion, and after it stops",
+            format!(
+                "Means over frames {} of the animation, against the path tracer with {spp} samples a pixel and as many \
+                 bounces. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; relative error of luminance. Settling: frames until \
+                 the picture is stationary after all motion stops; temporal error: mean change from frame to frame \
+                 after that, W/m²/sr.",
+                frames.join(", ")
+            ),
+            &["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"],
+            &moving,
         ),
-        columns: heads.map(str::to_owned).into(),
-        rows,
+        table(
+            "Quality of a still picture",
+            "The last of these moments from a fresh start: frames and time until the picture stands still, and its error \
+             then. The path tracer's is its first one."
+                .to_owned(),
+            &["run", "frames", "ms", "FLIP", "SSIM", "relative error %"],
+            &still,
+        ),
+    ]
+}
+
+/// Methods at equal time.
+fn equal_time(report: &Report) -> Option<Table> {
+    let first = report.equal_time.first()?;
+    let row = |equal: &EqualTime| {
+        let amount = equal.vpls.or(equal.method.samples()).map(|amount| amount.to_string());
+        let name = format!("{}, {}", equal.scene, equal.run);
+        let mut cells = vec![name, amount.unwrap_or_default(), milliseconds(equal.ms)];
+        cells.extend(errors(&equal.error));
+        cells
+    };
+    Some(Table {
+        title: "Methods at equal time".to_owned(),
+        note: format!(
+            "Each with as many VPLs, or samples a pixel, that a frame takes about as long as one of {}; in motion, at frame {}.",
+            first.run, first.error.frame
+        ),
+        columns: ["run", "VPLs or samples", "frame ms", "FLIP", "SSIM", "relative error %"]
+            .map(str::to_owned)
+            .into(),
+        rows: report.equal_time.iter().map(row).collect(),
         detail: false,
     })
+}
+
+fn errors(quality: &FrameQuality) -> [String; 3] {
+    [error(quality.flip), error(quality.ssim), quality.relative_error.map(percent).unwrap_or_default()]
 }
 
 /// Formats milliseconds.

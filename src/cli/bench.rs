@@ -8,8 +8,8 @@ use super::options::RunOptions;
 use super::progress::controlled;
 use super::{CliError, device, say};
 use crate::bench::{
-    Bench, BenchError, Comparison, Folder, Noise, Plan, Report, Sweep, Table, compare_reports, lacks_models,
-    read_report, tables,
+    Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
+    lacks_models, read_report, tables,
 };
 use crate::output::OutputFile;
 use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
@@ -20,6 +20,8 @@ use crate::vulkan::Device;
 const FRAMES: u32 = 240;
 /// Default number of rounds.
 const ROUNDS: u32 = 2;
+/// Default samples a pixel of the path tracer's pictures.
+const SPP: u32 = 1024;
 /// Defaults on a CPU driver, which takes some 50 ms for such a frame.
 pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
@@ -57,15 +59,23 @@ pub(super) struct BenchOptions {
     /// that of --against, or 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: Option<u32>,
-    /// Also compare pictures with converged ones of the same moments.
+    /// Methods to measure side by side, such as vpls,vpls@T=1,none@direct=rays,reference@4: an estimator with settings, or the
+    /// path tracer with samples a pixel; all: each of them. Otherwise that of the settings.
+    #[arg(long, value_name = "METHOD", value_delimiter = ',', value_parser = Method::list)]
+    pub methods: Vec<Vec<Method>>,
+    /// Also compare pictures with the path tracer's of the same moments.
     #[arg(long)]
     pub quality: bool,
+    /// Samples a pixel of the path tracer's pictures for --quality. More: less noise counts as an error. Otherwise that of
+    /// --against, or 1024.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub spp: Option<u32>,
     /// Report what is faster or slower than in this bench.json, and exit with 3 if anything is slower.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub against: Option<PathBuf>,
     /// Run micro-benchmarks instead: rays per second of each tracer, BVH operations, each pass. Lists use their first
     /// value. Writes micro.json and micro.md.
-    #[arg(long, conflicts_with_all = ["frames", "quality", "against", "resume"])]
+    #[arg(long, conflicts_with_all = ["frames", "methods", "quality", "spp", "against", "resume"])]
     pub micro: bool,
     /// Most rays in a set. More: less noise in the rates.
     #[arg(long, value_name = "N", default_value = "262144", requires = "micro")]
@@ -129,6 +139,7 @@ impl clap::FromArgMatches for SweptSettings {
             matches.get_many(name).map(|values| values.copied().collect()).unwrap_or_default()
         };
         let sweep = Sweep {
+            methods: Vec::new(),
             temporal_sets: numbers("temporal_sets"),
             size: matches.get_many("size").map(|sizes| sizes.copied().collect()).unwrap_or_default(),
             vpls: numbers("vpls"),
@@ -223,13 +234,23 @@ fn plan(
     if on_cpu && old.is_none() && !given.contains(&"time_step") {
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }
-    let sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
+    let mut sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
+    sweep.methods = options.methods.concat();
+    if let (Some(old), true) = (old, sweep.methods.is_empty()) {
+        sweep.methods = old.sweep.methods.clone();
+    }
+    // Methods say how many sets they have.
+    if !sweep.methods.is_empty() && !given.contains(&"temporal_sets") {
+        sweep.temporal_sets.clear();
+    }
     // Sets may cast very different numbers of rays, so measure each.
     let least = if on_cpu { ON_CPU.frames } else { FRAMES };
-    let default = sweep.temporal_sets.iter().fold(least, |frames, &sets| frames.max(sets));
+    let stated = sweep.methods.iter().filter_map(Method::temporal_sets);
+    let default = sweep.temporal_sets.iter().copied().chain(stated).fold(least, u32::max);
     let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(default);
     let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
-    Ok(Plan { scenes, frames, rounds, quality: options.quality, sweep, settings })
+    let spp = options.spp.or(old.map(|old| old.spp)).unwrap_or(SPP);
+    Ok(Plan { scenes, frames, rounds, quality: options.quality, spp, sweep, settings })
 }
 
 /// The scenes whose models are present.
@@ -259,6 +280,7 @@ fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Swee
         None => own.size.clone(),
     };
     Sweep {
+        methods: Vec::new(),
         temporal_sets: list(
             "temporal_sets",
             &own.temporal_sets,

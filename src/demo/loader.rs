@@ -1,11 +1,11 @@
 //! Loads scenes and builds their renderers on a background thread.
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPoolBuilder;
 
 use super::{DemoError, Launch};
 use crate::renderer::Renderer;
@@ -98,7 +98,7 @@ impl Loader {
         let launch = self.launch.clone();
         let name = order.name.clone();
         let thread = std::thread::spawn(move || {
-            let built = pool(|| build(order, &launch, &sender));
+            let built = in_own_pool("loader", || build(order, &launch, &sender));
             // The receiver may be gone if the window was closed.
             let _ = sender.send(Message::Done(Box::new(built)));
         });
@@ -189,19 +189,15 @@ fn settings_for(scene: &Scene, name: &str, is_cpu: bool, launch: &Launch) -> Res
 const CPU_VPLS: i64 = 128;
 
 /// Runs `work` in a thread pool of its own, on at most half of the cores. In the global pool, a frame that waits
-/// for a small task could steal a large one of the loader.
-pub(super) fn pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    static POOL: OnceLock<Option<ThreadPool>> = OnceLock::new();
-    let pool = POOL.get_or_init(|| {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        ThreadPoolBuilder::new()
-            .num_threads((cores / 2).max(1))
-            .thread_name(|index| format!("loader {index}"))
-            .build()
-            .ok()
-    });
+/// for a small task could steal a large one; in a shared one, loading would wait for the path tracer.
+pub(super) fn in_own_pool<T: Send>(name: &'static str, work: impl FnOnce() -> T + Send) -> T {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let pool = ThreadPoolBuilder::new()
+        .num_threads((cores / 2).max(1))
+        .thread_name(move |index| format!("{name} {index}"))
+        .build();
     match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
+        Ok(pool) => pool.install(work),
+        Err(_) => work(),
     }
 }

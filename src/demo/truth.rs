@@ -7,12 +7,12 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::live_metrics::Shot;
-use super::loader::pool;
+use super::loader::in_own_pool;
 use super::stage::Stage;
 use crate::output::tone_map;
-use crate::reference::{PixelFilter, Reference, ReferenceSettings};
+use crate::reference::{Reference, ReferenceSettings};
 use crate::scene::{Pose, Scene};
-use crate::settings::{Antialiasing, Settings};
+use crate::settings::Settings;
 
 /// Samples a pixel after which it is good enough.
 pub(super) const ENOUGH: u64 = 4096;
@@ -102,7 +102,9 @@ impl Run {
         let (sender, progress) = channel();
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
-        let thread = std::thread::spawn(move || pool(|| trace(&key, &stopped, &sender)));
+        let thread = std::thread::spawn(move || {
+            in_own_pool("path tracer", || trace(&key, &stopped, &sender));
+        });
         Self { stop, progress, thread: Some(thread) }
     }
 }
@@ -117,12 +119,7 @@ impl Drop for Run {
 }
 
 fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
-    let Settings { size, bounces, seed, .. } = key.settings;
-    let filter = match key.settings.antialiasing {
-        Antialiasing::Taa => PixelFilter::Box,
-        Antialiasing::None => PixelFilter::Center,
-    };
-    let settings = ReferenceSettings { size, bounces: Some(bounces), seed, filter, layers: false };
+    let settings = ReferenceSettings::like(&key.settings);
     let reference = Reference::new(&key.scene, &key.pose, &settings);
     let Ok(mut film) = reference.film() else { return };
     let begun = Instant::now();
@@ -134,7 +131,7 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
         let mut picture = film.picture();
         tone_map(&mut picture, key.settings.exposure, film.covered());
         let error = film.standard_error().map(|error| error / film.mean_luminance());
-        let shot = Shot { size, pixels: picture.display };
+        let shot = Shot { size: key.settings.size, pixels: picture.display };
         let progress = Progress { shot, samples: film.samples(), error, elapsed: begun.elapsed() };
         if sender.send(progress).is_err() {
             return;
@@ -161,13 +158,7 @@ mod tests {
         let settings = Settings { size: [24, 16], seed: 5, exposure: Some(0.0), ..Settings::default() };
         let run =
             Run::start(Key { scene: Arc::clone(&scene), pose: pose.clone(), settings: settings.clone() });
-        let other = ReferenceSettings {
-            size: settings.size,
-            bounces: Some(settings.bounces),
-            seed: 77,
-            filter: PixelFilter::Box,
-            layers: false,
-        };
+        let other = ReferenceSettings { seed: 77, ..ReferenceSettings::like(&settings) };
         let reference = Reference::new(&scene, &pose, &other);
         let mut film = reference.film().unwrap();
         while film.samples() < 4 * ENOUGH {

@@ -19,6 +19,8 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, 
 
 /// Where rays give way to irradiance. Twin: `MIRRORED_BLEND` in shaders/include/mirrored.glsl.
 const MIRRORED_BLEND: f32 = 0.1;
+/// The limit of the shaders where all surfaces mirror.
+const ALL_MIRROR: f32 = 2.0;
 
 /// How much of the GGX lobe's light comes from reflection rays. Twin: shaders/include/mirrored.glsl.
 pub fn mirrored_share(roughness: f32, limit: f32) -> f32 {
@@ -44,7 +46,6 @@ pub struct ReflectionInputs<'a> {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TracePush {
     spread: f32,
-    depth: u32,
     has_history: u32,
     has_environment: u32,
 }
@@ -60,7 +61,6 @@ pub struct Reflections {
     image: MirrorImage,
     svgf: Svgf,
     limit: f32,
-    depth: u32,
 }
 
 /// What is seen in reflections: in smooth surfaces the mirror image of what is hit, elsewhere the surface itself.
@@ -106,7 +106,12 @@ impl Reflections {
         let image = |name, format| storage_image(device, name, format, settings.size);
         let halves = vk::Format::R16G16B16A16_SFLOAT;
         Ok(Self {
-            trace: tracer.pipeline(device, "reflections_trace", shader, &[white])?,
+            trace: tracer.pipeline(
+                device,
+                "reflections_trace",
+                shader,
+                &[white, settings.effects.reflection_depth],
+            )?,
             hits,
             noise: noise::table(device)?,
             noisy: image("noisy reflection", halves)?,
@@ -124,13 +129,12 @@ impl Reflections {
             },
             svgf: Svgf::new(device, settings.size, &svgf_settings(settings))?,
             limit: settings.effects.reflection_roughness,
-            depth: settings.effects.reflection_depth,
         })
     }
 
-    /// Roughness up to which surfaces mirror.
+    /// Roughness up to which surfaces mirror, as the shaders blend it: see shaders/include/mirrored.glsl.
     pub fn limit(&self) -> f32 {
-        self.limit
+        if self.limit >= 1.0 { ALL_MIRROR } else { self.limit }
     }
 
     /// rgb: radiance over the directional albedo of the lobe, RGBA16F.
@@ -166,7 +170,7 @@ impl Reflections {
         let last = self.image.last.unwrap_or_default();
         let has_history = u32::from(self.image.last.is_some());
         let has_environment = u32::from(scene.pose.environment.is_some());
-        let push = TracePush { spread, depth: self.depth, has_history, has_environment };
+        let push = TracePush { spread, has_history, has_environment };
         let pass = frame
             .pass("reflections_trace", &self.trace)
             .read("frame_uniforms", inputs.frame)

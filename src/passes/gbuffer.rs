@@ -14,8 +14,8 @@ use super::structs::InstanceData;
 use super::tracer::Tracer;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Buffer, Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets,
-    Targets, Upload, VulkanError, shaders, vk,
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
+    Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -140,23 +140,8 @@ impl GBufferPass {
                 variants: &[0, 1, 2, 3],
             },
         )?;
-        let materials = scene.material_sets(device, &pipeline, &scene.materials)?;
+        let materials = scene.material_sets(device, &pipeline)?;
         Ok(Self { pipeline, materials: Arc::new(materials), targets: GBuffer::new(device, extent)? })
-    }
-
-    /// The sets of other materials of the same scene.
-    pub fn material_sets(
-        &self,
-        device: &Arc<Device>,
-        scene: &SceneBuffers,
-        materials: &Buffer,
-    ) -> Result<MaterialSets, VulkanError> {
-        scene.material_sets(device, &self.pipeline, materials)
-    }
-
-    /// Goes on with them. No frame is on its way.
-    pub fn set_materials(&mut self, materials: MaterialSets) {
-        self.materials = Arc::new(materials);
     }
 
     /// The same pass for pictures of `extent` texels.
@@ -201,7 +186,8 @@ impl GBufferPass {
             .draw_pass("gbuffer", &self.pipeline)
             .read("frame_uniforms", inputs.frame)
             .read("instances", &*inputs.instances.data)
-            .read("second_uvs", &scene.second_uvs);
+            .read("second_uvs", &scene.second_uvs)
+            .read("materials", &scene.materials);
         let targets =
             Targets::Cleared { colors: &[depth, normal, albedo, instance, surface, motion], depth: nearest };
         inputs.tracer.bind_masks(pass).draw(&targets, |list| {

@@ -131,16 +131,15 @@ impl SceneBuffers {
         self.version = self.version.next();
     }
 
-    /// Textures and data of each material, for the G-buffer's pipeline.
+    /// The textures of each material, for the G-buffer's pipeline.
     pub fn material_sets(
         &self,
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
-        materials: &Buffer,
     ) -> Result<MaterialSets, VulkanError> {
         let sampled = |(texture, wrap): (usize, [Wrap; 2])| (&self.textures[texture], &self.samplers[&wrap]);
         let textures: Vec<_> = self.material_textures.iter().map(|textures| textures.map(sampled)).collect();
-        MaterialSets::new(device, pipeline, &textures, (materials, size_of::<MaterialData>() as u64))
+        MaterialSets::new(device, pipeline, &textures)
     }
 
     /// Uploads those instances that are not as they were.

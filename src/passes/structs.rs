@@ -37,7 +37,7 @@ pub struct FrameUniforms {
     pub seed: u32,
     /// Area lights that rays sample.
     pub area_light_count: u32,
-    /// Roughness up to which rays trace what surfaces mirror; 1: always, below 0: never.
+    /// Roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never.
     pub reflection_limit: f32,
     /// Unused.
     pub pad0: u32,
@@ -99,10 +99,6 @@ pub struct MaterialData {
     pub emission_texture: TextureUseData,
     /// Of the normal.
     pub normal_texture: TextureUseData,
-    /// Unused: makes 256 bytes, so that any of them may be bound as a uniform block.
-    pub pad2: Vec4,
-    /// Likewise.
-    pub pad3: Vec4,
 }
 
 /// How a material uses a texture; `TextureUse` in shaders/include/scene.glsl.
@@ -260,11 +256,8 @@ pub(crate) mod tests {
             base_texture,
             metallic_roughness_texture,
             emission_texture,
-            normal_texture,
-            pad2,
-            pad3
+            normal_texture
         );
-        assert_eq!(size_of::<MaterialData>(), 256);
         same_layout!(shaders::GBUFFER_FRAG, TextureUse, matrix, offset, image, modes);
         same_layout!(shaders::HIT_SURFACES_COMP.software, TextureData, first, size, levels, linear);
         same_layout!(shaders::HIT_SURFACES_COMP.software, Vertex, position, normal, uv, tangent, colour);

@@ -35,6 +35,7 @@ use rayon::prelude::*;
 
 use crate::bvh::{Ray, TwoLevelBvh, World};
 use crate::scene::{Pose, Scene};
+use crate::settings::{Antialiasing, Settings};
 use lights::Lights;
 use sampler::Sampler;
 use surfaces::Surfaces;
@@ -56,6 +57,18 @@ pub struct ReferenceSettings {
     pub filter: PixelFilter,
     /// Whether to keep layers: direct, indirect and reflected light, shadows, and features of the visible surface.
     pub layers: bool,
+}
+
+impl ReferenceSettings {
+    /// Those that correspond to the renderer's.
+    pub fn like(settings: &Settings) -> Self {
+        let filter = match settings.antialiasing {
+            Antialiasing::Taa => PixelFilter::Box,
+            Antialiasing::None => PixelFilter::Center,
+        };
+        let Settings { size, bounces, seed, .. } = *settings;
+        Self { size, bounces: Some(bounces), seed, filter, layers: false }
+    }
 }
 
 /// Why a reference cannot be rendered.

@@ -78,7 +78,6 @@ impl Renderer {
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
         let (materials, environment) = self.buffers.for_scene(&self.device, scene)?;
-        let sets = self.passes.gbuffer.material_sets(&self.device, &self.buffers, &materials)?;
         let mirrored = is_mirrored(scene, &self.settings) != self.passes.reflections.is_some();
         let remade = || self.passes.remade(&self.device, self.tracer.variant(), scene, &self.settings);
         let passes = if mirrored { Some(remade()?) } else { None };
@@ -92,7 +91,6 @@ impl Renderer {
             self.passes = passes;
         }
         self.bvh.replace_sheets(sheets);
-        self.passes.gbuffer.set_materials(sets);
         self.buffers.replace(materials, environment);
         self.scene = Arc::clone(scene);
         self.clock.disturb();

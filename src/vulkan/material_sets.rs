@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::layout::MATERIAL_SET;
-use super::{Buffer, Device, GraphicsPipeline, Image, Sampler, VulkanError};
+use super::{Device, GraphicsPipeline, Image, Sampler, VulkanError};
 
 /// One descriptor set per material: its textures.
 pub struct MaterialSets {
@@ -15,32 +15,26 @@ pub struct MaterialSets {
 }
 
 impl MaterialSets {
-    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers, then a uniform block:
-    /// one element of the buffer, each of which has the given size, a multiple of 256.
+    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers.
     pub fn new<const N: usize>(
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
         images: &[[(&Image, &Sampler); N]],
-        (data, size): (&Buffer, u64),
     ) -> Result<Self, VulkanError> {
         let count = u32::try_from(images.len()).unwrap_or(u32::MAX).max(1);
-        assert!(size.is_multiple_of(256), "blocks of {size} bytes do not fit every device's alignment");
-        let pool_size = |ty, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: count * each };
-        let sizes = [
-            pool_size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, N as u32),
-            pool_size(vk::DescriptorType::UNIFORM_BUFFER, 1),
-        ];
+        let sizes = [vk::DescriptorPoolSize {
+            ty: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            descriptor_count: count * N as u32,
+        }];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
         // SAFETY: `info` is complete; the pool is destroyed in `drop`.
         let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
             .map_err(VulkanError::call("creation", "material descriptors"))?;
         let mut made = Self { pool, sets: Vec::new(), device: Arc::clone(device) };
         let layout = pipeline.0.layout.sets[MATERIAL_SET as usize];
-        for (index, textures) in (0..).zip(images) {
+        for textures in images {
             let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let buffer_info =
-                [vk::DescriptorBufferInfo { buffer: data.raw, offset: index * size, range: size }];
             let image_infos = textures.map(|(image, sampler)| {
                 [vk::DescriptorImageInfo {
                     sampler: sampler.raw,
@@ -48,7 +42,7 @@ impl MaterialSets {
                     image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
                 }]
             });
-            // SAFETY: the pool was sized for these sets; images, samplers and buffer outlive their use.
+            // SAFETY: the pool was sized for these sets; images and samplers outlive their use.
             unsafe {
                 let set = device
                     .raw()
@@ -61,13 +55,7 @@ impl MaterialSets {
                         .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
                         .image_info(&image_infos[binding])
                 });
-                let block = vk::WriteDescriptorSet::default()
-                    .dst_set(set)
-                    .dst_binding(N as u32)
-                    .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
-                    .buffer_info(&buffer_info);
                 device.raw().update_descriptor_sets(&writes, &[]);
-                device.raw().update_descriptor_sets(&[block], &[]);
                 made.sets.push(set);
             }
         }

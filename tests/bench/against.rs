@@ -93,7 +93,7 @@ fn a_pass_that_was_slowed_is_reported() {
         let comparison = compare_reports(&old, &new);
         let of_run = |quantity: &str| {
             let mut found = comparison.changes.iter().filter(|change| change.quantity == quantity);
-            found.find(|change| change.run.starts_with("playroom, T = 4"))
+            found.find(|change| change.run.starts_with("playroom, vpls, T = 4"))
         };
         let (pass, total) = (of_run("indirect_shadows").unwrap(), of_run("total").unwrap());
         assert!(pass.is_slower() && total.is_slower());
@@ -164,7 +164,9 @@ fn a_regression_ends_with_3() {
     assert!(stderr(&slower).contains("--against faster.json: 2 times are slower beyond noise"));
     let said = String::from_utf8(slower.stdout).unwrap();
     assert!(
-        said.contains("slower  cornell-box, T = 4, 144x96, 32 VPLs, 2 bounces, n = 1: indirect_shadows "),
+        said.contains(
+            "slower  cornell-box, vpls, T = 4, 144x96, 32 VPLs, 2 bounces, n = 1: indirect_shadows "
+        ),
         "{said}"
     );
 

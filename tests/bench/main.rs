@@ -5,6 +5,7 @@
 mod against;
 mod command;
 mod dataset;
+mod methods;
 mod micro;
 #[path = "../program/mod.rs"]
 mod program;

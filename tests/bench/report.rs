@@ -13,7 +13,7 @@ use super::program::{PASS_NAMES, Run, stderr};
 pub static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
     let options =
-        ["--size", "144x96", "--vpls", "32", "--temporal-sets", "1,4", "--interleave", "1,2", "--quality"];
+        ["--size=144x96", "--vpls=32", "--temporal-sets=1,4", "--interleave=1,2", "--quality", "--spp=64"];
     // Antialiasing and reflections take longer to stand still than these few frames.
     let scenes = [
         "bench",
@@ -78,7 +78,8 @@ fn every_file_is_there() {
         "along-the-animation",
         "frame-time-by-interleave",
         "frame-time-by-temporal-sets",
-        "quality-against-speed",
+        "pareto-moving",
+        "pareto-still",
         "speed-up",
         "stages-by-scene",
         "stages-by-setting",

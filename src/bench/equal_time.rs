@@ -1,0 +1,146 @@
+//! Methods at equal time: each with as many VPLs or samples that a frame takes as long as one of the first method.
+//!
+//! In: the runs of a scene. Out: for each method its picture of the last moment, in motion, with its error.
+
+use serde::{Deserialize, Serialize};
+
+use super::method::Method;
+use super::quality::{FrameQuality, Truth, compare_with};
+use super::report::Run;
+use super::run::{Stage, warm_up};
+use super::source::FrameSource;
+use super::{BenchError, Control};
+use crate::metrics::Comparison;
+use crate::output::{Picture, automatic_exposure, tone_map};
+use crate::plot::magma;
+use crate::settings::{Settings, VplSettings};
+use crate::statistics::percentile;
+
+/// Frames whose median time counts.
+const FRAMES: u32 = 8;
+/// Most trials.
+const TRIALS: u32 = 3;
+/// What counts as equal, relative.
+const TOLERANCE: f64 = 0.1;
+/// Most VPL slots, and most samples a pixel.
+const MOST: u32 = 65_536;
+
+/// A method at the time of the first one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EqualTime {
+    /// Name of the scene.
+    pub scene: String,
+    /// The method, with its samples chosen.
+    pub method: Method,
+    /// What it is called among the runs.
+    pub run: Method,
+    /// VPL slots, chosen; none where there are none.
+    pub vpls: Option<u32>,
+    /// Median frame time, ms.
+    pub ms: f64,
+    /// Error of the picture.
+    pub error: FrameQuality,
+}
+
+/// A trial: what it was, and what came of it.
+struct Trial {
+    method: Method,
+    settings: Settings,
+    ms: f64,
+    picture: Picture,
+}
+
+/// The pictures of a method at equal time.
+pub(super) struct Pictures {
+    pub picture: Picture,
+    /// FLIP error of each pixel.
+    pub map: Picture,
+}
+
+/// Renders `run`, whose frames take `own_ms`, so that they take `wanted_ms`.
+pub(super) fn at_time(
+    stage: &Stage,
+    run: &Run,
+    [own_ms, wanted_ms]: [f64; 2],
+    truth: &Truth,
+    control: &mut Control<'_>,
+) -> Result<(EqualTime, Pictures), BenchError> {
+    let (frame, truth) = truth.last();
+    let mut known = (f64::from(amount(&run.method, &run.settings)), own_ms);
+    let mut wanted = known.0 * wanted_ms / own_ms;
+    let mut trial = Trial::new(stage, run, wanted, frame, control)?;
+    for _ in 1..TRIALS {
+        let now = (f64::from(amount(&trial.method, &trial.settings)), trial.ms);
+        let slope = (now.1 - known.1) / (now.0 - known.0);
+        if (now.1 / wanted_ms - 1.0).abs() < TOLERANCE || !slope.is_finite() || slope <= 0.0 {
+            break;
+        }
+        wanted = now.0 + (wanted_ms - now.1) / slope;
+        known = now;
+        trial = Trial::new(stage, run, wanted, frame, control)?;
+    }
+    let comparison = compare_with(&trial.picture, truth)?;
+    let map = flip_map(&comparison);
+    let exposure = automatic_exposure(truth, std::iter::repeat(true)).log2();
+    let stops = Some(trial.settings.exposure.unwrap_or(exposure));
+    tone_map(&mut trial.picture, stops, std::iter::repeat(true));
+    let has_vpls = amount(&trial.method, &trial.settings) > 0 && trial.method.samples().is_none();
+    let equal = EqualTime {
+        scene: run.scene.clone(),
+        method: trial.method,
+        run: run.method.clone(),
+        vpls: has_vpls.then_some(trial.settings.vpl.slots),
+        ms: trial.ms,
+        error: FrameQuality::of(frame, &comparison),
+    };
+    Ok((equal, Pictures { picture: trial.picture, map }))
+}
+
+/// What makes a method better and slower: samples a pixel, or VPL slots; 0 where nothing does.
+fn amount(method: &Method, settings: &Settings) -> u32 {
+    method.samples().unwrap_or(match settings.indirect {
+        crate::settings::Indirect::Vpls => settings.vpl.slots,
+        crate::settings::Indirect::None => 0,
+    })
+}
+
+impl Trial {
+    /// Renders `run` with about this amount, in motion up to frame `last`.
+    fn new(
+        stage: &Stage,
+        run: &Run,
+        amount: f64,
+        last: u32,
+        control: &mut Control<'_>,
+    ) -> Result<Self, BenchError> {
+        let (mut method, mut settings) = (run.method.clone(), run.settings.clone());
+        let amount = if amount.is_finite() { amount.round().min(MOST.into()) as u32 } else { 0 };
+        if method.samples().is_some() {
+            method = Method::reference(amount.max(1));
+        } else {
+            let slots = amount.max(settings.vpl.temporal_sets);
+            settings.vpl = VplSettings { slots, ..settings.vpl };
+        }
+        let last = i64::from(last);
+        let first = last - i64::from(warm_up(&settings) + FRAMES) + 1;
+        let mut source = FrameSource::new(stage, &method, &settings, &stage.pose(first, &settings))?;
+        let mut times = Vec::new();
+        for number in first..=last {
+            times.push(source.render(&stage.pose(number, &settings), control)?.0);
+        }
+        let measured = times.split_off(times.len() - FRAMES as usize);
+        let ms = percentile(measured, 0.5).unwrap_or(0.0);
+        Ok(Self { method, settings, ms, picture: source.picture()? })
+    }
+}
+
+/// FLIP errors in the colours of FLIP.
+fn flip_map(comparison: &Comparison) -> Picture {
+    let [width, height] = comparison.size;
+    let colour = |error: &f32| {
+        let [r, g, b] = magma(f64::from(*error));
+        [r, g, b, u8::MAX]
+    };
+    let display = comparison.flip_errors.iter().map(colour).collect();
+    Picture { width, height, display, ..Picture::default() }
+}
