@@ -1,6 +1,6 @@
-//! Significant changes of frame and pass times since an earlier report.
+//! Significant changes of frame and pass times, and of errors, since an earlier report.
 //!
-//! In: two reports. Out: the times of their common runs whose difference is significant. Frame i shows the same moment
+//! In: two reports. Out: the times of their common runs whose difference is significant, and the errors that differ. Frame i shows the same moment
 //! in both, so frames are compared in pairs: the medians of blocks of adjacent frames, which are correlated, are
 //! subtracted. The standard error of the mean difference is the larger of two estimates: from the variance between
 //! blocks, and from that between rounds. A time has changed if the 99 % confidence interval of the mean difference
@@ -21,38 +21,47 @@ const MARGIN_OF_FRAME: f64 = 0.005;
 /// Absolute margin, ms: the latency of waking a thread.
 const MARGIN_MS: f64 = 0.005;
 
-/// A significant change of a time.
+/// Change of an error, relative and absolute, that counts: drivers round differently.
+const ERROR_MARGINS: [f64; 2] = [0.02, 0.001];
+/// The error against the path tracer.
+const FLIP: &str = "FLIP error";
+
+/// A significant change of a time or an error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// Scene and settings.
     pub run: String,
-    /// The frame, a pass, or the time between passes.
+    /// The frame, a pass, the time between passes, or an error.
     pub quantity: &'static str,
-    /// Earlier median, ms.
-    pub old_ms: f64,
-    /// Current median, ms.
-    pub new_ms: f64,
-    /// 99 % confidence interval of the increase, ms.
-    pub growth_ms: [f64; 2],
+    /// Earlier median in ms, or earlier error.
+    pub old: f64,
+    /// Current one.
+    pub new: f64,
+    /// 99 % confidence interval of the increase.
+    pub growth: [f64; 2],
 }
 
 impl Change {
-    /// Whether it became slower.
-    pub fn is_slower(&self) -> bool {
-        self.growth_ms[0] > 0.0
+    /// Whether it became slower or worse.
+    pub fn is_regression(&self) -> bool {
+        self.growth[0] > 0.0
     }
 }
 
 impl std::fmt::Display for Change {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let word = if self.is_slower() { "slower" } else { "faster" };
-        let Self { run, quantity, old_ms, new_ms, growth_ms: [low, high] } = self;
-        write!(f, "{word}  {run}: {quantity} {old_ms:.3} -> {new_ms:.3} ms, ")?;
-        if *old_ms > 0.0 {
-            let share = |ms: f64| 100.0 * ms / old_ms;
-            write!(f, "{:+.1} % ({:+.1} to {:+.1})", share(new_ms - old_ms), share(*low), share(*high))
+        let Self { run, quantity, old, new, growth: [low, high] } = self;
+        if *quantity == FLIP {
+            let word = if self.is_regression() { "worse" } else { "better" };
+            return write!(f, "{word}  {run}: {quantity} {old:.4} -> {new:.4}");
+        }
+        let word = if self.is_regression() { "slower" } else { "faster" };
+        write!(f, "{word}  {run}: {quantity} {old:.3} -> {new:.3} ms, ")?;
+        if *old > 0.0 {
+            let share = |ms: f64| 100.0 * ms / old;
+            write!(f, "{:+.1} % ({:+.1} to {:+.1})", share(new - old), share(*low), share(*high))
         } else {
-            write!(f, "{:+.3} ms ({low:+.3} to {high:+.3})", new_ms - old_ms)
+            write!(f, "{:+.3} ms ({low:+.3} to {high:+.3})", new - old)
         }
     }
 }
@@ -95,15 +104,27 @@ fn changes(runs: [&Run; 2], noise: [&Noise; 2]) -> Vec<Change> {
     let change = |quantity: &'static str| {
         let [old, new] = runs.map(|run| column(run, quantity));
         let noise = [noise[0].quantity(quantity)?, noise[1].quantity(quantity)?];
-        let growth_ms = growth([&old, &new], noise)?;
-        let [old_ms, new_ms] = [median(&old), median(&new)];
-        let margin = (MARGIN * old_ms.min(new_ms)).max(MARGIN_OF_FRAME * frame_ms).max(MARGIN_MS);
-        let is_change = growth_ms[0] > margin || growth_ms[1] < -margin;
-        let run = Axis::ALL.map(|axis| axis.phrase(runs[1])).join(", ");
-        let run = format!("{}, {run}", runs[1].scene);
-        is_change.then_some(Change { run, quantity, old_ms, new_ms, growth_ms })
+        let growth = growth([&old, &new], noise)?;
+        let [old, new] = [median(&old), median(&new)];
+        let margin = (MARGIN * old.min(new)).max(MARGIN_OF_FRAME * frame_ms).max(MARGIN_MS);
+        let is_change = growth[0] > margin || growth[1] < -margin;
+        is_change.then_some(Change { run: described(runs[1]), quantity, old, new, growth })
     };
-    names.filter_map(change).collect()
+    names.filter_map(change).chain(error_change(runs)).collect()
+}
+
+/// Errors are the same each time, so that any change counts.
+fn error_change(runs: [&Run; 2]) -> Option<Change> {
+    let error = |run: &Run| Some(run.quality.as_ref()?.mean(|frame| frame.flip));
+    let [old, new] = [error(runs[0])?, error(runs[1])?];
+    let [relative, absolute] = ERROR_MARGINS;
+    let is_change = (new - old).abs() > (relative * old).max(absolute);
+    is_change.then(|| Change { run: described(runs[1]), quantity: FLIP, old, new, growth: [new - old; 2] })
+}
+
+/// Scene, method and settings.
+fn described(run: &Run) -> String {
+    format!("{}, {}", run.scene, Axis::ALL.map(|axis| axis.phrase(run)).join(", "))
 }
 
 /// The samples of a quantity, by round.

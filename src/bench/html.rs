@@ -22,10 +22,14 @@ const STYLE: &str = include_str!("report.css");
 pub(super) fn headline(report: &Report) -> String {
     let plan = &report.plan;
     format!(
-        "{} on {}: {} scenes, {} frames {}, {}.",
+        "{} on {}: {}, {} frames {}, {}.",
         "Real-time global illumination with temporal VPL sets",
         report.machine.device,
-        report.scenes.len(),
+        if report.scenes.len() == 1 {
+            "1 scene".to_owned()
+        } else {
+            format!("{} scenes", report.scenes.len())
+        },
         plan.frames,
         if plan.rounds == 1 { "once".to_owned() } else { format!("in each of {} rounds", plan.rounds) },
         common_settings(report),

@@ -350,7 +350,12 @@ impl Bench {
         let time = |run: &Run| Summary::of(run, &noise).map_or(0.0, |summary| summary.median(TOTAL));
         let mut runs: Vec<Run> = Vec::new();
         for run in self.report.runs_of(&name) {
-            if !runs.iter().any(|known| known.method == run.method) {
+            // With other samples the path tracer is the same method.
+            let is_same = |known: &Run| match known.method.samples() {
+                Some(_) => run.method.samples().is_some(),
+                None => known.method == run.method,
+            };
+            if !runs.iter().any(is_same) {
                 runs.push(run.clone());
             }
         }

@@ -36,8 +36,9 @@ const HELP: &str = "\
 A frame's time runs from its start until the device has finished it; frames do not overlap and are not presented. Each \
 run warms up until all set buffers are filled; then all settings are measured at the same moments of the animation. \
 Defaults on a CPU driver: 256x256 pixels, 1/20 s per frame, 20 frames or, if greater, one per temporal set. \
---out receives report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; unfinished/ holds the \
-results of an interrupted run. --against exits with 3 if something is slower beyond noise; to compare an existing report, \
+--out receives report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; with --quality and several \
+--methods also their pictures at equal frame time, with maps of their errors; unfinished/ holds the \
+results of an interrupted run. --against exits with 3 if something is slower or worse beyond noise; to compare an existing report, \
 name its folder with --out and add --resume.";
 
 /// Options of `bench`.
@@ -70,7 +71,7 @@ pub(super) struct BenchOptions {
     /// --against, or 1024.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub spp: Option<u32>,
-    /// Report what is faster or slower than in this bench.json, and exit with 3 if anything is slower.
+    /// Report what is faster, slower, better or worse than in this bench.json, and exit with 3 if anything is slower or worse.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub against: Option<PathBuf>,
     /// Run micro-benchmarks instead: rays per second of each tracer, BVH operations, each pass. Lists use their first
@@ -332,13 +333,13 @@ fn print_changes(comparison: &Comparison, path: &std::path::Path) -> Result<(), 
             comparison.unmatched
         ));
     }
-    let slower = comparison.changes.iter().filter(|change| change.is_slower()).count();
+    let slower = comparison.changes.iter().filter(|change| change.is_regression()).count();
     let faster = comparison.changes.len() - slower;
     let lines: String = comparison.changes.iter().map(|change| format!("{change}\n")).collect();
     let compared = comparison.compared;
     let runs = if compared == 1 { "run" } else { "runs" };
     say::print(&format!(
-        "{lines}against {path}: {slower} slower, {faster} faster beyond noise, in {compared} {runs}\n"
+        "{lines}against {path}: {slower} slower or worse, {faster} faster or better beyond noise, in {compared} {runs}\n"
     ))?;
     if slower > 0 { Err(CliError::Regression { path: path.to_string(), slower }) } else { Ok(()) }
 }

@@ -59,7 +59,7 @@ pub enum CliError {
     #[error("{0}")]
     Bench(BenchError),
     /// Something is slower than in the earlier report.
-    #[error("--against {path}: {slower} {} slower beyond noise", if *.slower == 1 { "time is" } else { "times are" })]
+    #[error("--against {path}: {slower} {} slower or worse beyond noise", if *.slower == 1 { "figure is" } else { "figures are" })]
     Regression {
         /// The earlier report.
         path: String,

@@ -88,9 +88,9 @@ pub enum Action {
     AskMap,
     /// Adds a light in view of the camera.
     AddLight(LightType),
-    /// Duplicates the selected light.
+    /// Duplicates the selected light or object.
     Duplicate,
-    /// Deletes the selected light.
+    /// Deletes the selected light or object.
     Delete,
     /// Attaches the selected light to the camera, or detaches it.
     ToggleHeadlamp,
@@ -162,8 +162,8 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("T", "switch between move and rotate handles", KeyCode::KeyT, NONE, || Action::ToggleHandles),
     bind("Esc", "clear the selection", KeyCode::Escape, NONE, || Action::Select(None)),
     bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
-    bind("Ctrl+D", "duplicate the selected light", KeyCode::KeyD, CONTROL, || Action::Duplicate),
-    bind("Del", "delete the selected light", KeyCode::Delete, NONE, || Action::Delete),
+    bind("Ctrl+D", "duplicate the selected light or object", KeyCode::KeyD, CONTROL, || Action::Duplicate),
+    bind("Del", "delete the selected light or object", KeyCode::Delete, NONE, || Action::Delete),
     bind("Ctrl+Z", "undo the last edit", KeyCode::KeyZ, CONTROL, || Action::Undo),
     bind("Ctrl+Shift+Z", "redo it", KeyCode::KeyZ, CONTROL.union(SHIFT), || Action::Redo),
     bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || Action::AskOpen),

@@ -245,7 +245,8 @@ fn plus(place: [f32; 3], way: Vec3) -> [f32; 3] {
     (Vec3::from_array(place) + way).to_array()
 }
 
-fn moved_instance(entry: &InstanceEntry, way: Vec3) -> InstanceEntry {
+/// An instance translated by `way`.
+pub(super) fn moved_instance(entry: &InstanceEntry, way: Vec3) -> InstanceEntry {
     InstanceEntry { translation: Some(plus(entry.translation.unwrap_or_default(), way)), ..entry.clone() }
 }
 

@@ -9,7 +9,7 @@ use super::action::Action;
 use super::app::{App, Open, Recording, slow_click_context};
 use super::edit::new_light;
 use super::gpu::Gpu;
-use super::handles::{Mode, moved_light};
+use super::handles::{Mode, moved_instance, moved_light};
 use super::loader::{Edited, Order};
 use super::panel::{Purpose, SplitState};
 use super::screenshot::{self, Saving};
@@ -20,7 +20,7 @@ use super::undo::State;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState};
 use crate::renderer::DebugView;
-use crate::scene::{LightEntry, SceneError};
+use crate::scene::{InstanceEntry, LightEntry, SceneError};
 use crate::settings::Settings;
 
 impl App {
@@ -156,9 +156,11 @@ impl Open {
             Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
             Action::Duplicate => self.duplicate(),
             Action::Delete => {
-                if let Some(Selected::Light(index)) = self.stage.as_ref().and_then(|stage| stage.selected) {
-                    self.edit(|stage| stage.remove_light(index));
-                }
+                self.edit(|stage| match stage.selected {
+                    Some(Selected::Light(index)) => stage.remove_light(index),
+                    Some(Selected::Instance(index)) => stage.remove_instance(index),
+                    None => Ok(Change::Live),
+                });
             }
             Action::ToggleHeadlamp => self.toggle_headlamp(),
             Action::AskOpen => self.panel.scene.ask_for(Purpose::Open, ""),
@@ -252,13 +254,24 @@ impl Open {
 
     fn duplicate(&mut self) {
         self.edit(|stage| {
-            let Some(Selected::Light(index)) = stage.selected else { return Ok(Change::Live) };
-            let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
-            let name = light.name.as_ref().map(|name| format!("{name} copy"));
-            let copy = LightEntry { name, ..light.clone() };
             // Offset the copy, so that both are visible.
             let way = glam::Vec3::splat(0.05 * stage.radius);
-            stage.add_light(moved_light(&copy, way))
+            match stage.selected {
+                Some(Selected::Light(index)) => {
+                    let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
+                    let name = light.name.as_ref().map(|name| format!("{name} copy"));
+                    let copy = LightEntry { name, ..light.clone() };
+                    stage.add_light(moved_light(&copy, way))
+                }
+                Some(Selected::Instance(index)) => {
+                    let Some(instance) = stage.document.instances().nth(index) else {
+                        return Ok(Change::Live);
+                    };
+                    let copy = InstanceEntry { name: Some(copied_name(stage, instance)), ..instance.clone() };
+                    stage.add_instance(moved_instance(&copy, way))
+                }
+                None => Ok(Change::Live),
+            }
         });
     }
 
@@ -451,4 +464,15 @@ impl Open {
         self.egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &self.window, scale, None, None);
         self.textures = egui::TexturesDelta::default();
     }
+}
+
+/// A name for a copy that no instance has.
+fn copied_name(stage: &Stage, instance: &InstanceEntry) -> String {
+    let name_of = |entry: &InstanceEntry| entry.name.clone().unwrap_or_else(|| entry.model.clone());
+    let taken: Vec<String> = stage.document.instances().map(name_of).collect();
+    let mut name = name_of(instance);
+    while taken.contains(&name) {
+        name += " copy";
+    }
+    name
 }

@@ -277,6 +277,26 @@ impl Stage {
         })
     }
 
+    /// Adds an instance and selects it.
+    pub fn add_instance(&mut self, entry: InstanceEntry) -> Result<Change, SceneError> {
+        self.document.placement(&entry)?;
+        let change = self.edit(|document| {
+            document.add_instance(entry);
+            Ok(())
+        })?;
+        self.selected = Some(Selected::Instance(self.document.instances().len() - 1));
+        Ok(change)
+    }
+
+    /// Removes an instance.
+    pub fn remove_instance(&mut self, index: usize) -> Result<Change, SceneError> {
+        self.selected = None;
+        self.edit(|document| {
+            document.remove_instance(index);
+            Ok(())
+        })
+    }
+
     fn edit(
         &mut self,
         edit: impl FnOnce(&mut SceneDocument) -> Result<(), SceneError>,
@@ -376,6 +396,13 @@ impl Stage {
                 }
             }
         }
+    }
+
+    /// Whether the camera is outside of everything, where that of the scene is inside.
+    pub fn is_left(&self) -> bool {
+        let (low, high) = self.renderer.bvh().bounds();
+        let is_inside = |eye: Vec3| eye.cmpge(low).all() && eye.cmple(high).all();
+        is_inside(self.scene.camera.eye) && !is_inside(self.pose.camera.eye)
     }
 
     /// World to clip space of the last frame.

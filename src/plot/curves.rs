@@ -2,6 +2,7 @@
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Layout, Scale};
 use super::page::{LegendEntry, Page, Panels, Sample};
@@ -111,6 +112,8 @@ impl Panels for Curves {
             .label_style((FONT, 12))
             .axis_desc_style((FONT, 13))
             .draw()?;
+        // Lines of labels alternate above and below their points.
+        let mut labelled = 0;
         for line in &panel.lines {
             let broken = line.look == Look::Broken;
             let colour = self.colour(&line.name, broken);
@@ -133,8 +136,15 @@ impl Panels for Curves {
             if let Look::Labelled(texts) = &line.look {
                 let style = (FONT, 11).into_font().color(&colour);
                 let shown = places.iter().zip(texts).filter(|(point, _)| is_finite(point));
+                let below = labelled % 2 == 1;
+                labelled += 1;
                 chart.draw_series(shown.map(|(point, text)| {
-                    EmptyElement::at(*point) + Text::new(text.clone(), (7, -13), style.clone())
+                    // On the side with more room.
+                    let is_right = point.0 > 0.5 * (x.range().start + x.range().end);
+                    let across = if is_right { HPos::Right } else { HPos::Left };
+                    let place = (if is_right { -7 } else { 7 }, if below { 4 } else { -13 });
+                    let style = style.clone().pos(Pos::new(across, VPos::Top));
+                    EmptyElement::at(*point) + Text::new(text.clone(), place, style)
                 }))?;
             }
         }

@@ -106,6 +106,18 @@ impl SceneDocument {
         self.file.instances.get_mut(index).map(Spanned::get_mut)
     }
 
+    /// Appends an instance entry.
+    pub fn add_instance(&mut self, instance: InstanceEntry) {
+        self.file.instances.push(Spanned::new(0..0, instance));
+    }
+
+    /// Removes an instance entry; does nothing if there is none at `index`.
+    pub fn remove_instance(&mut self, index: usize) {
+        if index < self.file.instances.len() {
+            self.file.instances.remove(index);
+        }
+    }
+
     /// The light entries.
     pub fn lights(&self) -> impl ExactSizeIterator<Item = &LightEntry> {
         self.file.lights.iter().map(Spanned::get_ref)

@@ -96,13 +96,26 @@ fn a_pass_that_was_slowed_is_reported() {
             found.find(|change| change.run.starts_with("playroom, vpls, T = 4"))
         };
         let (pass, total) = (of_run("indirect_shadows").unwrap(), of_run("total").unwrap());
-        assert!(pass.is_slower() && total.is_slower());
-        let [low, high] = pass.growth_ms;
-        assert!(low < 0.4 * pass.old_ms && 0.4 * pass.old_ms < high, "{pass}");
+        assert!(pass.is_regression() && total.is_regression());
+        let [low, high] = pass.growth;
+        assert!(low < 0.4 * pass.old && 0.4 * pass.old < high, "{pass}");
         assert!(comparison.changes.iter().all(|change| change.run == pass.run), "{:?}", comparison.changes);
         // In reverse it is faster.
-        assert!(compare_reports(&new, &old).changes.iter().any(|change| !change.is_slower()));
+        assert!(compare_reports(&new, &old).changes.iter().any(|change| !change.is_regression()));
     }
+}
+
+#[test]
+fn a_worse_picture_is_reported() {
+    let old = made_up(4, 0.0, 0.0);
+    let mut new = old.clone();
+    for frame in &mut new.runs[2].quality.as_mut().unwrap().frames {
+        frame.flip *= 1.1;
+    }
+    let [worse, better] = [compare_reports(&old, &new), compare_reports(&new, &old)];
+    let [worse, better] = [worse, better].map(|comparison| comparison.changes[0].clone());
+    assert!(worse.quantity == "FLIP error" && worse.is_regression() && !better.is_regression());
+    assert!(worse.to_string().starts_with("worse  cornell-box, vpls, T = 1"), "{worse}");
 }
 
 #[test]
@@ -153,7 +166,12 @@ fn a_regression_ends_with_3() {
     let same = against("a/bench.json");
     assert_eq!(same.status.code(), Some(0), "{}", stderr(&same));
     let said = String::from_utf8(same.stdout).unwrap();
-    assert!(said.ends_with("against a/bench.json: 0 slower, 0 faster beyond noise, in 8 runs\n"), "{said}");
+    assert!(
+        said.ends_with(
+            "against a/bench.json: 0 slower or worse, 0 faster or better beyond noise, in 8 runs\n"
+        ),
+        "{said}"
+    );
 
     // In reverse it is slower.
     let mut faster = report.clone();
@@ -161,7 +179,7 @@ fn a_regression_ends_with_3() {
     save(&run, "faster.json", &faster);
     let slower = against("faster.json");
     assert_eq!(slower.status.code(), Some(3), "{}", stderr(&slower));
-    assert!(stderr(&slower).contains("--against faster.json: 2 times are slower beyond noise"));
+    assert!(stderr(&slower).contains("--against faster.json: 2 figures are slower or worse beyond noise"));
     let said = String::from_utf8(slower.stdout).unwrap();
     assert!(
         said.contains(

@@ -69,14 +69,15 @@ fn errors_are_those_against_the_path_tracer() {
 fn all_are_shown_at_equal_time() {
     let report = report();
     let equal = &report.equal_time;
-    assert_eq!(equal.iter().map(|equal| equal.run.name()).collect::<Vec<_>>(), METHODS);
+    // The path tracer once.
+    assert_eq!(equal.iter().map(|equal| equal.run.name()).collect::<Vec<_>>(), METHODS[..4]);
     assert!(equal[3].method.samples() > Some(0) && equal[3].vpls.is_none() && equal[0].vpls.is_some());
-    // Both began far from each other, and end with about as many samples.
-    let samples = [3, 4].map(|at: usize| f64::from(equal[at].method.samples().unwrap()));
-    assert!((0.3..3.0).contains(&(samples[0] / samples[1])), "{samples:?}");
+    // It has the samples for about that time, however busy the machine is.
+    let ratio = equal[3].ms / equal[0].ms;
+    assert!((0.2..5.0).contains(&ratio), "{ratio}");
     let pictures = |kind| report.pictures.iter().filter(|entry| entry.kind == kind).count();
     assert_eq!(pictures(PictureKind::Truth), 1);
-    assert_eq!([PictureKind::EqualTime, PictureKind::FlipMap].map(pictures), [METHODS.len(); 2]);
+    assert_eq!([PictureKind::EqualTime, PictureKind::FlipMap].map(pictures), [4; 2]);
     for entry in &report.pictures {
         let picture = image::open(DONE.folder.path().join("a/pictures").join(&entry.file)).unwrap();
         assert_eq!((picture.width(), picture.height()), (48, 32), "{}", entry.file);

@@ -192,3 +192,37 @@ fn lights_get_an_extent_which_is_saved() {
     assert!(scene.lights.iter().any(|light| light.half_angle > 0.0));
     demo.close();
 }
+
+#[test]
+fn objects_are_copied_and_deleted() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    demo.wait("scene", |event| event["event"] == "scene");
+    let before = settled(&mut demo);
+    // The tall box.
+    demo.click([281, 240]);
+    edit_by_key(&mut demo, "ctrl+d", "duplicate");
+    let two = settled(&mut demo);
+    two.keep("15-copied");
+    let difference = two.difference(&before);
+    assert!(difference > 1.0, "the picture has changed by {difference} only");
+    let file = saved(&mut demo);
+    let text = fs::read_to_string(demo.path(&file)).unwrap();
+    assert!(text.contains(" copy\""), "{text}");
+
+    // The copy is selected.
+    edit_by_key(&mut demo, "Delete", "delete");
+    assert!(settled(&mut demo) == before, "something is left of the copy");
+    edit_by_key(&mut demo, "ctrl+z", "undo");
+    assert!(settled(&mut demo) == two, "the copy has not come back");
+    demo.close();
+}
+
+/// Presses a key, and waits until the renderer was built anew.
+fn edit_by_key(demo: &mut Demo<'_>, key: &str, action: &str) {
+    let seen = demo.now();
+    demo.input(&["key", key]);
+    demo.wait_after(seen, "action", |event| is_action(event, action));
+    demo.wait_after(seen, "the edited scene", |event| event["event"] == "scene");
+}

@@ -7,6 +7,8 @@ pub const PANEL: u32 = 250;
 
 /// Height of the bar at the top of a window 640 points wide, at most.
 pub const BAR: u32 = 48;
+/// Height of the line that names a debug view, at the lower edge of the picture.
+pub const LEGEND: u32 = 26;
 
 /// A picture of the window: width, height, RGB.
 #[derive(Clone, PartialEq)]
@@ -17,12 +19,12 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Left of the panel and below the bar.
+    /// Left of the panel, below the bar and above the legend.
     pub fn picture(&self) -> Screen {
-        let width = self.width - PANEL;
-        let rows = self.pixels.chunks_exact(self.width as usize).skip(BAR as usize);
+        let (width, height) = (self.width - PANEL, self.height - BAR - LEGEND);
+        let rows = self.pixels.chunks_exact(self.width as usize).skip(BAR as usize).take(height as usize);
         let pixels = rows.flat_map(|row| row[..width as usize].iter().copied()).collect();
-        Screen { width, height: self.height - BAR, pixels }
+        Screen { width, height, pixels }
     }
 
     /// Mean absolute difference of channels, 0 to 255.

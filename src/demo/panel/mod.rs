@@ -4,6 +4,7 @@ mod bar;
 mod environment;
 mod help;
 mod inspector;
+mod legend;
 mod material;
 mod objects;
 mod plots;
@@ -87,6 +88,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     }
     if let Some(stage) = shown.stage {
         handles::paint(ui, stage, shown.mode);
+        legend::show(ui, stage.renderer.view());
+        if stage.is_left() {
+            caption_below(ui, "The camera has left the scene: Home brings it back.");
+        }
     }
     state.scene.ask(ui.ctx(), &mut actions);
     state.places.clear();
@@ -137,7 +142,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     actions
 }
 
-/// What the tour says, at the lower edge.
+/// What the tour says, or a hint, at the lower edge.
 fn caption_below(ui: &Ui, caption: &str) {
     let window = ui.ctx().content_rect();
     let area = egui::Area::new(egui::Id::new("caption")).anchor(egui::Align2::CENTER_BOTTOM, [0.0, -12.0]);

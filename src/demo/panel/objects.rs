@@ -40,13 +40,11 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
                 actions.push(Action::ToggleHandles);
             }
         }
-        if let Selected::Light(_) = selected {
-            if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
-                actions.push(Action::Duplicate);
-            }
-            if ui.button("delete").on_hover_text("Del").clicked() {
-                actions.push(Action::Delete);
-            }
+        if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
+            actions.push(Action::Duplicate);
+        }
+        if ui.button("delete").on_hover_text("Del").clicked() {
+            actions.push(Action::Delete);
         }
     });
     match selected {

@@ -32,7 +32,7 @@ pub use manager::{
     Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
     VplContribution, VplCounters, VplManager,
 };
-pub use path_lines::reason_colour;
+pub use path_lines::{path_legend, reason_colour};
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
 
 use super::{

@@ -20,6 +20,9 @@ const LINE_OPACITY: f32 = 0.35;
 const DIAMETERS: [f32; 2] = [2.5, 11.0];
 /// Height of a picture, in pixels, above which lines and points grow with it.
 const USUAL_HEIGHT: f32 = 720.0;
+/// Colours of VPLs that light something seen, and of others.
+const USEFUL: Vec3 = Vec3::new(0.25, 0.65, 1.0);
+const USELESS: Vec3 = Vec3::new(1.0, 0.55, 0.1);
 /// Golden ratio: numbers times this are spread over the circle of hues.
 const GOLDEN: f32 = 0.618_034;
 
@@ -75,8 +78,8 @@ impl PathView {
                 let age = vpls.history(slot.slot).map_or(0, |history| history.age);
                 heat(1.0 - (age as f32 + 1.0).log2() / 10.0)
             }
-            PathStyle::Usefulness if slot.useful => Vec3::new(0.25, 0.65, 1.0),
-            PathStyle::Usefulness => Vec3::new(1.0, 0.55, 0.1),
+            PathStyle::Usefulness if slot.useful => USEFUL,
+            PathStyle::Usefulness => USELESS,
             PathStyle::Set => hue(slot.set as f32 * GOLDEN),
         }
     }
@@ -109,6 +112,23 @@ pub fn reason_colour(reason: InvalidationReason) -> [f32; 3] {
         InvalidationReason::LightChanged => [1.0, 1.0, 0.2],
         InvalidationReason::NoSlot => [0.7, 0.7, 0.7],
     }
+}
+
+/// What the colours of a style mean, as display values; none where each number has its own.
+pub fn path_legend(style: PathStyle) -> Vec<(&'static str, [f32; 3])> {
+    let entries = match style {
+        PathStyle::Bounce => vec![
+            ("0", bounce_colour(0)),
+            ("1", bounce_colour(1)),
+            ("2", bounce_colour(2)),
+            ("3", bounce_colour(3)),
+        ],
+        PathStyle::Flux => vec![("1/64 of the most", heat(0.0)), ("1/8", heat(0.5)), ("the most", heat(1.0))],
+        PathStyle::Age => vec![("new", heat(1.0)), ("30 frames", heat(0.5)), ("1000", heat(0.0))],
+        PathStyle::Usefulness => vec![("lights something seen", USEFUL), ("nothing", USELESS)],
+        PathStyle::Set => Vec::new(),
+    };
+    entries.into_iter().map(|(name, colour)| (name, colour.to_array())).collect()
 }
 
 /// Colours apart for the first bounces, then hues that go on.

@@ -1,0 +1,42 @@
+//! What is shown in place of the picture or over it, in a line at the lower edge.
+
+use egui::{Align2, Area, Color32, Frame, Id, RichText, Ui};
+
+use crate::estimators::views;
+use crate::estimators::vpls::{VPL_VISIBILITY, path_legend};
+use crate::passes::buffer_view::COMBINED;
+use crate::renderer::DebugView;
+
+pub(super) fn show(ui: &Ui, view: &DebugView) {
+    let buffer = views().find(|known| known.name == view.buffer && known.name != COMBINED);
+    let paths = view.vpl.vpl_paths;
+    if buffer.is_none() && paths.is_none() {
+        return;
+    }
+    let area = Area::new(Id::new("legend")).anchor(Align2::LEFT_BOTTOM, [4.0, -2.0]).interactable(false);
+    area.show(ui.ctx(), |ui| {
+        Frame::NONE.fill(Color32::from_black_alpha(190)).inner_margin(2.0).show(ui, |ui| {
+            if let Some(style) = paths {
+                ui.horizontal(|ui| {
+                    ui.label(white(&format!("paths by {}:", style.label().to_lowercase())));
+                    for (name, [r, g, b]) in path_legend(style) {
+                        let colour = [r, g, b].map(|channel| (channel * 255.0) as u8);
+                        ui.label(
+                            RichText::new("●").color(Color32::from_rgb(colour[0], colour[1], colour[2])),
+                        );
+                        ui.label(white(name));
+                    }
+                });
+            }
+            if let Some(buffer) = buffer {
+                let chooses = buffer.name == VPL_VISIBILITY && view.vpl.single_vpl.is_none();
+                let hint = if chooses { " (choose one with , and .)" } else { "" };
+                ui.label(white(&format!("{}{hint}", buffer.label)));
+            }
+        });
+    });
+}
+
+fn white(text: &str) -> RichText {
+    RichText::new(text).size(12.0).color(Color32::WHITE)
+}
