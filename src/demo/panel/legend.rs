@@ -15,6 +15,8 @@ pub(super) fn show(ui: &Ui, view: &DebugView) {
     }
     let area = Area::new(Id::new("legend")).anchor(Align2::LEFT_BOTTOM, [4.0, -2.0]).interactable(false);
     area.show(ui.ctx(), |ui| {
+        // One line, however wide the last one was.
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         Frame::NONE.fill(Color32::from_black_alpha(190)).inner_margin(2.0).show(ui, |ui| {
             if let Some(style) = paths {
                 ui.horizontal(|ui| {
