@@ -13,7 +13,7 @@ use super::{BenchError, Control};
 use crate::metrics::Comparison;
 use crate::output::{Picture, automatic_exposure, tone_map};
 use crate::plot::magma;
-use crate::settings::{Settings, VplSettings};
+use crate::settings::{Indirect, Settings, VplSettings};
 use crate::statistics::percentile;
 
 /// Frames whose median time counts.
@@ -99,8 +99,8 @@ pub(super) fn at_time(
 /// What makes a method better and slower: samples a pixel, or VPL slots; 0 where nothing does.
 fn amount(method: &Method, settings: &Settings) -> u32 {
     method.samples().unwrap_or(match settings.indirect {
-        crate::settings::Indirect::Vpls => settings.vpl.slots,
-        crate::settings::Indirect::None => 0,
+        Indirect::Vpls => settings.vpl.slots,
+        Indirect::None => 0,
     })
 }
 

@@ -200,7 +200,7 @@ impl Bench {
         let plan = &self.report.plan;
         let mut work = 0;
         for scene in &self.report.scenes {
-            let mut truth = None;
+            let mut truths = Vec::new();
             for run in self.report.runs_of(&scene.name) {
                 let frame = work_of_frame(&run.settings, run.method.samples());
                 let rounds_left = plan.rounds.saturating_sub(run.rounds.len() as u32);
@@ -209,10 +209,10 @@ impl Bench {
                     // After motion stops, and from a fresh start.
                     work += u64::from(2 * quality::LIKELY_SETTLING) * frame;
                     let settings = quality::truth_settings(&run.settings);
-                    if truth.as_ref() != Some(&settings) {
+                    if !truths.contains(&settings) {
                         let samples = quality::chosen_frames(plan.frames).len() as u64 * u64::from(plan.spp);
                         work += samples * work_of_sample(settings.size);
-                        truth = Some(settings);
+                        truths.push(settings);
                     }
                 }
             }
@@ -249,9 +249,9 @@ impl Bench {
             let load_ms = begun.elapsed().as_secs_f64() * 1e3;
             let stage = Stage::new(&self.device, scene);
             self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: stage.prepared.bvh_ms() });
-            let mut truth = None;
-            self.measure_scene(index, &stage, &mut truth, control)?;
-            self.compare_at_equal_time(index, &stage, &mut truth, control)?;
+            let mut truths = Vec::new();
+            self.measure_scene(index, &stage, &mut truths, control)?;
+            self.compare_at_equal_time(index, &stage, &mut truths, control)?;
             self.take_artefacts(index, &stage, control)?;
         }
         self.report.complete = true;
@@ -263,7 +263,7 @@ impl Bench {
         &mut self,
         index: usize,
         stage: &Stage,
-        truth: &mut Option<Truth>,
+        truths: &mut Vec<Truth>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let name = &stage.scene.name;
@@ -277,7 +277,7 @@ impl Bench {
                 control.runs = [done, planned];
                 let what = [Axis::Method, Axis::TemporalSets].map(|axis| axis.phrase(run)).join(", ");
                 control.begin(format!("run {} of {planned}: {name}, {what}", done + 1));
-                self.measure(at, index, stage, truth, control)?;
+                self.measure(at, index, stage, truths, control)?;
                 self.folder.keep(&self.report)?;
             }
         }
@@ -290,7 +290,7 @@ impl Bench {
         at: usize,
         scene: usize,
         stage: &Stage,
-        truth: &mut Option<Truth>,
+        truths: &mut Vec<Truth>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let run = &self.report.runs[at];
@@ -319,7 +319,7 @@ impl Bench {
             }
         }
         if judged {
-            let truth = Truth::of(truth, stage, &settings, &self.report.plan, control)?;
+            let truth = Truth::of(truths, stage, &settings, &self.report.plan, control)?;
             let (frames, (settling_frames, temporal_error)) = (truth.errors(&taken)?, stop);
             let still = quality::still(stage, &method, &settings, truth, control)?;
             self.report.runs[at].quality = Some(Quality { frames, settling_frames, temporal_error, still });
@@ -339,7 +339,7 @@ impl Bench {
         &mut self,
         index: usize,
         stage: &Stage,
-        truth: &mut Option<Truth>,
+        truths: &mut Vec<Truth>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let name = stage.scene.name.clone();
@@ -363,7 +363,7 @@ impl Bench {
         let mut all = Vec::new();
         for run in &runs {
             control.begin(format!("{name}: {} at equal time", run.method));
-            let truth = Truth::of(truth, stage, &run.settings, &self.report.plan, control)?;
+            let truth = Truth::of(truths, stage, &run.settings, &self.report.plan, control)?;
             let (equal, shown) = equal_time::at_time(stage, run, [time(run), wanted], truth, control)?;
             let entry = self.entry(index, PictureKind::Truth, &run.settings);
             self.keep_picture(entry, truth.last().1)?;

@@ -89,19 +89,19 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    /// Those in `known` if they apply to runs with `settings`; otherwise path traces them.
+    /// Those of `known` that apply to runs with `settings`; otherwise path traces and adds them.
     pub fn of<'a>(
-        known: &'a mut Option<Self>,
+        known: &'a mut Vec<Self>,
         stage: &Stage,
         settings: &Settings,
         plan: &Plan,
         control: &mut Control<'_>,
     ) -> Result<&'a Self, BenchError> {
-        let truth = match known.take().filter(|truth| truth.serves(settings)) {
-            Some(truth) => truth,
-            None => Self::render(stage, settings, plan, control)?,
-        };
-        Ok(known.insert(truth))
+        let at = known.iter().position(|truth| truth.serves(settings));
+        if at.is_none() {
+            known.push(Self::render(stage, settings, plan, control)?);
+        }
+        Ok(&known[at.unwrap_or(known.len() - 1)])
     }
 
     fn render(

@@ -236,7 +236,11 @@ fn plan(
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }
     let mut sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
-    sweep.methods = options.methods.concat();
+    for method in options.methods.concat() {
+        if !sweep.methods.contains(&method) {
+            sweep.methods.push(method);
+        }
+    }
     if let (Some(old), true) = (old, sweep.methods.is_empty()) {
         sweep.methods = old.sweep.methods.clone();
     }

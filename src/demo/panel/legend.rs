@@ -1,6 +1,6 @@
 //! What is shown in place of the picture or over it, in a line at the lower edge.
 
-use egui::{Align2, Area, Color32, Frame, Id, RichText, Ui};
+use egui::{Align2, Area, Color32, Frame, Id, RichText, Sense, Ui, vec2};
 
 use crate::estimators::views;
 use crate::estimators::vpls::{VPL_VISIBILITY, path_legend};
@@ -22,10 +22,9 @@ pub(super) fn show(ui: &Ui, view: &DebugView) {
                 ui.horizontal(|ui| {
                     ui.label(white(&format!("paths by {}:", style.label().to_lowercase())));
                     for (name, [r, g, b]) in path_legend(style) {
-                        let colour = [r, g, b].map(|channel| (channel * 255.0) as u8);
-                        ui.label(
-                            RichText::new("●").color(Color32::from_rgb(colour[0], colour[1], colour[2])),
-                        );
+                        let [r, g, b] = [r, g, b].map(|channel| (channel * 255.0) as u8);
+                        let (place, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+                        ui.painter().rect_filled(place, 2.0, Color32::from_rgb(r, g, b));
                         ui.label(white(name));
                     }
                 });
