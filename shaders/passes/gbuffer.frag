@@ -39,6 +39,21 @@ vec3 diffuse_albedo(Bsdf bsdf, vec3 normal, vec3 to_eye) {
 
 vec2 coordinates(TextureUse use) { return DETAILED ? coordinates_of(use, uvs) : uvs.xy; }
 
+// Of both sets of texture coordinates, from pixel to pixel.
+struct Gradients {
+    vec4 right;
+    vec4 down;
+};
+
+// A material's texture. Coordinates are transformed by what a buffer holds, which helper invocations may read as 0, so the mip level
+// follows from the gradients of those of the vertices.
+vec4 sampled(sampler2D image, TextureUse use, Gradients gradients) {
+    if (!DETAILED) return texture(image, uvs.xy);
+    vec2 right = coordinates_of(use, gradients.right) - use.offset;
+    vec2 down = coordinates_of(use, gradients.down) - use.offset;
+    return textureGrad(image, coordinates_of(use, uvs), right, down);
+}
+
 // The shading normal on the side that is seen, which `geometric` is on.
 vec3 shading_normal(vec3 geometric, vec3 texel) {
     vec3 shading = normalize(normal);
@@ -59,28 +74,28 @@ vec2 motion() {
 }
 
 void main() {
-    // Taken before any discard: derivatives and mip level need the whole quad.
+    // Taken before any branch and discard: derivatives need the whole quad.
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
-    vec2 base_uv = coordinates(material.base_texture);
-    Bsdf bsdf = Bsdf(material.base.rgb * texture(base_texture, base_uv).rgb, material.base.w, material.reflectance.rgb,
+    Gradients gradients = Gradients(dFdx(uvs), dFdy(uvs));
+    Bsdf bsdf = Bsdf(material.base.rgb * sampled(base_texture, material.base_texture, gradients).rgb, material.base.w, material.reflectance.rgb,
         material.reflectance.w, material.emission.w);
     vec3 emission = material.emission.rgb;
     vec3 texel = vec3(0.5, 0.5, 1.0);
     if (material.metallic_roughness_texture.image > 0u) {
-        vec2 data = texture(metallic_roughness_texture, coordinates(material.metallic_roughness_texture)).gb;
+        vec2 data = sampled(metallic_roughness_texture, material.metallic_roughness_texture, gradients).gb;
         bsdf.roughness *= data.x;
         bsdf.metallic *= data.y;
     }
     if (material.emission_texture.image > 0u) {
-        emission *= texture(emission_texture, coordinates(material.emission_texture)).rgb;
+        emission *= sampled(emission_texture, material.emission_texture, gradients).rgb;
     }
     if (DETAILED) {
         bsdf.base *= colour.rgb;
         if (material.normal_texture.image > 0u) {
-            texel = texture(normal_texture, coordinates(material.normal_texture)).rgb;
+            texel = sampled(normal_texture, material.normal_texture, gradients).rgb;
         }
     }
-    if (MASKED && !mask_opaque(material.mask, base_uv)) discard;
+    if (MASKED && !mask_opaque(material.mask, coordinates(material.base_texture))) discard;
 
     // Turn both normals to the side that is seen: surfaces are two-sided.
     vec3 to_eye = frame.eye.xyz - position_ws;
