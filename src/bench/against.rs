@@ -1,9 +1,9 @@
 //! Significant changes of frame and pass times, and of errors, since an earlier report.
 //!
-//! In: two reports. Out: the times of their common runs whose difference is significant, and the errors that differ. Frame i shows the same moment
-//! in both, so frames are compared in pairs: the medians of blocks of adjacent frames, which are correlated, are
-//! subtracted. The standard error of the mean difference is the larger of two estimates: from the variance between
-//! blocks, and from that between rounds. A time has changed if the 99 % confidence interval of the mean difference
+//! In: two reports. Out: the times of their common runs whose difference is significant, and the errors that differ. Frame
+//! i shows the same moment in both, so frames are compared in pairs: the medians of blocks of adjacent frames, which are
+//! correlated, are subtracted. The standard error of the mean difference is the larger of two estimates: from the variance
+//! between blocks, and from that between rounds. A time has changed if the 99 % confidence interval of the mean difference
 //! lies outside of a margin around 0.
 
 use super::plan::Axis;
@@ -21,7 +21,7 @@ const MARGIN_OF_FRAME: f64 = 0.005;
 /// Absolute margin, ms: the latency of waking a thread.
 const MARGIN_MS: f64 = 0.005;
 
-/// Change of an error, relative and absolute, that counts: drivers round differently.
+/// Relative and absolute margin of an error: drivers round differently.
 const ERROR_MARGINS: [f64; 2] = [0.02, 0.001];
 /// The error against the path tracer.
 const FLIP: &str = "FLIP error";
@@ -113,7 +113,7 @@ fn changes(runs: [&Run; 2], noise: [&Noise; 2]) -> Vec<Change> {
     names.filter_map(change).chain(error_change(runs)).collect()
 }
 
-/// Errors are the same each time, so that any change counts.
+/// Errors of one build on one device are the same each time, so that they have no confidence interval.
 fn error_change(runs: [&Run; 2]) -> Option<Change> {
     let error = |run: &Run| Some(run.quality.as_ref()?.mean(|frame| frame.flip));
     let [old, new] = [error(runs[0])?, error(runs[1])?];

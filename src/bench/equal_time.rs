@@ -5,11 +5,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::method::Method;
+use super::pictures::PictureKind;
 use super::quality::{FrameQuality, Truth, compare_with};
 use super::report::Run;
 use super::run::{Stage, warm_up};
+use super::samples::TOTAL;
 use super::source::FrameSource;
-use super::{BenchError, Control};
+use super::summary::{Noise, Summary};
+use super::{Bench, BenchError, Control};
 use crate::metrics::Comparison;
 use crate::output::{Picture, automatic_exposure, tone_map};
 use crate::plot::magma;
@@ -51,14 +54,68 @@ struct Trial {
 }
 
 /// The pictures of a method at equal time.
-pub(super) struct Pictures {
-    pub picture: Picture,
+struct Pictures {
+    picture: Picture,
     /// FLIP error of each pixel.
-    pub map: Picture,
+    map: Picture,
+}
+
+impl Bench {
+    /// Whether a scene's methods are to be compared at equal time: where there are several.
+    pub(super) fn wants_equal_time(&self, scene: &str) -> bool {
+        let done = self.report.equal_time.iter().any(|equal| equal.scene == scene);
+        self.report.plan.quality && self.report.plan.sweep.methods.len() > 1 && !done
+    }
+
+    /// Renders every method so that its frames take as long as those of the first one.
+    pub(super) fn compare_at_equal_time(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        truths: &mut Vec<Truth>,
+        control: &mut Control<'_>,
+    ) -> Result<(), BenchError> {
+        let name = stage.scene.name.clone();
+        if !self.wants_equal_time(&name) {
+            return Ok(());
+        }
+        let noise = Noise::of(&self.report.runs);
+        let time = |run: &Run| Summary::of(run, &noise).map_or(0.0, |summary| summary.median(TOTAL));
+        let mut runs: Vec<Run> = Vec::new();
+        for run in self.report.runs_of(&name) {
+            // With other samples the path tracer is the same method.
+            let is_same = |known: &Run| match known.method.samples() {
+                Some(_) => run.method.samples().is_some(),
+                None => known.method == run.method,
+            };
+            if !runs.iter().any(is_same) {
+                runs.push(run.clone());
+            }
+        }
+        let Some(first) = runs.first() else { return Ok(()) };
+        let wanted = time(first);
+        let truth = Truth::of(truths, stage, &first.settings, &self.report.plan, control)?;
+        self.keep_picture(self.entry(index, PictureKind::Truth, &first.settings), truth.last().1)?;
+        let mut all = Vec::new();
+        for run in &runs {
+            control.begin(format!("{name}: {} at equal time", run.method));
+            let truth = Truth::of(truths, stage, &run.settings, &self.report.plan, control)?;
+            let (equal, shown) = at_time(stage, run, [time(run), wanted], truth, control)?;
+            for (kind, picture) in
+                [(PictureKind::EqualTime, &shown.picture), (PictureKind::FlipMap, &shown.map)]
+            {
+                let entry = self.entry(index, kind, &run.settings).of(&run.method);
+                self.keep_picture(entry, picture)?;
+            }
+            all.push(equal);
+        }
+        self.report.equal_time.extend(all);
+        self.folder.keep(&self.report)
+    }
 }
 
 /// Renders `run`, whose frames take `own_ms`, so that they take `wanted_ms`.
-pub(super) fn at_time(
+fn at_time(
     stage: &Stage,
     run: &Run,
     [own_ms, wanted_ms]: [f64; 2],

@@ -55,7 +55,7 @@ use crate::reference::ReferenceError;
 use crate::renderer::{RenderError, tracer_rates};
 use crate::report::LoadTimes;
 use crate::scene::{SceneError, load_scene};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::SettingsError;
 use crate::vulkan::Device;
 use control::{work_of_frame, work_of_sample};
 use quality::Truth;
@@ -325,107 +325,6 @@ impl Bench {
             self.report.runs[at].quality = Some(Quality { frames, settling_frames, temporal_error, still });
         }
         self.report.runs[at].rounds.push(round);
-        Ok(())
-    }
-
-    /// Whether a scene's methods are to be compared at equal time: where there are several.
-    fn wants_equal_time(&self, scene: &str) -> bool {
-        let done = self.report.equal_time.iter().any(|equal| equal.scene == scene);
-        self.report.plan.quality && self.report.plan.sweep.methods.len() > 1 && !done
-    }
-
-    /// Renders every method so that its frames take as long as those of the first one.
-    fn compare_at_equal_time(
-        &mut self,
-        index: usize,
-        stage: &Stage,
-        truths: &mut Vec<Truth>,
-        control: &mut Control<'_>,
-    ) -> Result<(), BenchError> {
-        let name = stage.scene.name.clone();
-        if !self.wants_equal_time(&name) {
-            return Ok(());
-        }
-        let noise = Noise::of(&self.report.runs);
-        let time = |run: &Run| Summary::of(run, &noise).map_or(0.0, |summary| summary.median(TOTAL));
-        let mut runs: Vec<Run> = Vec::new();
-        for run in self.report.runs_of(&name) {
-            // With other samples the path tracer is the same method.
-            let is_same = |known: &Run| match known.method.samples() {
-                Some(_) => run.method.samples().is_some(),
-                None => known.method == run.method,
-            };
-            if !runs.iter().any(is_same) {
-                runs.push(run.clone());
-            }
-        }
-        let Some(wanted) = runs.first().map(time) else { return Ok(()) };
-        let mut all = Vec::new();
-        for run in &runs {
-            control.begin(format!("{name}: {} at equal time", run.method));
-            let truth = Truth::of(truths, stage, &run.settings, &self.report.plan, control)?;
-            let (equal, shown) = equal_time::at_time(stage, run, [time(run), wanted], truth, control)?;
-            let entry = self.entry(index, PictureKind::Truth, &run.settings);
-            self.keep_picture(entry, truth.last().1)?;
-            for (kind, picture) in
-                [(PictureKind::EqualTime, &shown.picture), (PictureKind::FlipMap, &shown.map)]
-            {
-                let entry = self.entry(index, kind, &run.settings).of(&run.method);
-                self.keep_picture(entry, picture)?;
-            }
-            all.push(equal);
-        }
-        self.report.equal_time.extend(all);
-        self.folder.keep(&self.report)
-    }
-
-    /// Whether this run takes the scene's first and last picture: the first run with the representative number of sets.
-    fn wants_ends(&self, at: usize) -> bool {
-        let run = &self.report.runs[at];
-        let shown = self.report.shown_sets();
-        let first = self.report.runs_of(&run.scene).find(|run| run.settings.vpl.temporal_sets == shown);
-        run.rounds.is_empty() && first.is_some_and(|first| first.is_same(run))
-    }
-
-    /// The run, with the most sets, for missing pictures of a moving camera.
-    fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
-        let taken = |kind: PictureKind| {
-            self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
-        };
-        if PictureKind::ARTEFACTS.into_iter().all(taken) {
-            return None;
-        }
-        let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
-        let most = runs().map(|run| run.settings.vpl.temporal_sets).max()?;
-        runs().find(|run| run.settings.vpl.temporal_sets == most)
-    }
-
-    fn take_artefacts(
-        &mut self,
-        index: usize,
-        stage: &Stage,
-        control: &mut Control<'_>,
-    ) -> Result<(), BenchError> {
-        let Some(run) = self.missing_artefacts(&stage.scene.name) else { return Ok(()) };
-        let settings = run.settings.clone();
-        let (planned, done) = self.runs();
-        control.runs = [done, planned];
-        for kind in PictureKind::ARTEFACTS {
-            control.begin(format!("{}: the camera {}", stage.scene.name, kind.caption()));
-            let picture = pictures::artefact(stage, &settings, kind, control)?;
-            self.keep_picture(self.entry(index, kind, &settings), &picture)?;
-        }
-        self.folder.keep(&self.report)
-    }
-
-    fn entry(&self, scene: usize, kind: PictureKind, settings: &Settings) -> PictureEntry {
-        PictureEntry::new(scene, &self.report.scenes[scene].name, kind, settings.vpl.temporal_sets)
-    }
-
-    fn keep_picture(&mut self, entry: PictureEntry, picture: &Picture) -> Result<(), BenchError> {
-        self.folder.keep_picture(&entry, picture)?;
-        self.report.pictures.retain(|known| known.file != entry.file);
-        self.report.pictures.push(entry);
         Ok(())
     }
 

@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::control::work_of_frame;
 use super::method::Method;
+use super::report::Run;
 use super::run::Stage;
-use super::{BenchError, Control};
+use super::{Bench, BenchError, Control};
 use crate::output::Picture;
 use crate::scene::{Camera, Pose};
 use crate::settings::Settings;
@@ -109,8 +110,60 @@ fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
+impl Bench {
+    /// Whether this run takes the scene's first and last picture: the first run with the representative number of sets.
+    pub(super) fn wants_ends(&self, at: usize) -> bool {
+        let run = &self.report.runs[at];
+        let shown = self.report.shown_sets();
+        let first = self.report.runs_of(&run.scene).find(|run| run.settings.vpl.temporal_sets == shown);
+        run.rounds.is_empty() && first.is_some_and(|first| first.is_same(run))
+    }
+
+    /// The run, with the most sets, for missing pictures of a moving camera.
+    pub(super) fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
+        let taken = |kind: PictureKind| {
+            self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
+        };
+        if PictureKind::ARTEFACTS.into_iter().all(taken) {
+            return None;
+        }
+        let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
+        let most = runs().map(|run| run.settings.vpl.temporal_sets).max()?;
+        runs().find(|run| run.settings.vpl.temporal_sets == most)
+    }
+
+    pub(super) fn take_artefacts(
+        &mut self,
+        index: usize,
+        stage: &Stage,
+        control: &mut Control<'_>,
+    ) -> Result<(), BenchError> {
+        let Some(run) = self.missing_artefacts(&stage.scene.name) else { return Ok(()) };
+        let settings = run.settings.clone();
+        let (planned, done) = self.runs();
+        control.runs = [done, planned];
+        for kind in PictureKind::ARTEFACTS {
+            control.begin(format!("{}: the camera {}", stage.scene.name, kind.caption()));
+            let picture = artefact(stage, &settings, kind, control)?;
+            self.keep_picture(self.entry(index, kind, &settings), &picture)?;
+        }
+        self.folder.keep(&self.report)
+    }
+
+    pub(super) fn entry(&self, scene: usize, kind: PictureKind, settings: &Settings) -> PictureEntry {
+        PictureEntry::new(scene, &self.report.scenes[scene].name, kind, settings.vpl.temporal_sets)
+    }
+
+    pub(super) fn keep_picture(&mut self, entry: PictureEntry, picture: &Picture) -> Result<(), BenchError> {
+        self.folder.keep_picture(&entry, picture)?;
+        self.report.pictures.retain(|known| known.file != entry.file);
+        self.report.pictures.push(entry);
+        Ok(())
+    }
+}
+
 /// Renders the picture of a camera that moves through the scene's camera position; all else is stationary.
-pub(super) fn artefact(
+fn artefact(
     stage: &Stage,
     settings: &Settings,
     kind: PictureKind,

@@ -1,17 +1,121 @@
-//! Default lights and simple animations.
+//! Edits of the current scene; default lights and simple animations.
+
+use std::path::PathBuf;
 
 use glam::Vec3;
 use toml::Spanned;
 
-use super::stage::Stage;
+use super::stage::{Change, Selected, Stage};
 use crate::scene::{
-    AnimationEntry, AxisAngle, KeyframeEntry, LightEntry, LightType, RotationEntry, SpinEntry,
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
+    MaterialEdit, RotationEntry, SceneError, SpinEntry,
 };
 
 /// Warm white.
 const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
 /// Corners of a path.
 const CORNERS: u32 = 8;
+
+impl Stage {
+    /// Changes a light of the document to `entry`.
+    ///
+    /// # Errors
+    /// If the entry is invalid; then nothing changes.
+    pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
+        self.document.light(&entry)?;
+        self.edit(|document| {
+            if let Some(light) = document.light_mut(index) {
+                *light = entry;
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes an instance of the document to `entry`.
+    ///
+    /// # Errors
+    /// If the entry is invalid; then nothing changes.
+    pub fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
+        self.document.placement(&entry)?;
+        self.edit(|document| {
+            if let Some(instance) = document.instance_mut(index) {
+                *instance = entry;
+            }
+            Ok(())
+        })
+    }
+
+    /// Changes the materials of a name.
+    ///
+    /// # Errors
+    /// If the edit is invalid; then nothing changes.
+    pub fn set_material(&mut self, edit: MaterialEdit) -> Result<Change, SceneError> {
+        self.edit(|document| document.set_material(edit))
+    }
+
+    /// Changes the environment, or takes it away.
+    ///
+    /// # Errors
+    /// If the entry is invalid; then nothing changes.
+    pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
+        self.edit(|document| document.set_environment(environment))
+    }
+
+    /// Uses a file as the map of the environment; brightness and rotation stay.
+    ///
+    /// # Errors
+    /// Never, but like every edit.
+    pub fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
+        let now = self.document.environment().filter(|now| now.has_map()).cloned().unwrap_or_default();
+        let map = EnvironmentEntry { asset: None, download: None, builtin: None, map: Some(map), ..now };
+        self.set_environment(Some(map))
+    }
+
+    /// Adds a light and selects it.
+    pub fn add_light(&mut self, entry: LightEntry) -> Result<Change, SceneError> {
+        self.document.light(&entry)?;
+        let change = self.edit(|document| {
+            document.add_light(entry);
+            Ok(())
+        })?;
+        self.selected = Some(Selected::Light(self.document.lights().len() - 1));
+        Ok(change)
+    }
+
+    /// Removes a light.
+    pub fn remove_light(&mut self, index: usize) -> Result<Change, SceneError> {
+        self.selected = None;
+        self.headlamp = match self.headlamp {
+            Some(lamp) if lamp == index => None,
+            Some(lamp) if lamp > index => Some(lamp - 1),
+            lamp => lamp,
+        };
+        self.edit(|document| {
+            document.remove_light(index);
+            Ok(())
+        })
+    }
+
+    /// Adds an instance and selects it.
+    pub fn add_instance(&mut self, entry: InstanceEntry) -> Result<Change, SceneError> {
+        self.document.placement(&entry)?;
+        let change = self.edit(|document| {
+            document.add_instance(entry);
+            Ok(())
+        })?;
+        self.selected = Some(Selected::Instance(self.document.instances().len() - 1));
+        Ok(change)
+    }
+
+    /// Removes an instance.
+    pub fn remove_instance(&mut self, index: usize) -> Result<Change, SceneError> {
+        self.selected = None;
+        self.edit(|document| {
+            document.remove_instance(index);
+            Ok(())
+        })
+    }
+}
 
 /// A light of this kind in view of the camera, with a power that suits the scene's size.
 pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {

@@ -28,6 +28,7 @@ mod stage;
 mod tour;
 mod truth;
 mod undo;
+mod views;
 
 use std::path::PathBuf;
 

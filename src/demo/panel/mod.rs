@@ -89,7 +89,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     if let Some(stage) = shown.stage {
         handles::paint(ui, stage, shown.mode);
         legend::show(ui, stage.renderer.view());
-        if stage.is_left() {
+        if stage.camera_is_outside() {
             caption_below(ui, "The camera has left the scene: Home brings it back.");
         }
     }

@@ -1,0 +1,141 @@
+//! Actions that choose what the picture shows: debug views, single VPLs, the divided window, the tour.
+
+use std::path::PathBuf;
+
+use super::DemoError;
+use super::app::{Open, Recording};
+use super::split::{Right, RightSide, Split};
+use super::tour::{Before, Tour};
+use crate::estimators;
+use crate::estimators::vpls::SlotState;
+use crate::renderer::DebugView;
+use crate::settings::Settings;
+
+impl Open {
+    /// Begins the tour, with a contact sheet at its end if that has a file; or ends it.
+    pub(super) fn toggle_tour(&mut self, sheet: Option<PathBuf>) -> Result<(), DemoError> {
+        if self.tour.is_some() {
+            return self.end_tour();
+        }
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let before = Before {
+            settings: stage.settings.clone(),
+            view: stage.renderer.view().clone(),
+            camera: self.flight.moved(),
+            paused: self.clock.paused,
+            undo: std::mem::take(&mut stage.undo),
+        };
+        self.tour = Some(Tour::new(before, sheet));
+        self.split = None;
+        self.panel.hidden = true;
+        Ok(())
+    }
+
+    /// Ends the tour where it is; everything goes back to how it was.
+    pub(super) fn end_tour(&mut self) -> Result<(), DemoError> {
+        let (Some(tour), Some(stage)) = (self.tour.take(), &mut self.stage) else { return Ok(()) };
+        let (before, closes) = tour.end()?;
+        self.closing |= closes;
+        self.panel.hidden = false;
+        self.clock.paused = before.paused;
+        self.split = None;
+        match before.camera {
+            Some(camera) => self.flight.go_to(camera),
+            None => self.flight.home(),
+        }
+        stage.undo = before.undo;
+        let settings = Settings { size: stage.settings.size, ..before.settings };
+        self.view(&before.view)?;
+        self.set(&settings)
+    }
+
+    /// Divides the window between two methods, the same at first, or goes back to one picture.
+    pub(super) fn toggle_split(&mut self) -> Result<(), DemoError> {
+        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
+        let settings = self.stage.as_ref().map(|stage| Box::new(stage.settings.clone()));
+        self.divide(settings.filter(|_| !is_on).map(RightSide::Settings))
+    }
+
+    /// Shows the truth right of the divider, or goes back to one picture.
+    pub(super) fn toggle_truth(&mut self) -> Result<(), DemoError> {
+        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+        self.divide((!is_on).then_some(RightSide::Truth))
+    }
+
+    pub(super) fn change_split(&mut self, change: impl FnOnce(&mut Split)) {
+        if let Some(split) = &mut self.split {
+            change(split);
+        }
+    }
+
+    /// Divides the window, shows something else right of the divider, or goes back to one picture.
+    pub(super) fn divide(&mut self, side: Option<RightSide>) -> Result<(), DemoError> {
+        let (Some(stage), Some(side)) = (&mut self.stage, side) else {
+            self.split = None;
+            return Ok(());
+        };
+        let had_renderer = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
+        let restarts = matches!(side, RightSide::Settings(_)) && !had_renderer;
+        let done = match &mut self.split {
+            Some(split) => split.show(&self.gpu.device, stage, side),
+            None => Split::new(&self.gpu.device, stage, side).map(|split| self.split = Some(split)),
+        };
+        match done {
+            Err(error) if error.is_device_lost() => return Err(error),
+            Err(error) => self.panel.error = Some(error.to_string()),
+            Ok(()) => {}
+        }
+        if let Recording::On(recorder) = &mut self.recording
+            && restarts
+        {
+            recorder.renewed(stage);
+        }
+        Ok(())
+    }
+
+    pub(super) fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
+        match &mut self.stage {
+            Some(stage) => Ok(stage.renderer.set_view(view)?),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn change_view(&mut self, change: impl FnOnce(&mut DebugView)) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let mut view = stage.renderer.view().clone();
+        change(&mut view);
+        self.view(&view)
+    }
+
+    pub(super) fn step_buffer(&mut self, by: i32) -> Result<(), DemoError> {
+        self.change_view(|view| {
+            let all: Vec<&'static str> = estimators::views().map(|view| view.name).collect();
+            let now = all.iter().position(|name| *name == view.buffer).unwrap_or(0);
+            let next = (now as i32 + by).rem_euclid(all.len() as i32);
+            view.buffer = all[next as usize].into();
+        })
+    }
+
+    /// Steps to the next or previous valid VPL; from all VPLs to the first.
+    pub(super) fn step_vpl(&mut self, by: i32) -> Result<(), DemoError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let Some(vpls) = stage.renderer.vpls() else { return Ok(()) };
+        let slots = vpls.slots();
+        let valid: Vec<u32> =
+            slots.filter(|slot| slot.state == SlotState::Valid).map(|slot| slot.slot).collect();
+        self.change_view(|view| {
+            let look = &mut view.vpl;
+            let next = match look.single_vpl {
+                None => 0,
+                Some(now) if by > 0 => valid.iter().position(|slot| *slot > now).unwrap_or(0),
+                Some(now) => {
+                    let before = valid.iter().rposition(|slot| *slot < now);
+                    before.unwrap_or(valid.len().saturating_sub(1))
+                }
+            };
+            look.single_vpl = valid.get(next).copied();
+            // Show its path too.
+            look.vpl_paths.get_or_insert_default();
+        })
+    }
+}
