@@ -7,7 +7,9 @@ use std::time::Instant;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Scene, load_scene};
 use glowworm::settings::Settings;
-use glowworm::vulkan::{Device, Instance, InstanceOptions, Pane, PresentMode, Presenter, Surface, UiDrawing};
+use glowworm::vulkan::{
+    Device, Instance, InstanceOptions, Pane, PresentMode, Presenter, Surface, UiDrawing, Viewport,
+};
 use raw_window_handle::HasDisplayHandle;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
@@ -44,7 +46,8 @@ impl App {
         let Some(view) = &mut self.view else { return Ok(()) };
         view.renderer.render(&self.scene.pose(self.began.elapsed().as_secs_f64()))?;
         let pane = Pane { picture: view.renderer.display(), columns: [0.0, 1.0] };
-        view.presenter.present(&[pane], &UiDrawing::default())?;
+        let whole = Viewport { corner: [0, 0], size: view.window.inner_size().into() };
+        view.presenter.present(&[pane], whole, &UiDrawing::default())?;
         view.window.request_redraw();
         Ok(())
     }

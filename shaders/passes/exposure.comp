@@ -1,15 +1,17 @@
 #version 460
 // Automatic exposure: the log-average luminance, without the darkest and brightest tenth of the
-// picture, becomes middle grey (Reinhard et al. 2002).
+// picture, becomes middle grey (Reinhard et al. 2002); at once, or frame by frame.
 
 layout(local_size_x = 1) in;
 
 layout(set = 0, binding = 0, std430) readonly buffer HistogramBlock { uint bins[256]; } histogram;
-layout(set = 0, binding = 1, std430) writeonly buffer ExposureBlock { float factor; } exposure;
+layout(set = 0, binding = 1, std430) buffer ExposureBlock { float factor; } exposure;
 
-layout(push_constant) uniform Push { float stops; uint automatic; } push;
+layout(push_constant) uniform Push { float stops; uint automatic; float pace; } push;
 
 const float MIDDLE_GREY = 0.18;
+// Stops that nobody sees: the last step goes all the way, so that a picture comes to rest.
+const float UNSEEN = 0.02;
 
 void main() {
     if (push.automatic == 0u) {
@@ -30,5 +32,8 @@ void main() {
         weight += kept;
         seen += count;
     }
-    exposure.factor = weight > 0.0 ? MIDDLE_GREY / exp2(sum / weight) : 1.0;
+    float target = weight > 0.0 ? MIDDLE_GREY / exp2(sum / weight) : 1.0;
+    float before = exposure.factor;
+    float way = log2(target / before);
+    exposure.factor = push.pace >= 1.0 || abs(way) < UNSEEN ? target : before * exp2(push.pace * way);
 }

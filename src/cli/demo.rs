@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::options::{CameraOptions, RunOptions};
 use super::render::{RenderOptions, ViewOptions, render};
 use super::scene::GivenSettings;
-use super::{CliError, device, say};
+use super::{CliError, cache, device, say};
 use crate::demo::{self, DemoError, Launch};
 use crate::settings::Settings;
 
@@ -40,6 +40,7 @@ pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError>
         json: options.run.files.json.clone(),
         device: options.run.device.device.clone(),
         validate: options.run.device.validate,
+        cache: cache::folder(),
         tour: options.tour,
         contact_sheet: options.contact_sheet.clone(),
     };

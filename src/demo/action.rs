@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use super::edit::NewObject;
 use super::split::RightSide;
 use super::stage::Selected;
 use crate::renderer::DebugView;
@@ -18,8 +19,14 @@ use crate::vulkan::PresentMode;
 pub enum Action {
     /// Shows or hides the list of keys.
     ToggleHelp,
+    /// Hides the first lines for good.
+    DismissWelcome,
     /// Shows or hides the panel and all overlays.
     TogglePanel,
+    /// Shows or hides what is drawn over the picture.
+    ToggleOverlays,
+    /// Gives the keyboard to the panel, or back to the picture.
+    ToggleKeyboard,
     /// Pauses or resumes the animation.
     TogglePause,
     /// Pauses the animation, or has it go on.
@@ -42,8 +49,8 @@ pub enum Action {
     RestartDevice(Option<usize>),
     /// Loads a scene by name or file and replaces the current one.
     Open(String),
-    /// Sets the window pixels per picture pixel in each direction.
-    SetCoarseness(u32),
+    /// Sets the window pixels per picture pixel in each direction; none: they follow the frame rate.
+    SetCoarseness(Option<u32>),
     /// Reloads the scene from disk.
     Reload,
     /// Changes the settings.
@@ -88,6 +95,10 @@ pub enum Action {
     AskMap,
     /// Adds a light in view of the camera.
     AddLight(LightType),
+    /// Adds an object in view of the camera.
+    AddObject(NewObject),
+    /// Opens the file dialog to choose the model of an object to add.
+    AskModel,
     /// Duplicates the selected light or object.
     Duplicate,
     /// Deletes the selected light or object.
@@ -135,6 +146,16 @@ const CONTROL: ModifiersState = ModifiersState::CONTROL;
 pub(super) const BINDINGS: &[Binding] = &[
     bind("F1", "this list", KeyCode::F1, NONE, || Action::ToggleHelp),
     bind("Tab", "show or hide panel and handles", KeyCode::Tab, NONE, || Action::TogglePanel),
+    bind("Shift+Tab", "show or hide handles and labels alone", KeyCode::Tab, SHIFT, || {
+        Action::ToggleOverlays
+    }),
+    bind(
+        "F6",
+        "keyboard to the panel (Tab, arrows, Space, Enter), and back",
+        KeyCode::F6,
+        NONE,
+        || Action::ToggleKeyboard,
+    ),
     bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
     bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
     bind("F2", "begin or end the tour", KeyCode::F2, NONE, || Action::ToggleTour),

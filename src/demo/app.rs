@@ -20,9 +20,10 @@ use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
-use super::panel::{PanelState, Places, is_map};
+use super::panel::{self, PanelState, Places, is_map};
 use super::pointer::Pointer;
 use super::recorder::Recorder;
+use super::resolution::Resolution;
 use super::screenshot::Saving;
 use super::split::Split;
 use super::stage::Stage;
@@ -30,16 +31,10 @@ use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
-use crate::vulkan::Instance;
+use crate::vulkan::{Instance, Viewport};
 
-/// Default size of the window on a CPU driver, logical pixels.
-const CPU_SIZE: [u32; 2] = [640, 360];
-/// Default logical pixels per picture pixel in each direction, on a CPU driver.
-const CPU_COARSENESS: f64 = 2.0;
 /// Poll interval while the window is hidden.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
-/// Delay from the last resize of the window to that of the picture, which is scaled meanwhile.
-pub(super) const RESIZE_DELAY: Duration = Duration::from_millis(150);
 
 /// The application.
 pub(super) struct App {
@@ -87,9 +82,10 @@ pub(super) struct Open {
     pub press: Press,
     /// Textures of the user interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
-    /// Window pixels per picture pixel in each direction.
-    pub coarseness: u32,
-    /// Time of the last resize.
+    pub resolution: Resolution,
+    /// Of the last frame.
+    pub last_viewport: Viewport,
+    /// Time of the last change of the viewport or the resolution.
     pub resized: Option<Instant>,
     pub hidden: bool,
     /// The debug view to restore after the device is recreated.
@@ -122,7 +118,7 @@ impl App {
     }
 
     fn start(&mut self, events: &ActiveEventLoop) -> Result<(), DemoError> {
-        let [width, height] = self.window_size();
+        let [width, height] = self.window_size(events);
         let attributes = Window::default_attributes()
             .with_title("glowworm")
             .with_min_inner_size(winit::dpi::PhysicalSize::new(64, 64))
@@ -134,13 +130,9 @@ impl App {
         self.instance = Some(Arc::clone(gpu.instance()));
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
-        let small = info.is_cpu() && !self.is_given("size");
-        let mut coarseness = 1;
-        if small {
-            let [width, height] = CPU_SIZE;
-            let _ = window.request_inner_size(winit::dpi::LogicalSize::new(width, height));
-            coarseness = coarseness_at(window.scale_factor());
-        }
+        let is_slow = info.is_cpu() && !self.is_given("size");
+        let resolution =
+            if is_slow { Resolution::automatic(window.scale_factor()) } else { Resolution::full() };
         let context = slow_click_context();
         let scale = Some(window.scale_factor() as f32);
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
@@ -153,10 +145,10 @@ impl App {
             egui: egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, None),
             gpu,
             window,
-            panel: PanelState::default(),
+            panel: PanelState::new(self.launch.tour, self.launch.is_first_start()),
             places: Places::default(),
             clock: Clock::new(pace),
-            flight: Flight::new(1.0),
+            flight: Flight::new(1.0, None),
             pointer: Pointer::default(),
             history: History::default(),
             inspector: Inspector::default(),
@@ -164,7 +156,8 @@ impl App {
             modifiers: ModifiersState::empty(),
             press: Press::default(),
             textures: egui::TexturesDelta::default(),
-            coarseness,
+            resolution,
+            last_viewport: Viewport::default(),
             resized: None,
             hidden: false,
             saved_view: None,
@@ -180,8 +173,14 @@ impl App {
         self.launch.given.iter().any(|given| given == setting)
     }
 
-    fn window_size(&self) -> [u32; 2] {
-        self.launch.settings.size
+    /// Size of the window, pixels: by default that of the settings; one that is given is the picture's, with the panel beside.
+    fn window_size(&self, events: &ActiveEventLoop) -> [u32; 2] {
+        let size = self.launch.settings.size;
+        if self.launch.tour || !self.is_given("size") {
+            return size;
+        }
+        let scale = events.primary_monitor().map_or(1.0, |monitor| monitor.scale_factor());
+        panel::window_around(size, scale as f32)
     }
 
     /// Exits because of an error.
@@ -214,11 +213,6 @@ fn action_of_file(path: PathBuf) -> Action {
     if is_map(&path) { Action::OpenMap(path) } else { Action::Open(path.to_string_lossy().into_owned()) }
 }
 
-/// Default window pixels per picture pixel on a CPU driver, for this scale factor of the display.
-fn coarseness_at(scale: f64) -> u32 {
-    (CPU_COARSENESS * scale).round().clamp(1.0, 8.0) as u32
-}
-
 /// An egui context that accepts slow clicks: at a few frames per second every press is slow.
 pub(super) fn slow_click_context() -> egui::Context {
     let context = egui::Context::default();
@@ -241,20 +235,21 @@ impl ApplicationHandler for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
         // A clicked widget keeps the focus, but consumes keys only during text input; Escape closes its popups.
-        let typing = open.egui.egui_ctx().text_edit_focused();
-        let ours = matches!(&event, WindowEvent::KeyboardInput { event, .. }
-            if !typing && event.physical_key != PhysicalKey::Code(KeyCode::Escape));
+        let typing = open.panel.has_keyboard || open.egui.egui_ctx().text_edit_focused();
+        let key = match &event {
+            WindowEvent::KeyboardInput { event, .. } => Some(event.physical_key),
+            _ => None,
+        };
+        let is_key = |code: KeyCode| key == Some(PhysicalKey::Code(code));
+        let ours = key.is_some() && (!typing || is_key(KeyCode::F6)) && !is_key(KeyCode::Escape);
         let consumed = !ours && open.egui.on_window_event(&open.window, &event).consumed;
         let pointer_taken = open.egui.egui_ctx().egui_wants_pointer_input();
         if let WindowEvent::MouseInput { state, .. } = &event {
             open.press.turn(*state == ElementState::Pressed);
         }
         match event {
-            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::CloseRequested => open.actions.push(Action::Quit),
             WindowEvent::RedrawRequested => self.draw(events),
-            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
-                open.resized = Some(Instant::now());
-            }
             WindowEvent::Focused(false) => {
                 open.flight.release();
                 open.pointer.cancel();
@@ -264,17 +259,25 @@ impl ApplicationHandler for App {
             WindowEvent::KeyboardInput { event, .. } => {
                 let released = event.state == ElementState::Released;
                 if let PhysicalKey::Code(code) = event.physical_key
-                    && (!typing || released)
+                    && (!typing || released || code == KeyCode::F6)
                 {
                     open.key(code, event.state, event.repeat);
+                } else if is_key(KeyCode::Escape) {
+                    open.take_keyboard();
                 }
             }
             WindowEvent::CursorMoved { position, .. } => {
                 open.pointer_moved([position.x as f32, position.y as f32]);
+                if !pointer_taken {
+                    panel::release_number(open.egui.egui_ctx(), &open.panel);
+                }
             }
             WindowEvent::MouseInput { state, button, .. }
                 if !pointer_taken || state == ElementState::Released =>
             {
+                if state == ElementState::Pressed {
+                    open.panel.has_keyboard = false;
+                }
                 open.button(button, state);
             }
             WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !consumed => {
@@ -282,6 +285,7 @@ impl ApplicationHandler for App {
                     MouseScrollDelta::LineDelta(_, lines) => lines,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 50.0,
                 });
+                open.panel.show_speed(open.flight.speed_text());
             }
             WindowEvent::DroppedFile(path) => {
                 open.actions.push(action_of_file(path));

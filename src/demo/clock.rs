@@ -9,6 +9,9 @@ const LONGEST_STEP: f64 = 0.1;
 /// Longest step of the animation, seconds: it follows real time at any frame rate, but stands still while the program does.
 const LONGEST_PAUSE: f64 = 1.0;
 
+/// Time constant of automatic exposure, seconds: changes of light are seen, then evened out.
+const ADAPTATION: f64 = 0.15;
+
 /// How animation time advances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -51,6 +54,11 @@ impl Clock {
     /// Time since the last frame, seconds, limited for flights.
     pub fn seconds(&self) -> f64 {
         self.interval.as_secs_f64().min(LONGEST_STEP)
+    }
+
+    /// Share of its way that automatic exposure goes in this frame.
+    pub fn exposure_pace(&self) -> f32 {
+        1.0 - (-self.interval.as_secs_f64() / ADAPTATION).exp() as f32
     }
 
     /// Time since the last frame, ms.

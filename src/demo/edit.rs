@@ -3,18 +3,33 @@
 use std::path::PathBuf;
 
 use glam::Vec3;
+use serde::Serialize;
 use toml::Spanned;
 
 use super::stage::{Change, Selected, Stage};
 use crate::scene::{
     AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
-    MaterialEdit, RotationEntry, SceneError, SpinEntry,
+    MaterialEdit, ModelSource, Primitive, RotationEntry, ScaleEntry, SceneError, SpinEntry,
 };
 
 /// Warm white.
 const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
 /// Corners of a path.
 const CORNERS: u32 = 8;
+/// Edge length or radius of a new shape, radii of the scene.
+const SHAPE: f32 = 0.08;
+
+/// An object to add.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NewObject {
+    /// Another instance of this model.
+    Model(String),
+    /// A shape with a material of its own.
+    Shape(Primitive),
+    /// A model's file.
+    File(PathBuf),
+}
 
 impl Stage {
     /// Changes a light of the document to `entry`.
@@ -96,6 +111,35 @@ impl Stage {
         })
     }
 
+    /// Adds an object in view of the camera and selects it; the file of a model is read when the scene is built.
+    ///
+    /// # Errors
+    /// If the entry is invalid; then nothing changes.
+    pub fn add_object(&mut self, object: NewObject) -> Result<Change, SceneError> {
+        let place = Some(place_in_view(self).to_array());
+        let size = SHAPE * self.radius;
+        let before = self.document.clone();
+        let (model, scale) = match object {
+            NewObject::Model(name) => {
+                let known = self.document.instances().find(|instance| instance.model == name);
+                let scale = known.and_then(|instance| instance.scale);
+                (name, scale)
+            }
+            NewObject::Shape(shape) => {
+                let model = self.document.add_model(ModelSource::Shape(shape));
+                (model, Some(ScaleEntry::Uniform(size)))
+            }
+            NewObject::File(path) => (self.document.add_model(ModelSource::File(path)), None),
+        };
+        let name = Some(free_name(self, &model));
+        let entry = InstanceEntry { name, translation: place, scale, ..InstanceEntry::of(model) };
+        let change = self.add_instance(entry);
+        if change.is_err() {
+            self.document = before;
+        }
+        change
+    }
+
     /// Adds an instance and selects it.
     pub fn add_instance(&mut self, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
@@ -117,12 +161,27 @@ impl Stage {
     }
 }
 
+/// A place before what is in the middle of the picture.
+fn place_in_view(stage: &Stage) -> Vec3 {
+    let camera = &stage.pose.camera;
+    let distance = stage.pick(glam::Vec2::splat(0.5)).map_or(0.5 * stage.radius, |picked| picked.distance);
+    camera.eye + camera.forward() * (0.7 * distance)
+}
+
+/// `name`, with as many times " copy" as make it a name that no instance has.
+pub(super) fn free_name(stage: &Stage, name: &str) -> String {
+    let instances = || stage.document.instances();
+    let mut name = name.to_owned();
+    while instances().any(|known| *known.name.as_ref().unwrap_or(&known.model) == name) {
+        name += " copy";
+    }
+    name
+}
+
 /// A light of this kind in view of the camera, with a power that suits the scene's size.
 pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
     let camera = &stage.pose.camera;
-    let middle = glam::Vec2::splat(0.5);
-    let distance = stage.pick(middle).map_or(0.5 * stage.radius, |picked| picked.distance);
-    let place = camera.eye + camera.forward() * (0.7 * distance);
+    let place = place_in_view(stage);
     // An irradiance of pi at a third of the scene's radius.
     let away = 0.33 * stage.radius;
     let intensity = WHITE * (std::f32::consts::PI * away * away);

@@ -12,6 +12,10 @@ const RUN: f32 = 4.0;
 /// Limit of the cosine between view direction and up axis.
 const STEEPEST: f32 = 0.998;
 
+/// Speed in a scene of known scale, metres per second, and at most in radii of the scene per second.
+const WALK: f32 = 2.0;
+const FASTEST_WALK: f32 = 0.2;
+
 /// State of the camera controller.
 pub(super) struct Flight {
     /// None: the scene's own camera, which may be animated.
@@ -19,14 +23,25 @@ pub(super) struct Flight {
     bookmarks: [Option<Camera>; 9],
     /// Speed, scene units per second.
     pub speed: f32,
+    metres_per_unit: Option<f32>,
     held: Vec<KeyCode>,
     pub running: bool,
 }
 
 impl Flight {
-    /// A controller for a scene of this radius, scene units.
-    pub fn new(radius: f32) -> Self {
-        Self { moved: None, bookmarks: [None; 9], speed: 0.3 * radius, held: Vec::new(), running: false }
+    /// A controller for a scene of this radius, scene units, and scale, if that is known.
+    pub fn new(radius: f32, metres_per_unit: Option<f32>) -> Self {
+        let walk = metres_per_unit.map_or(f32::INFINITY, |metres| WALK / metres);
+        let speed = walk.min(FASTEST_WALK * radius);
+        Self { moved: None, bookmarks: [None; 9], speed, metres_per_unit, held: Vec::new(), running: false }
+    }
+
+    /// The speed, to be read.
+    pub fn speed_text(&self) -> String {
+        match self.metres_per_unit {
+            Some(metres) => format!("{:.2} m/s", self.speed * metres),
+            None => format!("{:.3} units/s", self.speed),
+        }
     }
 
     /// The camera to draw with, given the scene's own.
@@ -164,7 +179,7 @@ mod tests {
     fn orbiting_keeps_the_distance_and_the_pivots_place() {
         let own = Camera::looking(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO);
         let pivot = Vec3::new(0.5, 0.2, 0.0);
-        let mut flight = Flight::new(1.0);
+        let mut flight = Flight::new(1.0, None);
         let place = |camera: &Camera| camera.view_matrix().transform_point3(pivot);
         let before = place(&own);
         for _ in 0..40 {
@@ -178,7 +193,7 @@ mod tests {
     #[test]
     fn looking_never_turns_over() {
         let own = Camera::looking(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO);
-        let mut flight = Flight::new(1.0);
+        let mut flight = Flight::new(1.0, None);
         for _ in 0..500 {
             flight.look(&own, [3.0, 40.0]);
         }
@@ -187,9 +202,18 @@ mod tests {
     }
 
     #[test]
+    fn the_speed_is_that_of_a_walk_where_the_scale_is_known() {
+        // A hall of 40 m in centimetres, a helmet in metres, and something of unknown scale.
+        assert_eq!(Flight::new(2000.0, Some(0.01)).speed, 200.0);
+        assert_eq!(Flight::new(2000.0, Some(0.01)).speed_text(), "2.00 m/s");
+        assert_eq!(Flight::new(1.0, Some(1.0)).speed, 0.2);
+        assert_eq!(Flight::new(2000.0, None).speed, 400.0);
+    }
+
+    #[test]
     fn keys_fly_until_let_go() {
         let own = Camera::looking(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
-        let mut flight = Flight::new(1.0);
+        let mut flight = Flight::new(1.0, None);
         flight.speed = 2.0;
         flight.key(KeyCode::KeyW, true);
         flight.advance(&own, 0.5);

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::action::Action;
-use super::app::{App, Open, RESIZE_DELAY, Recording};
+use super::app::{App, Open, Recording};
 use super::flight::Flight;
 use super::history::Sample;
 use super::loader::Built;
@@ -26,19 +26,24 @@ impl App {
         open.follow_size();
         let step = open.stage.as_ref().map_or(0.0, |stage| stage.settings.time_step);
         open.clock.tick(step);
+        open.follow_rate();
         open.fly();
         if let Some(stop) = open.follow_tour(&self.launch)? {
             self.log.event("tour-stop", stop);
         }
         open.drag_handle();
         let started = Instant::now();
-        let (primitives, pixels_per_point) = open.run_panel();
+        let (primitives, pixels_per_point) = open.run_panel(&self.launch);
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
+        let asked = open.panel.leaving.clone();
         for action in std::mem::take(&mut open.actions) {
             self.perform(action)?;
         }
         let Some(open) = &mut self.open else { return Ok(()) };
         open.press.end_frame();
+        if let Some(leave) = open.panel.leaving.clone().filter(|leave| asked.as_ref() != Some(leave)) {
+            self.log.event("unsaved", leave);
+        }
         if open.places != open.panel.places {
             open.places.clone_from(&open.panel.places);
             self.log.event("layout", &open.places);
@@ -59,7 +64,7 @@ impl App {
             (None, _) => Vec::new(),
         };
         open.window.pre_present_notify();
-        let presented = open.gpu.presenter.present(&panes, &drawing)?;
+        let presented = open.gpu.presenter.present(&panes, open.viewport(), &drawing)?;
         if presented == Presented::Skipped {
             open.textures.append(drawing.textures);
             return Ok(());
@@ -177,7 +182,7 @@ impl Open {
                     stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
                     self.panel.message = stage.rest.warnings.join("; ");
                     self.window.set_title(&format!("{} - glowworm", stage.name));
-                    self.flight = Flight::new(stage.radius);
+                    self.flight = Flight::new(stage.radius, stage.rest.metres_per_unit);
                     self.clock.time = 0.0;
                 }
                 self.split = None;
@@ -191,6 +196,7 @@ impl Open {
             }
         }
         self.history.clear();
+        self.resolution.forget();
         // The window may have been resized meanwhile.
         self.resized = Some(Instant::now());
         Ok(())
@@ -204,27 +210,6 @@ impl Open {
         self.panel.error = Some(error.to_string());
         self.stage.as_mut().map_or(Ok(()), Stage::take_back)?;
         Ok(())
-    }
-
-    /// Resizes the presenter at once, and the renderer after [`RESIZE_DELAY`].
-    fn follow_size(&mut self) {
-        let size = self.window.inner_size();
-        self.gpu.presenter.resize([size.width, size.height]);
-        if self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
-            return;
-        }
-        self.resized = None;
-        let size = self.picture_size();
-        if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
-            let settings = crate::settings::Settings { size, ..stage.settings.clone() };
-            self.actions.push(Action::Set(Box::new(settings)));
-        }
-    }
-
-    /// Size of the picture for the current window, pixels.
-    pub fn picture_size(&self) -> [u32; 2] {
-        let size = self.window.inner_size();
-        [size.width, size.height].map(|side| side.div_ceil(self.coarseness).max(1))
     }
 
     /// Goes on with the tour; the caption of a stop that begins.
@@ -253,7 +238,7 @@ impl Open {
         self.flight.advance(&own, self.clock.seconds() as f32);
     }
 
-    fn run_panel(&mut self) -> (Vec<egui::ClippedPrimitive>, f32) {
+    fn run_panel(&mut self, launch: &Launch) -> (Vec<egui::ClippedPrimitive>, f32) {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let mut actions = Vec::new();
@@ -262,11 +247,12 @@ impl Open {
                 stage: self.stage.as_ref(),
                 split: self.split.as_ref(),
                 caption: self.tour.as_ref().map(Tour::caption),
+                assets: launch.assets.as_deref(),
                 clock: &mut self.clock,
                 history: &self.history,
                 loader: &self.loader,
                 gpu: &self.gpu,
-                coarseness: self.coarseness,
+                resolution: &self.resolution,
                 recording: &self.recording,
                 inspector: &self.inspector,
                 mode: self.mode,
@@ -284,9 +270,10 @@ impl Open {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         self.inspector.refresh(stage)?;
         let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
-        stage.render(self.clock.time, camera)?;
+        let pace = self.clock.exposure_pace();
+        stage.render(self.clock.time, camera, pace)?;
         if let Some(split) = &mut self.split {
-            split.render(stage)?;
+            split.render(stage, pace)?;
         }
         if let Recording::On(recorder) = &mut self.recording {
             recorder.frame(stage);

@@ -2,7 +2,7 @@
 //!
 //! In: the stage and the pointer. Out: the handle under the pointer, and the selected entry after a drag.
 
-use egui::{Color32, Pos2, Stroke, Ui};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
 use super::stage::{Selected, Stage};
@@ -48,20 +48,21 @@ pub(super) enum Entry {
 /// Projection from world space to window points.
 pub(super) struct Projector {
     view_projection: Mat4,
-    size: Vec2,
+    viewport: Rect,
 }
 
 impl Projector {
-    /// For a window of `size` points.
-    pub fn new(stage: &Stage, size: egui::Vec2) -> Self {
-        Self { view_projection: stage.view_projection(), size: Vec2::new(size.x, size.y) }
+    /// For a picture in `viewport`, points.
+    pub fn new(stage: &Stage, viewport: Rect) -> Self {
+        Self { view_projection: stage.view_projection(), viewport }
     }
 
     /// Projects a point; none behind the camera.
     pub fn point(&self, world: Vec3) -> Option<Pos2> {
         let clip = self.view_projection * world.extend(1.0);
-        let at = (clip.xy() / clip.w * 0.5 + 0.5) * self.size;
-        (clip.w > 1e-6 && at.is_finite()).then(|| Pos2::new(at.x, at.y))
+        let at = clip.xy() / clip.w * 0.5 + 0.5;
+        let place = egui::vec2(at.x, at.y) * self.viewport.size();
+        (clip.w > 1e-6 && at.is_finite()).then(|| self.viewport.min + place)
     }
 }
 
@@ -87,10 +88,10 @@ fn reach(stage: &Stage, pivot: Vec3) -> f32 {
     REACH * 2.0 * depth * (0.5 * camera.vertical_fov).tan()
 }
 
-/// Draws light markers, and the bounding box and handles of the selection.
-pub(super) fn paint(ui: &Ui, stage: &Stage, mode: Mode) {
-    let projector = Projector::new(stage, ui.ctx().content_rect().size());
-    let painter = ui.painter();
+/// Draws light markers, and the bounding box, handles and name of the selection.
+pub(super) fn paint(ui: &Ui, stage: &Stage, viewport: Rect, mode: Mode) {
+    let projector = Projector::new(stage, viewport);
+    let painter = ui.painter().with_clip_rect(viewport);
     for light in 0..stage.document.lights().len() {
         let selected = stage.selected == Some(Selected::Light(light));
         if let Some(at) = mark(stage, &projector, light) {
@@ -98,8 +99,9 @@ pub(super) fn paint(ui: &Ui, stage: &Stage, mode: Mode) {
         }
     }
     let Some(selected) = stage.selected else { return };
-    paint_box(ui, stage, &projector, selected);
+    paint_box(&painter, stage, &projector, selected);
     let Some(pivot) = stage.place_of(selected) else { return };
+    paint_name(&painter, &stage.name_of(selected), projector.point(pivot));
     let reach = reach(stage, pivot);
     for (axis, colour) in AXES.into_iter().zip(COLOURS) {
         let points: Option<Vec<Pos2>> =
@@ -134,8 +136,17 @@ fn light_colour(stage: &Stage, light: usize) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
+/// Writes the name of the selection below its pivot.
+fn paint_name(painter: &Painter, name: &str, pivot: Option<Pos2>) {
+    let Some(pivot) = pivot else { return };
+    let text = painter.layout_no_wrap(name.to_owned(), FontId::proportional(13.0), edge(true));
+    let place = Align2::CENTER_TOP.anchor_size(pivot + egui::vec2(0.0, 10.0), text.size());
+    painter.rect_filled(place.expand(2.0), 2.0, Color32::from_black_alpha(160));
+    painter.galley(place.min, text, edge(true));
+}
+
 /// Draws the bounding box of an instance or of an area light's surface.
-fn paint_box(ui: &Ui, stage: &Stage, projector: &Projector, selected: Selected) {
+fn paint_box(painter: &Painter, stage: &Stage, projector: &Projector, selected: Selected) {
     let instance = match selected {
         Selected::Instance(index) => Some(index),
         Selected::Light(index) => stage.document.light_instance(index),
@@ -155,14 +166,14 @@ fn paint_box(ui: &Ui, stage: &Stage, projector: &Projector, selected: Selected) 
         if from >> bit & 1 == 0
             && let (Some(a), Some(b)) = (corner(from), corner(from | 1 << bit))
         {
-            ui.painter().line_segment([a, b], Stroke::new(1.0, edge(true)));
+            painter.line_segment([a, b], Stroke::new(1.0, edge(true)));
         }
     }
 }
 
 /// The light whose marker is at a window position.
-pub(super) fn light_at(stage: &Stage, size: egui::Vec2, at: Pos2) -> Option<Selected> {
-    let projector = Projector::new(stage, size);
+pub(super) fn light_at(stage: &Stage, viewport: Rect, at: Pos2) -> Option<Selected> {
+    let projector = Projector::new(stage, viewport);
     let distance = |light: usize| mark(stage, &projector, light).map(|mark| mark.distance(at));
     let near = (0..stage.document.lights().len()).filter_map(|light| Some((distance(light)?, light)));
     let nearest = near.filter(|(distance, _)| *distance < GRIP).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -171,10 +182,10 @@ pub(super) fn light_at(stage: &Stage, size: egui::Vec2, at: Pos2) -> Option<Sele
 
 impl HandleDrag {
     /// Starts a drag at a window position, if there is a handle.
-    pub fn begin(stage: &Stage, mode: Mode, size: egui::Vec2, at: Pos2) -> Option<Self> {
+    pub fn begin(stage: &Stage, mode: Mode, viewport: Rect, at: Pos2) -> Option<Self> {
         let selected = stage.selected?;
         let pivot = stage.place_of(selected)?;
-        let projector = Projector::new(stage, size);
+        let projector = Projector::new(stage, viewport);
         let reach = reach(stage, pivot);
         let distance = |axis: Vec3| {
             let points: Vec<Pos2> = lines(mode, pivot, axis, reach)
@@ -191,7 +202,8 @@ impl HandleDrag {
             Selected::Light(index) => Entry::Light(index, stage.document.lights().nth(index)?.clone()),
         };
         let drag = Self { mode, axis: nearest, pivot, start: 0.0, original };
-        let ray = stage.ray(Vec2::new(at.x / size.x, at.y / size.y));
+        let share = (at - viewport.min) / viewport.size();
+        let ray = stage.ray(Vec2::new(share.x, share.y));
         let start = drag.place(&ray).filter(|_| distance(nearest) < GRIP)?;
         Some(Self { start, ..drag })
     }

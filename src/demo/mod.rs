@@ -22,6 +22,7 @@ mod panel;
 mod perform;
 mod pointer;
 mod recorder;
+mod resolution;
 mod screenshot;
 mod split;
 mod stage;
@@ -58,10 +59,30 @@ pub struct Launch {
     pub device: Option<String>,
     /// Whether to enable the validation layer.
     pub validate: bool,
+    /// Folder of what is kept between starts.
+    pub cache: Option<PathBuf>,
     /// Whether to begin with the tour.
     pub tour: bool,
     /// File for the tour's contact sheet; the program ends with the tour then.
     pub contact_sheet: Option<PathBuf>,
+}
+
+/// The file, empty, that tells that the first lines were read.
+const WELCOMED: &str = "welcomed";
+
+impl Launch {
+    /// Whether nobody has dismissed the first lines yet. Without a folder to note that in, they are not shown at all.
+    fn is_first_start(&self) -> bool {
+        self.cache.as_ref().is_some_and(|cache| !cache.join(WELCOMED).exists())
+    }
+
+    /// Notes that the first lines were dismissed; where that fails, they are shown again.
+    fn note_welcomed(&self) {
+        if let Some(cache) = &self.cache {
+            let noted = std::fs::create_dir_all(cache).and_then(|()| std::fs::write(cache.join(WELCOMED), ""));
+            noted.unwrap_or_else(|error| ::log::warn!("{}: {error}", cache.display()));
+        }
+    }
 }
 
 /// Errors of the window.

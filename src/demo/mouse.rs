@@ -9,13 +9,14 @@ use super::action::{Action, action_of};
 use super::app::Open;
 use super::handles::{Entry, HandleDrag, light_at};
 use super::pointer::Drag;
+use crate::vulkan::Viewport;
 
 impl Open {
     /// Pointer position in the picture, from (0, 0) at the top left to (1, 1).
     fn pointer_in_picture(&self) -> Vec2 {
-        let size = self.window.inner_size();
-        let extent = Vec2::new(size.width.max(1) as f32, size.height.max(1) as f32);
-        Vec2::from_array(self.pointer.position) / extent
+        let Viewport { corner, size } = self.viewport();
+        let float = |pixels: [u32; 2]| Vec2::from_array(pixels.map(|side| side as f32));
+        (Vec2::from_array(self.pointer.position) - float(corner)) / float(size).max(Vec2::ONE)
     }
 
     pub(super) fn key(&mut self, code: KeyCode, state: ElementState, repeat: bool) {
@@ -25,8 +26,40 @@ impl Open {
             self.flight.key(code, pressed);
         }
         if pressed && !repeat {
-            self.actions.extend(action_of(code, self.modifiers));
+            let action = action_of(code, self.modifiers);
+            if action == Some(Action::ToggleKeyboard) {
+                self.toggle_keyboard();
+            }
+            self.actions.extend(action);
         }
+    }
+
+    /// Gives the keyboard to the panel, at its first widget, or back to the picture.
+    fn toggle_keyboard(&mut self) {
+        if self.panel.has_keyboard {
+            return self.take_keyboard();
+        }
+        self.panel.has_keyboard = true;
+        self.panel.hidden = false;
+        self.flight.release();
+        let tab = egui::Event::Key {
+            key: egui::Key::Tab,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        };
+        self.egui.egui_input_mut().events.push(tab);
+    }
+
+    /// Takes the keyboard back from the panel.
+    pub(super) fn take_keyboard(&mut self) {
+        self.panel.has_keyboard = false;
+        self.egui.egui_ctx().memory_mut(|memory| {
+            if let Some(focused) = memory.focused() {
+                memory.surrender_focus(focused);
+            }
+        });
     }
 
     pub(super) fn button(&mut self, button: MouseButton, state: ElementState) {
@@ -60,17 +93,17 @@ impl Open {
 
     /// Starts a drag of the handle under the pointer, or selects the object there.
     fn choose(&mut self) {
-        let (at, size) = (self.pointer_in_points(), self.egui.egui_ctx().content_rect().size());
+        let (at, viewport) = (self.pointer_in_points(), self.panel.viewport);
         let in_picture = self.pointer_in_picture();
         let Some(stage) = &self.stage else { return };
         if self.panel.hidden {
             return;
         }
-        if let Some(drag) = HandleDrag::begin(stage, self.mode, size, at) {
+        if let Some(drag) = HandleDrag::begin(stage, self.mode, viewport, at) {
             self.pointer.begin(MouseButton::Left, Drag::Handle(Box::new(drag)));
             return;
         }
-        let selected = light_at(stage, size, at).or_else(|| stage.selected_at(in_picture));
+        let selected = light_at(stage, viewport, at).or_else(|| stage.selected_at(in_picture));
         self.actions.push(Action::Select(selected));
     }
 
@@ -113,12 +146,11 @@ impl Open {
     /// Warps the pointer to the centre when it nears an edge, for unlimited rotation. Where the system forbids
     /// that, rotation stops at the edge.
     fn keep_pointer_inside(&mut self) {
-        let size = self.window.inner_size();
-        let sides = [size.width as f32, size.height as f32];
-        let near = |at: f32, side: f32| at < 0.1 * side || at > 0.9 * side;
-        let at_edge = (0..2).any(|axis| near(self.pointer.position[axis], sides[axis]));
-        if at_edge {
-            let [x, y] = sides.map(|side| side * 0.5);
+        let at = self.pointer_in_picture();
+        let is_inside = at.cmpge(Vec2::splat(0.1)).all() && at.cmple(Vec2::splat(0.9)).all();
+        if !is_inside {
+            let Viewport { corner, size } = self.viewport();
+            let [x, y] = [0, 1].map(|axis| corner[axis] as f32 + 0.5 * size[axis] as f32);
             if self.window.set_cursor_position(winit::dpi::PhysicalPosition::new(x, y)).is_ok() {
                 self.pointer.move_to([x, y]);
             }

@@ -7,11 +7,12 @@ use serde_json::json;
 use super::DemoError;
 use super::action::Action;
 use super::app::{App, Open, Recording, slow_click_context};
-use super::edit::new_light;
+use super::edit::{free_name, new_light};
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_instance, moved_light};
 use super::loader::{Edited, Order};
-use super::panel::{Purpose, SplitState};
+use super::panel::{Leave, Purpose, SplitState};
+use super::resolution::COARSEST;
 use super::screenshot::{self, Saving};
 use super::stage::{Change, Saved, Selected, Stage, carry};
 use super::undo::State;
@@ -27,11 +28,19 @@ impl App {
         let own = open.stage.as_ref().map(|stage| stage.rest.pose(open.clock.time).camera);
         match action {
             Action::ToggleHelp => open.panel.help = !open.panel.help,
+            Action::DismissWelcome => {
+                open.panel.welcome = false;
+                self.launch.note_welcomed();
+            }
             Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
+            Action::ToggleOverlays => open.panel.bare = !open.panel.bare,
+            // It takes effect with the event, so that the next key goes where it belongs.
+            Action::ToggleKeyboard => {}
             Action::TogglePause => open.clock.paused = !open.clock.paused,
             Action::Pause(paused) => open.clock.paused = paused,
             Action::ToggleTour => return open.toggle_tour(self.launch.contact_sheet.clone()),
             Action::Select(None) if open.tour.is_some() => return open.end_tour(),
+            Action::Select(None) if open.panel.error.is_some() => open.panel.error = None,
             Action::Scrub(time) => open.clock.time = time.max(0.0),
             Action::Home => open.flight.home(),
             Action::StoreBookmark(number) => {
@@ -53,16 +62,23 @@ impl App {
             Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
-                open.panel.error = None;
-                open.order(name, None);
+                if open.may_leave(Leave::Open(name.clone())) {
+                    open.panel.error = None;
+                    open.order(name, None);
+                }
             }
             Action::Reload => {
-                if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone()) {
+                if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone())
+                    && open.may_leave(Leave::Reload)
+                {
                     open.order(name, None);
                 }
             }
             Action::SetCoarseness(pixels) => {
-                open.coarseness = pixels.clamp(1, 8);
+                open.resolution.automatic = pixels.is_none();
+                if let Some(pixels) = pixels {
+                    open.resolution.coarseness = pixels.clamp(1, COARSEST);
+                }
                 open.resized = Some(std::time::Instant::now());
             }
             Action::Set(settings) => open.set_and_remember(&settings)?,
@@ -97,7 +113,7 @@ impl App {
                     open.egui.set_clipboard_text(command);
                 }
             }
-            Action::Quit => open.closing = true,
+            Action::Quit => open.closing |= open.may_leave(Leave::Close),
             edit => open.change(edit),
         }
         Ok(())
@@ -127,6 +143,18 @@ impl App {
 }
 
 impl Open {
+    /// Whether the scene can be left: without unsaved edits, or because they are discarded, which the same again means.
+    /// Otherwise asks.
+    fn may_leave(&mut self, leave: Leave) -> bool {
+        let edited = self.stage.as_ref().is_some_and(|stage| stage.edited);
+        let asked = self.panel.leaving.take();
+        let may = !edited || asked.as_ref() == Some(&leave);
+        if !may {
+            self.panel.leaving = Some(leave);
+        }
+        may
+    }
+
     /// Executes the actions that edit or load documents.
     fn change(&mut self, action: Action) {
         match action {
@@ -149,6 +177,8 @@ impl Open {
                 self.edit(|stage| stage.set_map(path));
             }
             Action::AskMap => self.panel.scene.ask_for(Purpose::Map, ""),
+            Action::AddObject(object) => self.edit(|stage| stage.add_object(object)),
+            Action::AskModel => self.panel.scene.ask_for(Purpose::Model, ""),
             Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
             Action::Duplicate => self.duplicate(),
             Action::Delete => {
@@ -263,7 +293,7 @@ impl Open {
                     let Some(instance) = stage.document.instances().nth(index) else {
                         return Ok(Change::Live);
                     };
-                    let copy = InstanceEntry { name: Some(copied_name(stage, instance)), ..instance.clone() };
+                    let copy = InstanceEntry { name: Some(free_name(stage, instance.name.as_ref().unwrap_or(&instance.model))), ..instance.clone() };
                     stage.add_instance(moved_instance(&copy, way))
                 }
                 None => Ok(Change::Live),
@@ -317,7 +347,12 @@ impl Open {
             return Ok(());
         }
         match stage.renderer.set_settings(settings, &stage.pose).map_err(DemoError::from) {
-            Ok(()) => stage.settings.clone_from(settings),
+            Ok(()) => {
+                if settings.size == stage.settings.size {
+                    self.resolution.forget();
+                }
+                stage.settings.clone_from(settings);
+            }
             Err(error) if error.is_device_lost() => return Err(error),
             Err(error) => self.panel.error = Some(error.to_string()),
         }
@@ -333,15 +368,4 @@ impl Open {
         self.egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &self.window, scale, None, None);
         self.textures = egui::TexturesDelta::default();
     }
-}
-
-/// A name for a copy that no instance has.
-fn copied_name(stage: &Stage, instance: &InstanceEntry) -> String {
-    let name_of = |entry: &InstanceEntry| entry.name.clone().unwrap_or_else(|| entry.model.clone());
-    let taken: Vec<String> = stage.document.instances().map(name_of).collect();
-    let mut name = name_of(instance);
-    while taken.contains(&name) {
-        name += " copy";
-    }
-    name
 }

@@ -72,10 +72,10 @@ impl Split {
         Ok(())
     }
 
-    /// Draws the frame that the stage has just drawn, and compares both sides now and then.
-    pub fn render(&mut self, stage: &Stage) -> Result<(), DemoError> {
+    /// Draws the frame that the stage has just drawn with this pace of exposure, and compares both sides now and then.
+    pub fn render(&mut self, stage: &Stage, pace: f32) -> Result<(), DemoError> {
         match &mut self.right {
-            Right::Renderer(other) => other.render(stage)?,
+            Right::Renderer(other) => other.render(stage, pace)?,
             Right::Truth(truth) => truth.follow(stage),
         }
         if self.metrics.is_due()
@@ -134,7 +134,7 @@ impl Right {
 }
 
 impl Other {
-    fn render(&mut self, stage: &Stage) -> Result<(), RenderError> {
+    fn render(&mut self, stage: &Stage, pace: f32) -> Result<(), RenderError> {
         if !Arc::ptr_eq(self.renderer.scene(), stage.renderer.scene()) {
             self.renderer.set_scene(stage.renderer.scene(), &stage.pose)?;
         }
@@ -142,6 +142,7 @@ impl Other {
             self.settings.size = stage.settings.size;
             self.renderer.set_settings(&self.settings, &stage.pose)?;
         }
+        self.renderer.set_exposure_pace(pace);
         self.renderer.render(&stage.pose)?;
         if let Some(report) = self.renderer.take_reports().pop() {
             self.report = report;

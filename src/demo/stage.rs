@@ -7,6 +7,7 @@ use glam::{Mat4, Vec2, Vec3};
 use serde::Serialize;
 
 use super::DemoError;
+use super::edit::label;
 use super::live_metrics::Shot;
 use super::loader::{Built, Edited};
 use super::undo::{State, Undo};
@@ -172,9 +173,10 @@ impl Stage {
         document
     }
 
-    /// Renders the next frame at animation time `time` with `camera`.
-    pub fn render(&mut self, time: f64, camera: Camera) -> Result<(), RenderError> {
+    /// Renders the next frame at animation time `time` with `camera`; `pace`: of automatic exposure.
+    pub fn render(&mut self, time: f64, camera: Camera, pace: f32) -> Result<(), RenderError> {
         self.pose = self.pose_at(time, camera);
+        self.renderer.set_exposure_pace(pace);
         self.renderer.render(&self.pose)?;
         if let Some(report) = self.renderer.take_reports().pop() {
             self.report = report;
@@ -271,6 +273,21 @@ impl Stage {
         }
         let mut lights = 0..self.document.lights().len();
         lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
+    }
+
+    /// The name of an entry, to be read.
+    pub fn name_of(&self, selected: Selected) -> String {
+        match selected {
+            Selected::Light(index) => {
+                let Some(light) = self.document.lights().nth(index) else { return String::new() };
+                let name = light.name.clone().unwrap_or_else(|| format!("light {}", index + 1));
+                format!("{name} ({})", label(light.kind))
+            }
+            Selected::Instance(index) => {
+                let instance = self.document.instances().nth(index);
+                instance.map_or_else(String::new, |known| known.name.as_ref().unwrap_or(&known.model).clone())
+            }
+        }
     }
 
     /// Current position of an entry, world space.

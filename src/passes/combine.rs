@@ -1,6 +1,7 @@
 //! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind sheets. Once edges are
 //! smoothed: exposure, filmic tone map, sRGB.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -60,6 +61,16 @@ impl CombineInputs<'_> {
 struct ExposurePush {
     stops: f32,
     automatic: u32,
+    pace: f32,
+}
+
+/// How bright a picture is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposure {
+    /// Stops; none: automatic.
+    pub stops: Option<f32>,
+    /// Share of the way, in stops, that automatic exposure goes in a frame, above 0; 1: all of it at once.
+    pub pace: f32,
 }
 
 /// The pass.
@@ -72,6 +83,8 @@ pub struct CombinePass {
     display: Image,
     histogram: Buffer,
     factor: Buffer,
+    /// Whether `factor` is that of an earlier frame.
+    has_factor: Cell<bool>,
 }
 
 impl CombinePass {
@@ -89,6 +102,7 @@ impl CombinePass {
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
+            has_factor: Cell::new(false),
         })
     }
 
@@ -113,16 +127,17 @@ impl CombinePass {
         inputs.bind_radiance(pass).write("radiance", &self.radiance).dispatch_over(self.radiance.extent())
     }
 
-    /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.
+    /// Shows a picture that is given as radiance.
     pub fn show(
         &self,
         frame: &mut Frame<'_>,
         uniforms: &Upload,
         picture: &Image,
-        exposure: Option<f32>,
+        exposure: Exposure,
     ) -> Result<&Image, VulkanError> {
         let extent = self.display.extent();
-        if exposure.is_none() {
+        let automatic = exposure.stops.is_none();
+        if automatic {
             frame.clear(&self.histogram);
             frame
                 .pass("combine", &self.luminance)
@@ -131,7 +146,11 @@ impl CombinePass {
                 .write("histogram", &self.histogram)
                 .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
         }
-        let push = ExposurePush { stops: exposure.unwrap_or(0.0), automatic: u32::from(exposure.is_none()) };
+        let push = ExposurePush {
+            stops: exposure.stops.unwrap_or(0.0),
+            automatic: automatic.into(),
+            pace: if self.has_factor.replace(true) { exposure.pace } else { 1.0 },
+        };
         frame
             .pass("combine", &self.exposure)
             .read("histogram", &self.histogram)

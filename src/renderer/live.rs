@@ -123,6 +123,12 @@ impl Renderer {
         Ok(())
     }
 
+    /// Has automatic exposure go `pace` of its way, in stops, in each frame, above 0; 1 (the default): all of it at once. The
+    /// first frame and those that nothing changes are shown alike whatever it is.
+    pub fn set_exposure_pace(&mut self, pace: f32) {
+        self.exposure_pace = pace;
+    }
+
     /// The scene as it is prepared, for another renderer of the same world.
     pub fn prepared(&self) -> PreparedScene {
         PreparedScene { scene: Arc::clone(&self.scene), bvh: self.bvh.clone(), bvh_ms: self.bvh_ms }

@@ -14,7 +14,9 @@ use super::material_edit::MaterialEdit;
 use super::read_files::ReadFiles;
 use super::scene_build::{Builder, animation_of, transform_of};
 use super::scene_environment::numbers_of;
-use super::scene_file::{CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, LightType, SceneFile};
+use super::scene_file::{
+    CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, LightType, ModelEntry, Primitive, SceneFile,
+};
 use super::scene_lights::single_light;
 use super::{Animation, Camera, Light, LightKind, RecordedFrame, Scene, gltf};
 
@@ -35,6 +37,15 @@ pub struct SceneDocument {
     settings: toml::Table,
     /// The file that error messages name.
     path: PathBuf,
+}
+
+/// What a model is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelSource {
+    /// A shape about the origin, of edge length or radius 1.
+    Shape(Primitive),
+    /// An `.obj`, `.gltf` or `.glb`.
+    File(PathBuf),
 }
 
 /// Rest transform and animation of an instance.
@@ -116,6 +127,29 @@ impl SceneDocument {
         if index < self.file.instances.len() {
             self.file.instances.remove(index);
         }
+    }
+
+    /// Names of the models.
+    pub fn models(&self) -> impl Iterator<Item = &str> {
+        self.file.models.iter().map(|model| model.get_ref().name.as_str())
+    }
+
+    /// Adds a model under a name that no other has, which begins with that of the shape or the file; returns the name.
+    pub fn add_model(&mut self, source: ModelSource) -> String {
+        let (stem, path, primitive) = match source {
+            ModelSource::Shape(shape) => (shape.label().to_owned(), None, Some(shape)),
+            ModelSource::File(path) => {
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                (stem, Some(std::fs::canonicalize(&path).unwrap_or(path)), None)
+            }
+        };
+        let is_taken = |name: &String| self.models().any(|known| known == name);
+        let numbered = (2..).map(|number| format!("{stem} {number}"));
+        let mut names = std::iter::once(stem.clone()).chain(numbered);
+        let name = names.find(|name| !is_taken(name)).unwrap_or(stem);
+        let model = ModelEntry { path, primitive, ..ModelEntry::of(name.clone()) };
+        self.file.models.push(Spanned::new(0..0, model));
+        name
     }
 
     /// The light entries.
@@ -306,6 +340,7 @@ impl SceneDocument {
     /// Adds entries for the defaults in `scene` that the file omits: name, camera, lights, sky.
     fn complete(&mut self, scene: &Scene) {
         self.file.name = Some(scene.name.clone());
+        self.file.metres_per_unit = scene.metres_per_unit;
         if self.file.camera.is_none() {
             self.set_camera(&scene.camera);
         }

@@ -71,6 +71,16 @@ pub(super) fn find(name: &str) -> Result<Source, SceneError> {
     }
 }
 
+/// The first file of a built-in scene that is not in the folder `assets` of the downloadable models; none if all are there, or
+/// the scene needs none.
+pub fn missing_asset(name: &str, assets: Option<&Path>) -> Option<PathBuf> {
+    let file = SceneFile::parse(Path::new(name), builtin::scene_file(name)?).ok()?;
+    let maps = file.environment.iter().filter_map(|environment| environment.get_ref().asset.as_ref());
+    let models = file.models.iter().filter_map(|model| model.get_ref().asset.as_ref());
+    let is_there = |asset: &Path| assets.is_some_and(|folder| folder.join(asset).is_file());
+    models.chain(maps).find(|asset| !is_there(asset)).cloned()
+}
+
 /// Builds a scene from the text of a scene file, whose paths must be absolute.
 ///
 /// # Errors

@@ -44,19 +44,19 @@ mod world_surface;
 pub use animation::{Animation, Keyframe, Motion, Rotation};
 pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
 pub use camera::{Camera, CameraOverride};
-pub use document::{Placement, SceneDocument};
+pub use document::{ModelSource, Placement, SceneDocument};
 pub use environment::{Environment, EnvironmentMap};
 pub use error::{Place, SceneError};
 pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
 pub use light_cone::{ConeSample, LightCone};
-pub use load::{load_scene, scene_of_text};
+pub use load::{load_scene, missing_asset, scene_of_text};
 pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
 pub use material_edit::MaterialEdit;
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use read_files::ReadFiles;
 pub use recording::{RecordedCamera, RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub use scene_file::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType, Primitive,
     RotationEntry, ScaleEntry, SpinEntry,
 };
 pub(crate) use texture::Footprint;
@@ -106,6 +106,8 @@ impl Instance {
 pub struct Scene {
     /// Name for reports.
     pub name: String,
+    /// Metres per scene unit, if known.
+    pub metres_per_unit: Option<f32>,
     /// Triangle meshes, in object space. Copies of the scene share them, and the textures.
     pub meshes: Vec<Arc<Mesh>>,
     /// Materials, indexed by [`Mesh::triangle_materials`].
@@ -169,6 +171,7 @@ impl Scene {
     pub fn new(name: &str) -> Self {
         Self {
             name: name.to_owned(),
+            metres_per_unit: None,
             meshes: Vec::new(),
             materials: Vec::new(),
             textures: Vec::new(),

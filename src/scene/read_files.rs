@@ -37,6 +37,11 @@ pub(super) struct ReadMap {
 }
 
 impl ReadModels {
+    /// Number of the models.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     /// The models of `file` that were added to `scene`.
     pub fn new(file: &SceneFile, scene: &Scene, meshes: &HashMap<String, usize>) -> Self {
         let entries = entries(file);
@@ -51,9 +56,11 @@ impl ReadMap {
 }
 
 impl ReadFiles {
-    /// The models, if they are those of `file`.
+    /// The models, if `file` begins with them, or they with those of `file`: models are added and no longer used.
     pub(super) fn models_of(&self, file: &SceneFile) -> Option<&ReadModels> {
-        self.models.as_ref().filter(|models| models.entries == entries(file))
+        let entries = entries(file);
+        let alike = |models: &&ReadModels| models.entries.iter().zip(&entries).all(|(known, entry)| known == entry);
+        self.models.as_ref().filter(alike)
     }
 
     /// The map, if it is that of `entry`.

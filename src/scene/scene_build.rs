@@ -150,6 +150,12 @@ impl<'a> Builder<'a> {
     fn build(&mut self, file: &SceneFile) -> Result<(), SceneError> {
         let top = self.entry(&(0..0), "scene");
         self.add_models(file)?;
+        if let Some(metres) = file.metres_per_unit {
+            if !(metres > 0.0 && metres.is_finite()) {
+                return Err(top.error(format!("metres_per_unit must be above 0 and finite, is {metres}")));
+            }
+            self.scene.metres_per_unit = Some(metres);
+        }
         edit_materials(self, &file.materials)?;
         if let Some(background) = file.background {
             self.scene.background = top.power("background", background)?;
@@ -188,12 +194,17 @@ impl<'a> Builder<'a> {
     }
 
     fn add_models(&mut self, file: &SceneFile) -> Result<(), SceneError> {
+        let mut known_models = 0;
         if let Some(known) = self.read.models_of(file) {
             self.scene = Scene { name: self.scene.name.clone(), ..known.scene.clone() };
             self.models.clone_from(&known.meshes);
+            known_models = known.len();
+        }
+        let new = file.models.get(known_models..).unwrap_or_default();
+        if new.is_empty() && known_models > 0 {
             return Ok(());
         }
-        for model in &file.models {
+        for model in new {
             scene_models::add_model(self, model)?;
         }
         self.read.models = Some(ReadModels::new(file, &self.scene, &self.models));

@@ -21,6 +21,8 @@ use crate::settings::Settings;
 pub(super) struct SceneFile {
     /// Shown in reports; the file's stem if missing.
     pub name: Option<String>,
+    /// Metres per scene unit: how fast the camera flies; unknown if missing.
+    pub metres_per_unit: Option<f32>,
     /// Radiance of camera rays that miss, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
     pub environment: Option<Spanned<EnvironmentEntry>>,
@@ -128,11 +130,46 @@ pub(super) struct ClipEntry {
 /// Procedural shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Primitive {
+pub enum Primitive {
     /// In the plane y = 0, facing up.
     Quad,
+    /// A cuboid.
     Box,
+    /// A subdivided icosahedron.
     Sphere,
+}
+
+impl Primitive {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Box, Self::Sphere, Self::Quad];
+
+    /// Its name, as in scene files.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Quad => "quad",
+            Self::Box => "box",
+            Self::Sphere => "sphere",
+        }
+    }
+}
+
+impl ModelEntry {
+    /// An entry of this name without any other key.
+    pub fn of(name: String) -> Self {
+        Self {
+            name,
+            path: None,
+            asset: None,
+            download: None,
+            builtin: None,
+            primitive: None,
+            size: None,
+            subdivisions: None,
+            material: None,
+            without_materials: Vec::new(),
+            clip: None,
+        }
+    }
 }
 
 /// The material of a primitive.
@@ -305,6 +342,22 @@ pub struct SpinEntry {
     pub degrees_per_second: f32,
     /// A point on the axis, world space; the object's own origin if missing.
     pub pivot: Option<[f32; 3]>,
+}
+
+impl InstanceEntry {
+    /// A model at rest at the origin.
+    pub fn of(model: String) -> Self {
+        Self {
+            name: None,
+            model,
+            translation: None,
+            rotation: None,
+            scale: None,
+            dynamic: None,
+            visible: None,
+            animation: None,
+        }
+    }
 }
 
 impl LightEntry {

@@ -61,7 +61,7 @@ pub use mirror::Mirror;
 pub use pass::{Pass, Resource};
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline};
-pub use present::{Pane, Presented, Presenter};
+pub use present::{Pane, Presented, Presenter, Viewport};
 pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use surface::Surface;

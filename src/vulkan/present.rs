@@ -26,13 +26,30 @@ pub enum Presented {
     Skipped,
 }
 
-/// A picture in a range of the window's columns, each shown where the whole picture would have it.
+/// The rectangle of the window that shows pictures, pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Viewport {
+    /// Top left corner.
+    pub corner: [u32; 2],
+    /// Width and height.
+    pub size: [u32; 2],
+}
+
+/// A picture in a range of the viewport's columns, each shown where the whole picture would have it.
 #[derive(Clone, Copy)]
 pub struct Pane<'a> {
-    /// sRGB-encoded; scaled to the window.
+    /// sRGB-encoded; scaled to the viewport.
     pub picture: &'a Image,
     /// From this share of the width to that, 0 to 1.
     pub columns: [f32; 2],
+}
+
+impl Viewport {
+    /// The part of it that lies in a window of `extent` pixels, which may have been resized meanwhile.
+    fn within(self, extent: [u32; 2]) -> Self {
+        let corner = [0, 1].map(|axis| self.corner[axis].min(extent[axis]));
+        Self { corner, size: [0, 1].map(|axis| self.size[axis].min(extent[axis] - corner[axis])) }
+    }
 }
 
 /// Presents frames in a window. Recreates its swapchain whenever the window changed.
@@ -107,8 +124,13 @@ impl Presenter {
         self.ui_ms
     }
 
-    /// Presents `panes` (none: black) with `ui` over them.
-    pub fn present(&mut self, panes: &[Pane<'_>], ui: &UiDrawing) -> Result<Presented, VulkanError> {
+    /// Presents `panes` in `viewport`, on black, with `ui` over them.
+    pub fn present(
+        &mut self,
+        panes: &[Pane<'_>],
+        viewport: Viewport,
+        ui: &UiDrawing,
+    ) -> Result<Presented, VulkanError> {
         if self.stale && !self.recreate_swapchain()? {
             // The caller keeps the interface's textures, which are sent once, until there is a swapchain.
             return Ok(Presented::Skipped);
@@ -126,7 +148,10 @@ impl Presenter {
         };
         let image = &swapchain.images[index as usize];
         slot.begin()?;
-        slot.record(swapchain, image, panes, |commands| drawer.draw(commands, swapchain.extent, ui))?;
+        let viewport = viewport.within([swapchain.extent.width, swapchain.extent.height]);
+        slot.record((swapchain, image), panes, viewport, |commands| {
+            drawer.draw(commands, swapchain.extent, ui)
+        })?;
         slot.submit(image.drawn)?;
         self.count += 1;
         queue_present(&self.device, swapchain, index, &mut self.stale)
@@ -263,9 +288,9 @@ impl Slot {
 
     fn record(
         &self,
-        swapchain: &Swapchain,
-        image: &SwapchainImage,
+        (swapchain, image): (&Swapchain, &SwapchainImage),
         panes: &[Pane<'_>],
+        viewport: Viewport,
         draw_ui: impl FnOnce(vk::CommandBuffer) -> Result<(), VulkanError>,
     ) -> Result<(), VulkanError> {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
@@ -279,11 +304,13 @@ impl Slot {
         self.write_timestamp(0);
         // The acquire semaphore blocks these stages; the barrier chains after them.
         self.barrier(image.raw, (S::ALL_TRANSFER, A::NONE, L::UNDEFINED), written);
-        if panes.is_empty() {
+        let is_covered = viewport.size == [swapchain.extent.width, swapchain.extent.height];
+        if panes.is_empty() || !is_covered {
             self.clear(image.raw);
+            self.barrier(image.raw, written, written);
         }
         for pane in panes {
-            self.copy(pane, image.raw, swapchain.extent);
+            self.copy(pane, image.raw, viewport);
         }
         self.barrier(image.raw, written, target);
         self.write_timestamp(1);
@@ -316,8 +343,8 @@ impl Slot {
         }
     }
 
-    /// Blits a pane to `target`, scaled if the sizes differ.
-    fn copy(&self, pane: &Pane<'_>, target: vk::Image, extent: vk::Extent2D) {
+    /// Blits a pane to its columns of `viewport` in `target`, scaled if the sizes differ.
+    fn copy(&self, pane: &Pane<'_>, target: vk::Image, viewport: Viewport) {
         let picture = pane.picture;
         let layers = vk::ImageSubresourceLayers {
             aspect_mask: vk::ImageAspectFlags::COLOR,
@@ -325,24 +352,25 @@ impl Slot {
             base_array_layer: 0,
             layer_count: 1,
         };
-        // Whole columns of the picture, and those of the window that show them.
-        let (window, size) = ([extent.width, extent.height], picture.extent());
+        // Whole columns of the picture, and those of the viewport that show them.
+        let size = picture.extent();
         let columns = pane.columns.map(|share| (share * size[0] as f32).round());
-        let shown = columns.map(|column| (column / size[0] as f32 * window[0] as f32).round());
-        if columns[0] >= columns[1] || shown[0] >= shown[1] {
+        let shown = columns.map(|column| (column / size[0] as f32 * viewport.size[0] as f32).round());
+        if columns[0] >= columns[1] || shown[0] >= shown[1] || viewport.size[1] == 0 {
             return;
         }
         barrier_for_image(&self.device, self.commands, picture, Access::TransferRead);
-        let corners = |[left, right]: [f32; 2], height: u32| {
-            let bottom = i32::try_from(height).unwrap_or(i32::MAX);
-            [vk::Offset3D { x: left as i32, y: 0, z: 0 }, vk::Offset3D { x: right as i32, y: bottom, z: 1 }]
+        let corners = |corner: [u32; 2], [left, right]: [f32; 2], height: u32| {
+            let [x, y] = corner.map(u32::cast_signed);
+            let end = vk::Offset3D { x: x + right as i32, y: y + height.cast_signed(), z: 1 };
+            [vk::Offset3D { x: x + left as i32, y, z: 0 }, end]
         };
-        let filter = if size == window { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        let filter = if size == viewport.size { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
         let region = [vk::ImageBlit::default()
             .src_subresource(layers)
-            .src_offsets(corners(columns, size[1]))
+            .src_offsets(corners([0, 0], columns, size[1]))
             .dst_subresource(layers)
-            .dst_offsets(corners(shown, window[1]))];
+            .dst_offsets(corners(viewport.corner, shown, viewport.size[1]))];
         // SAFETY: both images are in these layouts; the picture lives until the frame is done.
         unsafe {
             self.device.raw().cmd_blit_image(

@@ -28,11 +28,11 @@ fn is_edited(event: &Value) -> bool {
 
 /// The picture alone, once it stands still.
 fn settled(demo: &mut Demo<'_>) -> Screen {
-    demo.key_for("Tab", "toggle-panel");
+    demo.key_for("shift+Tab", "toggle-overlays");
     demo.frames(SETTLED);
     let screen = demo.screen();
-    demo.key_for("Tab", "toggle-panel");
-    screen
+    demo.key_for("shift+Tab", "toggle-overlays");
+    screen.whole_picture()
 }
 
 /// The scene file that is saved for a command line.
@@ -92,13 +92,13 @@ fn a_material_is_picked_edited_recorded_and_saved() {
     let text = fs::read_to_string(demo.path(recording)).unwrap();
     assert!(text.contains("edited = "), "the edit was not recorded");
     demo.assert_renders_to(&["render", "--out=rendered.png", recording], "rendered.png", &end);
-    demo.close();
+    demo.discard_and_close();
 }
 
 /// Clicks the wall at the back with the inspector.
 fn inspect_the_wall(demo: &mut Demo<'_>) {
     demo.key_for("i", "toggle-inspector");
-    demo.click([330, 120]);
+    demo.click_picture([330, 120]);
 }
 
 #[test]
@@ -132,6 +132,7 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
     let said = failed["details"].as_str().unwrap();
     assert!(said.contains("broken.hdr") && said.contains("decoded") && !said.contains('\n'), "{said}");
     demo.screen().keep("16-map-broken");
+    demo.click_thing("dismiss");
     assert!(settled(&mut demo) == blue, "a broken map changes the picture");
 
     // Another by its name.
@@ -201,7 +202,7 @@ fn objects_are_copied_and_deleted() {
     demo.wait("scene", |event| event["event"] == "scene");
     let before = settled(&mut demo);
     // The tall box.
-    demo.click([281, 240]);
+    demo.click_picture([281, 240]);
     edit_by_key(&mut demo, "ctrl+d", "duplicate");
     let two = settled(&mut demo);
     two.keep("15-copied");
@@ -216,7 +217,32 @@ fn objects_are_copied_and_deleted() {
     assert!(settled(&mut demo) == before, "something is left of the copy");
     edit_by_key(&mut demo, "ctrl+z", "undo");
     assert!(settled(&mut demo) == two, "the copy has not come back");
-    demo.close();
+    demo.discard_and_close();
+}
+
+#[test]
+fn objects_are_added() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    let before = settled(&mut demo);
+    demo.click_thing("Scene");
+    demo.click_thing("Lights and objects");
+    demo.click_thing("add an object");
+    let seen = demo.now();
+    demo.click_thing("add sphere");
+    demo.wait_after(seen, "addition", |event| is_action(event, "add-object"));
+    demo.wait_after(seen, "the edited scene", |event| event["event"] == "scene");
+    demo.screen().keep("30-sphere");
+    let with_ball = settled(&mut demo);
+    assert!(with_ball.difference(&before) > 1.0, "there is no ball");
+    let file = saved(&mut demo);
+    let text = fs::read_to_string(demo.path(&file)).unwrap();
+    assert!(text.contains("primitive = \"sphere\""), "{text}");
+    demo.assert_renders_to(&["render", "--out=rendered.png", "--frames=24", &file], "rendered.png", &with_ball);
+    edit_by_key(&mut demo, "ctrl+z", "undo");
+    assert!(settled(&mut demo) == before, "something is left of the ball");
+    demo.discard_and_close();
 }
 
 /// Presses a key, and waits until the renderer was built anew.

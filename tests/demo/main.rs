@@ -9,6 +9,8 @@ mod desk;
 mod drop;
 mod edits;
 mod log;
+mod methods;
+mod newcomer;
 mod opening;
 mod replay;
 mod screen;

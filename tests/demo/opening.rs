@@ -37,6 +37,8 @@ fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     assert!(said.contains("broken.toml:2") && said.contains("light"), "{said}");
     let after = demo.screen();
     after.keep("10-broken");
+    demo.click_thing("dismiss");
+    let after = demo.screen();
     assert!(after.picture() == before, "a broken scene changes the picture");
 
     // A good one, dropped; a space in its name is percent-encoded on the way.

@@ -17,9 +17,9 @@ fn the_command_renders_to_what_is_on_screen() {
     demo.input(&["keydown", "d"]);
     demo.frames(2);
     demo.input(&["keyup", "d"]);
-    demo.key_for("Tab", "toggle-panel");
+    demo.key_for("shift+Tab", "toggle-overlays");
     demo.frames(100);
-    let screen = demo.screen();
+    let screen = demo.screen().whole_picture();
     let mut commands = Vec::new();
     for _ in 0..2 {
         let seen = demo.now();
@@ -49,20 +49,18 @@ fn a_recording_renders_to_what_was_on_screen() {
     demo.input(&["keydown", "a"]);
     demo.frames(3);
     demo.input(&["keyup", "a"]);
-    demo.key_for("Tab", "toggle-panel");
-    demo.move_to([160, 100]);
+    demo.move_to_picture([160, 100]);
     demo.input(&["mousedown", "3"]);
-    demo.move_to([150, 104]);
+    demo.move_to_picture([150, 104]);
     demo.input(&["mouseup", "3"]);
-    demo.key_for("Tab", "toggle-panel");
     let seen = demo.now();
-    demo.click([30, 185]);
+    demo.click_picture([30, 185]);
     demo.wait_after(seen, "choice", |event| is_action(event, "select"));
     demo.key_for("space", "toggle-pause");
-    demo.key_for("Tab", "toggle-panel");
+    demo.key_for("shift+Tab", "toggle-overlays");
     // Until the paused picture stands still: which frame is on screen is not known to the frame.
     demo.frames(100);
-    let screen = demo.screen();
+    let screen = demo.screen().whole_picture();
     screen.keep("9-recorded");
     let seen = demo.now();
     demo.input(&["key", "ctrl+r"]);

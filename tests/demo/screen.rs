@@ -2,11 +2,6 @@
 
 use std::path::PathBuf;
 
-/// Width of the panel, points; pixels here.
-pub const PANEL: u32 = 250;
-
-/// Height of the bar at the top of a window 640 points wide, at most.
-pub const BAR: u32 = 48;
 /// Height of the line that names a debug view, at the lower edge of the picture.
 pub const LEGEND: u32 = 26;
 
@@ -16,15 +11,27 @@ pub struct Screen {
     pub width: u32,
     pub height: u32,
     pub pixels: Vec<[u8; 3]>,
+    /// Where the scene is shown: left, top, right, bottom.
+    pub viewport: [u32; 4],
 }
 
 impl Screen {
-    /// Left of the panel, below the bar and above the legend.
+    /// The scene, above the legend.
     pub fn picture(&self) -> Screen {
-        let (width, height) = (self.width - PANEL, self.height - BAR - LEGEND);
-        let rows = self.pixels.chunks_exact(self.width as usize).skip(BAR as usize).take(height as usize);
-        let pixels = rows.flat_map(|row| row[..width as usize].iter().copied()).collect();
-        Screen { width, height, pixels }
+        let [left, top, right, bottom] = self.viewport;
+        self.crop([left, top, right, bottom - LEGEND])
+    }
+
+    /// All of the scene.
+    pub fn whole_picture(&self) -> Screen {
+        self.crop(self.viewport)
+    }
+
+    fn crop(&self, [left, top, right, bottom]: [u32; 4]) -> Screen {
+        let rows = self.pixels.chunks_exact(self.width as usize).take(bottom as usize).skip(top as usize);
+        let pixels = rows.flat_map(|row| row[left as usize..right as usize].iter().copied()).collect();
+        let (width, height) = (right - left, bottom - top);
+        Screen { width, height, pixels, viewport: [0, 0, width, height] }
     }
 
     /// Mean absolute difference of channels, 0 to 255.

@@ -57,14 +57,14 @@ fn session(desk: &Desk) -> (Value, Vec<Part>) {
     demo.drag_thing("scrub", 60);
     begins(&mut demo, "picking");
     for x in [30, 120, 220, 320] {
-        demo.click([x, 250]);
+        demo.click_picture([x, 250]);
     }
     begins(&mut demo, "a new light");
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");
     demo.click_thing("add spot");
     begins(&mut demo, "dragging it");
-    demo.drag([355, 180], [300, 180]);
+    demo.drag_picture([355, 180], [300, 180]);
     begins(&mut demo, "copying it");
     let seen = demo.now();
     demo.input(&["key", "ctrl+d"]);
@@ -77,6 +77,7 @@ fn session(desk: &Desk) -> (Value, Vec<Part>) {
     demo.click_thing("path");
     demo.input(&["type", "cornell-box"]);
     demo.input(&["key", "Return"]);
+    demo.click_thing("Discard");
     demo.wait_after(seen, "another scene", |event| event["details"]["name"] == "cornell-box");
     begins(&mut demo, "another scene");
     demo.frames(10);

@@ -118,5 +118,5 @@ fn edits_and_settings_are_taken_back_and_made_again() {
         demo.key_for("ctrl+shift+z", "redo");
     }
     assert!(settled(&mut demo) == end, "the end has not come back");
-    demo.close();
+    demo.discard_and_close();
 }

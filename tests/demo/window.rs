@@ -48,6 +48,15 @@ impl<'d> Demo<'d> {
     /// Starts the program and waits until it shows its scene.
     pub fn start(desk: &'d Desk, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
+        // The first lines were read before.
+        let cache = Path::new(CACHE).join("glowworm");
+        std::fs::create_dir_all(&cache).unwrap();
+        std::fs::write(cache.join("welcomed"), "").unwrap();
+        Self::start_in(desk, folder, CACHE, arguments)
+    }
+
+    /// The same in a folder of its own, with another folder of caches.
+    pub fn start_in(desk: &'d Desk, folder: TempDir, cache: &str, arguments: &[&str]) -> Self {
         let said = folder.path().join("stderr.txt");
         let child = desk
             .command(env!("CARGO_BIN_EXE_glowworm"))
@@ -55,7 +64,7 @@ impl<'d> Demo<'d> {
             .args(arguments)
             .current_dir(folder.path())
             .env_remove("RUST_LOG")
-            .env("XDG_CACHE_HOME", CACHE)
+            .env("XDG_CACHE_HOME", cache)
             .stderr(File::create(&said).unwrap())
             .spawn()
             .unwrap();
@@ -195,6 +204,35 @@ impl<'d> Demo<'d> {
         self.input(&["mouseup", "1"]);
     }
 
+    /// Moves the pointer to a pixel of the picture.
+    pub fn move_to_picture(&mut self, at: [i32; 2]) {
+        let at = self.in_picture(at);
+        self.move_to(at);
+    }
+
+    /// Clicks a pixel of the picture.
+    pub fn click_picture(&mut self, at: [i32; 2]) {
+        let at = self.in_picture(at);
+        self.click(at);
+    }
+
+    /// Drags from one pixel of the picture to another.
+    pub fn drag_picture(&mut self, from: [i32; 2], to: [i32; 2]) {
+        let [from, to] = [from, to].map(|at| self.in_picture(at));
+        self.drag(from, to);
+    }
+
+    fn in_picture(&mut self, at: [i32; 2]) -> [i32; 2] {
+        let viewport = self.viewport();
+        [0, 1].map(|axis| at[axis] + viewport[axis] as i32)
+    }
+
+    /// Where the picture is in the window: left, top, right, bottom.
+    fn viewport(&mut self) -> [u32; 4] {
+        let layout = self.events().iter().rfind(|event| event["event"] == "layout").unwrap();
+        [0, 1, 2, 3].map(|side| layout["details"]["picture"][side].as_f64().unwrap() as u32)
+    }
+
     /// Drags with the left button, in steps, as a hand does.
     pub fn drag(&mut self, from: [i32; 2], to: [i32; 2]) {
         self.move_to(from);
@@ -264,6 +302,7 @@ impl<'d> Demo<'d> {
     /// A screenshot of the window: the last frame or a later one.
     pub fn screen(&mut self) -> Screen {
         self.frames(ON_SCREEN);
+        let viewport = self.viewport();
         let (connection, window) = (&self.connection, self.window);
         // The window is not moved, resized or hidden between the two requests.
         connection.grab_server().unwrap();
@@ -278,7 +317,17 @@ impl<'d> Demo<'d> {
             if little { [pixel[2], pixel[1], pixel[0]] } else { [pixel[1], pixel[2], pixel[3]] }
         };
         let pixels = image.unwrap().data.chunks_exact(4).map(rgb).collect();
-        Screen { width: width.into(), height: height.into(), pixels }
+        Screen { width: width.into(), height: height.into(), pixels, viewport }
+    }
+
+    /// Closes the window, whose scene has unsaved edits: it asks, and the same again discards them.
+    pub fn discard_and_close(mut self) -> Value {
+        self.take_keyboard();
+        let seen = self.now();
+        self.xdotool(&["key", "alt+F4"]);
+        let asked = self.wait_after(seen, "question", |event| event["event"] == "unsaved");
+        assert_eq!(asked["details"], "close");
+        self.close()
     }
 
     /// Closes the window like a user and returns the log, after a clean exit.

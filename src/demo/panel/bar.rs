@@ -1,13 +1,13 @@
 //! The bar at the top: scene, method, temporal sets, quality, split view, frame rate.
 
-use egui::{ComboBox, Ui};
+use clap::ValueEnum;
+use egui::{ComboBox, RichText, Ui};
 
 use super::scene::short;
-use super::settings::{choice, presets};
-use super::{Places, Shown, place};
+use super::settings::{name_of, presets};
+use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::split::RightSide;
-use crate::scene::BUILTIN_SCENES;
 use crate::settings::{Indirect, Settings};
 
 /// Temporal sets to choose from.
@@ -15,11 +15,26 @@ const SETS: [u32; 5] = [1, 4, 8, 16, 32];
 /// Presets that are in the bar, the first ones.
 const QUALITIES: usize = 3;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+/// Size of a scene's picture in the menu, and width of the menu, points.
+const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
+const MENU: f32 = 290.0;
+/// Width of all that the bar holds, points.
+const FULL: f32 = 900.0;
+/// Height of a row and of the margins, points.
+const ROW: f32 = 22.0;
+const MARGINS: f32 = 4.0;
+
+/// Height of the bar in a window of this width, points: whatever it shows, so that the picture keeps its size.
+pub(super) fn height(width: f32) -> f32 {
+    MARGINS + ROW * (FULL / width.max(1.0)).ceil().clamp(1.0, 3.0)
+}
+
+pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         rate(ui, shown);
-        scenes(ui, shown, actions);
+        scenes(ui, state, shown, actions);
         let Some(stage) = shown.stage else { return };
+        let places = &mut state.places;
         let mut settings = stage.settings.clone();
         methods(ui, &mut settings, places);
         if settings.indirect == Indirect::Vpls {
@@ -58,26 +73,58 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     ui.separator();
 }
 
-fn scenes(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+/// A menu with a picture of each scene; what lacks its models says so.
+fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let name = shown.stage.map_or("none", |stage| stage.name.as_str());
-    let combo = ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).truncate();
-    combo.show_ui(ui, |ui| {
-        for scene in BUILTIN_SCENES {
-            if ui.selectable_label(scene == name, scene).clicked() {
-                actions.push(Action::Open(scene.to_owned()));
+    let combo = ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).height(600.0).truncate();
+    let menu = combo.show_ui(ui, |ui| {
+        ui.set_min_width(MENU);
+        for scene in state.thumbnails.scenes(ui.ctx(), shown.assets) {
+            let label = ui.horizontal(|ui| {
+                ui.image((scene.picture.id(), THUMBNAIL));
+                let text = RichText::new(scene.name);
+                let text = if scene.missing.is_some() { text.weak() } else { text };
+                let label = ui.selectable_label(scene.name == name, text);
+                if scene.missing.is_some() {
+                    ui.label(RichText::new("models missing").small().weak());
+                }
+                label
+            });
+            let mut label = label.inner;
+            if let Some(missing) = &scene.missing {
+                label = label.on_hover_text(format!("{} is not there: see README.md, scenes", missing.display()));
+            }
+            place(ui, &mut state.places, &format!("scene {}", scene.name), &label);
+            if label.clicked() {
+                actions.push(Action::Open(scene.name.to_owned()));
             }
         }
     });
+    place(ui, &mut state.places, "scenes", &menu.response);
 }
 
 fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
     ui.separator();
-    let indirect = choice(ui, "method", &mut settings.indirect).on_hover_text("Indirect light");
-    place(ui, places, "method", &indirect);
-    let direct = choice(ui, "method of direct light", &mut settings.direct).on_hover_text("Direct light");
-    place(ui, places, "method of direct light", &direct);
-    let reflections = choice(ui, "method of reflections", &mut settings.reflections);
-    place(ui, places, "method of reflections", &reflections.on_hover_text("Reflections"));
+    method(ui, places, ("method", "Indirect light"), &mut settings.indirect);
+    method(ui, places, ("method of direct light", "Direct light"), &mut settings.direct);
+    method(ui, places, ("method of reflections", "Reflections"), &mut settings.reflections);
+}
+
+/// A menu of the methods for one kind of light.
+fn method<Method: ValueEnum + PartialEq>(
+    ui: &mut Ui,
+    places: &mut Places,
+    (name, what): (&str, &str),
+    chosen: &mut Method,
+) {
+    let combo = ComboBox::from_id_salt(name).selected_text(name_of(chosen)).width(64.0);
+    let menu = combo.show_ui(ui, |ui| {
+        for method in Method::value_variants() {
+            let label = ui.selectable_value(chosen, method.clone(), name_of(method));
+            place(ui, places, &format!("{name} {}", name_of(method)), &label);
+        }
+    });
+    place(ui, places, name, &menu.response.on_hover_text(what));
 }
 
 fn sets(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {

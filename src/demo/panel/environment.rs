@@ -6,7 +6,7 @@ use egui::{ComboBox, Slider, SliderClamping, TextEdit, Ui};
 
 use super::objects::power;
 use super::scene::short;
-use super::{PanelState, Places, Shown, place, place_track};
+use super::{PanelState, Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
 use crate::scene::EnvironmentEntry;
 
@@ -29,6 +29,7 @@ pub(super) fn show(
         let typed = &mut state.scene.map;
         let field = ui.add(TextEdit::singleline(typed).hint_text("map.hdr or map.exr").desired_width(150.0));
         place(ui, places, "map", &field);
+        keep_keyboard(ui, &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if (ui.button("Use").clicked() || entered) && !typed.trim().is_empty() {
             actions.push(Action::OpenMap(PathBuf::from(typed.trim())));

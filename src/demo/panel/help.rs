@@ -1,6 +1,6 @@
 //! The list of keys.
 
-use egui::{Align2, Grid, Ui, Window};
+use egui::{Grid, Ui, Window};
 
 use super::PanelState;
 use crate::demo::action::{BINDINGS, GESTURES};
@@ -8,7 +8,7 @@ use crate::demo::action::{BINDINGS, GESTURES};
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState) {
     let window = Window::new("Keys")
         .open(&mut state.help)
-        .anchor(Align2::LEFT_TOP, [8.0, 8.0])
+        .fixed_pos(state.viewport.min + egui::vec2(8.0, 8.0))
         .collapsible(false)
         .resizable(false)
         .max_height(ui.available_height() - 60.0)

@@ -1,16 +1,16 @@
 //! The list of VPLs that light a point.
 
-use egui::{Align2, Grid, Ui, Window};
+use egui::{Align2, Grid, Rect, Ui, Window};
 
-use super::{Shown, WIDTH};
+use super::Shown;
 use crate::demo::action::Action;
 use crate::scene::luminance;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn show(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let window = Window::new("VPL inspector")
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
-        .max_width((ui.available_width() - WIDTH).max(200.0))
-        .max_height(ui.available_height() * 0.45)
+        .max_width((viewport.width() - 30.0).max(200.0))
+        .max_height(viewport.height() * 0.45)
         .resizable(false)
         .vscroll(true);
     window.show(ui.ctx(), |ui| {

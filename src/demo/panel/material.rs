@@ -1,9 +1,9 @@
 //! The material at the inspector's point, with its sliders.
 
-use egui::{Align2, ScrollArea, Slider, SliderClamping, Ui, Window};
+use egui::{ScrollArea, Slider, SliderClamping, Ui, Window};
 
 use super::objects::power;
-use super::{Places, Shown, place, place_track};
+use super::{PanelState, Places, Shown, place, place_track};
 use crate::demo::action::Action;
 use crate::demo::stage::Stage;
 use crate::scene::{Alpha, Material, MaterialEdit};
@@ -11,11 +11,12 @@ use crate::scene::{Alpha, Material, MaterialEdit};
 /// Most that the slopes of a normal map are multiplied by.
 const NORMAL_SCALE: f32 = 4.0;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+pub(super) fn show(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(stage), Some(index)) = (shown.stage, shown.inspector.material()) else { return };
     let Some(material) = stage.scene.materials.get(index) else { return };
-    let window = Window::new("Material").anchor(Align2::LEFT_TOP, [8.0, 8.0]).resizable(false);
-    let height = ui.available_height() * 0.5;
+    let PanelState { viewport, places, .. } = state;
+    let window = Window::new("Material").fixed_pos(viewport.min + egui::vec2(8.0, 8.0)).resizable(false);
+    let height = viewport.height() * 0.5;
     let content = |ui: &mut Ui| {
         ui.strong(if material.name.is_empty() { "(no name)" } else { &material.name });
         let files = stage.read.materials();

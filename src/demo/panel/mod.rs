@@ -6,18 +6,23 @@ mod help;
 mod inspector;
 mod legend;
 mod material;
+mod notices;
 mod objects;
 mod plots;
 mod scene;
 mod settings;
 mod split;
+mod thumbnails;
 mod time;
+mod unsaved;
 mod views;
+mod welcome;
 
 use std::collections::BTreeMap;
-use std::time::Duration;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
-use egui::{Frame, Response, RichText, ScrollArea, Ui};
+use egui::{Frame, Id, Rect, Response, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 
 use super::action::Action;
 use super::app::Recording;
@@ -27,32 +32,81 @@ use super::handles::{self, Mode};
 use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
+use super::resolution::Resolution;
 use super::split::Split;
 use super::stage::Stage;
 
 pub(super) use scene::{Purpose, is_map};
 pub(super) use split::SplitState;
+pub(super) use unsaved::Leave;
 
-/// What is loaded sooner needs no word, which would move the panel under the pointer.
+/// What is loaded sooner needs no word.
 const SOON: Duration = Duration::from_millis(500);
-/// Width of the panel in points.
+/// Width of the panel, points.
 const WIDTH: f32 = 250.0;
+/// Height of the two lines at the head of the panel, points.
+const STATUS: f32 = 34.0;
+/// How long the speed of flight is shown after the wheel has turned.
+const SPEED_SHOWN: Duration = Duration::from_millis(1500);
 
 /// State of the panel.
-#[derive(Default)]
 pub(super) struct PanelState {
     /// Whether panel and overlays are hidden.
     pub hidden: bool,
+    /// Whether overlays alone are hidden.
+    pub bare: bool,
+    /// Whether keys go to the panel.
+    pub has_keyboard: bool,
     pub help: bool,
+    /// Whether the first lines are shown.
+    pub welcome: bool,
     /// The last error, until dismissed.
     pub error: Option<String>,
     /// The last status message.
     pub message: String,
+    /// What is to be done once edits are saved or discarded.
+    pub leaving: Option<Leave>,
     pub scene: scene::SceneState,
     pub split: SplitState,
     pub places: Places,
+    /// Where the picture is, points.
+    pub viewport: Rect,
+    /// The speed of flight, and since when it is shown.
+    speed: Option<(String, Instant)>,
+    /// The widget that had the keyboard in the last frame.
+    focused: Option<Id>,
+    thumbnails: thumbnails::Thumbnails,
     /// Documentation of the settings, for tooltips.
     settings: settings::SettingsDocs,
+}
+
+impl PanelState {
+    /// `hidden`: for the tour; `welcome`: with the first lines.
+    pub fn new(hidden: bool, welcome: bool) -> Self {
+        Self {
+            hidden,
+            bare: false,
+            has_keyboard: false,
+            help: false,
+            welcome,
+            error: None,
+            message: String::new(),
+            leaving: None,
+            scene: scene::SceneState::default(),
+            split: SplitState::default(),
+            places: Places::new(),
+            viewport: Rect::ZERO,
+            speed: None,
+            focused: None,
+            thumbnails: thumbnails::Thumbnails::default(),
+            settings: settings::SettingsDocs::default(),
+        }
+    }
+
+    /// Shows the speed of flight for a while.
+    pub fn show_speed(&mut self, speed: String) {
+        self.speed = Some((speed, Instant::now()));
+    }
 }
 
 /// Input of the panel.
@@ -61,98 +115,175 @@ pub(super) struct Shown<'a> {
     pub split: Option<&'a Split>,
     /// Of the tour.
     pub caption: Option<&'static str>,
+    pub assets: Option<&'a Path>,
     pub clock: &'a mut Clock,
     pub history: &'a History,
     pub loader: &'a Loader,
     pub gpu: &'a Gpu,
     pub inspector: &'a Inspector,
     pub mode: Mode,
-    pub coarseness: u32,
+    pub resolution: &'a Resolution,
     pub recording: &'a Recording,
+}
+
+/// Size of a window that has room for a picture of this size and the panel, pixels.
+pub(super) fn window_around(picture: [u32; 2], scale: f32) -> [u32; 2] {
+    let width = picture[0] as f32 / scale + WIDTH;
+    let height = picture[1] as f32 / scale + bar::height(width);
+    [width, height].map(|points| (points * scale).round() as u32)
+}
+
+/// The part of a window that panel and bar leave to the picture.
+fn viewport(window: Rect, hidden: bool) -> Rect {
+    if hidden {
+        return window;
+    }
+    let (right, top) = (window.right() - WIDTH, window.top() + bar::height(window.width()));
+    let corner = pos2(window.left(), top.min(window.bottom() - 1.0));
+    Rect::from_min_max(corner, pos2(right.max(window.left() + 1.0), window.bottom()))
 }
 
 /// Lays out panel and overlays; returns the user's actions.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
+    state.places.clear();
+    state.viewport = viewport(ui.ctx().content_rect(), state.hidden);
+    let Rect { min, max } = state.viewport;
+    state.places.insert("picture".to_owned(), [min.x, min.y, max.x, max.y].map(f32::round));
     if let Some(split) = shown.split {
-        split::pictures(ui, &mut state.split, split);
+        split::pictures(ui, state, split);
     }
     if let Some(caption) = shown.caption {
-        caption_below(ui, caption);
+        notices::caption(ui, state.viewport, caption);
     }
     if state.help {
         help::show(ui, state);
     }
+    notices::error(ui, state);
+    unsaved::show(ui, state, &mut actions);
+    if shown.stage.is_none() {
+        notices::loading(ui, state.viewport, shown.loader);
+    }
     if state.hidden {
         return actions;
     }
-    if let Some(stage) = shown.stage {
-        handles::paint(ui, stage, shown.mode);
-        legend::show(ui, stage.renderer.view());
-        if stage.camera_is_outside() {
-            caption_below(ui, "The camera has left the scene: Home brings it back.");
-        }
+    if let Some(stage) = shown.stage.filter(|_| !state.bare) {
+        overlays(ui, state, stage, shown.mode);
     }
     state.scene.ask(ui.ctx(), &mut actions);
-    state.places.clear();
-    let fill = ui.visuals().panel_fill.gamma_multiply(0.93);
-    let frame = Frame::side_top_panel(ui.style()).fill(fill);
-    let bar = Frame::side_top_panel(ui.style()).fill(fill);
-    egui::Panel::top("bar").resizable(false).frame(bar).show(ui, |ui| {
-        bar::show(ui, shown, &mut state.places, &mut actions);
+    let bar = egui::Panel::top("bar").exact_size(bar::height(ui.ctx().content_rect().width()));
+    bar.resizable(false).frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
+        bar::show(ui, state, shown, &mut actions);
     });
-    egui::Panel::right("panel").exact_size(WIDTH).resizable(false).frame(frame).show(ui, |ui| {
-        head(ui, state, shown);
+    let panel = egui::Panel::right("panel").exact_size(WIDTH).resizable(false);
+    panel.frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
+        status(ui, state, shown);
+        ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            let mut places = std::mem::take(&mut state.places);
-            let mut header =
-                |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
-            let mut inner = Places::new();
-            let scene = section(ui, "Scene", true, |ui| {
-                scene::show(ui, state, shown, &mut inner, &mut actions);
-            });
-            header(ui, "Scene", scene);
-            let environment = section(ui, "Environment", false, |ui| {
-                environment::show(ui, state, shown, &mut inner, &mut actions);
-            });
-            header(ui, "Environment", environment);
-            let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, &mut actions));
-            header(ui, "Time", time);
-            let objects = section(ui, "Lights and objects", false, |ui| {
-                objects::show(ui, shown, &mut inner, &mut actions);
-            });
-            header(ui, "Lights and objects", objects);
-            let views = section(ui, "Debug views", false, |ui| views::show(ui, shown, &mut actions));
-            header(ui, "Debug views", views);
-            let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
-            header(ui, "Performance", plots);
-            let settings = section(ui, "Settings", false, |ui| {
-                settings::show(ui, state, shown, &mut actions);
-            });
-            header(ui, "Settings", settings);
-            places.extend(inner);
-            state.places = places;
+            sections(ui, state, shown, &mut actions);
+            follow_focus(ui, state);
         });
     });
-    split::show(ui, shown, &state.settings, &mut state.places, &mut actions);
+    split::show(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
-        material::show(ui, shown, &mut state.places, &mut actions);
-        inspector::show(ui, shown, &mut actions);
+        material::show(ui, state, shown, &mut actions);
+        inspector::show(ui, state.viewport, shown, &mut actions);
+    }
+    if state.welcome && shown.stage.is_some() {
+        welcome::show(ui, state, &mut actions);
     }
     actions
 }
 
-/// What the tour says, or a hint, at the lower edge.
-fn caption_below(ui: &Ui, caption: &str) {
-    let window = ui.ctx().content_rect();
-    let area = egui::Area::new(egui::Id::new("caption")).anchor(egui::Align2::CENTER_BOTTOM, [0.0, -12.0]);
-    area.interactable(false).show(ui.ctx(), |ui| {
-        let fill = egui::Color32::from_black_alpha(200);
-        Frame::popup(ui.style()).fill(fill).show(ui, |ui| {
-            ui.set_max_width((window.width() - 40.0).min(720.0));
-            ui.label(RichText::new(caption).size(16.0).color(egui::Color32::WHITE));
-        });
+/// What is drawn over the picture.
+fn overlays(ui: &Ui, state: &PanelState, stage: &Stage, mode: Mode) {
+    handles::paint(ui, stage, state.viewport, mode);
+    legend::show(ui, stage.renderer.view());
+    if stage.camera_is_outside() {
+        let hint = "The camera has left the scene: Home brings it back.";
+        notices::caption(ui, state.viewport, hint);
+    }
+    if let Some((speed, since)) = &state.speed
+        && since.elapsed() < SPEED_SHOWN
+    {
+        notices::caption(ui, state.viewport, speed);
+    }
+}
+
+fn sections(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>, actions: &mut Vec<Action>) {
+    let mut places = std::mem::take(&mut state.places);
+    let mut header = |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
+    let mut inner = Places::new();
+    let scene = section(ui, "Scene", true, |ui| scene::show(ui, state, shown, &mut inner, actions));
+    header(ui, "Scene", scene);
+    let environment = section(ui, "Environment", false, |ui| {
+        environment::show(ui, state, shown, &mut inner, actions);
     });
+    header(ui, "Environment", environment);
+    let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, actions));
+    header(ui, "Time", time);
+    let objects =
+        section(ui, "Lights and objects", false, |ui| objects::show(ui, shown, &mut inner, actions));
+    header(ui, "Lights and objects", objects);
+    let views = section(ui, "Debug views", false, |ui| views::show(ui, shown, actions));
+    header(ui, "Debug views", views);
+    let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
+    header(ui, "Performance", plots);
+    let settings = section(ui, "Settings", false, |ui| settings::show(ui, state, shown, actions));
+    header(ui, "Settings", settings);
+    places.extend(inner);
+    state.places = places;
+}
+
+/// Scrolls to the widget that has received the keyboard.
+fn follow_focus(ui: &mut Ui, state: &mut PanelState) {
+    let focused = ui.memory(egui::Memory::focused);
+    if std::mem::replace(&mut state.focused, focused) == focused || !state.has_keyboard {
+        return;
+    }
+    let widget = focused.and_then(|focused| ui.ctx().read_response(focused));
+    if let Some(rect) = widget.map(|widget| widget.rect)
+        && rect.left() >= ui.min_rect().left()
+    {
+        ui.scroll_to_rect(rect, None);
+    }
+}
+
+/// What goes on, in the same room whatever it is, so that nothing below moves.
+fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
+    let (room, _) = ui.allocate_exact_size(vec2(ui.available_width(), STATUS), Sense::hover());
+    let mut ui = ui.new_child(UiBuilder::new().max_rect(room));
+    ui.set_clip_rect(room);
+    let progress = shown.loader.progress();
+    if let Some((name, step, elapsed)) = progress.filter(|progress| progress.2 > SOON) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spinner();
+            ui.small(format!("{}: {} ({:.0} s)", scene::short(name), step.label(), elapsed.as_secs_f32()));
+        });
+    } else if !state.message.is_empty() {
+        ui.small(&state.message).on_hover_text(&state.message);
+    } else if shown.gpu.device.is_cpu() {
+        ui.small("CPU driver: fewer pixels and VPLs by default.").on_hover_text(&shown.gpu.device.info().name);
+    }
+}
+
+/// Notes that a field of text has the keyboard: it keeps it wherever the pointer goes, which a number does not.
+fn keep_keyboard(ui: &Ui, field: &Response) {
+    if field.has_focus() {
+        ui.data_mut(|data| data.insert_temp(Id::new(TEXT_FIELD), field.id));
+    }
+}
+
+/// Key of the last field of text that had the keyboard.
+const TEXT_FIELD: &str = "text field";
+
+/// Takes the keyboard from a number whose field the pointer has left for the picture.
+pub(super) fn release_number(context: &egui::Context, state: &PanelState) {
+    let Some(focused) = context.memory(egui::Memory::focused) else { return };
+    let kept: Option<Id> = context.data(|data| data.get_temp(Id::new(TEXT_FIELD)));
+    if kept != Some(focused) && !state.has_keyboard && !state.scene.is_asking() && context.text_edit_focused() {
+        context.memory_mut(|memory| memory.surrender_focus(focused));
+    }
 }
 
 /// Widget rectangles in the window, points; logged so that tests find them.
@@ -176,33 +307,4 @@ fn place_track(ui: &Ui, places: &mut Places, name: &str, slider: &Response) {
 fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) -> Response {
     let header = egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open);
     header.show(ui, content).header_response
-}
-
-/// Messages and errors.
-fn head(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) {
-    if shown.gpu.device.is_cpu() {
-        ui.small("CPU driver: smaller picture and fewer VPLs by default.")
-            .on_hover_text(&shown.gpu.device.info().name);
-    }
-    let progress = shown.loader.progress();
-    if let Some((name, step, elapsed)) = progress.filter(|progress| progress.2 > SOON) {
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label(format!("{name}: {} ({:.0} s)", step.label(), elapsed.as_secs_f32()));
-        });
-    }
-    if let Some(error) = &state.error {
-        let text = RichText::new(error).color(ui.visuals().error_fg_color);
-        let dismissed = ui.horizontal_wrapped(|ui| {
-            ui.label(text);
-            ui.small_button("dismiss").clicked()
-        });
-        if dismissed.inner {
-            state.error = None;
-        }
-    }
-    if !state.message.is_empty() {
-        ui.small(&state.message);
-    }
-    ui.separator();
 }

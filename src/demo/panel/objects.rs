@@ -4,13 +4,13 @@ use egui::{ComboBox, DragValue, ScrollArea, Slider, SliderClamping, TextEdit, Ui
 use glam::Vec3;
 use toml::Spanned;
 
-use super::{Places, Shown, place, place_track};
+use super::{Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
-use crate::demo::edit::{Motion, label};
+use crate::demo::edit::{Motion, NewObject, label};
 use crate::demo::handles::Mode;
-use crate::demo::stage::{Selected, Stage};
+use crate::demo::stage::{Selected, Stage, carry};
 use crate::scene::{
-    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, RotationEntry, ScaleEntry,
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, Primitive, RotationEntry, ScaleEntry,
 };
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
@@ -28,6 +28,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
             }
         }
     });
+    add_object(ui, stage, places, actions);
     let Some(selected) = stage.selected else {
         ui.small("Click an object or a light in the picture to select it.");
         return;
@@ -61,6 +62,26 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     }
 }
 
+/// Shapes, models that are in the scene, and files.
+fn add_object(ui: &mut Ui, stage: &Stage, places: &mut Places, actions: &mut Vec<Action>) {
+    let combo = ComboBox::from_id_salt("add object").selected_text("add an object").width(150.0);
+    let menu = combo.show_ui(ui, |ui| {
+        let shapes = Primitive::ALL.map(|shape| (shape.label(), NewObject::Shape(shape)));
+        let models = stage.document.models().map(|model| (model, NewObject::Model(model.to_owned())));
+        for (name, object) in shapes.into_iter().chain(models) {
+            let label = ui.selectable_label(false, name);
+            place(ui, places, &format!("add {name}"), &label);
+            if label.clicked() {
+                actions.push(Action::AddObject(object));
+            }
+        }
+        if ui.selectable_label(false, "model from a file …").clicked() {
+            actions.push(Action::AskModel);
+        }
+    });
+    place(ui, places, "add an object", &menu.response);
+}
+
 fn list(ui: &mut Ui, stage: &Stage, actions: &mut Vec<Action>) {
     let mut entry = |ui: &mut Ui, this: Selected, name: String| {
         if ui.selectable_label(stage.selected == Some(this), name).clicked() {
@@ -68,14 +89,9 @@ fn list(ui: &mut Ui, stage: &Stage, actions: &mut Vec<Action>) {
         }
     };
     ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
-        for (index, light) in stage.document.lights().enumerate() {
-            let name = light.name.clone().unwrap_or_else(|| format!("light {}", index + 1));
-            entry(ui, Selected::Light(index), format!("{name} ({})", label(light.kind)));
-        }
-        for (index, instance) in stage.document.instances().enumerate() {
-            let name = instance.name.as_ref().unwrap_or(&instance.model);
-            entry(ui, Selected::Instance(index), name.clone());
-        }
+        let lights = (0..stage.document.lights().len()).map(Selected::Light);
+        let instances = (0..stage.document.instances().len()).map(Selected::Instance);
+        lights.chain(instances).for_each(|known| entry(ui, known, stage.name_of(known)));
     });
 }
 
@@ -89,10 +105,17 @@ fn light(
     let mut light = entry.clone();
     let speed = 2e-3 * stage.radius;
     if let Some(name) = &mut light.name {
-        ui.add(TextEdit::singleline(name).desired_width(150.0));
+        let field = ui.add(TextEdit::singleline(name).desired_width(150.0));
+        keep_keyboard(ui, &field);
     }
-    vector(ui, "position", light.position.as_mut(), speed);
-    vector(ui, "direction", light.direction.as_mut(), 0.01);
+    if stage.headlamp == Some(index) {
+        // The document has where it was when it was attached.
+        let mut now = light.clone();
+        carry(&mut now, &stage.pose.camera);
+        ui.add_enabled_ui(false, |ui| place_of_light(ui, &mut now, speed));
+    } else {
+        place_of_light(ui, &mut light, speed);
+    }
     for (what, unit, value) in [
         ("intensity", "W/sr", light.intensity.as_mut()),
         ("irradiance", "W/m²", light.irradiance.as_mut()),
@@ -117,6 +140,43 @@ fn light(
     }
     if light != *entry {
         actions.push(Action::EditLight(index, Box::new(light)));
+    }
+}
+
+fn place_of_light(ui: &mut Ui, light: &mut LightEntry, speed: f32) {
+    vector(ui, "position", light.position.as_mut(), speed);
+    vector(ui, "direction", light.direction.as_mut(), 0.01);
+    if let Some(polygon) = &mut light.polygon {
+        quad(ui, polygon, speed);
+    }
+}
+
+/// Centre and edge lengths of an area light.
+fn quad(ui: &mut Ui, polygon: &mut [[f32; 3]; 4], speed: f32) {
+    let corners = polygon.map(Vec3::from_array);
+    let centre = corners.iter().sum::<Vec3>() / 4.0;
+    let mut moved = centre.to_array();
+    vector(ui, "position", Some(&mut moved), speed);
+    // Along the first edge, and along what the second has across it.
+    let along = (corners[1] - corners[0]).normalize_or(Vec3::X);
+    let across = (corners[2] - corners[1]).reject_from(along).normalize_or(Vec3::Z);
+    let size = [along, across].map(|axis| {
+        let places = corners.map(|corner| corner.dot(axis));
+        places.into_iter().fold(f32::NEG_INFINITY, f32::max) - places.into_iter().fold(f32::INFINITY, f32::min)
+    });
+    let mut sized = size;
+    ui.horizontal(|ui| {
+        ui.label("size");
+        for side in &mut sized {
+            ui.add(DragValue::new(side).range(0.01 * speed..=1e6).speed(speed).max_decimals(3));
+        }
+    });
+    if (moved, sized) != (centre.to_array(), size) {
+        *polygon = corners.map(|corner| {
+            let off = corner - centre;
+            let scaled = |axis: Vec3, i: usize| axis * (off.dot(axis) * (sized[i] / size[i].max(1e-9) - 1.0));
+            (Vec3::from_array(moved) + off + scaled(along, 0) + scaled(across, 1)).to_array()
+        });
     }
 }
 

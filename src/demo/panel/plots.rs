@@ -8,7 +8,7 @@ use crate::demo::history::Sample;
 use crate::estimators;
 
 /// Height of a plot, points.
-const HEIGHT: f32 = 90.0;
+const HEIGHT: f32 = 120.0;
 
 /// Counters to plot, with label and colour; skipped if the method lacks them.
 const COUNTERS: [(&str, &str, Color32); 5] = [
@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     }
     ui.small("milliseconds between frames");
     let intervals = samples.iter().map(|sample| sample.interval_ms);
-    plot("intervals", ui, |plot| plot.line(line("interval", Color32::LIGHT_GRAY, intervals)));
+    plot("intervals", "ms", ui, |plot| plot.line(line("interval", Color32::LIGHT_GRAY, intervals)));
     figures(ui, shown, "frame", Color32::LIGHT_GRAY, |sample| sample.interval_ms);
     figures(ui, shown, "panel, CPU", Color32::LIGHT_GRAY, |sample| sample.ui_cpu_ms);
     figures(ui, shown, "panel, device", Color32::LIGHT_GRAY, |sample| sample.ui_device_ms);
@@ -46,7 +46,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     ui.separator();
     ui.small("VPLs");
     let count = |sample: &Sample, key: &str| sample.report.figures.counters.get(key);
-    plot("vpls", ui, |plot| {
+    plot("vpls", "VPLs", ui, |plot| {
         for (key, name, colour) in &counters {
             plot.line(line(name, *colour, samples.iter().map(|sample| count(sample, key) as f64)));
         }
@@ -62,7 +62,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
 
 fn passes(ui: &mut Ui, samples: &[&Sample], names: &[&str]) {
     let xs: Vec<f64> = (0..samples.len()).map(|x| x as f64).collect();
-    plot("passes", ui, |plot| {
+    plot("passes", "ms", ui, |plot| {
         let mut below = vec![0.0; samples.len()];
         for name in names {
             let above: Vec<f64> =
@@ -79,12 +79,13 @@ fn line<'a>(name: &str, colour: Color32, values: impl Iterator<Item = f64>) -> L
     Line::new(name, points).color(colour).width(1.0).allow_hover(false)
 }
 
-fn plot<'a>(id: &str, ui: &mut Ui, content: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a) {
+fn plot<'a>(id: &str, unit: &str, ui: &mut Ui, content: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a) {
     Plot::new(id)
         .height(HEIGHT)
         .include_y(0.0)
         .show_x(false)
-        .show_axes([false, true])
+        .x_axis_label("frame")
+        .y_axis_label(unit.to_owned())
         .show_grid([false, true])
         .allow_drag(false)
         .allow_zoom(false)

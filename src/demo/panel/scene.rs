@@ -5,9 +5,10 @@ use std::path::Path;
 use egui::{ComboBox, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
-use super::{PanelState, Places, Shown, place};
+use super::{PanelState, Places, Shown, keep_keyboard, place};
 use crate::demo::action::Action;
 use crate::demo::app::Recording;
+use crate::demo::edit::NewObject;
 
 /// Text field and file dialog.
 #[derive(Default)]
@@ -25,6 +26,8 @@ pub(in crate::demo) enum Purpose {
     Save,
     /// Of an environment.
     Map,
+    /// Of an object that is added.
+    Model,
 }
 
 /// Whether a file is the map of an environment, by its ending.
@@ -42,17 +45,28 @@ impl SceneState {
     pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
         let scenes: Filter<Path> =
             Filter::new(|path: &Path| has_ending(path, &["toml", "obj", "gltf", "glb"]));
-        let shown = if matches!(purpose, Purpose::Map) { "maps" } else { "scenes" };
+        let models: Filter<Path> = Filter::new(|path: &Path| has_ending(path, &["obj", "gltf", "glb"]));
+        let shown = match purpose {
+            Purpose::Map => "maps",
+            Purpose::Model => "models",
+            Purpose::Open | Purpose::Save => "scenes",
+        };
         let mut dialog = FileDialog::new()
             .add_file_filter("scenes", scenes)
+            .add_file_filter("models", models)
             .add_file_filter("maps", Filter::new(is_map))
             .default_file_filter(shown)
             .default_file_name(&format!("{name}.toml"));
         match purpose {
-            Purpose::Open | Purpose::Map => dialog.pick_file(),
+            Purpose::Open | Purpose::Map | Purpose::Model => dialog.pick_file(),
             Purpose::Save => dialog.save_file(),
         }
         self.dialog = Some((dialog, purpose));
+    }
+
+    /// Whether the dialog is open.
+    pub(super) fn is_asking(&self) -> bool {
+        self.dialog.is_some()
     }
 
     /// Shows the dialog, if it is open.
@@ -65,6 +79,7 @@ impl SceneState {
             Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
             Purpose::Save => Action::Save(path),
             Purpose::Map => Action::OpenMap(path),
+            Purpose::Model => Action::AddObject(NewObject::File(path)),
         }));
         if done {
             self.dialog = None;
@@ -84,6 +99,7 @@ pub(super) fn show(
             TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml, model.obj or model.glb");
         let field = ui.add(field.desired_width(150.0));
         place(ui, places, "path", &field);
+        keep_keyboard(ui, &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let typed = state.scene.path.trim();
         if (ui.button("Open").clicked() || entered) && !typed.is_empty() {

@@ -9,6 +9,7 @@ use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
 
 use super::{PanelState, Shown};
 use crate::demo::action::Action;
+use crate::demo::resolution::{COARSEST, Resolution};
 use crate::settings::{
     Denoise, Direct, Group, Indirect, MissingSets, Reflections, Settings, SvgfSettings, VplSettings, groups,
 };
@@ -106,20 +107,24 @@ pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: 
             }
         });
     }
-    let mut coarseness = shown.coarseness;
-    ui.horizontal(|ui| {
-        ui.label("window pixels per pixel");
-        ui.add(DragValue::new(&mut coarseness).range(1..=8).speed(0.03));
-    })
-    .response
-    .on_hover_text(
-        "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
-    );
-    if coarseness != shown.coarseness {
-        actions.push(Action::SetCoarseness(coarseness));
-    }
+    coarseness(ui, shown.resolution, actions);
     if settings != stage.settings {
         actions.push(Action::Set(Box::new(settings)));
+    }
+}
+
+fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
+    let (mut pixels, mut automatic) = (resolution.coarseness, resolution.automatic);
+    let line = ui.horizontal(|ui| {
+        ui.label("window pixels per pixel");
+        ui.add_enabled(!automatic, DragValue::new(&mut pixels).range(1..=COARSEST).speed(0.03));
+        ui.checkbox(&mut automatic, "auto").on_hover_text("As few as 15 frames a second allow.");
+    });
+    line.response.on_hover_text(
+        "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
+    );
+    if (pixels, automatic) != (resolution.coarseness, resolution.automatic) {
+        actions.push(Action::SetCoarseness((!automatic).then_some(pixels)));
     }
 }
 
@@ -228,7 +233,7 @@ pub(super) fn name_of(value: &impl ValueEnum) -> String {
 }
 
 /// One of an enum's values.
-pub(super) fn choice<Value: ValueEnum + PartialEq>(
+fn choice<Value: ValueEnum + PartialEq>(
     ui: &mut Ui,
     name: &str,
     value: &mut Value,

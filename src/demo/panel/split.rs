@@ -8,7 +8,7 @@ use egui::{
 };
 
 use super::settings::{SettingsDocs, name_of, row};
-use super::{Places, Shown, place};
+use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::split::{Right, RightSide, Split};
 use crate::demo::stage::Stage;
@@ -33,8 +33,9 @@ pub(in crate::demo) struct SplitState {
 }
 
 /// What the CPU has drawn, below everything else.
-pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
-    let window = ui.ctx().content_rect();
+pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
+    let viewport = state.viewport;
+    let state = &mut state.split;
     if let Right::Truth(truth) = &split.right
         && let Some(progress) = truth.progress()
     {
@@ -44,14 +45,14 @@ pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
             let image = ColorImage::from_rgba_unmultiplied(size, bytemuck::cast_slice(&progress.shot.pixels));
             (truth.version, ui.ctx().load_texture("truth", image, TextureOptions::NEAREST))
         });
-        let right = window.with_min_x(divider_of(window, split.at));
-        paint(ui, &texture, right, window);
+        let right = viewport.with_min_x(divider_of(viewport, split.at));
+        paint(ui, &texture, right, viewport);
         state.truth = Some((version, texture));
     }
     if !split.shows_difference {
         state.difference = None;
-        let divider = divider_of(window, split.at);
-        ui.painter().vline(divider, window.y_range(), Stroke::new(2.0, Color32::WHITE));
+        let divider = divider_of(viewport, split.at);
+        ui.painter().vline(divider, viewport.y_range(), Stroke::new(2.0, Color32::WHITE));
         return;
     }
     let Some(compared) = split.metrics.last() else { return };
@@ -62,25 +63,25 @@ pub(super) fn pictures(ui: &Ui, state: &mut SplitState, split: &Split) {
         let image = ColorImage::new(compared.size, pixels);
         (split.metrics.version, ui.ctx().load_texture("difference", image, TextureOptions::NEAREST))
     });
-    paint(ui, &texture, window, window);
-    scale(ui, window);
+    paint(ui, &texture, viewport, viewport);
+    scale(ui, viewport);
     state.difference = Some((version, texture));
 }
 
-fn divider_of(window: Rect, at: f32) -> f32 {
-    (window.left() + at * window.width()).round()
+fn divider_of(viewport: Rect, at: f32) -> f32 {
+    (viewport.left() + at * viewport.width()).round()
 }
 
-/// The part of a picture of the whole window.
-fn paint(ui: &Ui, texture: &TextureHandle, part: Rect, window: Rect) {
-    let share = |at: Pos2| ((at - window.min) / window.size()).to_pos2();
+/// The part of a picture of the whole viewport.
+fn paint(ui: &Ui, texture: &TextureHandle, part: Rect, viewport: Rect) {
+    let share = |at: Pos2| ((at - viewport.min) / viewport.size()).to_pos2();
     let uv = Rect::from_min_max(share(part.min), share(part.max));
     ui.painter().image(texture.id(), part, uv, Color32::WHITE);
 }
 
 /// The scale of the error.
-fn scale(ui: &Ui, window: Rect) {
-    let bar = Rect::from_min_size(pos2(window.left() + 12.0, window.bottom() - 34.0), vec2(160.0, 10.0));
+fn scale(ui: &Ui, viewport: Rect) {
+    let bar = Rect::from_min_size(pos2(viewport.left() + 12.0, viewport.bottom() - 34.0), vec2(160.0, 10.0));
     let steps = 32;
     for step in 0..steps {
         let share = |step: i32| step as f32 / steps as f32;
@@ -100,17 +101,12 @@ fn scale(ui: &Ui, window: Rect) {
 }
 
 /// The divider, and what both sides are.
-pub(super) fn show(
-    ui: &mut Ui,
-    shown: &Shown<'_>,
-    docs: &SettingsDocs,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
-    let (window, free) = (ui.ctx().content_rect(), ui.available_rect_before_wrap());
-    let x = divider_of(window, split.at);
-    let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, free.y_range());
+    let viewport = state.viewport;
+    let PanelState { places, settings: docs, .. } = state;
+    let x = divider_of(viewport, split.at);
+    let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, viewport.y_range());
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
         ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
     });
@@ -118,23 +114,23 @@ pub(super) fn show(
     if divider.inner.dragged()
         && let Some(at) = divider.inner.interact_pointer_pos()
     {
-        actions.push(Action::MoveDivider(((at.x - window.left()) / window.width()).clamp(0.02, 0.98)));
+        actions.push(Action::MoveDivider(((at.x - viewport.left()) / viewport.width()).clamp(0.02, 0.98)));
     }
     let label = |id: &str, at: Pos2, align: Align2, add: &mut dyn FnMut(&mut Ui)| {
-        Area::new(Id::new(id)).fixed_pos(at).pivot(align).constrain_to(free).show(ui.ctx(), |ui| {
+        Area::new(Id::new(id)).fixed_pos(at).pivot(align).constrain_to(viewport).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(190.0);
                 add(ui);
             });
         });
     };
-    let left = pos2(x - 10.0, free.top() + LABELS_AT);
+    let left = pos2(x - 10.0, viewport.top() + LABELS_AT);
     label("left side", left, Align2::RIGHT_TOP, &mut |ui| {
         ui.label(RichText::new(described(&stage.settings)).strong());
         ui.label(milliseconds(&stage.report));
         numbers(ui, split);
     });
-    let right = pos2(x + 10.0, free.top() + LABELS_AT);
+    let right = pos2(x + 10.0, viewport.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
         right_side(ui, (stage, split), docs, places, actions);
     });

@@ -31,6 +31,8 @@ pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, acti
     ui.spacing_mut().slider_width = 150.0;
     let slider = ui.add(Slider::new(&mut time, 0.0..=span).suffix(" s").fixed_decimals(2));
     place(ui, places, "scrub", &slider);
+    let value = slider.rect.with_min_x(slider.rect.min.x + ui.spacing().slider_width);
+    place(ui, places, "scrub value", &slider.clone().with_new_rect(value));
     // Ignore changes from the slider's own rounding.
     let moved = slider.changed() && (time - clock.time).abs() > ROUNDING;
     slider.on_hover_text("Drag to set the animation time.");

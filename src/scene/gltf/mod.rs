@@ -45,6 +45,8 @@ pub(super) fn is_gltf(file: &Path) -> bool {
 /// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none.
 pub(super) fn load(file: &Path) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(file));
+    // As the specification has it.
+    scene.metres_per_unit = Some(1.0);
     let mut file = File::open(file, &mut scene)?;
     let motions = Motions::read(&mut file.source)?;
     let placed = std::mem::take(&mut file.placed);

@@ -1,0 +1,53 @@
+//! What is said over the picture: errors, captions, that a scene is loaded.
+
+use egui::{Align2, Area, Color32, Frame, Id, Rect, RichText, Ui};
+
+use super::{PanelState, place};
+use crate::demo::loader::Loader;
+
+/// Widest text, points.
+const WIDEST: f32 = 720.0;
+
+/// What the tour says, or a hint, at the lower edge of the picture.
+pub(super) fn caption(ui: &Ui, viewport: Rect, caption: &str) {
+    let at = viewport.center_bottom() - egui::vec2(0.0, 12.0);
+    let area = Area::new(Id::new("caption")).fixed_pos(at).pivot(Align2::CENTER_BOTTOM).interactable(false);
+    area.show(ui.ctx(), |ui| {
+        Frame::popup(ui.style()).fill(Color32::from_black_alpha(200)).show(ui, |ui| {
+            ui.set_max_width((viewport.width() - 40.0).min(WIDEST));
+            ui.label(RichText::new(caption).size(16.0).color(Color32::WHITE));
+        });
+    });
+}
+
+/// The last error, until it is dismissed.
+pub(super) fn error(ui: &Ui, state: &mut PanelState) {
+    let Some(error) = &state.error else { return };
+    let at = state.viewport.center_top() + egui::vec2(0.0, 12.0);
+    let area = Area::new(Id::new("error")).fixed_pos(at).pivot(Align2::CENTER_TOP);
+    let width = (state.viewport.width() - 40.0).min(WIDEST);
+    let dismiss = area.show(ui.ctx(), |ui| {
+        let frame = Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_max_width(width);
+            ui.label(RichText::new(error).color(ui.visuals().error_fg_color));
+            ui.button("Dismiss")
+        });
+        frame.inner
+    });
+    place(ui, &mut state.places, "dismiss", &dismiss.inner);
+    if dismiss.inner.clicked() {
+        state.error = None;
+    }
+}
+
+/// The first scene's progress, in the middle.
+pub(super) fn loading(ui: &Ui, viewport: Rect, loader: &Loader) {
+    let Some((name, step, elapsed)) = loader.progress() else { return };
+    let area = Area::new(Id::new("loading")).fixed_pos(viewport.center()).pivot(Align2::CENTER_CENTER);
+    area.interactable(false).show(ui.ctx(), |ui| {
+        ui.vertical_centered(|ui| {
+            ui.spinner();
+            ui.label(format!("{name}: {} ({:.0} s)", step.label(), elapsed.as_secs_f32()));
+        });
+    });
+}

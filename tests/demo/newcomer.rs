@@ -1,0 +1,129 @@
+//! What a new user meets: the first lines, the question before edits are lost, the keyboard.
+
+use serde_json::Value;
+
+use crate::ONE_AT_A_TIME;
+use crate::desk::Desk;
+use crate::window::{Demo, is_action};
+
+const SMALL: [&str; 8] = [
+    "cornell-box",
+    "--antialiasing=none",
+    "--reflections=none",
+    "--size=480x320",
+    "--vpls=64",
+    "--temporal-sets=4",
+    "--bounces=2",
+    "--validate",
+];
+
+fn shows(demo: &mut Demo<'_>, name: &str) -> bool {
+    let layout = demo.events().iter().rfind(|event| event["event"] == "layout").unwrap();
+    layout["details"].get(name).is_some()
+}
+
+fn is_question(event: &Value, what: &str) -> bool {
+    event["event"] == "unsaved" && (event["details"] == what || event["details"].get(what).is_some())
+}
+
+#[test]
+fn the_first_lines_are_shown_until_they_are_dismissed() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let cache = tempfile::tempdir().unwrap();
+    let start = |desk| Demo::start_in(desk, tempfile::tempdir().unwrap(), cache.path().to_str().unwrap(), &SMALL);
+    let mut demo = start(&desk);
+    demo.screen().keep("25-welcome");
+    let seen = demo.now();
+    demo.click_thing("Got it");
+    demo.wait_after(seen, "dismissal", |event| is_action(event, "dismiss-welcome"));
+    demo.frames(3);
+    assert!(!shows(&mut demo, "Got it"));
+    demo.close();
+    let mut demo = start(&desk);
+    demo.frames(6);
+    assert!(!shows(&mut demo, "Got it"), "the first lines come back");
+    demo.close();
+}
+
+#[test]
+fn edits_are_not_lost_without_a_question() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.click_thing("Scene");
+    demo.click_thing("Lights and objects");
+    let seen = demo.now();
+    demo.click_thing("add point");
+    demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
+
+    // Closing asks; Escape goes on with the scene.
+    let seen = demo.now();
+    demo.input(&["key", "ctrl+q"]);
+    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.screen().keep("26-unsaved");
+    assert!(shows(&mut demo, "Discard"));
+    demo.input(&["key", "Escape"]);
+    demo.frames(3);
+    assert!(!shows(&mut demo, "Discard"));
+
+    // Another scene asks too, and the same edits can be discarded.
+    let seen = demo.now();
+    demo.click_thing("scenes");
+    demo.screen().keep("27-scenes");
+    demo.click_thing("scene playroom");
+    demo.wait_after(seen, "question", |event| is_question(event, "open"));
+    demo.click_thing("Discard");
+    demo.wait_after(seen, "scene", |event| event["details"]["name"] == "playroom");
+
+    // Nothing is edited now, so nothing asks.
+    let log = demo.close();
+    let questions = log["events"].as_array().unwrap().iter().filter(|event| event["event"] == "unsaved");
+    assert_eq!(questions.count(), 2);
+}
+
+#[test]
+fn the_keyboard_reaches_the_panel_and_comes_back() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.key_for("F6", "toggle-keyboard");
+    // Scene, three methods, T = 1.
+    for _ in 0..4 {
+        demo.input(&["key", "Tab"]);
+    }
+    demo.screen().keep("28-keyboard");
+    let seen = demo.now();
+    demo.input(&["key", "space"]);
+    let set = demo.wait_after(seen, "one set", |event| is_action(event, "set"));
+    assert_eq!(set["details"]["set"]["temporal_sets"], 1);
+    // The last widget is the header of the last section.
+    for _ in 0..5 {
+        demo.input(&["key", "shift+Tab"]);
+    }
+    let seen = demo.now();
+    demo.input(&["key", "space"]);
+    demo.frames(12);
+    demo.screen().keep("29-keyboard-settings");
+    assert!(!demo.events()[seen..].iter().any(|event| is_action(event, "toggle-pause")));
+    demo.input(&["key", "Escape"]);
+    demo.key_for("space", "toggle-pause");
+    demo.close();
+}
+
+#[test]
+fn a_number_keeps_the_keyboard_only_under_the_pointer() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(desk) = Desk::open() else { return };
+    let mut demo = Demo::start(&desk, &SMALL);
+    demo.key_for("space", "toggle-pause");
+    demo.click_thing("scrub value");
+    let seen = demo.now();
+    demo.input(&["type", "5"]);
+    demo.wait_after(seen, "time", |event| is_action(event, "scrub"));
+    demo.input(&["key", "c"]);
+    assert!(!demo.events()[seen..].iter().any(|event| is_action(event, "toggle-split")), "typed keys act");
+    demo.move_to_picture([200, 150]);
+    demo.key_for("c", "toggle-split");
+    demo.close();
+}
