@@ -36,7 +36,7 @@ use crate::bvh::TwoLevelBvh;
 use crate::effects::reflections::Reflections;
 use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
 use crate::passes::area_lights::AreaLights;
-use crate::passes::combine::{CombineInputs, Exposure};
+use crate::passes::combine::CombineInputs;
 use crate::passes::direct_shadows::lights_of;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
@@ -81,8 +81,6 @@ pub struct Renderer {
     scene: Arc<Scene>,
     settings: Settings,
     view: DebugView,
-    /// See [`Exposure::pace`].
-    exposure_pace: f32,
     bvh: TwoLevelBvh,
     /// Of the scene's bounding sphere, world units.
     radius: f32,
@@ -162,7 +160,6 @@ impl Renderer {
             device: Arc::clone(device),
             settings: settings.clone(),
             view: DebugView::default(),
-            exposure_pace: 1.0,
             views: ViewPasses::default(),
             bvh_ms,
             uniforms: None,
@@ -254,8 +251,7 @@ impl Renderer {
             reflection: reflections.map(Reflections::output),
         };
         let passes = (&self.passes.combine, self.passes.taa.as_mut());
-        let exposure = Exposure { stops: self.settings.exposure, pace: self.exposure_pace };
-        let display = show(&mut frame, passes, &joined, gbuffer, (&clock, exposure))?;
+        let display = show(&mut frame, passes, &joined, gbuffer, (&clock, self.settings.exposure))?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {

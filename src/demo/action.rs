@@ -149,13 +149,9 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Shift+Tab", "show or hide handles and labels alone", KeyCode::Tab, SHIFT, || {
         Action::ToggleOverlays
     }),
-    bind(
-        "F6",
-        "keyboard to the panel (Tab, arrows, Space, Enter), and back",
-        KeyCode::F6,
-        NONE,
-        || Action::ToggleKeyboard,
-    ),
+    bind("F6", "keyboard to the panel (Tab, arrows, Space, Enter), and back", KeyCode::F6, NONE, || {
+        Action::ToggleKeyboard
+    }),
     bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
     bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
     bind("F2", "begin or end the tour", KeyCode::F2, NONE, || Action::ToggleTour),

@@ -268,9 +268,6 @@ impl ApplicationHandler for App {
             }
             WindowEvent::CursorMoved { position, .. } => {
                 open.pointer_moved([position.x as f32, position.y as f32]);
-                if !pointer_taken {
-                    panel::release_number(open.egui.egui_ctx(), &open.panel);
-                }
             }
             WindowEvent::MouseInput { state, button, .. }
                 if !pointer_taken || state == ElementState::Released =>

@@ -79,7 +79,8 @@ impl Launch {
     /// Notes that the first lines were dismissed; where that fails, they are shown again.
     fn note_welcomed(&self) {
         if let Some(cache) = &self.cache {
-            let noted = std::fs::create_dir_all(cache).and_then(|()| std::fs::write(cache.join(WELCOMED), ""));
+            let noted =
+                std::fs::create_dir_all(cache).and_then(|()| std::fs::write(cache.join(WELCOMED), ""));
             noted.unwrap_or_else(|error| ::log::warn!("{}: {error}", cache.display()));
         }
     }

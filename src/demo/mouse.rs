@@ -93,7 +93,7 @@ impl Open {
 
     /// Starts a drag of the handle under the pointer, or selects the object there.
     fn choose(&mut self) {
-        let (at, viewport) = (self.pointer_in_points(), self.panel.viewport);
+        let (at, viewport) = (self.pointer_in_points(), self.panel.viewport(self.egui.egui_ctx()));
         let in_picture = self.pointer_in_picture();
         let Some(stage) = &self.stage else { return };
         if self.panel.hidden {

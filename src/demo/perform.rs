@@ -11,12 +11,11 @@ use super::edit::{free_name, new_light};
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_instance, moved_light};
 use super::loader::{Edited, Order};
-use super::panel::{Leave, Purpose, SplitState};
+use super::panel::{Leave, Purpose};
 use super::resolution::COARSEST;
 use super::screenshot::{self, Saving};
 use super::stage::{Change, Saved, Selected, Stage, carry};
 use super::undo::State;
-use crate::estimators::vpls::PathStyle;
 use crate::scene::{InstanceEntry, LightEntry, SceneError};
 use crate::settings::Settings;
 
@@ -84,22 +83,6 @@ impl App {
             Action::Set(settings) => open.set_and_remember(&settings)?,
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
-            Action::Split(side) => open.divide(side)?,
-            Action::ToggleSplit => open.toggle_split()?,
-            Action::ToggleTruth => open.toggle_truth()?,
-            Action::MoveDivider(at) => open.change_split(|split| split.at = at),
-            Action::ToggleDifference => {
-                open.change_split(|split| split.shows_difference = !split.shows_difference);
-            }
-            Action::View(view) => open.view(&view)?,
-            Action::StepBuffer(by) => open.step_buffer(by)?,
-            Action::StepVpl(by) => open.step_vpl(by)?,
-            Action::AllVpls => open.change_view(|view| view.vpl.single_vpl = None)?,
-            Action::TogglePaths => open.change_view(|view| {
-                let paths = &mut view.vpl.vpl_paths;
-                *paths = if paths.is_some() { None } else { Some(PathStyle::default()) };
-            })?,
-            Action::ToggleInspector => open.inspector.toggle(),
             Action::Screenshot { exr } => {
                 if let Some(stage) = &open.stage {
                     open.saving.push(screenshot::take(stage, exr)?);
@@ -114,7 +97,7 @@ impl App {
                 }
             }
             Action::Quit => open.closing |= open.may_leave(Leave::Close),
-            edit => open.change(edit),
+            other => open.look(other)?,
         }
         Ok(())
     }
@@ -124,7 +107,7 @@ impl App {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
         open.split = None;
-        open.panel.split = SplitState::default();
+        open.panel.forget_textures();
         let stage = open.stage.take();
         let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
         let mode = open.gpu.presenter.mode();
@@ -156,7 +139,7 @@ impl Open {
     }
 
     /// Executes the actions that edit or load documents.
-    fn change(&mut self, action: Action) {
+    pub(super) fn change(&mut self, action: Action) {
         match action {
             Action::Select(selected) => {
                 if let Some(stage) = &mut self.stage {
@@ -195,7 +178,7 @@ impl Open {
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
-            // [`App::perform`] handles all others.
+            // [`App::perform`] and [`Open::look`] handle all others.
             _ => {}
         }
     }
@@ -293,7 +276,10 @@ impl Open {
                     let Some(instance) = stage.document.instances().nth(index) else {
                         return Ok(Change::Live);
                     };
-                    let copy = InstanceEntry { name: Some(free_name(stage, instance.name.as_ref().unwrap_or(&instance.model))), ..instance.clone() };
+                    let copy = InstanceEntry {
+                        name: Some(free_name(stage, instance.name.as_ref().unwrap_or(&instance.model))),
+                        ..instance.clone()
+                    };
                     stage.add_instance(moved_instance(&copy, way))
                 }
                 None => Ok(Change::Live),

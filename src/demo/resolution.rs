@@ -86,8 +86,8 @@ impl Resolution {
 impl Open {
     /// The part of the window that is left of the panel and below the bar, pixels.
     pub fn viewport(&self) -> Viewport {
-        let area = self.panel.viewport;
-        let scale = self.egui.egui_ctx().pixels_per_point();
+        let context = self.egui.egui_ctx();
+        let (area, scale) = (self.panel.viewport(context), context.pixels_per_point());
         let pixels = |points: egui::Pos2| [points.x, points.y].map(|at| (at * scale).round().max(0.0) as u32);
         let (corner, end) = (pixels(area.min), pixels(area.max));
         Viewport { corner, size: [0, 1].map(|axis| end[axis].saturating_sub(corner[axis])) }

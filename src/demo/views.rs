@@ -3,15 +3,40 @@
 use std::path::PathBuf;
 
 use super::DemoError;
+use super::action::Action;
 use super::app::{Open, Recording};
 use super::split::{Right, RightSide, Split};
 use super::tour::{Before, Tour};
 use crate::estimators;
-use crate::estimators::vpls::SlotState;
+use crate::estimators::vpls::{PathStyle, SlotState};
 use crate::renderer::DebugView;
 use crate::settings::Settings;
 
 impl Open {
+    /// Executes the actions that choose what is shown; the others are edits.
+    pub(super) fn look(&mut self, action: Action) -> Result<(), DemoError> {
+        match action {
+            Action::Split(side) => self.divide(side)?,
+            Action::ToggleSplit => self.toggle_split()?,
+            Action::ToggleTruth => self.toggle_truth()?,
+            Action::MoveDivider(at) => self.change_split(|split| split.at = at),
+            Action::ToggleDifference => {
+                self.change_split(|split| split.shows_difference = !split.shows_difference);
+            }
+            Action::View(view) => self.view(&view)?,
+            Action::StepBuffer(by) => self.step_buffer(by)?,
+            Action::StepVpl(by) => self.step_vpl(by)?,
+            Action::AllVpls => self.change_view(|view| view.vpl.single_vpl = None)?,
+            Action::TogglePaths => self.change_view(|view| {
+                let paths = &mut view.vpl.vpl_paths;
+                *paths = if paths.is_some() { None } else { Some(PathStyle::default()) };
+            })?,
+            Action::ToggleInspector => self.inspector.toggle(),
+            edit => self.change(edit),
+        }
+        Ok(())
+    }
+
     /// Begins the tour, with a contact sheet at its end if that has a file; or ends it.
     pub(super) fn toggle_tour(&mut self, sheet: Option<PathBuf>) -> Result<(), DemoError> {
         if self.tour.is_some() {

@@ -64,15 +64,6 @@ struct ExposurePush {
     pace: f32,
 }
 
-/// How bright a picture is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exposure {
-    /// Stops; none: automatic.
-    pub stops: Option<f32>,
-    /// Share of the way, in stops, that automatic exposure goes in a frame, above 0; 1: all of it at once.
-    pub pace: f32,
-}
-
 /// The pass.
 pub struct CombinePass {
     combine: ComputePipeline,
@@ -83,6 +74,8 @@ pub struct CombinePass {
     display: Image,
     histogram: Buffer,
     factor: Buffer,
+    /// Share of the way, in stops, that automatic exposure goes in the next frame, above 0.
+    pub pace: Cell<f32>,
     /// Whether `factor` is that of an earlier frame.
     has_factor: Cell<bool>,
 }
@@ -102,6 +95,7 @@ impl CombinePass {
             display: display(device, extent)?,
             histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
+            pace: Cell::new(1.0),
             has_factor: Cell::new(false),
         })
     }
@@ -127,17 +121,16 @@ impl CombinePass {
         inputs.bind_radiance(pass).write("radiance", &self.radiance).dispatch_over(self.radiance.extent())
     }
 
-    /// Shows a picture that is given as radiance.
+    /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.
     pub fn show(
         &self,
         frame: &mut Frame<'_>,
         uniforms: &Upload,
         picture: &Image,
-        exposure: Exposure,
+        exposure: Option<f32>,
     ) -> Result<&Image, VulkanError> {
         let extent = self.display.extent();
-        let automatic = exposure.stops.is_none();
-        if automatic {
+        if exposure.is_none() {
             frame.clear(&self.histogram);
             frame
                 .pass("combine", &self.luminance)
@@ -147,9 +140,9 @@ impl CombinePass {
                 .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
         }
         let push = ExposurePush {
-            stops: exposure.stops.unwrap_or(0.0),
-            automatic: automatic.into(),
-            pace: if self.has_factor.replace(true) { exposure.pace } else { 1.0 },
+            stops: exposure.unwrap_or(0.0),
+            automatic: exposure.is_none().into(),
+            pace: if self.has_factor.replace(true) { self.pace.replace(1.0) } else { 1.0 },
         };
         frame
             .pass("combine", &self.exposure)

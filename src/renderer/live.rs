@@ -123,10 +123,10 @@ impl Renderer {
         Ok(())
     }
 
-    /// Has automatic exposure go `pace` of its way, in stops, in each frame, above 0; 1 (the default): all of it at once. The
-    /// first frame and those that nothing changes are shown alike whatever it is.
+    /// Has automatic exposure go `pace` of its way, in stops, in the next frame, above 0; 1: all of it at once, as in every
+    /// frame before which this is not called. The first frame, and a picture at rest, are shown alike whatever it is.
     pub fn set_exposure_pace(&mut self, pace: f32) {
-        self.exposure_pace = pace;
+        self.passes.combine.pace.set(pace);
     }
 
     /// The scene as it is prepared, for another renderer of the same world.

@@ -6,7 +6,7 @@ use crate::effects::EffectInputs;
 use crate::effects::reflections::{ReflectionInputs, Reflections};
 use crate::estimators::{Estimator, EstimatorInputs, Hits};
 use crate::passes::area_lights::UploadedAreaLights;
-use crate::passes::combine::{CombineInputs, CombinePass, Exposure};
+use crate::passes::combine::{CombineInputs, CombinePass};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use crate::passes::scene_buffers::SceneBuffers;
@@ -60,7 +60,7 @@ pub(super) fn show<'a>(
     (combine, mut taa): (&'a CombinePass, Option<&mut TaaPass>),
     inputs: &CombineInputs<'_>,
     gbuffer: &GBuffer,
-    (clock, exposure): (&FrameClock, Exposure),
+    (clock, exposure): (&FrameClock, Option<f32>),
 ) -> Result<&'a Image, RenderError> {
     combine.record(frame, inputs)?;
     if let Some(taa) = taa.as_deref_mut().filter(|_| !clock.is_frozen()) {

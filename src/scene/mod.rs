@@ -56,8 +56,8 @@ pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use read_files::ReadFiles;
 pub use recording::{RecordedCamera, RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub use scene_file::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType, Primitive,
-    RotationEntry, ScaleEntry, SpinEntry,
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
+    Primitive, RotationEntry, ScaleEntry, SpinEntry,
 };
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};

@@ -59,7 +59,8 @@ impl ReadFiles {
     /// The models, if `file` begins with them, or they with those of `file`: models are added and no longer used.
     pub(super) fn models_of(&self, file: &SceneFile) -> Option<&ReadModels> {
         let entries = entries(file);
-        let alike = |models: &&ReadModels| models.entries.iter().zip(&entries).all(|(known, entry)| known == entry);
+        let alike =
+            |models: &&ReadModels| models.entries.iter().zip(&entries).all(|(known, entry)| known == entry);
         self.models.as_ref().filter(alike)
     }
 

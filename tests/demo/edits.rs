@@ -13,7 +13,7 @@ const SMALL: [&str; 8] = [
     "--antialiasing=none",
     "--reflections=none",
     "--size",
-    "640x400",
+    "480x300",
     "--vpls=64",
     "--temporal-sets=4",
     "--bounces=2",
@@ -98,7 +98,7 @@ fn a_material_is_picked_edited_recorded_and_saved() {
 /// Clicks the wall at the back with the inspector.
 fn inspect_the_wall(demo: &mut Demo<'_>) {
     demo.key_for("i", "toggle-inspector");
-    demo.click_picture([330, 120]);
+    demo.click_picture([248, 90]);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn lights_get_an_extent_which_is_saved() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(desk) = Desk::open() else { return };
     // High enough for the panel to show the sliders.
-    let mut demo = Demo::start(&desk, &[&SMALL[..], &["--size=480x680"]].concat());
+    let mut demo = Demo::start(&desk, &[&SMALL[..], &["--size=160x600"]].concat());
     demo.frames(3);
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");
@@ -202,7 +202,7 @@ fn objects_are_copied_and_deleted() {
     demo.wait("scene", |event| event["event"] == "scene");
     let before = settled(&mut demo);
     // The tall box.
-    demo.click_picture([281, 240]);
+    demo.click_picture([211, 180]);
     edit_by_key(&mut demo, "ctrl+d", "duplicate");
     let two = settled(&mut demo);
     two.keep("15-copied");
@@ -239,7 +239,11 @@ fn objects_are_added() {
     let file = saved(&mut demo);
     let text = fs::read_to_string(demo.path(&file)).unwrap();
     assert!(text.contains("primitive = \"sphere\""), "{text}");
-    demo.assert_renders_to(&["render", "--out=rendered.png", "--frames=24", &file], "rendered.png", &with_ball);
+    demo.assert_renders_to(
+        &["render", "--out=rendered.png", "--frames=24", &file],
+        "rendered.png",
+        &with_ball,
+    );
     edit_by_key(&mut demo, "ctrl+z", "undo");
     assert!(settled(&mut demo) == before, "something is left of the ball");
     demo.discard_and_close();

@@ -20,7 +20,7 @@ const METHODS: [(&str, &str, &str); 6] = [
 fn every_method_is_chosen_in_turn_while_lights_move() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(desk) = Desk::open() else { return };
-    let arguments = ["--reflections=none", "--size=640x360", "--vpls=64", "--bounces=2", "--validate"];
+    let arguments = ["--reflections=none", "--size=320x180", "--vpls=64", "--bounces=2", "--validate"];
     let mut demo = Demo::start(&desk, &arguments);
     demo.frames(12);
     for (menu, method, setting) in METHODS {
@@ -31,12 +31,12 @@ fn every_method_is_chosen_in_turn_while_lights_move() {
         assert_eq!(set["details"]["set"][setting], method, "{set}");
         let takes_vpls = set["details"]["set"]["indirect"] == "vpls";
         demo.wait_after(seen, "a frame by it", |event| has_passes(event, takes_vpls));
-        demo.frames(12);
+        demo.frames(6);
         let before = demo.screen().picture();
         before.keep(&format!("24-{menu}-{method}"));
         let [red, green, blue] = before.mean();
         assert!(red.min(green).min(blue) > 5.0, "{menu} {method}: black");
-        assert!(before.colours() > 2000, "{menu} {method}: {} colours", before.colours());
+        assert!(before.colours() > 1000, "{menu} {method}: {} colours", before.colours());
         // The swaying lamp lights something else by now.
         demo.frames(6);
         assert!(demo.screen().picture().difference(&before) > 0.5, "{menu} {method}: nothing moves");

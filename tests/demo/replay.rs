@@ -4,7 +4,7 @@ use crate::ONE_AT_A_TIME;
 use crate::desk::Desk;
 use crate::window::{Demo, is_action};
 
-const SMALL: [&str; 6] = ["--size", "320x200", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
+const SMALL: [&str; 6] = ["--size", "240x150", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
 /// F4 copies the command of the very picture on screen, of a paused scene that moves, with another camera; twice the same.
 #[test]
@@ -49,12 +49,12 @@ fn a_recording_renders_to_what_was_on_screen() {
     demo.input(&["keydown", "a"]);
     demo.frames(3);
     demo.input(&["keyup", "a"]);
-    demo.move_to_picture([160, 100]);
+    demo.move_to_picture([120, 75]);
     demo.input(&["mousedown", "3"]);
-    demo.move_to_picture([150, 104]);
+    demo.move_to_picture([110, 78]);
     demo.input(&["mouseup", "3"]);
     let seen = demo.now();
-    demo.click_picture([30, 185]);
+    demo.click_picture([22, 139]);
     demo.wait_after(seen, "choice", |event| is_action(event, "select"));
     demo.key_for("space", "toggle-pause");
     demo.key_for("shift+Tab", "toggle-overlays");

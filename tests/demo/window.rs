@@ -25,6 +25,8 @@ use crate::screen::Screen;
 /// Tests do not use the user's cache of devices, but drivers keep compiled shaders there too.
 pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
 
+/// The file in the cache that tells that the first lines were read.
+pub const WELCOMED: &str = "welcomed";
 /// Frames after which one is on screen: Mesa's swapchains have at most five images here, and one more frame sees to it that
 /// the server has drawn what it was sent.
 const ON_SCREEN: u64 = 6;
@@ -47,16 +49,16 @@ pub struct Demo<'d> {
 impl<'d> Demo<'d> {
     /// Starts the program and waits until it shows its scene.
     pub fn start(desk: &'d Desk, arguments: &[&str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
         // The first lines were read before.
         let cache = Path::new(CACHE).join("glowworm");
         std::fs::create_dir_all(&cache).unwrap();
-        std::fs::write(cache.join("welcomed"), "").unwrap();
-        Self::start_in(desk, folder, CACHE, arguments)
+        std::fs::write(cache.join(WELCOMED), "").unwrap();
+        Self::start_as_it_is(desk, arguments)
     }
 
-    /// The same in a folder of its own, with another folder of caches.
-    pub fn start_in(desk: &'d Desk, folder: TempDir, cache: &str, arguments: &[&str]) -> Self {
+    /// The same, whether the first lines were read or not.
+    pub fn start_as_it_is(desk: &'d Desk, arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
         let said = folder.path().join("stderr.txt");
         let child = desk
             .command(env!("CARGO_BIN_EXE_glowworm"))
@@ -64,7 +66,7 @@ impl<'d> Demo<'d> {
             .args(arguments)
             .current_dir(folder.path())
             .env_remove("RUST_LOG")
-            .env("XDG_CACHE_HOME", cache)
+            .env("XDG_CACHE_HOME", CACHE)
             .stderr(File::create(&said).unwrap())
             .spawn()
             .unwrap();

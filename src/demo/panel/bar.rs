@@ -76,7 +76,8 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
 /// A menu with a picture of each scene; what lacks its models says so.
 fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let name = shown.stage.map_or("none", |stage| stage.name.as_str());
-    let combo = ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).height(600.0).truncate();
+    let combo =
+        ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).height(600.0).truncate();
     let menu = combo.show_ui(ui, |ui| {
         ui.set_min_width(MENU);
         for scene in state.thumbnails.scenes(ui.ctx(), shown.assets) {
@@ -92,7 +93,8 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
             });
             let mut label = label.inner;
             if let Some(missing) = &scene.missing {
-                label = label.on_hover_text(format!("{} is not there: see README.md, scenes", missing.display()));
+                label =
+                    label.on_hover_text(format!("{} is not there: see README.md, scenes", missing.display()));
             }
             place(ui, &mut state.places, &format!("scene {}", scene.name), &label);
             if label.clicked() {

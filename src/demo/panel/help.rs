@@ -6,9 +6,10 @@ use super::PanelState;
 use crate::demo::action::{BINDINGS, GESTURES};
 
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState) {
+    let corner = state.viewport(ui.ctx()).min;
     let window = Window::new("Keys")
         .open(&mut state.help)
-        .fixed_pos(state.viewport.min + egui::vec2(8.0, 8.0))
+        .fixed_pos(corner + egui::vec2(8.0, 8.0))
         .collapsible(false)
         .resizable(false)
         .max_height(ui.available_height() - 60.0)

@@ -14,7 +14,7 @@ const NORMAL_SCALE: f32 = 4.0;
 pub(super) fn show(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(stage), Some(index)) = (shown.stage, shown.inspector.material()) else { return };
     let Some(material) = stage.scene.materials.get(index) else { return };
-    let PanelState { viewport, places, .. } = state;
+    let (viewport, places) = (state.viewport(ui.ctx()), &mut state.places);
     let window = Window::new("Material").fixed_pos(viewport.min + egui::vec2(8.0, 8.0)).resizable(false);
     let height = viewport.height() * 0.5;
     let content = |ui: &mut Ui| {

@@ -37,7 +37,6 @@ use super::split::Split;
 use super::stage::Stage;
 
 pub(super) use scene::{Purpose, is_map};
-pub(super) use split::SplitState;
 pub(super) use unsaved::Leave;
 
 /// What is loaded sooner needs no word.
@@ -50,6 +49,7 @@ const STATUS: f32 = 34.0;
 const SPEED_SHOWN: Duration = Duration::from_millis(1500);
 
 /// State of the panel.
+#[derive(Default)]
 pub(super) struct PanelState {
     /// Whether panel and overlays are hidden.
     pub hidden: bool,
@@ -67,10 +67,8 @@ pub(super) struct PanelState {
     /// What is to be done once edits are saved or discarded.
     pub leaving: Option<Leave>,
     pub scene: scene::SceneState,
-    pub split: SplitState,
+    split: split::SplitState,
     pub places: Places,
-    /// Where the picture is, points.
-    pub viewport: Rect,
     /// The speed of flight, and since when it is shown.
     speed: Option<(String, Instant)>,
     /// The widget that had the keyboard in the last frame.
@@ -83,24 +81,24 @@ pub(super) struct PanelState {
 impl PanelState {
     /// `hidden`: for the tour; `welcome`: with the first lines.
     pub fn new(hidden: bool, welcome: bool) -> Self {
-        Self {
-            hidden,
-            bare: false,
-            has_keyboard: false,
-            help: false,
-            welcome,
-            error: None,
-            message: String::new(),
-            leaving: None,
-            scene: scene::SceneState::default(),
-            split: SplitState::default(),
-            places: Places::new(),
-            viewport: Rect::ZERO,
-            speed: None,
-            focused: None,
-            thumbnails: thumbnails::Thumbnails::default(),
-            settings: settings::SettingsDocs::default(),
+        Self { hidden, welcome, ..Self::default() }
+    }
+
+    /// Forgets the textures, which another device knows nothing of.
+    pub fn forget_textures(&mut self) {
+        self.split = split::SplitState::default();
+        self.thumbnails = thumbnails::Thumbnails::default();
+    }
+
+    /// The part of the window that panel and bar leave to the picture, points.
+    pub fn viewport(&self, context: &egui::Context) -> Rect {
+        let window = context.content_rect();
+        if self.hidden {
+            return window;
         }
+        let (right, top) = (window.right() - WIDTH, window.top() + bar::height(window.width()));
+        let corner = pos2(window.left(), top.min(window.bottom() - 1.0));
+        Rect::from_min_max(corner, pos2(right.max(window.left() + 1.0), window.bottom()))
     }
 
     /// Shows the speed of flight for a while.
@@ -133,28 +131,18 @@ pub(super) fn window_around(picture: [u32; 2], scale: f32) -> [u32; 2] {
     [width, height].map(|points| (points * scale).round() as u32)
 }
 
-/// The part of a window that panel and bar leave to the picture.
-fn viewport(window: Rect, hidden: bool) -> Rect {
-    if hidden {
-        return window;
-    }
-    let (right, top) = (window.right() - WIDTH, window.top() + bar::height(window.width()));
-    let corner = pos2(window.left(), top.min(window.bottom() - 1.0));
-    Rect::from_min_max(corner, pos2(right.max(window.left() + 1.0), window.bottom()))
-}
-
 /// Lays out panel and overlays; returns the user's actions.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
     state.places.clear();
-    state.viewport = viewport(ui.ctx().content_rect(), state.hidden);
-    let Rect { min, max } = state.viewport;
+    let viewport = state.viewport(ui.ctx());
+    let Rect { min, max } = viewport;
     state.places.insert("picture".to_owned(), [min.x, min.y, max.x, max.y].map(f32::round));
     if let Some(split) = shown.split {
         split::pictures(ui, state, split);
     }
     if let Some(caption) = shown.caption {
-        notices::caption(ui, state.viewport, caption);
+        notices::caption(ui, viewport, caption);
     }
     if state.help {
         help::show(ui, state);
@@ -162,7 +150,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     notices::error(ui, state);
     unsaved::show(ui, state, &mut actions);
     if shown.stage.is_none() {
-        notices::loading(ui, state.viewport, shown.loader);
+        notices::loading(ui, viewport, shown.loader);
     }
     if state.hidden {
         return actions;
@@ -187,8 +175,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     split::show(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
         material::show(ui, state, shown, &mut actions);
-        inspector::show(ui, state.viewport, shown, &mut actions);
+        inspector::show(ui, viewport, shown, &mut actions);
     }
+    release_number(ui.ctx(), state);
     if state.welcome && shown.stage.is_some() {
         welcome::show(ui, state, &mut actions);
     }
@@ -197,16 +186,17 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
 
 /// What is drawn over the picture.
 fn overlays(ui: &Ui, state: &PanelState, stage: &Stage, mode: Mode) {
-    handles::paint(ui, stage, state.viewport, mode);
+    let viewport = state.viewport(ui.ctx());
+    handles::paint(ui, stage, viewport, mode);
     legend::show(ui, stage.renderer.view());
     if stage.camera_is_outside() {
         let hint = "The camera has left the scene: Home brings it back.";
-        notices::caption(ui, state.viewport, hint);
+        notices::caption(ui, viewport, hint);
     }
     if let Some((speed, since)) = &state.speed
         && since.elapsed() < SPEED_SHOWN
     {
-        notices::caption(ui, state.viewport, speed);
+        notices::caption(ui, viewport, speed);
     }
 }
 
@@ -263,7 +253,8 @@ fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
     } else if !state.message.is_empty() {
         ui.small(&state.message).on_hover_text(&state.message);
     } else if shown.gpu.device.is_cpu() {
-        ui.small("CPU driver: fewer pixels and VPLs by default.").on_hover_text(&shown.gpu.device.info().name);
+        ui.small("CPU driver: fewer pixels and VPLs by default.")
+            .on_hover_text(&shown.gpu.device.info().name);
     }
 }
 
@@ -278,10 +269,11 @@ fn keep_keyboard(ui: &Ui, field: &Response) {
 const TEXT_FIELD: &str = "text field";
 
 /// Takes the keyboard from a number whose field the pointer has left for the picture.
-pub(super) fn release_number(context: &egui::Context, state: &PanelState) {
+fn release_number(context: &egui::Context, state: &PanelState) {
     let Some(focused) = context.memory(egui::Memory::focused) else { return };
     let kept: Option<Id> = context.data(|data| data.get_temp(Id::new(TEXT_FIELD)));
-    if kept != Some(focused) && !state.has_keyboard && !state.scene.is_asking() && context.text_edit_focused() {
+    let is_number = kept != Some(focused) && !state.scene.is_asking() && context.text_edit_focused();
+    if is_number && !state.has_keyboard && !context.egui_wants_pointer_input() {
         context.memory_mut(|memory| memory.surrender_focus(focused));
     }
 }

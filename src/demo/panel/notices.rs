@@ -23,9 +23,9 @@ pub(super) fn caption(ui: &Ui, viewport: Rect, caption: &str) {
 /// The last error, until it is dismissed.
 pub(super) fn error(ui: &Ui, state: &mut PanelState) {
     let Some(error) = &state.error else { return };
-    let at = state.viewport.center_top() + egui::vec2(0.0, 12.0);
+    let at = state.viewport(ui.ctx()).center_top() + egui::vec2(0.0, 12.0);
     let area = Area::new(Id::new("error")).fixed_pos(at).pivot(Align2::CENTER_TOP);
-    let width = (state.viewport.width() - 40.0).min(WIDEST);
+    let width = (state.viewport(ui.ctx()).width() - 40.0).min(WIDEST);
     let dismiss = area.show(ui.ctx(), |ui| {
         let frame = Frame::popup(ui.style()).show(ui, |ui| {
             ui.set_max_width(width);

@@ -162,7 +162,8 @@ fn quad(ui: &mut Ui, polygon: &mut [[f32; 3]; 4], speed: f32) {
     let across = (corners[2] - corners[1]).reject_from(along).normalize_or(Vec3::Z);
     let size = [along, across].map(|axis| {
         let places = corners.map(|corner| corner.dot(axis));
-        places.into_iter().fold(f32::NEG_INFINITY, f32::max) - places.into_iter().fold(f32::INFINITY, f32::min)
+        places.into_iter().fold(f32::NEG_INFINITY, f32::max)
+            - places.into_iter().fold(f32::INFINITY, f32::min)
     });
     let mut sized = size;
     ui.horizontal(|ui| {

@@ -1,7 +1,7 @@
 //! Plots of the last frames: frame intervals, pass times, VPL counters.
 
 use egui::{Color32, Grid, RichText, Ui};
-use egui_plot::{FilledArea, Line, Plot, PlotPoints};
+use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
 use super::Shown;
 use crate::demo::history::Sample;
@@ -84,8 +84,9 @@ fn plot<'a>(id: &str, unit: &str, ui: &mut Ui, content: impl FnOnce(&mut egui_pl
         .height(HEIGHT)
         .include_y(0.0)
         .show_x(false)
-        .x_axis_label("frame")
-        .y_axis_label(unit.to_owned())
+        .custom_x_axes(vec![AxisHints::new_x().label("frame")])
+        // Narrow enough for some numbers at this height.
+        .custom_y_axes(vec![AxisHints::new_y().label(unit).label_spacing(8.0..=16.0)])
         .show_grid([false, true])
         .allow_drag(false)
         .allow_zoom(false)

@@ -116,8 +116,9 @@ pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: 
 fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
     let (mut pixels, mut automatic) = (resolution.coarseness, resolution.automatic);
     let line = ui.horizontal(|ui| {
-        ui.label("window pixels per pixel");
-        ui.add_enabled(!automatic, DragValue::new(&mut pixels).range(1..=COARSEST).speed(0.03));
+        ui.label("pixel size");
+        let field = DragValue::new(&mut pixels).range(1..=COARSEST).speed(0.03);
+        ui.add_enabled(!automatic, field.suffix(" px"));
         ui.checkbox(&mut automatic, "auto").on_hover_text("As few as 15 frames a second allow.");
     });
     line.response.on_hover_text(
@@ -233,11 +234,7 @@ pub(super) fn name_of(value: &impl ValueEnum) -> String {
 }
 
 /// One of an enum's values.
-fn choice<Value: ValueEnum + PartialEq>(
-    ui: &mut Ui,
-    name: &str,
-    value: &mut Value,
-) -> egui::Response {
+fn choice<Value: ValueEnum + PartialEq>(ui: &mut Ui, name: &str, value: &mut Value) -> egui::Response {
     let combo = ComboBox::from_id_salt(name).selected_text(name_of(value)).width(64.0);
     combo
         .show_ui(ui, |ui| {

@@ -34,7 +34,7 @@ pub(in crate::demo) struct SplitState {
 
 /// What the CPU has drawn, below everything else.
 pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
-    let viewport = state.viewport;
+    let viewport = state.viewport(ui.ctx());
     let state = &mut state.split;
     if let Right::Truth(truth) = &split.right
         && let Some(progress) = truth.progress()
@@ -103,7 +103,7 @@ fn scale(ui: &Ui, viewport: Rect) {
 /// The divider, and what both sides are.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
-    let viewport = state.viewport;
+    let viewport = state.viewport(ui.ctx());
     let PanelState { places, settings: docs, .. } = state;
     let x = divider_of(viewport, split.at);
     let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, viewport.y_range());

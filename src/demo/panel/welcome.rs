@@ -14,9 +14,9 @@ const LINES: [&str; 5] = [
 ];
 
 pub(super) fn show(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
-    let at = state.viewport.left_bottom() + egui::vec2(12.0, -36.0);
+    let at = state.viewport(ui.ctx()).left_bottom() + egui::vec2(12.0, -36.0);
     let window = Window::new("Welcome to glowworm").fixed_pos(at).pivot(Align2::LEFT_BOTTOM);
-    let width = (state.viewport.width() - 40.0).clamp(100.0, 640.0);
+    let width = (state.viewport(ui.ctx()).width() - 40.0).clamp(100.0, 640.0);
     let shown = window.collapsible(false).resizable(false).show(ui.ctx(), |ui| {
         ui.set_max_width(width);
         for line in LINES {
