@@ -17,7 +17,7 @@ pub struct Vertex {
     pub normal: u32,
     /// Texture coordinates, origin top left.
     pub uv: Vec2,
-    /// Tangent: see [`pack_tangent`].
+    /// Tangent and the side of its bitangent, packed by `pack_tangent`.
     pub tangent: u32,
     /// Linear colour and alpha, 8 bits each.
     pub colour: u32,
