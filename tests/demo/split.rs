@@ -9,7 +9,7 @@ use crate::window::{Demo, is_action};
 const SMALL: [&str; 7] = [
     "--antialiasing=none",
     "--reflections=none",
-    "--size=480x270",
+    "--size=480x360",
     "--vpls=64",
     "--temporal-sets=4",
     "--bounces=2",
