@@ -248,7 +248,12 @@ impl ApplicationHandler for App {
             open.press.turn(*state == ElementState::Pressed);
         }
         match event {
-            WindowEvent::CloseRequested => open.actions.push(Action::Quit),
+            WindowEvent::CloseRequested if open.hidden && !open.is_edited() => events.exit(),
+            WindowEvent::CloseRequested => {
+                // A hidden window draws no frame, in which it could ask.
+                open.window.set_minimized(false);
+                open.actions.push(Action::Quit);
+            }
             WindowEvent::RedrawRequested => self.draw(events),
             WindowEvent::Focused(false) => {
                 open.flight.release();

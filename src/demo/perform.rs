@@ -126,12 +126,16 @@ impl App {
 }
 
 impl Open {
+    /// Whether the scene has unsaved edits.
+    pub(super) fn is_edited(&self) -> bool {
+        self.stage.as_ref().is_some_and(|stage| stage.edited)
+    }
+
     /// Whether the scene can be left: without unsaved edits, or because they are discarded, which the same again means.
     /// Otherwise asks.
     fn may_leave(&mut self, leave: Leave) -> bool {
-        let edited = self.stage.as_ref().is_some_and(|stage| stage.edited);
         let asked = self.panel.leaving.take();
-        let may = !edited || asked.as_ref() == Some(&leave);
+        let may = !self.is_edited() || asked.as_ref() == Some(&leave);
         if !may {
             self.panel.leaving = Some(leave);
         }
