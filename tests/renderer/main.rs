@@ -9,6 +9,7 @@ mod support;
 mod direct;
 mod environment;
 mod estimators;
+mod exposure;
 mod forgetting;
 mod golden;
 mod live;
