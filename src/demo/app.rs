@@ -243,7 +243,7 @@ impl ApplicationHandler for App {
         let is_key = |code: KeyCode| key == Some(PhysicalKey::Code(code));
         let ours = key.is_some() && (!typing || is_key(KeyCode::F6)) && !is_key(KeyCode::Escape);
         let consumed = !ours && open.egui.on_window_event(&open.window, &event).consumed;
-        let pointer_taken = open.egui.egui_ctx().egui_wants_pointer_input();
+        let pointer_taken = open.takes_pointer();
         if let WindowEvent::MouseInput { state, .. } = &event {
             open.press.turn(*state == ElementState::Pressed);
         }

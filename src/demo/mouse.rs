@@ -1,6 +1,6 @@
 //! Keyboard and mouse input outside of the panel.
 
-use egui::Pos2;
+use egui::{Order, Pos2};
 use glam::Vec2;
 use winit::event::{ElementState, MouseButton};
 use winit::keyboard::KeyCode;
@@ -60,6 +60,14 @@ impl Open {
                 memory.surrender_focus(focused);
             }
         });
+    }
+
+    /// Whether the interface takes a press where the pointer is now: egui itself only knows where it was in the last frame.
+    pub(super) fn takes_pointer(&self) -> bool {
+        let (context, at) = (self.egui.egui_ctx(), self.pointer_in_points());
+        let is_beside = !self.panel.viewport(context).contains(at);
+        let is_overlay = context.layer_id_at(at).is_some_and(|layer| layer.order != Order::Background);
+        is_beside || is_overlay || context.egui_is_using_pointer()
     }
 
     pub(super) fn button(&mut self, button: MouseButton, state: ElementState) {

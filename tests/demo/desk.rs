@@ -19,12 +19,13 @@ use crate::support::skip;
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The window manager's settings: Alt+F4 closes a window, and no buttons of the mouse are its own. With bindings of its own
-/// it would grab each press and hand it on some time later.
+/// it would grab each press and hand it on some time later. Windows appear at once: while one is animated, nothing of it is
+/// on screen but its title, however many frames it draws.
 const MANAGER: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <openbox_config xmlns="http://openbox.org/3.4/rc">
   <focus><focusNew>yes</focusNew><followMouse>no</followMouse></focus>
   <desktops><number>2</number></desktops>
-  <theme><name>Clearlooks</name></theme>
+  <theme><name>Clearlooks</name><animateIconify>no</animateIconify></theme>
   <keyboard><keybind key="A-F4"><action name="Close"/></keybind></keyboard>
   <mouse></mouse>
 </openbox_config>

@@ -19,8 +19,8 @@ const SMALL: [&str; 8] = [
     "--bounces=2",
     "--validate",
 ];
-/// Frames after which the picture of a stationary scene is stationary.
-const SETTLED: u64 = 12;
+/// Frames after which the picture of a stationary scene is stationary: one per temporal set, then those of the exposure.
+const SETTLED: u64 = 24;
 
 fn is_edited(event: &Value) -> bool {
     event["event"] == "scene-edited"

@@ -37,10 +37,12 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
     let mut demo = Demo::start_as_it_is(&desk, &SMALL);
     demo.screen().keep("25-welcome");
     let seen = demo.now();
-    demo.click_thing("Got it");
+    demo.click_thing_at_once("Got it", [10, 10]);
     demo.wait_after(seen, "dismissal", |event| is_action(event, "dismiss-welcome"));
     demo.frames(3);
     assert!(!shows(&mut demo, "Got it"));
+    let mut since = demo.events()[seen..].iter();
+    assert!(!since.any(|event| is_action(event, "select")), "the click reaches the picture as well");
     demo.close();
     let mut demo = Demo::start_as_it_is(&desk, &SMALL);
     demo.frames(6);
@@ -78,10 +80,25 @@ fn edits_are_not_lost_without_a_question() {
     demo.click_thing("Discard");
     demo.wait_after(seen, "scene", |event| event["details"]["name"] == "playroom");
 
+    // Without the panel, too, it asks and saves.
+    let seen = demo.now();
+    demo.click_thing("add point");
+    demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
+    demo.key_for("Tab", "toggle-panel");
+    let seen = demo.now();
+    demo.input(&["key", "ctrl+q"]);
+    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.click_thing("Save …");
+    demo.frames(3);
+    demo.screen().keep("27-save");
+    demo.input(&["key", "Return"]);
+    let saved = demo.wait_after(seen, "saved", |event| event["event"] == "saved");
+    assert!(demo.path(saved["details"].as_str().unwrap()).is_file());
+
     // Nothing is edited now, so nothing asks.
     let log = demo.close();
     let questions = log["events"].as_array().unwrap().iter().filter(|event| event["event"] == "unsaved");
-    assert_eq!(questions.count(), 2);
+    assert_eq!(questions.count(), 3);
 }
 
 #[test]

@@ -15,7 +15,7 @@ const SMALL: [&str; 7] = [
     "--bounces=2",
     "--validate",
 ];
-/// Frames after which the picture of a stationary scene is stationary.
+/// Frames after which the picture of a stationary scene is stationary: one per temporal set, then those of the exposure.
 const SETTLED: u64 = 24;
 
 fn metrics(demo: &mut Demo<'_>, what: &str, is_it: impl Fn(&Value) -> bool) -> Value {

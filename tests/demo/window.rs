@@ -251,6 +251,15 @@ impl<'d> Demo<'d> {
         self.click(at);
     }
 
+    /// Clicks a widget of the panel or over the picture, from another place, all of it between two frames.
+    pub fn click_thing_at_once(&mut self, name: &str, from: [i32; 2]) {
+        let at = self.place(name);
+        self.move_to_picture(from);
+        let window = self.window.to_string();
+        let [x, y] = at.map(|pixels| pixels.to_string());
+        self.input(&["mousemove", "--window", &window, &x, &y, "mousedown", "1", "mouseup", "1"]);
+    }
+
     /// Drags the centre of a widget of the panel to the right, in points.
     pub fn drag_thing(&mut self, name: &str, way: i32) {
         let [x, y] = self.place(name);

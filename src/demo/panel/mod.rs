@@ -149,6 +149,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     }
     notices::error(ui, state);
     unsaved::show(ui, state, &mut actions);
+    state.scene.ask(ui.ctx(), &mut actions);
     if shown.stage.is_none() {
         notices::loading(ui, viewport, shown.loader);
     }
@@ -158,7 +159,6 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     if let Some(stage) = shown.stage.filter(|_| !state.bare) {
         overlays(ui, state, stage, shown.mode);
     }
-    state.scene.ask(ui.ctx(), &mut actions);
     let bar = egui::Panel::top("bar").exact_size(bar::height(ui.ctx().content_rect().width()));
     bar.resizable(false).frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
         bar::show(ui, state, shown, &mut actions);
