@@ -74,21 +74,27 @@ vec4 history_at(vec2 place) {
     return max(sum, 0.0);
 }
 
-// The colour on the way to the mean of those around where it leaves their box.
+// The colour on the way to the mean of those around where it leaves their box: their standard deviation, within their range. Next to
+// a lamp the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
 vec3 clipped(vec3 colour, ivec2 pixel) {
     vec3 sum = vec3(0.0);
     vec3 squares = vec3(0.0);
+    vec3 least = vec3(1e30);
+    vec3 most = vec3(-1e30);
     for (int i = 0; i < 9; i++) {
         vec3 around = ycocg(radiance_of(pixel + ivec2(i % 3, i / 3) - 1).rgb);
         sum += around;
         squares += around * around;
+        least = min(least, around);
+        most = max(most, around);
     }
     vec3 mean = sum / 9.0;
     vec3 reach = REACH * sqrt(max(squares / 9.0 - mean * mean, 0.0));
     vec3 off = ycocg(colour) - mean;
-    vec3 times = abs(off) / max(reach, vec3(1e-6) * abs(mean.x) + 1e-20);
-    float most = max(times.x, max(times.y, times.z));
-    return max(rgb_of_ycocg(mean + off / max(most, 1.0)), 0.0);
+    vec3 side = mix(mean - least, most - mean, greaterThan(off, vec3(0.0)));
+    vec3 times = abs(off) / max(min(reach, side), vec3(1e-6) * abs(mean.x) + 1e-20);
+    float farthest = max(times.x, max(times.y, times.z));
+    return max(rgb_of_ycocg(mean + off / max(farthest, 1.0)), 0.0);
 }
 
 void main() {
