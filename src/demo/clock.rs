@@ -11,8 +11,6 @@ const LONGEST_PAUSE: f64 = 1.0;
 
 /// Time constant of automatic exposure, seconds: changes of light are seen, then evened out.
 const ADAPTATION: f64 = 0.15;
-/// Least share of its way that it goes in a frame, so that a picture comes to rest within some twenty frames.
-const LEAST_PACE: f32 = 0.25;
 
 /// How animation time advances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -60,8 +58,7 @@ impl Clock {
 
     /// Share of its way that automatic exposure goes in this frame.
     pub fn exposure_pace(&self) -> f32 {
-        let share = 1.0 - (-self.interval.as_secs_f64() / ADAPTATION).exp() as f32;
-        share.max(LEAST_PACE)
+        1.0 - (-self.interval.as_secs_f64() / ADAPTATION).exp() as f32
     }
 
     /// Time since the last frame, ms.

@@ -19,8 +19,6 @@ const SMALL: [&str; 8] = [
     "--bounces=2",
     "--validate",
 ];
-/// Frames after which the picture of a stationary scene is stationary: one per temporal set, then those of the exposure.
-const SETTLED: u64 = 24;
 
 fn is_edited(event: &Value) -> bool {
     event["event"] == "scene-edited"
@@ -29,7 +27,7 @@ fn is_edited(event: &Value) -> bool {
 /// The picture alone, once it stands still.
 fn settled(demo: &mut Demo<'_>) -> Screen {
     demo.key_for("shift+Tab", "toggle-overlays");
-    demo.frames(SETTLED);
+    demo.settle();
     let screen = demo.screen();
     demo.key_for("shift+Tab", "toggle-overlays");
     screen.whole_picture()

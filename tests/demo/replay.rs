@@ -19,6 +19,7 @@ fn the_command_renders_to_what_is_on_screen() {
     demo.input(&["keyup", "d"]);
     demo.key_for("shift+Tab", "toggle-overlays");
     demo.frames(100);
+    demo.settle();
     let screen = demo.screen().whole_picture();
     let mut commands = Vec::new();
     for _ in 0..2 {
@@ -60,6 +61,7 @@ fn a_recording_renders_to_what_was_on_screen() {
     demo.key_for("shift+Tab", "toggle-overlays");
     // Until the paused picture stands still: which frame is on screen is not known to the frame.
     demo.frames(100);
+    demo.settle();
     let screen = demo.screen().whole_picture();
     screen.keep("9-recorded");
     let seen = demo.now();

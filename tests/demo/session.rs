@@ -17,8 +17,6 @@ const SMALL: [&str; 9] = [
     "--seed=1",
     "--validate",
 ];
-/// Frames after which the picture of a stationary scene is stationary: one per temporal set, then those of the exposure.
-const SETTLED: u64 = 24;
 
 #[test]
 fn a_session_from_start_to_end() {
@@ -41,7 +39,7 @@ fn a_session_from_start_to_end() {
 
     // The picture is stationary when paused.
     demo.key_for("space", "toggle-pause");
-    demo.frames(SETTLED);
+    demo.settle();
     let still = demo.screen().picture();
     demo.frames(3);
     assert!(demo.screen().picture() == still, "a paused scene does not stand still");
@@ -56,7 +54,7 @@ fn a_session_from_start_to_end() {
     let seen = demo.now();
     demo.key_for("Tab", "toggle-panel");
     demo.wait_after(seen, "size", |event| event["details"]["set"]["size"] == serde_json::json!([480, 300]));
-    demo.frames(SETTLED);
+    demo.settle();
     let screen = demo.screen();
     let seen = demo.now();
     demo.key_for("F12", "screenshot");
@@ -86,14 +84,14 @@ fn dragging_a_light_changes_the_indirect_light(demo: &mut Demo<'_>) {
     // Indirect light alone.
     demo.key_for("v", "step-buffer");
     demo.key_for("v", "step-buffer");
-    demo.frames(SETTLED);
+    demo.settle();
     let before = demo.screen();
     before.keep("2-light");
     // Drag it along its arrow, at the centre of the window, to the right and to the left.
     let seen = demo.now();
     demo.drag_picture([275, 180], [100, 180]);
     demo.wait_after(seen, "moved light", |event| is_action(event, "edit-light"));
-    demo.frames(SETTLED);
+    demo.settle();
     let after = demo.screen();
     after.keep("3-light-dragged");
     let difference = after.picture().difference(&before.picture());
@@ -107,7 +105,7 @@ fn dragging_a_light_changes_the_indirect_light(demo: &mut Demo<'_>) {
 }
 
 fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
-    demo.frames(SETTLED);
+    demo.settle();
     let combined = demo.screen().picture();
     let mut seen = vec![combined.clone()];
     for view in 1..25 {

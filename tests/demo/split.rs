@@ -15,8 +15,6 @@ const SMALL: [&str; 7] = [
     "--bounces=2",
     "--validate",
 ];
-/// Frames after which the picture of a stationary scene is stationary: one per temporal set, then those of the exposure.
-const SETTLED: u64 = 24;
 
 fn metrics(demo: &mut Demo<'_>, what: &str, is_it: impl Fn(&Value) -> bool) -> Value {
     let seen = demo.now();
@@ -89,7 +87,7 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");
     let settled = |demo: &mut Demo<'_>| {
-        demo.frames(SETTLED);
+        demo.settle();
         demo.screen().picture()
     };
     demo.input(&["key", "Escape"]);

@@ -7,6 +7,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -30,6 +31,10 @@ pub const WELCOMED: &str = "welcomed";
 /// Frames after which one is on screen: Mesa's swapchains have at most five images here, and one more frame sees to it that
 /// the server has drawn what it was sent.
 const ON_SCREEN: u64 = 6;
+/// Frames after which light no longer changes.
+const SETTLED: u64 = 24;
+/// Time in which 4 stops of automatic exposure shrink to less than its last step, .02 stops: seven time constants.
+const ADAPTED: Duration = Duration::from_millis(1100);
 /// Frames without motion after which the panel counts as stationary: its sections fold and unfold over several frames.
 const AT_REST: usize = 3;
 /// Pings of this program count up from here; the window manager's own are small numbers.
@@ -169,6 +174,12 @@ impl<'d> Demo<'d> {
             );
             shown(self.log.events()) >= wanted
         });
+    }
+
+    /// Waits until the picture of a stationary scene is stationary: each temporal set in frames, then the exposure in time.
+    pub fn settle(&mut self) {
+        self.frames(SETTLED);
+        std::thread::sleep(ADAPTED);
     }
 
     /// The last frame that was shown.
