@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Affine3A;
 use glowworm::bench::micro::crowd;
 use glowworm::bvh::TwoLevelBvh;
-use glowworm::passes::tracer::{RayTracer, Tracer};
+use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
 use glowworm::vulkan::Frames;
 
 fn build(criterion: &mut Criterion) {

@@ -1,6 +1,6 @@
-//! Makes `src/effects/blue_noise.bin`: spatiotemporal blue noise (Wolfe et al. 2022) by void and cluster (Ulichney 1993).
+//! Makes `src/gpu_scene/blue_noise.bin`: spatiotemporal blue noise (Wolfe et al. 2022) by void and cluster (Ulichney 1993).
 //!
-//!     cargo run --release --example blue_noise -- src/effects/blue_noise.bin
+//!     cargo run --release --example blue_noise -- src/gpu_scene/blue_noise.bin
 //!
 //! 32 frames of 64 x 64 texels with two channels of 8 bits, all of them toroidal. Texels repel each other within a frame, by their
 //! distance in it, and at one place, by their distance in time; each channel alone. Takes about a minute, and gives the same bytes
@@ -133,7 +133,7 @@ impl Random {
 
 fn main() -> ExitCode {
     let Some(file) = std::env::args().nth(1) else {
-        eprintln!("blue_noise: name the file to write, such as src/effects/blue_noise.bin");
+        eprintln!("blue_noise: name the file to write, such as src/gpu_scene/blue_noise.bin");
         return ExitCode::from(2);
     };
     let channels = std::thread::scope(|scope| {

@@ -12,6 +12,7 @@
 //! - [`output`]: writes pictures and reports.
 //! - [`metrics`]: errors of a picture against its reference.
 //! - [`plot`]: charts as PNG files.
+//! - [`gpu_scene`]: the scene on the device, the one descriptor set that rays and shading read.
 //! - [`passes`]: the passes that all methods share, one file each.
 //! - [`denoise`]: denoisers; none knows where its signal comes from.
 //! - [`effects`]: soft shadows and reflections by rays.
@@ -34,6 +35,7 @@ pub mod denoise;
 pub mod effects;
 pub mod estimators;
 pub mod export;
+pub mod gpu_scene;
 mod memory;
 pub mod metrics;
 pub mod output;

@@ -10,7 +10,6 @@ mod picture;
 mod prepared;
 mod replay;
 mod reports;
-mod rest;
 mod shared;
 mod steps;
 mod tracer_choice;
@@ -33,25 +32,26 @@ use std::time::Instant;
 use glam::Mat4;
 
 use crate::bvh::TwoLevelBvh;
+use crate::denoise::Denoiser;
 use crate::effects::reflections::Reflections;
-use crate::estimators::{self, Estimator, EstimatorContext, EstimatorInputs, World};
-use crate::passes::area_lights::AreaLights;
+use crate::estimators::{self, Estimator, EstimatorContext, World};
+use crate::gpu_scene::GpuScene;
+use crate::gpu_scene::structs::FrameUniforms;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::clock::ConvergenceClock;
 use crate::passes::combine::CombineInputs;
-use crate::passes::direct_shadows::lights_of;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::gbuffer::GBufferInputs;
-use crate::passes::scene_buffers::SceneBuffers;
+use crate::passes::reprojection::ReprojectionInputs;
 use crate::passes::sheets::SheetsPass;
-use crate::passes::structs::{FrameUniforms, LightData};
-use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{FrameReport, TracerChoice};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frames, VulkanError};
-use direct::{FrameLights, ambient};
+use direct::{Surroundings, ambient};
 use reports::{Pending, report};
-use rest::RestClock;
-use shared::{SharedPasses, effect_image};
-use steps::{begin_effects, mirror, show};
+use shared::{SharedPasses, effect_image, indirect_denoiser};
+use steps::{irradiance, post_process, record_indirect, record_reflections};
 use uniforms::Viewed;
 use view::{ViewFrame, ViewPasses};
 
@@ -61,7 +61,7 @@ pub enum RenderError {
     /// Vulkan failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
-    /// The hardware tracer was asked for on a device that cannot do with it.
+    /// The hardware tracer was asked for on a device that does not support it.
     #[error(
         "--tracer hardware: {device} lacks {lacks}; use --tracer software, or another --device (glowworm info lists them)"
     )]
@@ -91,16 +91,15 @@ pub struct Renderer {
     unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
-    clock: RestClock,
+    clock: ConvergenceClock,
     /// Those that the renderers drew whose place it took.
     frames_before: u64,
 
-    buffers: SceneBuffers,
-    area_lights: AreaLights,
-    tracer: Tracer,
+    gpu_scene: GpuScene,
     tracer_choice: TracerChoice,
     passes: SharedPasses,
     estimator: Box<dyn Estimator>,
+    indirect_denoiser: Denoiser,
     views: ViewPasses,
     // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
     frames: Frames,
@@ -152,10 +151,10 @@ impl Renderer {
             world: World { scene: &scene, pose, bvh: &bvh },
             scene_radius: radius,
         })?;
-        let buffers = SceneBuffers::new(device, &scene)?;
+        let gpu_scene = GpuScene::new(device, &scene, tracer_choice.used, &bvh)?;
         Ok(Self {
-            tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
-            passes: SharedPasses::new(device, variant, (&scene, &buffers), settings)?,
+            passes: SharedPasses::new(device, variant, (&scene, gpu_scene.buffers()), settings)?,
+            indirect_denoiser: indirect_denoiser(device, &*estimator, settings)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             settings: settings.clone(),
@@ -166,15 +165,14 @@ impl Renderer {
             unjittered: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
-            clock: RestClock::default(),
+            clock: ConvergenceClock::default(),
             frames_before: 0,
             scene,
             bvh,
             radius,
             estimator,
             tracer_choice,
-            buffers,
-            area_lights: AreaLights::default(),
+            gpu_scene,
         })
     }
 
@@ -185,80 +183,76 @@ impl Renderer {
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
-        let lights = self.update_lights(pose);
-        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, lights.len());
 
         // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
             self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
         }
-        self.tracer.update(&mut frame, &self.bvh)?;
-        let instances = &self.buffers.upload_instances(&mut frame, &self.scene, pose)?;
-        let uploaded_lights = &frame.upload(&lights)?;
-        let area_lights = &self.area_lights.upload(&mut frame)?;
+        let soft = self.settings.direct == Direct::Soft;
+        let uploaded = &self.gpu_scene.upload(&mut frame, (&self.scene, pose), &self.bvh, soft)?;
+        let scene = &self.gpu_scene.set(&mut frame, uploaded)?;
+        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, uploaded);
         let frame_uniforms = &frame.upload(&[*uniforms])?;
-        let (tracer, buffers) = (&self.tracer, &self.buffers);
 
-        // Draw the visible surfaces and their direct light.
-        let gbuffer = self.passes.gbuffer.record(
-            &mut frame,
-            &GBufferInputs {
-                frame: frame_uniforms,
-                instances,
-                scene: buffers,
-                tracer,
-                pose,
-                view_projection: uniforms.view_projection,
-                unjittered: *unjittered,
-            },
-        )?;
-        let inputs = EstimatorInputs {
-            frame: frame_uniforms,
+        // Draw the visible surfaces, and find them in the last frame.
+        let gbuffer_inputs = GBufferInputs {
+            uniforms: frame_uniforms,
+            scene,
+            buffers: self.gpu_scene.buffers(),
+            versions: uploaded.versions,
+            pose,
+            view_projection: uniforms.view_projection,
+            unjittered: *unjittered,
+        };
+        let gbuffer = self.passes.gbuffer.record(&mut frame, &gbuffer_inputs)?;
+        if !clock.is_frozen() {
+            let surfaces = ReprojectionInputs::of(frame_uniforms, scene, gbuffer);
+            self.passes.reprojection.record(&mut frame, &surfaces)?;
+        }
+        let inputs = &FrameInputs {
+            uniforms: frame_uniforms,
+            scene,
+            versions: uploaded.versions,
             gbuffer,
-            instances,
-            lights: uploaded_lights,
-            materials: &buffers.materials,
-            tracer,
+            reprojection: self.passes.reprojection.output(),
+            clock,
             pose,
         };
-        let lights = FrameLights {
-            lamps: &lights,
-            areas: area_lights,
+
+        // Light them: directly, indirectly, and by what they mirror.
+        let surroundings = Surroundings {
+            light_count: uploaded.light_count,
             background: uniforms.background,
             ambient: ambient(&self.settings, pose),
         };
-        let (scene, reprojection) = ((buffers, area_lights), self.passes.reprojection.as_mut());
-        let effects = begin_effects(&mut frame, reprojection, &inputs, scene, &clock)?;
-        self.passes.direct.record(&mut frame, &inputs, &lights, buffers, effects.as_ref())?;
-        let shading = &self.passes.direct.shading;
-
-        // Estimate their indirect light, and what they mirror.
-        self.estimator.record(&mut frame, &inputs)?;
-        if let (Some(reflections), Some(effects)) = (&mut self.passes.reflections, &effects) {
-            mirror(&mut frame, reflections, &mut *self.estimator, &inputs, effects)?;
+        self.passes.direct.record(&mut frame, inputs, &surroundings)?;
+        let (estimator, denoiser) = (&mut *self.estimator, &mut self.indirect_denoiser);
+        record_indirect(&mut frame, estimator, denoiser, inputs)?;
+        if let Some(reflections) = &mut self.passes.reflections {
+            record_reflections(&mut frame, reflections, estimator, denoiser, inputs)?;
         }
 
-        // Join all light, smooth edges, and show the picture.
-        let reflections = self.passes.reflections.as_ref();
+        // Join all light, smooth edges, and tone map.
+        let (shading, reflections) = (&self.passes.direct.shading, self.passes.reflections.as_ref());
         let joined = CombineInputs {
             frame: frame_uniforms,
             direct: shading.output(),
-            irradiance: self.estimator.irradiance(),
+            irradiance: irradiance(estimator, denoiser),
             albedo: &gbuffer.albedo,
             specular_albedo: shading.specular_albedo(),
             sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
             reflection: reflections.map(Reflections::output),
         };
         let passes = (&self.passes.combine, self.passes.taa.as_mut());
-        let display = show(&mut frame, passes, &joined, gbuffer, (&clock, self.settings.exposure))?;
+        let display = post_process(&mut frame, passes, &joined, inputs, self.settings.exposure)?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
             view: &self.view,
-            inputs: &inputs,
-            scene: buffers,
-            direct_shadows: self.passes.direct.map(),
+            inputs,
+            irradiance: joined.irradiance,
+            direct_shadows: self.passes.direct.visibility(),
             direct: shading.output(),
             effect: effect_image(&self.passes.direct, reflections, &self.view.buffer),
             bounds: self.bvh.bounds(),
@@ -274,15 +268,6 @@ impl Renderer {
         (self.uniforms, self.unjittered) = (Some(*uniforms), Some(unjittered[0]));
         self.pending.push_back(pending);
         Ok(())
-    }
-
-    /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
-    fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
-        let soft = self.settings.direct == Direct::Rays;
-        if soft {
-            self.area_lights.update(&self.scene, pose);
-        }
-        lights_of(pose, soft)
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.
@@ -318,7 +303,7 @@ impl Renderer {
 
 impl Drop for Renderer {
     fn drop(&mut self) {
-        // What the passes own may still be in use by a frame on its way.
+        // What the passes own may still be in use by a frame in flight.
         let _ = self.device.wait_idle();
     }
 }

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::passes::tracer::RayTracer;
+use crate::gpu_scene::tracer::RayTracer;
 use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vulkan::DeviceInfo;

@@ -13,10 +13,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::passes::cast_rays::GpuRay;
-use glowworm::passes::hit_buffers::HitBuffers;
-use glowworm::passes::scene_buffers::SceneBuffers;
-use glowworm::passes::structs::FrameUniforms;
-use glowworm::passes::tracer::{RayTracer, Tracer};
+use glowworm::gpu_scene::hit_buffers::HitBuffers;
+use glowworm::gpu_scene::scene_buffers::SceneBuffers;
+use glowworm::gpu_scene::structs::FrameUniforms;
+use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
 use glowworm::scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
     linear_to_srgb, load_scene,

@@ -6,12 +6,12 @@
 mod lab;
 
 use glam::{UVec2, UVec3, Vec2};
-use glowworm::effects::noise;
-use glowworm::passes::structs::FrameUniforms;
+use glowworm::gpu_scene::noise;
+use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use lab::Lab;
 
-static TABLE: &[u8] = include_bytes!("../src/effects/blue_noise.bin");
+static TABLE: &[u8] = include_bytes!("../src/gpu_scene/blue_noise.bin");
 const SIDE: usize = 64;
 const FRAMES: usize = 32;
 /// Pixels of the GPU's picture, more than the table has.

@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::passes::cast_rays::GpuRay;
-use glowworm::passes::tracer::{RayTracer, Tracer};
+use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
 use glowworm::scene::{Alpha, Material, Pose, Side, SurfacePoint, Texture, TextureUse, Wrap};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use support::{Lab, assets, named_scene, skip};

@@ -6,15 +6,11 @@
 // the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "bsdf.glsl"
 #include "rounded.glsl"
-#define TRACER_BINDING 18
 #include "tracer.glsl"
-#define HIT_BINDING 28
-#define HIT_TEXTURES
 #include "hit.glsl"
-#define NOISE_BINDING 10
 #include "noise.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -25,14 +21,10 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "lights.glsl"
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 5, std430) readonly buffer LightBlock { LightData data[]; } lights;
 layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
-#define AREA_LIGHTS_BINDING 8
 #include "unshadowed.glsl"
 #include "seen.glsl"
-#define EMITTERS_BINDING 9
 #include "light_sampling.glsl"
-#define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
 #include "visible_surface.glsl"
 #include "hit_record.glsl"

@@ -5,11 +5,9 @@
 // arrives over what would without shadows, by channel, an unbiased estimate; 1 where no light shines at all.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
-#define TRACER_BINDING 12
+#include "scene_set.glsl"
 #include "tracer.glsl"
 #include "rounded.glsl"
-#define NOISE_BINDING 10
 #include "noise.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -20,13 +18,9 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "lights.glsl"
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 5, std430) readonly buffer LightBlock { LightData data[]; } lights;
-layout(set = 0, binding = 6, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 7) uniform utexture2D gbuffer_surface;
-#define AREA_LIGHTS_BINDING 8
 #include "unshadowed.glsl"
 #include "seen.glsl"
-#define EMITTERS_BINDING 9
 #include "light_sampling.glsl"
 layout(set = 0, binding = 11, rgba16f) uniform writeonly image2D shadow;
 

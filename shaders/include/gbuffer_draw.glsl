@@ -1,4 +1,4 @@
-// A draw of the G-buffer. Twins: `Push` in src/passes/gbuffer.rs, `variant` in src/passes/scene_buffers.rs.
+// A draw of the G-buffer. Twins: `Push` in src/passes/gbuffer.rs, `variant` in src/gpu_scene/scene_buffers.rs.
 
 // Sum of what the materials need: see below.
 layout(constant_id = 0) const uint VARIANT = 0u;
@@ -7,8 +7,6 @@ const bool MASKED = (VARIANT & 1u) != 0u;
 // More than one set of plain texture coordinates: normal maps, vertex colours, transformed coordinates. Then the normal is handed
 // over in object space, else in the world.
 const bool DETAILED = (VARIANT & 2u) != 0u;
-
-layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 
 layout(push_constant) uniform Push {
     uint instance;

@@ -1,4 +1,4 @@
-// Whether the scene has thin sheets: elsewhere nobody pays for them. Twin: `TracerVariant` in src/passes/tracer.rs.
+// Whether the scene has thin sheets: elsewhere nobody pays for them. Twin: `TracerVariant` in src/gpu_scene/tracer.rs.
 
 #ifndef HAS_SHEETS_GLSL
 #define HAS_SHEETS_GLSL

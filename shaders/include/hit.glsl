@@ -1,8 +1,6 @@
-// The surface that a ray has hit. Needs frame.glsl, scene.glsl and tracer.glsl. Define HIT_BINDING before including: it and the
-// next are taken, and with HIT_TEXTURES, for `surface_of`, five more; that needs bsdf.glsl and gbuffer.glsl.
-
-layout(set = 0, binding = HIT_BINDING, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
-layout(set = 0, binding = HIT_BINDING + 1, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
+// The surface that a ray has hit. Needs frame.glsl, gbuffer.glsl and tracer.glsl.
+#include "shading_normal.glsl"
+#include "textures.glsl"
 
 // What of a surface diffuse light needs.
 struct MeanSurface {
@@ -23,16 +21,6 @@ MeanSurface mean_surface_of(TracerHit hit, vec3 origin, vec3 direction) {
     vec3 emission = front ? material.mean_emission.rgb * instance.emission.rgb : vec3(0.0);
     return MeanSurface(origin + hit.t * direction, front ? normal : -normal, material.mean_albedo.rgb, emission);
 }
-
-#ifdef HIT_TEXTURES
-#include "shading_normal.glsl"
-#define TEXTURES_BINDING HIT_BINDING + 2
-#include "textures.glsl"
-
-layout(set = 0, binding = HIT_BINDING + 4, std430) readonly buffer VertexBlock { Vertex data[]; } vertices;
-layout(set = 0, binding = HIT_BINDING + 5, std430) readonly buffer SecondUvBlock { vec2 data[]; } second_uvs;
-// Three a triangle, in the order of the meshes' triangles.
-layout(set = 0, binding = HIT_BINDING + 6, std430) readonly buffer CornerBlock { uint data[]; } corners;
 
 // What of the scene a ray sees: a cone about it (Akenine-Moller et al. 2019).
 struct RayCone {
@@ -120,4 +108,3 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     }
     return surface;
 }
-#endif

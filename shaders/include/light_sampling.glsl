@@ -1,17 +1,5 @@
 // One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, were nothing between; then a
-// point of the light. Needs unshadowed.glsl and tracer.glsl. Define EMITTERS_BINDING before including.
-
-// A triangle, in the world; its normal is that of the side that emits.
-struct Emitter {
-    vec4 corner;   // xyz; w: share of the light's flux of the emitters up to this one
-    vec4 edge_u;   // xyz: to the second corner; w: density of points, 1/area
-    vec4 edge_v;   // xyz: to the third
-    vec4 radiance; // rgb; w: index of its alpha mask plus one, as bits
-    vec4 uvs;      // of the mask: first and second corner
-    vec4 uv;       // xy: third
-};
-
-layout(set = 0, binding = EMITTERS_BINDING, std430) readonly buffer EmitterBlock { Emitter data[]; } emitters;
+// point of the light. Needs unshadowed.glsl and tracer.glsl.
 
 // A light; probability 0: none sends anything.
 struct ChosenLight {

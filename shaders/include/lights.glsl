@@ -1,4 +1,4 @@
-// Point, spot and directional lights. Twin: LightData in src/passes/structs.rs. Needs frame.glsl and surface.glsl.
+// Point, spot and directional lights. Twin: LightData in src/gpu_scene/structs.rs. Needs frame.glsl and surface.glsl.
 #include "has_sheets.glsl"
 
 // Beyond every scene, for rays to lights that are infinitely far away.
@@ -7,16 +7,6 @@ const float FAR = 1e30;
 const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
 const uint LIGHT_DIRECTIONAL = 2u;
-
-struct LightData {
-    vec4 position;  // xyz: world position; w: cosine of the spot's inner angle
-    vec4 direction; // xyz: direction in which light travels; w: cosine of the spot's outer angle
-    vec4 power;     // rgb: intensity in W/sr, or irradiance in W/m^2
-    uint kind;
-    float radius;     // of the sphere that shines (point, spot), world units; 0 for a point
-    float half_angle; // of the disc that shines (directional), radians; 0 for parallel light
-    uint pad2;
-};
 
 // Irradiance on a plane across the direction to the light, were nothing between.
 vec3 unshadowed(LightData light, vec3 p, out vec3 to_light) {

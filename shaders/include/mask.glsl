@@ -1,12 +1,9 @@
-// Alpha masks for raster passes: the same bits that rays test. Needs MASK_BINDING.
+// Alpha masks for raster passes: the same bits that rays test. Needs scene_set.glsl.
 #include "wrap.glsl"
-
-layout(set = 0, binding = MASK_BINDING, std430) readonly buffer MaskBlock { uvec4 table[]; } bvh_masks;
-layout(set = 0, binding = MASK_BINDING + 1, std430) readonly buffer MaskBitBlock { uint words[]; } bvh_mask_bits;
 
 // Whether the surface is there at uv (nearest texel). Twin: AlphaMask::opaque_at.
 bool mask_opaque(uint mask, vec2 uv) {
-    uvec4 entry = bvh_masks.table[mask - 1u]; // first word, width, height, wrap modes
+    uvec4 entry = bvh_masks.masks[mask - 1u]; // first word, width, height, wrap modes
     vec2 place = wrapped(uv, entry.w);
     uint x = min(uint(place.x * float(entry.y)), entry.y - 1u);
     uint y = min(uint(place.y * float(entry.z)), entry.z - 1u);

@@ -1,10 +1,7 @@
-// Random numbers of rays. Needs frame.glsl. Define NOISE_BINDING before including. Table: src/effects/noise.rs. Twin: tests/noise.rs.
+// Random numbers of rays. Needs frame.glsl and scene_set.glsl. Table: src/gpu_scene/noise.rs. Twin: tests/noise.rs.
 
 // 1: white noise; otherwise blue.
 layout(constant_id = 1) const uint WHITE_NOISE = 0u;
-
-// Two channels of 8 bits, frame by frame, 64 x 64 texels each: two texels a word. See examples/blue_noise.rs.
-layout(set = 0, binding = NOISE_BINDING, std430) readonly buffer BlueNoiseBlock { uint words[]; } blue_noise;
 
 const uint NOISE_SIDE = 64u;
 const uint NOISE_FRAMES = 32u;

@@ -1,4 +1,4 @@
-// A line over the picture. Twin: OverlayLine in src/passes/structs.rs.
+// A line over the picture. Twin: OverlayLine in src/gpu_scene/structs.rs.
 
 struct OverlayLine {
     vec4 from_width; // xyz: world position of one end; w: width in pixels

@@ -5,11 +5,11 @@
 #include "has_sheets.glsl"
 #include "mirrored.glsl"
 
-layout(set = 0, binding = 1, rgba32f) uniform readonly image2D direct;
-layout(set = 0, binding = 2, rgba32f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 1, rgba16f) uniform readonly image2D direct;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform readonly image2D specular_albedo;
-layout(set = 0, binding = 7, rgba32f) uniform readonly image2D sheet_light;
+layout(set = 0, binding = 7, rgba16f) uniform readonly image2D sheet_light;
 layout(set = 0, binding = 8, rgba16f) uniform readonly image2D sheet_albedo;
 layout(set = 0, binding = 9, rgba16f) uniform readonly image2D sheet_transmittance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;

@@ -1,19 +1,8 @@
 // The textures of all materials for shaders that cannot know beforehand which they need: every mip level of each, one after the
-// other in one texel buffer, filtered here. Needs scene.glsl. Define TEXTURES_BINDING before including: it and the next are
-// taken. Twin: `Texels` in src/passes/hit_buffers.rs.
+// other in one texel buffer, filtered here. Needs scene_set.glsl. Twin: `Texels` in
+// src/gpu_scene/hit_buffers.rs.
 #include "bilinear.glsl"
 #include "wrap.glsl"
-
-// An image in the buffer.
-struct TextureData {
-    uint first;  // texel of the first level
-    uint size;   // of that, width in the lower 16 bits, height above
-    uint levels;
-    uint linear; // 1: its colour is; otherwise sRGB-encoded
-};
-
-layout(set = 0, binding = TEXTURES_BINDING, std430) readonly buffer TextureBlock { TextureData data[]; } textures;
-layout(set = 0, binding = TEXTURES_BINDING + 1) uniform textureBuffer texture_texels;
 
 vec4 texel_at(uint place, bool linear) { return decoded(texelFetch(texture_texels, int(place)), linear); }
 

@@ -4,62 +4,16 @@
 // which finds what is wanted of the segment t_min < t < t_max, t in units of the direction, which may have any length; where
 // any hit is wanted and there is none, `transmittance` is what the sheets on the segment let pass.
 //
-// Define TRACER_BINDING, the first of ten bindings in set TRACER_SET (0 by default), before including. The build
-// compiles what includes this file twice, once with TRACER_HARDWARE.
+// The build compiles what includes this file twice, once with TRACER_HARDWARE.
 
 #ifndef TRACER_GLSL
 #define TRACER_GLSL
 
+#include "scene_set.glsl"
 #include "bilinear.glsl"
 #include "bsdf.glsl"
 #include "has_sheets.glsl"
 #include "wrap.glsl"
-
-#ifndef TRACER_SET
-#define TRACER_SET 0
-#endif
-
-#define TRACER_BUFFER(offset) \
-    layout(set = TRACER_SET, binding = TRACER_BINDING + offset, std430) restrict readonly buffer
-// What every ray reads, in texels of four words.
-#define TRACER_TEXELS(offset) layout(set = TRACER_SET, binding = TRACER_BINDING + offset) uniform utextureBuffer
-
-// Three words a triangle: corners with (id, masked, material).
-TRACER_TEXELS(0) bvh_triangles;
-// Two words a triangle with an alpha mask: three pairs of texture coordinates, then the mask.
-TRACER_BUFFER(1) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
-// (first word of bits, width, height, wrap modes).
-TRACER_BUFFER(2) bvh_masks_block { uvec4 masks[]; } bvh_masks;
-TRACER_BUFFER(3) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
-
-// The corners of a sheet's triangle. Twins of this and the next: src/bvh/sheets.rs.
-struct GpuSheetTriangle {
-    vec2 uvs[3];     // on the texture of the base colour
-    uint colours[3]; // linear, and alpha, 8 bits each
-    uint pad;
-};
-
-// The material of a thin sheet.
-struct GpuSheet {
-    vec4 passed;      // rgb: what it lets pass where its coat reflects nothing; w: opacity
-    vec4 base;        // rgb: base colour, w: metallic, of its coat, mean over textures
-    vec4 reflectance; // rgb: F0, w: F90
-    float roughness;  // mean likewise
-    uint first;       // texel of its texture
-    uint size;        // of that, width in the lower 16 bits, height above; 0: there is none
-    uint modes;       // wrap modes: see wrap.glsl; SHEET_LINEAR, SHEET_BLENDS
-};
-
-// The texture's colour is linear.
-const uint SHEET_LINEAR = 16u;
-// Alpha is the share of the surface that is there; otherwise all is.
-const uint SHEET_BLENDS = 32u;
-
-TRACER_BUFFER(4) bvh_sheet_triangles_block { GpuSheetTriangle data[]; } bvh_sheet_triangles;
-// One for each material.
-TRACER_BUFFER(5) bvh_sheets_block { GpuSheet data[]; } bvh_sheets;
-// RGBA8, level 0 of the textures of sheets.
-TRACER_BUFFER(6) bvh_sheet_texels_block { uint words[]; } bvh_sheet_texels;
 
 const uint TRACER_NONE = 0xffffffffu;
 // In `masked`: the triangle is one of a sheet, and the rest is its index.

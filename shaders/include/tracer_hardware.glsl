@@ -6,10 +6,6 @@
 #ifndef TRACER_HARDWARE_GLSL
 #define TRACER_HARDWARE_GLSL
 
-layout(set = TRACER_SET, binding = TRACER_BINDING + 7) uniform accelerationStructureEXT bvh_top_level;
-// First triangle of run r (opaque, masked) of mesh m, at 2m + r.
-TRACER_BUFFER(8) bvh_runs_block { uint first_triangles[]; } bvh_runs;
-
 // Where a triangle lies in bvh_triangles. An instance's record offset is its mesh.
 uint tracer_triangle(int mesh, int run, int primitive) {
     return bvh_runs.first_triangles[mesh * 2 + run] + uint(primitive);

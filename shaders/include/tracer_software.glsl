@@ -7,13 +7,6 @@
 #ifndef TRACER_SOFTWARE_GLSL
 #define TRACER_SOFTWARE_GLSL
 
-// Five words a node.
-TRACER_TEXELS(7) bvh_nodes;
-// Four words an instance: three rows of world to object, then (root, instance).
-TRACER_TEXELS(8) bvh_instances;
-// Groups to begin with, of the static and the dynamic instances: see tracer_find.
-TRACER_BUFFER(9) bvh_roots_block { uvec4 groups; } bvh_roots;
-
 // Both levels' greatest depth, and what entering an instance leaves behind.
 const int TRACER_STACK_SIZE = 40;
 // Nodes at most before the triangles of those threads that have met some: of the threads that run in step, few wait long, and

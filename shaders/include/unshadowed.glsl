@@ -1,19 +1,7 @@
 // About what each light sends from a surface to the eye, were nothing between: exactly for lights without extent, smoothly for others,
 // area lights among them, and never 0 where they send anything (for the ratio estimator of Heitz et al. 2018). Needs frame.glsl,
-// bsdf.glsl, surface.glsl, lights.glsl and `lights`. Define AREA_LIGHTS_BINDING before including. Twins: src/passes/area_lights.rs.
+// bsdf.glsl, surface.glsl, lights.glsl and scene_set.glsl.
 #include "light_cone.glsl"
-
-struct AreaLightData {
-    vec4 centre; // xyz: of its bounds; w: their radius
-    vec4 facing; // xyz: mean normal, shorter than 1 where the light is not flat
-    vec4 power;  // rgb: radiance times area, the sum of its emitters, W/sr
-    uint first;  // of its emitters
-    uint count;
-    uint is_visible; // to rays
-    uint pad0;
-};
-
-layout(set = 0, binding = AREA_LIGHTS_BINDING, std430) readonly buffer AreaLightBlock { AreaLightData data[]; } area_lights;
 
 // A surface with its BSDF, as the eye, or what a ray comes from, sees it.
 struct Seen {

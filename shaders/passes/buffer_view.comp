@@ -5,7 +5,7 @@
 // Out: display. Light is shown as the picture is, with its exposure; everything else as plain display values.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "tone_map.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -16,11 +16,10 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "lights.glsl"
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 5, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 6) uniform texture2D gbuffer_motion;
 layout(set = 0, binding = 7, r32ui) uniform readonly uimage2DArray direct_shadows;
-layout(set = 0, binding = 8, rgba32f) uniform readonly image2D direct;
-layout(set = 0, binding = 9, rgba32f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 8, rgba16f) uniform readonly image2D direct;
+layout(set = 0, binding = 9, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 10, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 12) uniform utexture2D gbuffer_surface;
 layout(set = 0, binding = 11, rgba8) uniform writeonly image2D display;

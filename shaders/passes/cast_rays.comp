@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 // Casts a list of rays, one a thread, and from its beginning again after the last, to measure how fast a tracer is.
 // Out: where each first meets a surface, as t, or whether it meets any, as 0; a negative number where it does not.
-#define TRACER_BINDING 2
 #include "ray.glsl"
 #include "tracer.glsl"
 

@@ -5,7 +5,7 @@
 // Out: radiance; a: 1 where a surface is; and the directional albedo of the GGX lobe.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "bsdf.glsl"
 #include "rounded.glsl"
 
@@ -20,15 +20,11 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "lights.glsl"
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 5, std430) readonly buffer LightBlock { LightData data[]; } lights;
 layout(set = 0, binding = 6, r32ui) uniform readonly uimage2DArray direct_shadows;
-layout(set = 0, binding = 7, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
 layout(set = 0, binding = 8) uniform utexture2D gbuffer_surface;
-layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D direct;
+layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D direct;
 layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo;
-#define ENVIRONMENT_BINDING 11
 #include "environment.glsl"
-#define AREA_LIGHTS_BINDING 12
 #include "unshadowed.glsl"
 #include "seen.glsl"
 // What arrives over what would without shadows.
@@ -69,5 +65,5 @@ void main() {
     vec3 specular = vec3(0.0);
     vec3 radiance = is_surface ? radiance_of(id, pixel, specular) : environment_radiance(pixel_ray(vec2(pixel)));
     imageStore(specular_albedo, pixel, rounded(vec4(specular, 0.0)));
-    imageStore(direct, pixel, vec4(radiance, is_surface ? 1.0 : 0.0));
+    imageStore(direct, pixel, storable(vec4(radiance, is_surface ? 1.0 : 0.0)));
 }

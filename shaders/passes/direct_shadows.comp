@@ -4,7 +4,6 @@
 // One ray for each pixel and light that it faces. Out: what arrives of each light: a bit, or what sheets let pass.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#define TRACER_BINDING 5
 #include "tracer.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -14,7 +13,6 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
 #include "lights.glsl"
 #include "light_rays.glsl"
-layout(set = 0, binding = 3, std430) readonly buffer LightBlock { LightData data[]; } lights;
 layout(set = 0, binding = 4, r32ui) uniform writeonly uimage2DArray direct_shadows;
 
 vec3 arrival_at(Surface surface, LightData light) {

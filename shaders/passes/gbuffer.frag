@@ -3,10 +3,9 @@
 // G-buffer, texels: view depth, normals, diffuse albedo towards the eye, roughness, instance, base colour, metallic, emission and
 // motion of the nearest surface; all else follows from these.
 #include "frame.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "gbuffer.glsl"
 #include "gbuffer_draw.glsl"
-#define MASK_BINDING 3
 #include "mask.glsl"
 #include "bsdf.glsl"
 #include "shading_normal.glsl"
@@ -18,11 +17,10 @@ layout(location = 3) in vec3 clip_then;
 layout(location = 4) in vec4 tangent;
 layout(location = 5) in vec4 colour;
 
-layout(set = 1, binding = 0) uniform sampler2D base_texture;
-layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
-layout(set = 1, binding = 2) uniform sampler2D emission_texture;
-layout(set = 1, binding = 3) uniform sampler2D normal_texture;
-layout(set = 0, binding = 6, std430) readonly buffer MaterialBlock { MaterialData data[]; } materials;
+layout(set = 2, binding = 0) uniform sampler2D base_texture;
+layout(set = 2, binding = 1) uniform sampler2D metallic_roughness_texture;
+layout(set = 2, binding = 2) uniform sampler2D emission_texture;
+layout(set = 2, binding = 3) uniform sampler2D normal_texture;
 MaterialData material = materials.data[push.material];
 
 layout(location = 0) out float out_depth;

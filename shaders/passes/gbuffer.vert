@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // G-buffer, vertices: object space to world and clip space, now and one frame ago.
 #include "frame.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "gbuffer.glsl"
 #include "gbuffer_draw.glsl"
 
@@ -12,7 +12,6 @@ layout(location = 2) in vec2 uv;
 layout(location = 3) in uint packed_tangent;
 layout(location = 4) in vec4 vertex_colour;
 
-layout(set = 0, binding = 5, std430) readonly buffer SecondUvBlock { vec2 data[]; } second_uvs;
 
 layout(location = 0) out vec3 position_ws;
 layout(location = 1) out vec3 normal;

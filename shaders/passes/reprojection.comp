@@ -5,13 +5,12 @@
 // what this one sees; `reprojected`: xy: motion in pixels; z: which of the four texels around the place show the surface, a bit each
 // by rows; w: which of the 3x3 around the nearest one do (the fallback of Schied et al. 2017).
 #include "frame.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "gbuffer.glsl"
 #include "visible_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 1, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 layout(set = 0, binding = 2, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;

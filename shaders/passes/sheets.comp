@@ -8,12 +8,10 @@
 // it is the environment's mean, and that light is in the first sum.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "bsdf.glsl"
-#define TRACER_BINDING 7
+#include "rounded.glsl"
 #include "tracer.glsl"
-#define HIT_BINDING 17
-#define HIT_TEXTURES
 #include "hit.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -23,8 +21,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
 #include "lights.glsl"
 #include "light_rays.glsl"
-layout(set = 0, binding = 3, std430) readonly buffer LightBlock { LightData data[]; } lights;
-layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D sheet_light;
+layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D sheet_light;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D sheet_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D sheet_transmittance;
 
@@ -84,7 +81,7 @@ void main() {
         light += albedo / PI * push.ambient;
         albedo = vec3(0.0);
     }
-    imageStore(sheet_light, pixel, vec4(light, 0.0));
+    imageStore(sheet_light, pixel, storable(vec4(light, 0.0)));
     imageStore(sheet_albedo, pixel, vec4(albedo, 0.0));
     imageStore(sheet_transmittance, pixel, vec4(transmittance, 0.0));
 }

@@ -6,7 +6,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
-layout(set = 0, binding = 2, rgba32f) uniform writeonly image2D irradiance;
+layout(set = 0, binding = 2, rgba16f) uniform writeonly image2D irradiance;
 
 layout(push_constant) uniform Push { float ambient; } push;
 

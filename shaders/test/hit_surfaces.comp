@@ -4,13 +4,10 @@
 // What surface_of answers where rays hit, one ray a thread, for tests/hits_gpu.rs.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "bsdf.glsl"
 #include "ray.glsl"
-#define TRACER_BINDING 3
 #include "tracer.glsl"
-#define HIT_BINDING 13
-#define HIT_TEXTURES
 #include "hit.glsl"
 
 layout(local_size_x = 64) in;

@@ -3,75 +3,45 @@
 //!
 //! In: a signal without the albedo of the surface, one noisy frame after the other. Out: the signal, denoised.
 //!
-//! Frames of a still scene are also accumulated by themselves, each with the same weight. In the end these are what is shown: a
-//! function of those frames alone, whatever came before.
+//! Frames of a static scene are also accumulated by themselves, each with the same weight. Their mean is shown in the end: it depends
+//! on those frames alone, whatever came before.
 
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::RestFrame;
+use super::{DenoiserInputs, Use};
+use crate::passes::clock::StaticFrame;
+use crate::passes::history::History;
 use crate::passes::storage_image;
 use crate::settings::SvgfSettings;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, Upload, VulkanError, shaders, vk};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
-/// What SVGF reads.
-pub struct SvgfInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// rgb: the signal, RGBA16F; a: how wide a blur is of use, 0: none, 1: as wide as [`SvgfSettings::reach`].
-    pub noisy: &'a Image,
-    /// Of the G-buffer.
-    pub depth: &'a Image,
-    /// Of the G-buffer.
-    pub normal: &'a Image,
-    /// Packed surfaces: `ReprojectionPass::surface`.
-    pub surface: &'a Image,
-    /// Where the signal was in the last frame: `ReprojectionPass::reprojected`, or likewise of a mirror image.
-    pub reprojected: &'a Image,
-}
-
-impl SvgfInputs<'_> {
-    /// What the passes read that blur.
-    fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("frame_uniforms", self.frame)
-            .read("surface", self.surface)
-            .read("noisy", self.noisy)
-            .read("gbuffer_depth", self.depth)
-            .read("gbuffer_normal", self.normal)
-    }
-}
-
-/// What the frames so far have come to.
+/// The mean of the frames so far.
 struct Accumulation {
-    /// The signal, of this frame and the last one, in turns; after the level that feeds back.
-    light: [Image; 2],
-    /// Moments of its luminance, likewise.
-    moments: [Image; 2],
-    /// Which are the last frame's; none without a history.
-    last: Option<usize>,
+    /// The signal, after the level that feeds back.
+    light: History<Image>,
+    /// Moments of its luminance.
+    moments: History<Image>,
 }
 
 impl Accumulation {
     fn new(image: impl Fn(&str) -> Result<Image, VulkanError>) -> Result<Self, VulkanError> {
         Ok(Self {
-            light: [image("svgf history 0")?, image("svgf history 1")?],
-            moments: [image("svgf moments 0")?, image("svgf moments 1")?],
-            last: None,
+            light: History::new(|_| image("svgf history"))?,
+            moments: History::new(|_| image("svgf moments"))?,
         })
     }
 
-    fn light(&self) -> &Image {
-        &self.light[self.last.unwrap_or_default()]
-    }
-
-    fn moments(&self) -> &Image {
-        &self.moments[self.last.unwrap_or_default()]
+    fn forget(&mut self) {
+        self.light.forget();
+        self.moments.forget();
     }
 }
 
 /// The denoiser of one signal: 80 bytes a pixel.
 pub struct Svgf {
+    usage: Use,
     temporal: ComputePipeline,
     variance: ComputePipeline,
     /// The whole window; or along x, then along y.
@@ -81,12 +51,12 @@ pub struct Svgf {
     is_compressed: bool,
     /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
     widest: f32,
-    /// Of all frames, the newest the most.
+    /// The mean of all frames, in which the newest count the most.
     recent: Accumulation,
-    /// Of those since the scene has stood still, all alike.
-    resting: Accumulation,
-    /// Whether `resting` is what is shown, and `recent` has stopped.
-    rest_is_shown: bool,
+    /// The mean of the frames of a static scene, in which all count alike.
+    converging: Accumulation,
+    /// Whether `converging` is what is shown, and `recent` has stopped.
+    shows_converging: bool,
     /// Before and after a step of the filter, in turns.
     light: [Image; 2],
     /// Which of them holds the result; none without a filter: what has accumulated is.
@@ -107,7 +77,7 @@ struct TemporalPush {
 }
 
 impl TemporalPush {
-    /// Of a scene that changes.
+    /// In a scene that changes.
     fn new(settings: &SvgfSettings) -> Self {
         Self {
             least_alpha: settings.alpha,
@@ -120,9 +90,9 @@ impl TemporalPush {
         }
     }
 
-    /// Of a scene that is at rest.
-    fn at_rest() -> Self {
-        Self { longest: LONGEST_REST, ..Self::zeroed() }
+    /// In a static scene.
+    fn of_static_scene() -> Self {
+        Self { longest: LONGEST_STATIC, ..Self::zeroed() }
     }
 }
 
@@ -149,17 +119,26 @@ struct AtrousPush {
 }
 
 /// Beyond this many frames half floats count no further.
-const LONGEST_REST: f32 = 2048.0;
+const LONGEST_STATIC: f32 = 2048.0;
 
 impl Svgf {
     /// Makes the pipelines, and the images of `extent` texels.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2], settings: &SvgfSettings) -> Result<Self, VulkanError> {
+    ///
+    /// # Errors
+    /// Where the device lacks memory.
+    pub fn new(
+        device: &Arc<Device>,
+        usage: Use,
+        extent: [u32; 2],
+        settings: &SvgfSettings,
+    ) -> Result<Self, VulkanError> {
         let image = |name: &str| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         let radii: &[[u32; 2]] = if settings.separable { &[[2, 0], [0, 2]] } else { &[[2, 2]] };
         let atrous = |radii: &[u32; 2]| {
             ComputePipeline::specialised(device, "svgf_atrous", shaders::SVGF_ATROUS_COMP, radii)
         };
         Ok(Self {
+            usage,
             temporal: ComputePipeline::new(device, "svgf_temporal", shaders::SVGF_TEMPORAL_COMP)?,
             variance: ComputePipeline::new(device, "svgf_variance", shaders::SVGF_VARIANCE_COMP)?,
             atrous: radii.iter().map(atrous).collect::<Result<_, _>>()?,
@@ -167,8 +146,8 @@ impl Svgf {
             is_compressed: settings.reinhard && settings.levels > 0,
             widest: if settings.adaptive { settings.reach() } else { 0.0 },
             recent: Accumulation::new(image)?,
-            resting: Accumulation::new(image)?,
-            rest_is_shown: false,
+            converging: Accumulation::new(image)?,
+            shows_converging: false,
             light: [image("svgf light 0")?, image("svgf light 1")?],
             result: None,
         })
@@ -176,8 +155,8 @@ impl Svgf {
 
     /// Forgets all frames so far.
     pub fn forget(&mut self) {
-        self.recent.last = None;
-        self.resting.last = None;
+        self.recent.forget();
+        self.converging.forget();
     }
 
     /// rgb: the denoised signal of the last frame; a: its standard deviation.
@@ -187,7 +166,7 @@ impl Svgf {
 
     /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
-        self.shown().moments()
+        self.shown().moments.last()
     }
 
     /// What the last steps of the filter wrote, in turns, as [`Self::output`].
@@ -197,74 +176,73 @@ impl Svgf {
 
     /// What the next frame takes as history, as [`Self::output`].
     pub fn history(&self) -> &Image {
-        self.shown().light()
+        self.shown().light.last()
     }
 
     fn shown(&self) -> &Accumulation {
-        if self.rest_is_shown { &self.resting } else { &self.recent }
+        if self.shows_converging { &self.converging } else { &self.recent }
     }
 
-    /// Denoises one frame; `rest`: its place in a still scene, none while anything changes.
-    pub fn record(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &SvgfInputs<'_>,
-        rest: Option<RestFrame>,
-    ) -> Result<(), VulkanError> {
-        let show_rest = rest.is_some_and(|rest| rest.shown);
-        if self.rest_is_shown && !show_rest {
-            std::mem::swap(&mut self.recent, &mut self.resting);
+    /// Denoises one frame.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
+        let place = inputs.static_frame;
+        let shows_converging = place.is_some_and(|place| place.shown);
+        if self.shows_converging && !shows_converging {
+            std::mem::swap(&mut self.recent, &mut self.converging);
         }
-        if rest.is_none_or(|rest| rest.index == 0) {
-            self.resting.last = None;
+        if place.is_none_or(|StaticFrame { index, .. }| index == 0) {
+            self.converging.forget();
         }
-        self.rest_is_shown = show_rest;
-        if !show_rest {
+        self.shows_converging = shows_converging;
+        if !shows_converging {
             self.accumulate(frame, inputs, false)?;
         }
-        if rest.is_some() {
+        if place.is_some() {
             self.accumulate(frame, inputs, true)?;
         }
         self.blur(frame, inputs)
     }
 
-    /// Adds the frame to what has accumulated.
+    /// Adds the frame to one of the means.
     fn accumulate(
         &mut self,
         frame: &mut Frame<'_>,
-        inputs: &SvgfInputs<'_>,
-        at_rest: bool,
+        inputs: &DenoiserInputs<'_>,
+        converging: bool,
     ) -> Result<(), VulkanError> {
-        let to = if at_rest { &mut self.resting } else { &mut self.recent };
+        let to = if converging { &mut self.converging } else { &mut self.recent };
         let push = TemporalPush {
-            has_history: u32::from(to.last.is_some()),
+            has_history: u32::from(to.light.is_valid()),
             compress: u32::from(self.is_compressed),
-            ..if at_rest { TemporalPush::at_rest() } else { TemporalPush::new(&self.settings) }
+            ..if converging { TemporalPush::of_static_scene() } else { TemporalPush::new(&self.settings) }
         };
-        let last = to.last.unwrap_or_default();
         frame
-            .pass("svgf_temporal", &self.temporal)
-            .read("frame_uniforms", inputs.frame)
+            .pass(self.usage.names().svgf_temporal, &self.temporal)
+            .read("frame_uniforms", inputs.uniforms)
             .read("surface", inputs.surface)
             .read("noisy", inputs.noisy)
             .read("reprojected", inputs.reprojected)
-            .read("history", &to.light[last])
-            .read("last_moments", &to.moments[last])
-            .write("light", &to.light[1 - last])
-            .write("moments", &to.moments[1 - last])
+            .read("history", to.light.last())
+            .read("last_moments", to.moments.last())
+            .write("light", to.light.next())
+            .write("moments", to.moments.next())
             .push(&push)
             .dispatch_over(self.light[0].extent())?;
-        to.last = Some(1 - last);
+        to.light.advance();
+        to.moments.advance();
         Ok(())
     }
 
-    /// Filters what is shown, from image to image. What becomes history goes there instead; what is at rest stays as it is.
-    fn blur(&mut self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
+    /// Filters what is shown, from image to image. What becomes history goes there instead; the mean of a static scene stays as it is.
+    fn blur(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let SvgfSettings { levels, feedback, .. } = self.settings;
         if levels == 0 {
             return Ok(());
         }
-        let feedback = if self.rest_is_shown { 0 } else { feedback.min(levels - 1) };
+        let feedback = if self.shows_converging { 0 } else { feedback.min(levels - 1) };
         self.estimate_variance(frame, inputs)?;
         let mut from = Some(0);
         for level in 1..=levels {
@@ -279,9 +257,8 @@ impl Svgf {
         Ok(())
     }
 
-    fn estimate_variance(&self, frame: &mut Frame<'_>, inputs: &SvgfInputs<'_>) -> Result<(), VulkanError> {
-        inputs
-            .bind(frame.pass("svgf_variance", &self.variance))
+    fn estimate_variance(&self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
+        bind(frame.pass(self.usage.names().svgf_variance, &self.variance), inputs)
             .read("moments", self.moments())
             .read("light", self.history())
             .write("filtered", &self.light[0])
@@ -293,14 +270,13 @@ impl Svgf {
     fn filter(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &SvgfInputs<'_>,
+        inputs: &DenoiserInputs<'_>,
         (level, part): (u32, usize),
         places: [Option<usize>; 2],
     ) -> Result<(), VulkanError> {
         let is_last = level == self.settings.levels && part + 1 == self.atrous.len();
         let [from, to] = places.map(|place| place.map_or(self.history(), |index| &self.light[index]));
-        inputs
-            .bind(frame.pass("svgf_atrous", &self.atrous[part]))
+        bind(frame.pass(self.usage.names().svgf_atrous, &self.atrous[part]), inputs)
             .read("light", from)
             .write("filtered", to)
             .push(&AtrousPush {
@@ -313,4 +289,9 @@ impl Svgf {
             })
             .dispatch_over(self.light[0].extent())
     }
+}
+
+/// Binds what the passes read that blur.
+fn bind<'f>(pass: Pass<'f>, inputs: &'f DenoiserInputs<'_>) -> Pass<'f> {
+    inputs.bind(pass).read("surface", inputs.surface).read("noisy", inputs.noisy)
 }

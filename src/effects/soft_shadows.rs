@@ -5,20 +5,21 @@
 
 use std::sync::Arc;
 
-use super::{EffectInputs, Stages, noise, svgf_settings};
-use crate::denoise::svgf::Svgf;
-use crate::passes::skip::Version;
+use super::DebugImages;
+use crate::denoise::{Denoiser, DenoiserInputs, SignalNoise, Use};
+use crate::gpu_scene::skip::Version;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::effect_view::Visualization;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
-use crate::passes::tracer::TracerVariant;
 use crate::settings::{Noise, Settings};
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// The effect: 88 bytes a pixel.
 pub struct SoftShadows {
     trace: ComputePipeline,
-    noise: Buffer,
     noisy: Image,
-    svgf: Svgf,
+    denoiser: Denoiser,
     version: Version,
 }
 
@@ -33,47 +34,55 @@ impl SoftShadows {
         let (shader, halves) = (shaders::SOFT_SHADOWS_TRACE_COMP, vk::Format::R16G16B16A16_SFLOAT);
         Ok(Self {
             trace: tracer.pipeline(device, "soft_shadows_trace", shader, &[white])?,
-            noise: noise::table(device)?,
             noisy: storage_image(device, "noisy shadow", halves, settings.size)?,
-            svgf: Svgf::new(device, settings.size, &svgf_settings(settings))?,
+            denoiser: Denoiser::new(
+                device,
+                Use::SoftShadows,
+                SignalNoise::Unknown,
+                settings.size,
+                settings,
+            )?,
             version: Version::default(),
         })
     }
 
     /// rgb: light that arrives over what would without shadows, RGBA16F.
     pub fn output(&self) -> &Image {
-        self.svgf.output()
+        self.denoiser.output(&self.noisy)
     }
 
-    /// What it goes through.
-    pub fn stages(&self) -> Stages<'_> {
-        Stages { raw: &self.noisy, svgf: &self.svgf }
+    /// The images that it goes through.
+    pub fn debug_images(&self) -> DebugImages<'_> {
+        DebugImages { noisy: &self.noisy, denoiser: &self.denoiser, signal: Visualization::Share }
     }
 
-    /// Of the output.
+    /// Tells one output from the next.
     pub fn version(&self) -> Version {
         self.version
     }
 
-    /// Casts the rays, and denoises.
-    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &EffectInputs<'_>) -> Result<(), VulkanError> {
+    /// Whether it accumulates frames of a static scene.
+    pub fn accumulates(&self) -> bool {
+        self.denoiser.accumulates()
+    }
+
+    /// Casts the rays, and denoises; a frozen picture stays as it is.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
+        if inputs.clock.is_frozen() {
+            return Ok(());
+        }
         let gbuffer = inputs.gbuffer;
         self.version = self.version.next();
-        let pass = frame
-            .pass("soft_shadows_trace", &self.trace)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &gbuffer.depth)
-            .read("gbuffer_normal", &gbuffer.normal)
+        inputs
+            .bind(frame.pass("soft_shadows_trace", &self.trace))
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("gbuffer_instance", &gbuffer.instance)
             .read("gbuffer_surface", &gbuffer.surface)
-            .read("materials", &inputs.scene.materials)
-            .read("lights", inputs.lights)
-            .read("area_lights", &inputs.area_lights.lights)
-            .read("emitters", &inputs.area_lights.emitters)
-            .read("blue_noise", &self.noise)
-            .write("shadow", &self.noisy);
-        inputs.tracer.bind(pass).dispatch_over(self.noisy.extent())?;
-        self.svgf.record(frame, &inputs.svgf(&self.noisy), inputs.rest)
+            .write("shadow", &self.noisy)
+            .dispatch_over(self.noisy.extent())?;
+        self.denoiser.record(frame, &DenoiserInputs::of(inputs, &self.noisy, None))
     }
 }

@@ -13,16 +13,15 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub use crate::bvh::World;
+pub use crate::denoise::SignalNoise;
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::effect_view;
-use crate::passes::gbuffer::GBuffer;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
-use crate::passes::scene_buffers::Instances;
-use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
-use crate::scene::Pose;
 use crate::settings::{Indirect, Settings};
-use crate::vulkan::{Buffer, Device, Frame, Image, Upload, VulkanError};
+use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 
 /// What an estimator is made with.
 #[derive(Clone)]
@@ -39,22 +38,12 @@ pub struct EstimatorContext<'a> {
     pub scene_radius: f32,
 }
 
-/// What an estimator's passes read.
-pub struct EstimatorInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
-    /// Instances of this frame.
-    pub instances: &'a Instances,
-    /// Point, spot and directional lights: `LightData` in src/passes/structs.rs.
-    pub lights: &'a Upload,
-    /// `MaterialData` of all materials.
-    pub materials: &'a Buffer,
-    /// What casts rays.
-    pub tracer: &'a Tracer,
-    /// Where everything stands.
-    pub pose: &'a Pose,
+/// Irradiance as the passes of an estimator have written it, to be denoised.
+pub struct IrradianceSignal<'a> {
+    /// W/m^2, without the albedo of the visible surface, RGBA16F.
+    pub noisy: &'a Image,
+    /// Variance of its luminance, R32F, if it is known.
+    pub variance: Option<&'a Image>,
 }
 
 /// Surfaces that reflection rays have hit and that are not on the screen: shaders/include/hit_record.glsl.
@@ -102,14 +91,37 @@ pub trait Estimator: Any + Send {
         Counters::default()
     }
 
-    /// Records its passes, which write [`Self::irradiance`].
+    /// Records its passes, which write [`Self::signal`].
     ///
     /// # Errors
     /// Where the device fails.
-    fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError>;
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError>;
 
-    /// Indirect irradiance of the last frame, RGBA32F, of the picture's size.
-    fn irradiance(&self) -> &Image;
+    /// What is known of the noise of its signal, whatever the frame.
+    fn noise(&self) -> SignalNoise {
+        SignalNoise::None
+    }
+
+    /// The irradiance of the last frame before it is denoised.
+    fn signal(&self) -> IrradianceSignal<'_>;
+
+    /// Records what makes irradiance of the denoised signal, for signals that are not of the picture's size.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    fn resolve(
+        &mut self,
+        _frame: &mut Frame<'_>,
+        _inputs: &FrameInputs<'_>,
+        _denoised: &Image,
+    ) -> Result<(), VulkanError> {
+        Ok(())
+    }
+
+    /// Irradiance of the last frame, RGBA16F, of the picture's size; none: it is the denoised signal.
+    fn resolved(&self) -> Option<&Image> {
+        None
+    }
 
     /// Lights surfaces that are not on the screen: adds weight times irradiance, an unbiased estimate, to the reflection.
     ///
@@ -118,7 +130,7 @@ pub trait Estimator: Any + Send {
     fn light_hits(
         &mut self,
         _frame: &mut Frame<'_>,
-        _inputs: &EstimatorInputs<'_>,
+        _inputs: &FrameInputs<'_>,
         _hits: &Hits<'_>,
     ) -> Result<(), VulkanError> {
         Ok(())
@@ -158,7 +170,7 @@ pub trait Estimator: Any + Send {
     fn shown_irradiance(
         &self,
         _frame: &mut Frame<'_>,
-        _inputs: &EstimatorInputs<'_>,
+        _inputs: &FrameInputs<'_>,
     ) -> Result<Option<&Image>, VulkanError> {
         Ok(None)
     }
@@ -204,7 +216,7 @@ impl Default for DebugView {
 /// What a method's view reads and writes.
 pub struct ViewInputs<'a> {
     /// What its passes have read.
-    pub estimator: &'a EstimatorInputs<'a>,
+    pub frame: &'a FrameInputs<'a>,
     /// Factor of the picture's exposure.
     pub exposure: &'a Buffer,
     /// What is shown, RGBA8.

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses};
+use super::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses};
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
 use crate::vulkan::{Device, Frame, Image, VulkanError, vk};
 
@@ -34,15 +35,15 @@ impl Estimator for NoIndirect {
         METHOD
     }
 
-    fn record(&mut self, frame: &mut Frame<'_>, _: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
+    fn record(&mut self, frame: &mut Frame<'_>, _: &FrameInputs<'_>) -> Result<(), VulkanError> {
         if !std::mem::replace(&mut self.is_clear, true) {
             frame.clear_image(&self.irradiance, [0.0; 4]);
         }
         Ok(())
     }
 
-    fn irradiance(&self) -> &Image {
-        &self.irradiance
+    fn signal(&self) -> IrradianceSignal<'_> {
+        IrradianceSignal { noisy: &self.irradiance, variance: None }
     }
 
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
@@ -55,5 +56,5 @@ impl Estimator for NoIndirect {
 }
 
 fn black(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    storage_image(device, "irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)
+    storage_image(device, "irradiance", vk::Format::R16G16B16A16_SFLOAT, extent)
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use super::gbuffer::GBuffer;
-use crate::scene::{Camera, Pose};
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders};
+use super::frame_inputs::FrameInputs;
+use crate::scene::Camera;
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders};
 
 /// A way to look at what a frame goes through. Light is tone-mapped with the picture's exposure, all else shown as plain
 /// display values; black where no surface is.
@@ -85,20 +85,14 @@ pub fn number_of(name: &str) -> Option<u32> {
 
 /// What the pass reads and writes.
 pub struct BufferViewInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
-    /// Materials of the scene.
-    pub materials: &'a Buffer,
+    /// What every pass of the frame is given.
+    pub frame: &'a FrameInputs<'a>,
     /// What arrives of each light at each pixel.
     pub direct_shadows: &'a Image,
     /// Direct radiance.
     pub direct: &'a Image,
     /// Indirect irradiance.
     pub irradiance: &'a Image,
-    /// Where everything stands.
-    pub pose: &'a Pose,
     /// World-space bounds of all that is visible.
     pub bounds: (Vec3, Vec3),
     /// Factor of the picture's exposure.
@@ -134,25 +128,22 @@ impl BufferViewPass {
         inputs: &BufferViewInputs<'_>,
         display: &Image,
     ) -> Result<(), VulkanError> {
-        let gbuffer = inputs.gbuffer;
+        let gbuffer = inputs.frame.gbuffer;
         let (low, high) = inputs.bounds;
-        let (nearest, farthest) = depths(&inputs.pose.camera, inputs.bounds);
+        let (nearest, farthest) = depths(&inputs.frame.pose.camera, inputs.bounds);
         let push = Push {
             low: low.extend(nearest),
             extent: (high - low).max(Vec3::splat(f32::MIN_POSITIVE)).extend(farthest),
             view,
             pad: [0; 3],
         };
-        frame
-            .pass("buffer_view", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &gbuffer.depth)
-            .read("gbuffer_normal", &gbuffer.normal)
+        inputs
+            .frame
+            .bind(frame.pass("buffer_view", &self.pipeline))
             .read("gbuffer_albedo", &gbuffer.albedo)
             .read("gbuffer_instance", &gbuffer.instance)
             .read("gbuffer_surface", &gbuffer.surface)
             .read("gbuffer_motion", &gbuffer.motion)
-            .read("materials", inputs.materials)
             .read("direct_shadows", inputs.direct_shadows)
             .read("direct", inputs.direct)
             .read("irradiance", inputs.irradiance)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::tracer::{RayTracer, Tracer};
+use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
@@ -111,9 +111,14 @@ impl RayCaster {
             }
         };
         let (mut frame, _) = self.frames.begin()?;
-        let pass =
-            frame.pass("cast_rays", pipeline).read("rays", rays).write("answers", answers).push(&count);
-        self.tracer.bind(pass).dispatch_threads([count.min(ROW), count.div_ceil(ROW), 1])?;
+        let scene = frame.shared_set(self.tracer.resources())?;
+        frame
+            .pass("cast_rays", pipeline)
+            .shared(&scene)
+            .read("rays", rays)
+            .write("answers", answers)
+            .push(&count)
+            .dispatch_threads([count.min(ROW), count.div_ceil(ROW), 1])?;
         frame.submit()?;
         let times = self.frames.finish()?;
         Ok(times.iter().flat_map(|times| &times.passes).map(|(_, ms)| ms).sum())

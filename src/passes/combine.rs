@@ -13,8 +13,8 @@ use crate::vulkan::{
 };
 
 /// Bins of the luminance histogram.
-const BINS: u64 = 256;
-/// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/passes/luminance.comp.
+const BINS: usize = 256;
+/// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/passes/exposure.comp.
 const STEP: u32 = 4;
 
 /// What the pass reads.
@@ -67,7 +67,6 @@ struct ExposurePush {
 /// The pass.
 pub struct CombinePass {
     combine: ComputePipeline,
-    luminance: ComputePipeline,
     exposure: ComputePipeline,
     tone_map: ComputePipeline,
     radiance: Image,
@@ -85,15 +84,14 @@ impl CombinePass {
     pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let constants = [u32::from(sheets)];
         let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
-        let radiance = vk::Format::R32G32B32A32_SFLOAT;
+        let radiance = vk::Format::R16G16B16A16_SFLOAT;
         Ok(Self {
-            combine: ComputePipeline::specialised(device, "combine", shaders::COMBINE_COMP, &constants)?,
-            luminance: pipeline("luminance", shaders::LUMINANCE_COMP)?,
+            combine: ComputePipeline::specialised(device, "radiance", shaders::RADIANCE_COMP, &constants)?,
             exposure: pipeline("exposure", shaders::EXPOSURE_COMP)?,
             tone_map: pipeline("tone_map", shaders::TONE_MAP_COMP)?,
             radiance: storage_image(device, "radiance", radiance, extent)?,
             display: display(device, extent)?,
-            histogram: Buffer::new(device, "luminance_histogram", BINS * 4)?,
+            histogram: Buffer::with_data(device, "luminance_histogram", &[0u32; 1 + BINS])?,
             factor: Buffer::new(device, "exposure_factor", 16)?,
             pace: Cell::new(1.0),
             has_factor: Cell::new(false),
@@ -110,19 +108,19 @@ impl CombinePass {
         &self.factor
     }
 
-    /// The picture of the last frame as radiance, RGBA32F; a: 1 where a surface is.
+    /// The picture of the last frame as radiance, RGBA16F; a: 1 where a surface is.
     pub fn radiance(&self) -> &Image {
         &self.radiance
     }
 
     /// Joins the light.
     pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<(), VulkanError> {
-        let pass = frame.pass("combine", &self.combine);
+        let pass = frame.pass("radiance", &self.combine);
         inputs.bind_radiance(pass).write("radiance", &self.radiance).dispatch_over(self.radiance.extent())
     }
 
     /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.
-    pub fn show(
+    pub fn tone_map(
         &self,
         frame: &mut Frame<'_>,
         uniforms: &Upload,
@@ -130,28 +128,23 @@ impl CombinePass {
         exposure: Option<f32>,
     ) -> Result<&Image, VulkanError> {
         let extent = self.display.extent();
-        if exposure.is_none() {
-            frame.clear(&self.histogram);
-            frame
-                .pass("combine", &self.luminance)
-                .read("frame_uniforms", uniforms)
-                .read("picture", picture)
-                .write("histogram", &self.histogram)
-                .dispatch_over(extent.map(|side| side.div_ceil(STEP)))?;
-        }
         let push = ExposurePush {
             stops: exposure.unwrap_or(0.0),
             automatic: exposure.is_none().into(),
             pace: if self.has_factor.replace(true) { self.pace.replace(1.0) } else { 1.0 },
         };
+        // Exposure that is given takes one workgroup.
+        let counted = if exposure.is_none() { extent.map(|side| side.div_ceil(STEP)) } else { [1, 1] };
         frame
-            .pass("combine", &self.exposure)
-            .read("histogram", &self.histogram)
+            .pass("exposure", &self.exposure)
+            .read("frame_uniforms", uniforms)
+            .read("picture", picture)
+            .write("histogram", &self.histogram)
             .write("exposure", &self.factor)
             .push(&push)
-            .dispatch_threads([1, 1, 1])?;
+            .dispatch_over(counted)?;
         frame
-            .pass("combine", &self.tone_map)
+            .pass("tone_map", &self.tone_map)
             .read("frame_uniforms", uniforms)
             .read("picture", picture)
             .read("exposure", &self.factor)

@@ -5,32 +5,10 @@ use std::sync::Arc;
 
 use glam::Vec4;
 
-use super::area_lights::UploadedAreaLights;
-use super::gbuffer::GBuffer;
-use super::scene_buffers::SceneBuffers;
-use super::skip::{LastInputs, Version};
+use super::frame_inputs::FrameInputs;
 use super::{storage_image, storage_image_array};
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
-
-/// What the pass reads.
-pub struct DirectShadingInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
-    /// The lights.
-    pub lights: &'a Upload,
-    /// Area lights, which shine here where shadows are soft.
-    pub area_lights: &'a UploadedAreaLights,
-    /// What arrives of the lights at each pixel.
-    pub shadows: Shadows<'a>,
-    /// Of that, and so of the lights.
-    pub shadows_version: Version,
-    /// What shows where no surface is, as in the frame uniforms.
-    pub background: Vec4,
-    /// For what materials reflect, and the environment's map.
-    pub scene: &'a SceneBuffers,
-}
+use crate::gpu_scene::skip::{LastInputs, Version};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// What arrives of the lights at each pixel.
 #[derive(Clone, Copy)]
@@ -46,9 +24,9 @@ pub struct DirectShadingPass {
     pipeline: ComputePipeline,
     direct: Image,
     specular_albedo: Image,
-    /// Bound where no map of hard shadows is.
-    no_map: Image,
-    last: LastInputs<([Version; 2], Vec4)>,
+    /// Bound where there are no hard shadows.
+    no_mask: Image,
+    last: LastInputs<([Version; 3], Vec4)>,
 }
 
 impl DirectShadingPass {
@@ -61,11 +39,11 @@ impl DirectShadingPass {
     ) -> Result<Self, VulkanError> {
         let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [sheets, soft].map(u32::from));
         let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
-        let direct = storage_image(device, "direct", vk::Format::R32G32B32A32_SFLOAT, extent)?;
+        let direct = storage_image(device, "direct", vk::Format::R16G16B16A16_SFLOAT, extent)?;
         let specular_albedo =
             storage_image(device, "specular_albedo", vk::Format::R16G16B16A16_SFLOAT, extent)?;
-        let no_map = storage_image_array(device, "no shadow map", vk::Format::R32_UINT, [1, 1], 1)?;
-        Ok(Self { pipeline, direct, specular_albedo, no_map, last: LastInputs::default() })
+        let no_mask = storage_image_array(device, "no shadow mask", vk::Format::R32_UINT, [1, 1], 1)?;
+        Ok(Self { pipeline, direct, specular_albedo, no_mask, last: LastInputs::default() })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -73,9 +51,9 @@ impl DirectShadingPass {
         &self.direct
     }
 
-    /// Stands for the map of hard shadows where there is none.
-    pub fn no_map(&self) -> &Image {
-        &self.no_map
+    /// Stands for the visibility of lights where shadows are not hard.
+    pub fn no_mask(&self) -> &Image {
+        &self.no_mask
     }
 
     /// Directional albedo of the GGX lobe, towards the eye; 0 where there is none.
@@ -83,37 +61,32 @@ impl DirectShadingPass {
         &self.specular_albedo
     }
 
-    /// Shades every pixel.
+    /// Shades every pixel. `version` tells one content of `shadows` from the next; `background` is that of the frame uniforms.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        inputs: &DirectShadingInputs<'_>,
+        inputs: &FrameInputs<'_>,
+        (shadows, version): (Shadows<'_>, Version),
+        background: Vec4,
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
-        // What the other kind of shadow would read is bound, and not read.
-        let (map, shadow) = match inputs.shadows {
-            Shadows::Hard(map) => (map, &gbuffer.albedo),
-            Shadows::Soft(shadow) => (&self.no_map, shadow),
-        };
-        if self.last.differ(([gbuffer.version(), inputs.shadows_version], inputs.background)) {
-            frame
-                .pass("direct_shading", &self.pipeline)
-                .read("frame_uniforms", inputs.frame)
-                .read("gbuffer_depth", &gbuffer.depth)
-                .read("gbuffer_normal", &gbuffer.normal)
-                .read("gbuffer_albedo", &gbuffer.albedo)
-                .read("gbuffer_instance", &gbuffer.instance)
-                .read("lights", inputs.lights)
-                .read("direct_shadows", map)
-                .read("shadow", shadow)
-                .read("area_lights", &inputs.area_lights.lights)
-                .read("materials", &inputs.scene.materials)
-                .read("gbuffer_surface", &gbuffer.surface)
-                .read("environment_map", &inputs.scene.environment.image)
-                .write("direct", &self.direct)
-                .write("specular_albedo", &self.specular_albedo)
-                .dispatch_over(self.direct.extent())?;
+        if !self.last.differ(([gbuffer.version(), version, inputs.versions.lights], background)) {
+            return Ok(());
         }
-        Ok(())
+        // What the other kind of shadow would read is bound, and not read.
+        let (mask, shadow) = match shadows {
+            Shadows::Hard(mask) => (mask, &gbuffer.albedo),
+            Shadows::Soft(shadow) => (&self.no_mask, shadow),
+        };
+        inputs
+            .bind(frame.pass("direct_shading", &self.pipeline))
+            .read("gbuffer_albedo", &gbuffer.albedo)
+            .read("gbuffer_instance", &gbuffer.instance)
+            .read("gbuffer_surface", &gbuffer.surface)
+            .read("direct_shadows", mask)
+            .read("shadow", shadow)
+            .write("direct", &self.direct)
+            .write("specular_albedo", &self.specular_albedo)
+            .dispatch_over(self.direct.extent())
     }
 }

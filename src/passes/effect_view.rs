@@ -7,7 +7,7 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Upload, Vulka
 
 /// How an image is shown; twin: shaders/passes/effect_view.comp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum Visualization {
     /// rgb, from 0 to 1.
     Share,
     /// rgb, with the picture's exposure.
@@ -84,7 +84,7 @@ impl EffectViewPass {
         &self,
         frame: &mut Frame<'_>,
         uniforms: &Upload,
-        image: Option<(&Image, Kind)>,
+        image: Option<(&Image, Visualization)>,
         exposure: &Buffer,
         display: &Image,
     ) -> Result<(), VulkanError> {

@@ -6,16 +6,16 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use super::clusters::visible;
-use super::geometry::Vertex;
-use super::scene_buffers::{Instances, SceneBuffers};
-use super::skip::{LastInputs, Version};
-use super::structs::InstanceData;
-use super::tracer::Tracer;
+use crate::gpu_scene::SceneVersions;
+use crate::gpu_scene::clusters::visible;
+use crate::gpu_scene::geometry::Vertex;
+use crate::gpu_scene::scene_buffers::SceneBuffers;
+use crate::gpu_scene::skip::{LastInputs, Version};
+use crate::gpu_scene::structs::InstanceData;
 use crate::scene::Pose;
 use crate::vulkan::{
-    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, Targets,
-    Upload, VulkanError, shaders, vk,
+    Device, Frame, GraphicsDescription, GraphicsPipeline, Image, ImageDescription, MaterialSets, SharedSet,
+    Targets, Upload, VulkanError, shaders, vk,
 };
 
 /// Formats of the colour targets, in the order of the shader's outputs.
@@ -89,14 +89,14 @@ impl GBuffer {
 
 /// What the pass reads.
 pub struct GBufferInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// Instances of this frame.
-    pub instances: &'a Instances,
-    /// The scene.
-    pub scene: &'a SceneBuffers,
-    /// For its alpha masks.
-    pub tracer: &'a Tracer,
+    /// `FrameUniforms`.
+    pub uniforms: &'a Upload,
+    /// Set 1: the scene.
+    pub scene: &'a SharedSet<'a>,
+    /// What of the scene raster draws.
+    pub buffers: &'a SceneBuffers,
+    /// Tells what of the scene has changed.
+    pub versions: SceneVersions,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// World to clip space, as in the frame uniforms.
@@ -164,7 +164,7 @@ impl GBufferPass {
         frame: &mut Frame<'_>,
         inputs: &GBufferInputs<'_>,
     ) -> Result<&GBuffer, VulkanError> {
-        let versions = [inputs.instances.version, inputs.scene.version];
+        let versions = [inputs.versions.instances, inputs.versions.materials];
         let key = (inputs.view_projection, inputs.unjittered, versions);
         if self.targets.last.differ(key) {
             self.draw(frame, inputs)?;
@@ -174,28 +174,26 @@ impl GBufferPass {
 
     fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
         let GBuffer { depth, normal, albedo, instance, surface, motion, nearest, .. } = &self.targets;
-        let scene = inputs.scene;
+        let buffers = inputs.buffers;
         let [now, then] = inputs.unjittered;
-        let draws = visible(&scene.draws, inputs.pose, &inputs.view_projection);
-        let instances = scene.uploaded_instances();
+        let draws = visible(&buffers.draws, inputs.pose, &inputs.view_projection);
+        let instances = buffers.uploaded_instances();
         let flags = |data: &InstanceData| {
             let moved = now != then || data.object_to_world != data.previous_object_to_world;
             data.mirrored * MIRRORED + u32::from(moved) * MOVED
         };
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
-            .read("instances", &*inputs.instances.data)
-            .read("second_uvs", &scene.second_uvs)
-            .read("materials", &scene.materials);
+            .read("frame_uniforms", inputs.uniforms)
+            .shared(inputs.scene);
         let targets =
             Targets::Cleared { colors: &[depth, normal, albedo, instance, surface, motion], depth: nearest };
-        inputs.tracer.bind_masks(pass).draw(&targets, |list| {
-            list.geometry(&scene.vertices, &scene.indices);
+        pass.draw(&targets, |list| {
+            list.geometry(&buffers.vertices, &buffers.indices);
             let mut bound = None;
             for draw in &draws {
                 if bound != Some(draw.material) {
-                    list.variant(scene.variants[draw.material as usize]);
+                    list.variant(buffers.variants[draw.material as usize]);
                     list.material(&self.materials, draw.material as usize);
                     bound = Some(draw.material);
                 }

@@ -3,28 +3,20 @@
 //! A pass owns its pipeline and its outputs, takes a struct of typed inputs and records itself into a
 //! [`crate::vulkan::Frame`].
 
-pub mod area_lights;
 pub mod buffer_view;
 pub mod cast_rays;
-pub mod clusters;
+pub mod clock;
 pub mod combine;
 pub mod direct_shading;
 pub mod direct_shadows;
 pub mod effect_view;
-pub mod environment;
+pub mod frame_inputs;
 pub mod gbuffer;
-pub mod geometry;
-pub mod hit_buffers;
+pub mod history;
 pub mod overlay;
 pub mod reprojection;
-pub mod scene_buffers;
 pub mod sheets;
-pub mod skip;
-pub mod structs;
 pub mod taa;
-pub mod tracer;
-mod tracer_hardware;
-mod tracer_software;
 
 use std::sync::Arc;
 
@@ -51,9 +43,4 @@ pub(crate) fn storage_image_array(
 ) -> Result<Image, VulkanError> {
     let usage = vk::ImageUsageFlags::STORAGE;
     Image::new(device, &ImageDescription { name, format, extent, layers: Some(layers), levels: 1, usage })
-}
-
-/// A count as shaders take it.
-pub(crate) fn to_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::structs::OverlayLine;
-use super::to_u32;
+use crate::gpu_scene::structs::OverlayLine;
+use crate::gpu_scene::to_u32;
 use crate::vulkan::{
     Device, Frame, GraphicsDescription, GraphicsPipeline, Image, Targets, Upload, VulkanError, shaders, vk,
 };

@@ -8,19 +8,16 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::gbuffer::GBuffer;
-use super::hit_buffers::HitBuffers;
-use super::scene_buffers::{Instances, SceneBuffers};
-use super::skip::{LastInputs, Version};
+use super::frame_inputs::FrameInputs;
 use super::storage_image;
-use super::structs::LightData;
-use super::tracer::{Tracer, TracerVariant};
-use crate::scene::Camera;
-use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, shaders, vk};
+use crate::gpu_scene::SceneVersions;
+use crate::gpu_scene::skip::{LastInputs, Version};
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What is seen of sheets. 32 bytes a pixel.
+/// What is seen of sheets. 24 bytes a pixel.
 pub struct SheetImages {
-    /// Radiance that does not depend on the irradiance behind: emission, light of lamps; RGBA32F.
+    /// Radiance that does not depend on the irradiance behind: emission, light of punctual lights; RGBA16F.
     pub light: Image,
     /// What the sheets make of the irradiance of the surface behind, times pi; RGBA16F.
     pub albedo: Image,
@@ -32,42 +29,11 @@ impl SheetImages {
     fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let image = |name, format| storage_image(device, name, format, extent);
         Ok(Self {
-            light: image("sheet_light", vk::Format::R32G32B32A32_SFLOAT)?,
+            light: image("sheet_light", vk::Format::R16G16B16A16_SFLOAT)?,
             albedo: image("sheet_albedo", vk::Format::R16G16B16A16_SFLOAT)?,
             transmittance: image("sheet_transmittance", vk::Format::R16G16B16A16_SFLOAT)?,
         })
     }
-}
-
-/// What the pass reads.
-pub struct SheetsInputs<'a> {
-    /// Frame uniforms.
-    pub frame: &'a Upload,
-    /// The visible surfaces.
-    pub gbuffer: &'a GBuffer,
-    /// What casts the rays.
-    pub tracer: &'a Tracer,
-    /// Instances of this frame.
-    pub instances: &'a Instances,
-    /// The scene.
-    pub scene: &'a SceneBuffers,
-    /// The lights.
-    pub lights: &'a [LightData],
-    /// The same on the device.
-    pub uploaded_lights: &'a Upload,
-    /// The camera.
-    pub camera: &'a Camera,
-    /// Irradiance of sheets with nothing behind them, W/m^2.
-    pub ambient: Vec3,
-}
-
-/// What the output depends on. The G-buffer changes with the view.
-#[derive(PartialEq)]
-struct Key {
-    gbuffer: Version,
-    instances: Version,
-    lights: Vec<LightData>,
-    ambient: Vec3,
 }
 
 /// `Push` in shaders/passes/sheets.comp.
@@ -83,9 +49,8 @@ struct SheetsPush {
 /// The pass.
 pub struct SheetsPass {
     pipeline: ComputePipeline,
-    hits: Arc<HitBuffers>,
     images: SheetImages,
-    last: LastInputs<Key>,
+    last: LastInputs<(Version, SceneVersions, Vec3)>,
 }
 
 impl SheetsPass {
@@ -93,12 +58,10 @@ impl SheetsPass {
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        hits: Arc<HitBuffers>,
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
         Ok(Self {
             pipeline: tracer.pipeline(device, "sheets", shaders::SHEETS_COMP, &[])?,
-            hits,
             images: SheetImages::new(device, extent)?,
             last: LastInputs::default(),
         })
@@ -109,36 +72,25 @@ impl SheetsPass {
         &self.images
     }
 
-    /// Shades the sheets that each pixel sees.
-    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &SheetsInputs<'_>) -> Result<(), VulkanError> {
-        let key = Key {
-            gbuffer: inputs.gbuffer.version(),
-            instances: inputs.instances.version,
-            lights: inputs.lights.to_vec(),
-            ambient: inputs.ambient,
-        };
-        if !self.last.differ(key) {
+    /// Shades the thin surfaces that each pixel sees. `ambient`: irradiance of those with nothing behind them, W/m^2.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        ambient: Vec3,
+    ) -> Result<(), VulkanError> {
+        if !self.last.differ((inputs.gbuffer.version(), inputs.versions, ambient)) {
             return Ok(());
         }
         let SheetImages { light, albedo, transmittance } = &self.images;
-        let extent = light.extent();
-        let push = SheetsPush {
-            ambient: inputs.ambient,
-            spread: 2.0 * (inputs.camera.vertical_fov * 0.5).tan() / extent[1] as f32,
-            near: inputs.camera.near,
-            far: inputs.camera.far,
-        };
-        let pass = frame
-            .pass("sheets", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &inputs.gbuffer.depth)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
-            .read("lights", inputs.uploaded_lights)
+        let (extent, camera) = (light.extent(), &inputs.pose.camera);
+        let spread = 2.0 * (camera.vertical_fov * 0.5).tan() / extent[1] as f32;
+        inputs
+            .bind(frame.pass("sheets", &self.pipeline))
             .write("sheet_light", light)
             .write("sheet_albedo", albedo)
             .write("sheet_transmittance", transmittance)
-            .push(&push);
-        let pass = self.hits.bind(inputs.tracer.bind(pass), inputs.scene, inputs.instances);
-        pass.dispatch_over(extent)
+            .push(&SheetsPush { ambient, spread, near: camera.near, far: camera.far })
+            .dispatch_over(extent)
     }
 }

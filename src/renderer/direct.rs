@@ -5,17 +5,12 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
-use crate::effects::EffectInputs;
 use crate::effects::soft_shadows::SoftShadows;
-use crate::estimators::EstimatorInputs;
-use crate::passes::area_lights::UploadedAreaLights;
-use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass, Shadows};
-use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass};
-use crate::passes::hit_buffers::HitBuffers;
-use crate::passes::scene_buffers::SceneBuffers;
-use crate::passes::sheets::{SheetsInputs, SheetsPass};
-use crate::passes::structs::LightData;
-use crate::passes::tracer::TracerVariant;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::direct_shading::{DirectShadingPass, Shadows};
+use crate::passes::direct_shadows::DirectShadowsPass;
+use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::sheets::SheetsPass;
 use crate::scene::Pose;
 use crate::settings::{Direct, Indirect, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
@@ -30,122 +25,74 @@ pub(super) struct DirectPasses {
 
 /// What casts the shadows of lights.
 pub(super) enum ShadowPasses {
-    /// `--direct maps`.
-    Maps(Box<DirectShadowsPass>),
-    /// `--direct rays`.
-    Rays(Box<SoftShadows>),
+    /// `--direct hard`.
+    Hard(Box<DirectShadowsPass>),
+    /// `--direct soft`.
+    Soft(Box<SoftShadows>),
 }
 
-/// Of all lights, as the frame has them.
-pub(super) struct FrameLights<'a> {
-    pub lamps: &'a [LightData],
-    pub areas: &'a UploadedAreaLights,
+/// Light that does not come from the scene set.
+pub(super) struct Surroundings {
+    /// How many point, spot and directional lights there are.
+    pub light_count: u32,
     /// Radiance where no surface is, as in the frame uniforms.
     pub background: Vec4,
-    /// Irradiance of sheets with nothing behind them.
+    /// Irradiance of thin surfaces with nothing behind them.
     pub ambient: Vec3,
 }
 
 impl DirectPasses {
-    /// `hits`: what of the scene the sheets need.
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        hits: Option<&Arc<HitBuffers>>,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let sheets = hits.filter(|_| tracer.sheets);
-        let sheets = sheets.map(|hits| SheetsPass::new(device, tracer, Arc::clone(hits), settings.size));
-        let soft = settings.direct == Direct::Rays;
+        let sheets = tracer.sheets.then(|| SheetsPass::new(device, tracer, settings.size));
+        let soft = settings.direct == Direct::Soft;
         let shadows = match settings.direct {
-            Direct::Maps => {
-                ShadowPasses::Maps(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
+            Direct::Hard => {
+                ShadowPasses::Hard(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
             }
-            Direct::Rays => ShadowPasses::Rays(Box::new(SoftShadows::new(device, tracer, settings)?)),
+            Direct::Soft => ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?)),
         };
         let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
         Ok(Self { shadows, shading, sheets: sheets.transpose()? })
     }
 
-    /// The map of hard shadows, or what stands for it.
-    pub fn map(&self) -> &Image {
+    /// The visibility of each light, or what stands for it where shadows are soft.
+    pub fn visibility(&self) -> &Image {
         match &self.shadows {
-            ShadowPasses::Maps(pass) => pass.output(),
-            ShadowPasses::Rays(_) => self.shading.no_map(),
+            ShadowPasses::Hard(pass) => pass.output(),
+            ShadowPasses::Soft(_) => self.shading.no_mask(),
         }
     }
 
-    /// What lights send straight to the visible surfaces and to the thin sheets before these; with soft shadows area lights, too.
-    /// `effects`: none where nothing random is drawn any more.
+    /// What lights send straight to the visible surfaces and to the thin surfaces before these; with soft shadows area lights, too.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
-        lights: &FrameLights<'_>,
-        scene: &SceneBuffers,
-        effects: Option<&EffectInputs<'_>>,
+        inputs: &FrameInputs<'_>,
+        surroundings: &Surroundings,
     ) -> Result<(), VulkanError> {
-        let &EstimatorInputs {
-            frame: uniforms,
-            gbuffer,
-            instances,
-            tracer,
-            lights: uploaded_lights,
-            pose,
-            ..
-        } = inputs;
-        let (shadows, shadows_version) = match &mut self.shadows {
-            ShadowPasses::Maps(pass) => {
-                let inputs = DirectShadowsInputs {
-                    frame: uniforms,
-                    gbuffer,
-                    tracer,
-                    instances: instances.version,
-                    lights: lights.lamps,
-                    uploaded_lights,
-                };
-                pass.record(frame, &inputs)?;
+        let shadows = match &mut self.shadows {
+            ShadowPasses::Hard(pass) => {
+                pass.record(frame, inputs, surroundings.light_count)?;
                 (Shadows::Hard(pass.output()), pass.version())
             }
-            ShadowPasses::Rays(effect) => {
-                if let Some(effects) = effects {
-                    effect.record(frame, effects)?;
-                }
+            ShadowPasses::Soft(effect) => {
+                effect.record(frame, inputs)?;
                 (Shadows::Soft(effect.output()), effect.version())
             }
         };
-        self.shading.record(
-            frame,
-            &DirectShadingInputs {
-                frame: uniforms,
-                gbuffer,
-                lights: uploaded_lights,
-                area_lights: lights.areas,
-                shadows,
-                shadows_version,
-                background: lights.background,
-                scene,
-            },
-        )?;
-        let Some(sheets) = &mut self.sheets else { return Ok(()) };
-        sheets.record(
-            frame,
-            &SheetsInputs {
-                frame: uniforms,
-                gbuffer,
-                tracer,
-                instances,
-                scene,
-                lights: lights.lamps,
-                uploaded_lights,
-                camera: &pose.camera,
-                ambient: lights.ambient,
-            },
-        )
+        self.shading.record(frame, inputs, shadows, surroundings.background)?;
+        match &mut self.sheets {
+            Some(sheets) => sheets.record(frame, inputs, surroundings.ambient),
+            None => Ok(()),
+        }
     }
 }
 
-/// Mean irradiance by the environment, W/m^2: of sheets with nothing behind them that knows better.
+/// Mean irradiance by the environment, W/m^2: of thin surfaces with nothing behind them.
 pub(super) fn ambient(settings: &Settings, pose: &Pose) -> Vec3 {
     let environment = pose.environment.as_ref().filter(|_| settings.indirect != Indirect::None);
     environment.map_or(Vec3::ZERO, |environment| environment.mean() * PI)

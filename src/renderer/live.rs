@@ -4,10 +4,11 @@
 
 use std::sync::Arc;
 
+use super::shared::indirect_denoiser;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
-use crate::effects::reflections::is_mirrored;
+use crate::effects::reflections::traces_reflections;
 use crate::estimators::{self, EstimatorContext, World};
-use crate::passes::tracer::{Tracer, TracerVariant};
+use crate::gpu_scene::tracer::{Tracer, TracerVariant};
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
 
@@ -21,8 +22,8 @@ impl Renderer {
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
         let device = Arc::clone(&self.device);
         let choice = tracer_choice::choose(&device, settings.tracer)?;
-        let retraced = choice.used != self.tracer.kind();
-        let variant = TracerVariant { tracer: choice.used, ..self.tracer.variant() };
+        let retraced = choice.used != self.gpu_scene.tracer().kind();
+        let variant = TracerVariant { tracer: choice.used, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
         // Make what is to be another one.
@@ -39,17 +40,21 @@ impl Renderer {
             world: World { scene: &self.scene, pose, bvh: &self.bvh },
             scene_radius: self.radius,
         };
-        // Frames on their way still use what is to be replaced.
+        // Frames in flight still use what is to be replaced.
         device.wait_idle()?;
         if settings.indirect == self.settings.indirect {
             self.estimator.change(&context)?;
         } else {
             let mut estimator = estimators::make(&context)?;
             estimator.look_at(&self.view)?;
-            // Those of frames on their way are counted by the old one.
+            // Frames in flight are counted by the old one.
             let reports = self.finish()?;
             self.reports = reports;
             self.estimator = estimator;
+        }
+        let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf);
+        if denoiser_of(settings) != denoiser_of(&self.settings) {
+            self.indirect_denoiser = indirect_denoiser(&device, &*self.estimator, settings)?;
         }
 
         // From here on nothing fails.
@@ -57,7 +62,7 @@ impl Renderer {
             self.passes = passes;
         }
         if let Some(tracer) = tracer {
-            self.tracer = tracer;
+            self.gpu_scene.set_tracer(tracer);
         }
         self.tracer_choice = choice;
         self.clock.disturb();
@@ -77,21 +82,19 @@ impl Renderer {
             let settings = self.settings.clone();
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
-        let (materials, environment) = self.buffers.for_scene(&self.device, scene)?;
-        let mirrored = is_mirrored(scene, &self.settings) != self.passes.reflections.is_some();
-        let remade = || self.passes.remade(&self.device, self.tracer.variant(), scene, &self.settings);
-        let passes = if mirrored { Some(remade()?) } else { None };
-        // Frames on their way still use what is to be replaced.
+        let changes = self.gpu_scene.changes_for(&self.device, scene, &self.bvh)?;
+        let reflects = traces_reflections(scene, &self.settings) != self.passes.reflections.is_some();
+        let remade = || self.passes.remade(&self.device, self.gpu_scene.variant(), scene, &self.settings);
+        let passes = if reflects { Some(remade()?) } else { None };
+        // Frames in flight still use what is to be replaced.
         self.device.wait_idle()?;
-        let sheets = self.bvh.sheets_of(scene);
-        self.tracer.replace_sheets(&self.device, &sheets)?;
 
         // From here on nothing fails.
         if let Some(passes) = passes {
             self.passes = passes;
         }
-        self.bvh.replace_sheets(sheets);
-        self.buffers.replace(materials, environment);
+        self.bvh.replace_sheets(self.bvh.sheets_of(scene));
+        self.gpu_scene.apply(changes);
         self.scene = Arc::clone(scene);
         self.clock.disturb();
         self.bvh.update(&pose.instances);

@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::shared::effect_image;
 use super::{RenderError, Renderer};
-use crate::effects::reflections::mirrored_share;
+use crate::effects::reflections::reflection_weight;
 use crate::output::{Layer, Picture};
-use crate::passes::effect_view::Kind;
+use crate::passes::effect_view::Visualization;
 use crate::passes::sheets::SheetsPass;
 use crate::vulkan::Image;
 
@@ -72,7 +72,7 @@ impl Renderer {
         let colour = match &self.passes.taa {
             Some(taa) if !taa.is_averaged() => self.read_halves(taa.output(), 4)?,
             Some(taa) => self.read_floats(taa.output())?,
-            None => self.read_floats(self.passes.combine.radiance())?,
+            None => self.read_halves(self.passes.combine.radiance(), 4)?,
         };
         let mut picture = Picture {
             width,
@@ -97,8 +97,8 @@ impl Renderer {
         let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
         let light = Light {
             mirrored: self.read_mirrored(&albedo)?,
-            direct: self.read_floats(self.passes.direct.shading.output())?,
-            irradiance: self.read_floats(self.estimator.irradiance())?,
+            direct: self.read_halves(self.passes.direct.shading.output(), 4)?,
+            irradiance: self.read_halves(self.irradiance(), 4)?,
             albedo,
             specular_albedo: self.read_halves(self.passes.direct.shading.specular_albedo(), 4)?,
         };
@@ -106,7 +106,7 @@ impl Renderer {
             return Ok(light);
         };
         Ok(light.behind(&SheetLight {
-            light: self.read_floats(&sheets.light)?,
+            light: self.read_halves(&sheets.light, 4)?,
             albedo: self.read_halves(&sheets.albedo, 4)?,
             transmittance: self.read_halves(&sheets.transmittance, 4)?,
         }))
@@ -116,14 +116,14 @@ impl Renderer {
     fn read_mirrored(&self, albedo: &[[f32; 4]]) -> Result<Vec<[f32; 4]>, RenderError> {
         let Some(reflections) = &self.passes.reflections else { return Ok(vec![[0.0; 4]; albedo.len()]) };
         let radiance = self.read_halves(reflections.output(), 4)?;
-        let share = |roughness| mirrored_share(roughness, reflections.limit());
+        let share = |roughness| reflection_weight(roughness, reflections.limit());
         let of = |([r, g, b, _], albedo): ([f32; 4], &[f32; 4])| [r, g, b, share(albedo[3])];
         Ok(radiance.into_iter().zip(albedo).map(of).collect())
     }
 
     /// What the estimator knows of each pixel of the last frame besides irradiance.
     pub fn read_irradiance_alpha(&self) -> Result<Vec<f32>, RenderError> {
-        let irradiance = self.read_floats(self.estimator.irradiance())?;
+        let irradiance = self.read_halves(self.irradiance(), 4)?;
         Ok(irradiance.into_iter().map(|pixel| pixel[3]).collect())
     }
 
@@ -186,11 +186,11 @@ impl Renderer {
             let texels = self.read_halves(image, 4)?;
             let name = view.replace('-', "_");
             layers.push(match kind {
-                Kind::Share | Kind::Light => Layer::of_channels(&name, &["R", "G", "B"], &texels),
-                Kind::Deviation => {
+                Visualization::Share | Visualization::Light => Layer::of_channels(&name, &["R", "G", "B"], &texels),
+                Visualization::Deviation => {
                     Layer::single(&name, "variance", texels.iter().map(|texel| texel[3] * texel[3]).collect())
                 }
-                Kind::History => {
+                Visualization::History => {
                     Layer::single(&name, "frames", texels.iter().map(|texel| texel[2]).collect())
                 }
             });

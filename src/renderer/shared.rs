@@ -3,32 +3,30 @@
 use std::sync::Arc;
 
 use super::direct::{DirectPasses, ShadowPasses};
-use crate::effects::reflections::{Reflections, is_mirrored};
+use crate::denoise::{Denoiser, Use};
+use crate::effects::reflections::{Reflections, traces_reflections};
+use crate::estimators::Estimator;
+use crate::gpu_scene::scene_buffers::SceneBuffers;
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::combine::CombinePass;
-use crate::passes::effect_view::Kind;
+use crate::passes::effect_view::Visualization;
 use crate::passes::gbuffer::GBufferPass;
-use crate::passes::hit_buffers::HitBuffers;
 use crate::passes::reprojection::ReprojectionPass;
-use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::taa::TaaPass;
-use crate::passes::tracer::TracerVariant;
 use crate::scene::Scene;
-use crate::settings::{Antialiasing, Direct, Settings};
+use crate::settings::{Antialiasing, Settings};
 use crate::vulkan::{Device, Image, VulkanError};
 
 /// The passes.
 pub(super) struct SharedPasses {
     pub gbuffer: GBufferPass,
-    /// Where an effect needs it.
-    pub reprojection: Option<ReprojectionPass>,
+    pub reprojection: ReprojectionPass,
     pub direct: DirectPasses,
-    /// Where something is mirrored.
+    /// Only where reflection rays are traced.
     pub reflections: Option<Reflections>,
     pub combine: CombinePass,
-    /// With `--antialiasing taa`.
+    /// Only with `--antialiasing taa`.
     pub taa: Option<TaaPass>,
-    /// Where rays need all of a surface.
-    hits: Option<Arc<HitBuffers>>,
 }
 
 impl SharedPasses {
@@ -39,7 +37,7 @@ impl SharedPasses {
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let gbuffer = GBufferPass::new(device, buffers, settings.size)?;
-        Self::of(device, tracer, (scene, None), gbuffer, settings)
+        Self::of(device, tracer, scene, gbuffer, settings)
     }
 
     /// The same passes for another tracer or other settings.
@@ -50,39 +48,44 @@ impl SharedPasses {
         scene: &Scene,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let gbuffer = self.gbuffer.resized(device, settings.size)?;
-        Self::of(device, tracer, (scene, self.hits.as_ref()), gbuffer, settings)
+        Self::of(device, tracer, scene, self.gbuffer.resized(device, settings.size)?, settings)
     }
 
     fn of(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        (scene, hits): (&Scene, Option<&Arc<HitBuffers>>),
+        scene: &Scene,
         gbuffer: GBufferPass,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let size = settings.size;
-        let mirrored = is_mirrored(scene, settings);
-        let hits = match hits {
-            Some(hits) => Some(Arc::clone(hits)),
-            None if mirrored || tracer.sheets => Some(Arc::new(HitBuffers::new(device, scene)?)),
-            None => None,
-        };
-        let is_noisy = mirrored || settings.direct == Direct::Rays;
-        let reflections = hits.as_ref().filter(|_| mirrored);
-        let reflections =
-            reflections.map(|hits| Reflections::new(device, tracer, Arc::clone(hits), settings));
+        let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
         Ok(Self {
             gbuffer,
-            reprojection: is_noisy.then(|| ReprojectionPass::new(device, size)).transpose()?,
-            direct: DirectPasses::new(device, tracer, hits.as_ref(), settings)?,
-            reflections: reflections.transpose()?,
+            reprojection: ReprojectionPass::new(device, size)?,
+            direct: DirectPasses::new(device, tracer, settings)?,
+            reflections: reflections.then(|| Reflections::new(device, tracer, settings)).transpose()?,
             combine: CombinePass::new(device, tracer.sheets, size)?,
             taa: taa.then(|| TaaPass::new(device, size)).transpose()?,
-            hits,
         })
     }
+
+    /// Whether a denoiser accumulates frames of a static scene.
+    pub fn accumulates(&self) -> bool {
+        let reflections = self.reflections.as_ref().is_some_and(Reflections::accumulates);
+        reflections || matches!(&self.direct.shadows, ShadowPasses::Soft(effect) if effect.accumulates())
+    }
+}
+
+/// The denoiser of an estimator's irradiance.
+pub(super) fn indirect_denoiser(
+    device: &Arc<Device>,
+    estimator: &dyn Estimator,
+    settings: &Settings,
+) -> Result<Denoiser, VulkanError> {
+    let extent = estimator.signal().noisy.extent();
+    Denoiser::new(device, Use::Indirect, estimator.noise(), extent, settings)
 }
 
 /// What one of the views of effects shows; none where the effect is not in use, or it is another view.
@@ -90,10 +93,10 @@ pub(super) fn effect_image<'a>(
     direct: &'a DirectPasses,
     reflections: Option<&'a Reflections>,
     view: &str,
-) -> Option<(&'a Image, Kind)> {
+) -> Option<(&'a Image, Visualization)> {
     let stage = |of: &str| Some(view.strip_prefix(of)?.trim_start_matches('-'));
     match (stage("shadow"), &direct.shadows) {
-        (Some(stage), ShadowPasses::Rays(effect)) => effect.stages().shown(stage, Kind::Share),
-        _ => reflections?.stages().shown(stage("reflection")?, Kind::Light),
+        (Some(stage), ShadowPasses::Soft(effect)) => effect.debug_images().shown(stage),
+        _ => reflections?.debug_images().shown(stage("reflection")?),
     }
 }

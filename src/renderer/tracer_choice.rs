@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{RenderError, tracer_speed};
 use crate::output::OutputFile;
-use crate::passes::tracer::RayTracer;
+use crate::gpu_scene::tracer::RayTracer;
 use crate::report::{TracerChoice, TracerRates};
 use crate::settings::TracerKind;
 use crate::vulkan::{Device, DeviceInfo, shaders};

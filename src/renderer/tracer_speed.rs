@@ -10,7 +10,7 @@ use glam::Affine3A;
 
 use crate::bvh::TwoLevelBvh;
 use crate::passes::cast_rays::RayCaster;
-use crate::passes::tracer::RayTracer;
+use crate::gpu_scene::tracer::RayTracer;
 use crate::report::TracerRates;
 use crate::vulkan::{Device, VulkanError};
 

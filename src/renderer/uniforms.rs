@@ -3,11 +3,11 @@
 use glam::{Mat4, Vec2};
 
 use super::Renderer;
-use super::rest::{Cycle, FrameClock};
 use crate::effects::reflections::Reflections;
 use crate::estimators::World;
-use crate::passes::structs::FrameUniforms;
-use crate::passes::to_u32;
+use crate::gpu_scene::FrameScene;
+use crate::gpu_scene::structs::FrameUniforms;
+use crate::passes::clock::{Cycle, FrameClock};
 use crate::scene::{Camera, Pose};
 use crate::settings::{Antialiasing, Direct};
 
@@ -32,12 +32,12 @@ impl Renderer {
         Cycle {
             estimator: self.estimator.cycle(),
             settled: self.estimator.settles_in(),
-            is_noisy: self.passes.reprojection.is_some(),
+            is_noisy: self.passes.accumulates() || self.indirect_denoiser.accumulates(),
             is_jittered: self.settings.antialiasing == Antialiasing::Taa,
         }
     }
 
-    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock, lights: usize) -> Viewed {
+    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock, uploaded: &FrameScene) -> Viewed {
         let size = self.settings.size;
         let extent = Vec2::from(size.map(|side| side as f32));
         let aspect = extent.x / extent.y;
@@ -51,16 +51,16 @@ impl Renderer {
             view_projection: view_projection(&pose.camera, aspect),
             previous_view_projection: previous,
             eye: pose.camera.eye.extend(self.radius),
-            background: self.buffers.environment.background(&self.scene, &pose),
+            background: self.gpu_scene.buffers().environment.background(&self.scene, &pose),
             ray,
             ray_x,
             ray_y,
             size,
-            light_count: to_u32(lights),
+            light_count: uploaded.light_count,
             noise_frame: clock.noise_frame(),
             jitter,
             seed: self.settings.seed,
-            area_light_count: if self.settings.direct == Direct::Rays { self.area_lights.count() } else { 0 },
+            area_light_count: if self.settings.direct == Direct::Soft { uploaded.area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
             ..FrameUniforms::default()
         };

@@ -5,11 +5,11 @@
 use glam::Vec3;
 
 use super::{DebugView, RenderError, Renderer};
-use crate::estimators::{Estimator, EstimatorInputs, ViewInputs};
+use crate::estimators::{Estimator, ViewInputs};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass, COMBINED, number_of};
-use crate::passes::effect_view::{EffectViewPass, Kind, VIEWS};
+use crate::passes::effect_view::{EffectViewPass, VIEWS, Visualization};
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::OverlayPass;
-use crate::passes::scene_buffers::SceneBuffers;
 use crate::vulkan::{Buffer, Frame, Image, VulkanError};
 
 /// The passes of views, made when they are first needed.
@@ -23,12 +23,12 @@ pub(super) struct ViewPasses {
 /// What the passes of the frame have made and a view shows.
 pub(super) struct ViewFrame<'a> {
     pub view: &'a DebugView,
-    pub inputs: &'a EstimatorInputs<'a>,
-    pub scene: &'a SceneBuffers,
+    pub inputs: &'a FrameInputs<'a>,
+    pub irradiance: &'a Image,
     pub direct_shadows: &'a Image,
     pub direct: &'a Image,
     /// What the view shows of an effect, if it is one of these.
-    pub effect: Option<(&'a Image, Kind)>,
+    pub effect: Option<(&'a Image, Visualization)>,
     /// World-space bounds of all that is visible.
     pub bounds: (Vec3, Vec3),
     pub exposure: &'a Buffer,
@@ -49,13 +49,10 @@ impl ViewPasses {
                 let alone = estimator.shown_irradiance(frame, inputs)?;
                 if view.buffer != COMBINED || alone.is_some() {
                     let buffers = BufferViewInputs {
-                        frame: inputs.frame,
-                        gbuffer: inputs.gbuffer,
-                        materials: &shown.scene.materials,
+                        frame: inputs,
                         direct_shadows: shown.direct_shadows,
                         direct: shown.direct,
-                        irradiance: alone.unwrap_or(estimator.irradiance()),
-                        pose: inputs.pose,
+                        irradiance: alone.unwrap_or(shown.irradiance),
                         bounds: shown.bounds,
                         exposure,
                     };
@@ -64,12 +61,12 @@ impl ViewPasses {
             }
             (None, _) if VIEWS.iter().any(|known| known.name == view.buffer) => {
                 let Some(pass) = &self.effect else { return Ok(()) };
-                pass.record(frame, inputs.frame, shown.effect, exposure, display)?;
+                pass.record(frame, inputs.uniforms, shown.effect, exposure, display)?;
             }
             (None, _) => {
                 estimator.draw_view(
                     frame,
-                    &ViewInputs { estimator: inputs, exposure, display },
+                    &ViewInputs { frame: inputs, exposure, display },
                     &view.buffer,
                 )?;
             }
@@ -78,7 +75,7 @@ impl ViewPasses {
         let Some(overlay) = &self.overlay else { return Ok(()) };
         let mut lines = estimator.lines();
         lines.extend(&view.lines);
-        overlay.record(frame, inputs.frame, &lines, &inputs.gbuffer.depth, display)
+        overlay.record(frame, inputs.uniforms, &lines, &inputs.gbuffer.depth, display)
     }
 }
 
@@ -91,7 +88,7 @@ impl Renderer {
         self.estimator.look_at(view)?;
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
-                self.views.buffer = Some(BufferViewPass::new(&self.device, self.tracer.variant().sheets)?);
+                self.views.buffer = Some(BufferViewPass::new(&self.device, self.gpu_scene.variant().sheets)?);
             }
             if self.views.effect.is_none() {
                 self.views.effect = Some(EffectViewPass::new(&self.device)?);

@@ -155,6 +155,11 @@ impl EnvironmentMap {
         (self.width, self.height, &self.texels)
     }
 
+    /// The cumulative distribution that directions are sampled by: of the rows of cells, then of the cells of each row.
+    pub(crate) fn distribution(&self) -> Vec<f32> {
+        [&self.rows[..], &self.columns].concat()
+    }
+
     /// Luminance at the corners of a cell: left and right, above, then below.
     fn corners(&self, row: usize, column: usize) -> [f32; 4] {
         let right = (column + 1) % self.width;

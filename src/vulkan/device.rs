@@ -11,6 +11,7 @@ use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
 use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, Living};
 use super::ray_query::RayQueries;
+use super::shared_set::SharedLayout;
 use super::{Instance, Surface, VulkanError};
 
 /// A logical device with one queue for graphics, compute and transfers.
@@ -22,6 +23,7 @@ pub struct Device {
     memory: MemoryMeter,
     compute_pipelines: Living<ComputeKey, Compute>,
     graphics_pipelines: Living<GraphicsDescription, Graphics>,
+    shared_layout: SharedLayout,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
     /// Queues need external synchronisation.
@@ -64,6 +66,7 @@ impl Device {
         let _guard = creation_lock();
         let raw = create_device(instance.raw(), physical, &info, queue_family, surface.is_some())?;
         let ray_queries = info.ray_query.then(|| RayQueries::new(instance.raw(), physical, &raw));
+        let shared_layout = SharedLayout::new(&raw, info.ray_query)?;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw().clone(),
             device: raw.clone(),
@@ -87,6 +90,7 @@ impl Device {
             memory: MemoryMeter::default(),
             compute_pipelines: Living::default(),
             graphics_pipelines: Living::default(),
+            shared_layout,
             limits: properties.limits,
             physical,
             queue: Mutex::new(queue),
@@ -198,6 +202,11 @@ impl Device {
         &self.graphics_pipelines
     }
 
+    /// The layout of the set that all passes share.
+    pub(super) fn shared_layout(&self) -> &SharedLayout {
+        &self.shared_layout
+    }
+
     /// The allocator, to be shared; owners must drop it before the device.
     pub(super) fn shared_allocator(&self) -> Arc<Mutex<Allocator>> {
         Arc::clone(&self.allocator)
@@ -257,6 +266,7 @@ impl Drop for Device {
         unsafe {
             let _ = self.raw.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
+            self.raw.destroy_descriptor_set_layout(self.shared_layout.raw, None);
             let _guard = creation_lock();
             self.raw.destroy_device(None);
         }

@@ -3,6 +3,7 @@
 use ash::vk;
 use bytemuck::Pod;
 
+use super::layout::MATERIAL_SET;
 use super::{Buffer, Image, MaterialSets, Pass};
 
 /// Render targets of a graphics pass.
@@ -89,13 +90,13 @@ impl DrawList<'_> {
 
     /// Binds the textures of a material.
     pub fn material(&mut self, sets: &MaterialSets, index: usize) {
-        // SAFETY: the set was made for set 1 of a pipeline with this layout.
+        // SAFETY: the set was made for this set of a pipeline with this layout.
         unsafe {
             self.pass.recorder.device().raw().cmd_bind_descriptor_sets(
                 self.pass.recorder.commands(),
                 vk::PipelineBindPoint::GRAPHICS,
                 self.pass.layout.raw,
-                1,
+                MATERIAL_SET,
                 &[sets.sets[index]],
                 &[],
             );

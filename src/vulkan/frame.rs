@@ -8,8 +8,9 @@ use bytemuck::Pod;
 use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
-use super::layout::Layout;
-use super::{Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, VulkanError};
+use super::{
+    Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Resource, SharedSet, VulkanError,
+};
 
 /// Frames in flight: the CPU records one while the device executes the other.
 const IN_FLIGHT: usize = 2;
@@ -169,6 +170,18 @@ impl Frame<'_> {
         }
     }
 
+    /// Writes the set that the passes of this frame share; see [`Pass::shared`].
+    ///
+    /// # Errors
+    /// If a resource is not in shaders/include/scene_set.glsl, or the device has no memory.
+    pub fn shared_set<'s>(
+        &mut self,
+        resources: Vec<(&'static str, Resource<'s>)>,
+    ) -> Result<SharedSet<'s>, VulkanError> {
+        let raw = self.slot.descriptor_set(self.device.shared_layout().raw, "the scene set")?;
+        SharedSet::new(self.device, raw, resources)
+    }
+
     /// Starts recording a compute pass.
     pub fn pass<'f>(&'f mut self, name: &'static str, pipeline: &'f ComputePipeline) -> Pass<'f> {
         Pass::compute(self.recorder(), name, pipeline)
@@ -244,7 +257,7 @@ impl Recorder<'_> {
     /// Allocates a descriptor set for this frame.
     pub(super) fn descriptor_set(
         &mut self,
-        layout: &Layout,
+        layout: vk::DescriptorSetLayout,
         name: &str,
     ) -> Result<vk::DescriptorSet, VulkanError> {
         self.slot.descriptor_set(layout, name)

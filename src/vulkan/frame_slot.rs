@@ -8,7 +8,6 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use super::frame::FrameTimes;
-use super::layout::{Layout, PASS_SET};
 use super::upload::mapped;
 use super::{Buffer, Device, VulkanError};
 
@@ -190,14 +189,14 @@ impl Slot {
     /// Allocates a descriptor set for the frame being recorded.
     pub(super) fn descriptor_set(
         &mut self,
-        layout: &Layout,
+        layout: vk::DescriptorSetLayout,
         name: &str,
     ) -> Result<vk::DescriptorSet, VulkanError> {
         loop {
             if self.descriptors_used == self.descriptors.len() {
                 self.descriptors.push(descriptor_pool(&self.device)?);
             }
-            let layouts = [layout.sets[PASS_SET as usize]];
+            let layouts = [layout];
             let info = vk::DescriptorSetAllocateInfo::default()
                 .descriptor_pool(self.descriptors[self.descriptors_used])
                 .set_layouts(&layouts);

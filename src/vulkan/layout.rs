@@ -5,12 +5,13 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::reflect::{Binding, BindingKind};
+use super::shared_set::SHARED_SET;
 use super::{Device, Reflection, VulkanError};
 
 /// Descriptor set that a pass binds by name.
 pub(super) const PASS_SET: u32 = 0;
 /// Descriptor set that changes per draw.
-pub(super) const MATERIAL_SET: u32 = 1;
+pub(super) const MATERIAL_SET: u32 = 2;
 
 impl BindingKind {
     pub(super) fn descriptor_type(self) -> vk::DescriptorType {
@@ -29,7 +30,10 @@ impl BindingKind {
 /// Pipeline layout, descriptor set layouts and the reflection they come from.
 pub(super) struct Layout {
     pub raw: vk::PipelineLayout,
+    /// The layouts of sets 0 to 2; the device owns that of the shared one.
     pub sets: Vec<vk::DescriptorSetLayout>,
+    /// Whether the shaders read the shared set.
+    pub shares: bool,
     pub reflection: Reflection,
     pub stages: vk::ShaderStageFlags,
     pub device: Arc<Device>,
@@ -47,14 +51,21 @@ impl Layout {
             let what = format!("pass {name} with {} bytes of push constants", reflection.push_size);
             return Err(VulkanError::Limit { what, limit: u64::from(limit) });
         }
+        device.shared_layout().check(name, &reflection)?;
+        let shares = reflection.bindings.values().any(|binding| binding.set == SHARED_SET && binding.used);
         let mut layout = Self {
             raw: vk::PipelineLayout::null(),
             sets: Vec::new(),
+            shares,
             reflection,
             stages,
             device: Arc::clone(device),
         };
-        for set in [PASS_SET, MATERIAL_SET] {
+        for set in [PASS_SET, SHARED_SET, MATERIAL_SET] {
+            if set == SHARED_SET {
+                layout.sets.push(device.shared_layout().raw);
+                continue;
+            }
             let bindings: Vec<_> = layout
                 .reflection
                 .bindings
@@ -87,11 +98,17 @@ impl Layout {
 
     /// The bindings of the pass's set.
     pub(super) fn pass_bindings(&self) -> impl Iterator<Item = (&str, &Binding)> {
-        self.reflection
-            .bindings
-            .iter()
-            .filter(|(_, binding)| binding.set == PASS_SET)
-            .map(|(name, binding)| (name.as_str(), binding))
+        self.bindings_of(PASS_SET)
+    }
+
+    /// The bindings of the shared set that the shaders use.
+    pub(super) fn shared_bindings(&self) -> impl Iterator<Item = (&str, &Binding)> {
+        self.bindings_of(SHARED_SET).filter(|(_, binding)| binding.used)
+    }
+
+    fn bindings_of(&self, set: u32) -> impl Iterator<Item = (&str, &Binding)> {
+        let bindings = self.reflection.bindings.iter().filter(move |(_, binding)| binding.set == set);
+        bindings.map(|(name, binding)| (name.as_str(), binding))
     }
 }
 
@@ -100,7 +117,7 @@ impl Drop for Layout {
         // SAFETY: the owner waits for the device before dropping a pipeline that a submitted frame uses.
         unsafe {
             self.device.raw().destroy_pipeline_layout(self.raw, None);
-            for set in &self.sets {
+            for (_, set) in self.sets.iter().enumerate().filter(|(set, _)| *set != SHARED_SET as usize) {
                 self.device.raw().destroy_descriptor_set_layout(*set, None);
             }
         }

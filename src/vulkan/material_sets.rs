@@ -15,7 +15,7 @@ pub struct MaterialSets {
 }
 
 impl MaterialSets {
-    /// Creates one set for each of `images` for `pipeline`, whose set 1 has `N` combined image samplers.
+    /// Creates one set for each of `images` for `pipeline`, whose set 2 has `N` combined image samplers.
     pub fn new<const N: usize>(
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,

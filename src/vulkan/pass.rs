@@ -8,10 +8,11 @@ use bytemuck::Pod;
 use super::access::{Access, Barrier};
 use super::draw::extent2d;
 use super::frame::Recorder;
-use super::layout::Layout;
-use super::reflect::BindingKind;
+use super::layout::{Layout, PASS_SET};
+use super::reflect::{Binding, BindingKind};
 use super::{
-    BufferSlice, ComputePipeline, DrawList, GraphicsPipeline, Image, Targets, TopLevel, VulkanError,
+    BufferSlice, ComputePipeline, Device, DrawList, GraphicsPipeline, Image, Sampler, SharedSet, Targets, TopLevel,
+    VulkanError,
 };
 
 /// A resource to bind.
@@ -21,6 +22,8 @@ pub enum Resource<'a> {
     Buffer(BufferSlice<'a>),
     /// A whole image.
     Image(&'a Image),
+    /// A whole image with the sampler that it is read by.
+    Sampled(&'a Image, &'a Sampler),
     /// An acceleration structure.
     TopLevel(&'a TopLevel),
 }
@@ -28,6 +31,12 @@ pub enum Resource<'a> {
 impl<'a> From<&'a Image> for Resource<'a> {
     fn from(image: &'a Image) -> Self {
         Self::Image(image)
+    }
+}
+
+impl<'a> From<(&'a Image, &'a Sampler)> for Resource<'a> {
+    fn from((image, sampler): (&'a Image, &'a Sampler)) -> Self {
+        Self::Sampled(image, sampler)
     }
 }
 
@@ -60,6 +69,7 @@ pub struct Pass<'f> {
     pub(super) layout: &'f Layout,
     compute: bool,
     bound: BTreeMap<&'f str, Bound<'f>>,
+    shared: Option<&'f SharedSet<'f>>,
     push: Vec<u8>,
 }
 
@@ -83,7 +93,7 @@ impl<'f> Pass<'f> {
         layout: &'f Layout,
         compute: bool,
     ) -> Self {
-        Self { recorder, name, pipelines, layout, compute, bound: BTreeMap::new(), push: Vec::new() }
+        Self { recorder, name, pipelines, layout, compute, bound: BTreeMap::new(), shared: None, push: Vec::new() }
     }
 
     /// Binds what the shader reads under `name`.
@@ -97,6 +107,13 @@ impl<'f> Pass<'f> {
     #[must_use]
     pub fn write(mut self, name: &'f str, resource: impl Into<Resource<'f>>) -> Self {
         self.bound.insert(name, Bound { resource: resource.into(), write: true });
+        self
+    }
+
+    /// Binds the set that the passes of the frame share.
+    #[must_use]
+    pub fn shared(mut self, set: &'f SharedSet<'f>) -> Self {
+        self.shared = Some(set);
         self
     }
 
@@ -180,16 +197,22 @@ impl<'f> Pass<'f> {
         self.check_bindings()?;
         let mut images = targets.to_vec();
         let mut buffers = Vec::new();
-        for (name, binding) in self.layout.pass_bindings() {
+        let own = self.layout.pass_bindings().map(|(name, binding)| {
             let bound = &self.bound[name];
-            let access = match (self.compute, bound.write) {
+            (bound.resource, bound.write, binding)
+        });
+        let shared = self.layout.shared_bindings().filter_map(|(name, binding)| {
+            Some((*self.shared?.resources.get(name)?, false, binding))
+        });
+        for (resource, write, binding) in own.chain(shared) {
+            let access = match (self.compute, write) {
                 (true, true) => Access::ComputeWrite,
                 (true, false) => Access::ComputeRead,
                 (false, _) => Access::GraphicsRead,
             };
-            match bound.resource {
+            match resource {
                 Resource::Buffer(slice) => buffers.extend(slice.buffer.tracker.use_buffer(access)),
-                Resource::Image(image) => {
+                Resource::Image(image) | Resource::Sampled(image, _) => {
                     let storage = binding.kind == BindingKind::StorageImage;
                     images.extend(image.tracker.use_image(access, storage).map(|barrier| (image, barrier)));
                 }
@@ -199,8 +222,15 @@ impl<'f> Pass<'f> {
             }
         }
         self.recorder.barriers(&images, &buffers);
-        let set = self.recorder.descriptor_set(self.layout, self.name)?;
-        self.write_descriptors(set);
+        let set = self.recorder.descriptor_set(self.layout.sets[PASS_SET as usize], self.name)?;
+        let bound: Vec<_> = self
+            .layout
+            .pass_bindings()
+            .map(|(name, binding)| (*binding, self.bound[name].resource))
+            .collect();
+        write_descriptors(self.recorder.device(), set, &bound);
+        let mut sets = vec![set];
+        sets.extend(self.shared.filter(|_| self.layout.shares).map(|shared| shared.raw));
         let point =
             if self.compute { vk::PipelineBindPoint::COMPUTE } else { vk::PipelineBindPoint::GRAPHICS };
         let commands = self.recorder.commands();
@@ -208,7 +238,7 @@ impl<'f> Pass<'f> {
         unsafe {
             let raw = self.recorder.device().raw();
             raw.cmd_bind_pipeline(commands, point, self.pipelines[0]);
-            raw.cmd_bind_descriptor_sets(commands, point, self.layout.raw, 0, &[set], &[]);
+            raw.cmd_bind_descriptor_sets(commands, point, self.layout.raw, PASS_SET, &sets, &[]);
             if !self.push.is_empty() {
                 raw.cmd_push_constants(commands, self.layout.raw, self.layout.stages, 0, &self.push);
             }
@@ -230,10 +260,15 @@ impl<'f> Pass<'f> {
                 let how = if bound.write { "write" } else { "read" };
                 let what = match bound.resource {
                     Resource::Buffer(_) => "a buffer",
-                    Resource::Image(_) => "an image",
+                    Resource::Image(_) | Resource::Sampled(..) => "an image",
                     Resource::TopLevel(_) => "an acceleration structure",
                 };
                 return Err(wrong(name, format!("is {:?}, but {what} to {how} was given", binding.kind)));
+            }
+        }
+        for (name, _) in self.layout.shared_bindings() {
+            if !self.shared.is_some_and(|shared| shared.resources.contains_key(name)) {
+                return Err(wrong(name, "is missing from the scene set".to_owned()));
             }
         }
         let known: Vec<&str> = self.layout.pass_bindings().map(|(name, _)| name).collect();
@@ -247,34 +282,32 @@ impl<'f> Pass<'f> {
         }
         Ok(())
     }
+}
 
-    fn write_descriptors(&self, set: vk::DescriptorSet) {
-        let bound: Vec<_> = self
-            .layout
-            .pass_bindings()
-            .map(|(name, binding)| (binding, Descriptor::of(binding.kind, &self.bound[name].resource)))
-            .collect();
-        // The writes point into these until the call.
-        let mut structures: Vec<_> = bound.iter().map(|(_, descriptor)| descriptor.structures()).collect();
-        let writes: Vec<_> = bound
-            .iter()
-            .zip(&mut structures)
-            .map(|((binding, descriptor), structures)| {
-                let write = vk::WriteDescriptorSet::default()
-                    .dst_set(set)
-                    .dst_binding(binding.binding)
-                    .descriptor_type(binding.kind.descriptor_type());
-                match descriptor {
-                    Descriptor::Buffer(info) => write.buffer_info(info),
-                    Descriptor::Texels(view) => write.texel_buffer_view(view),
-                    Descriptor::Image(info) => write.image_info(info),
-                    Descriptor::Structure(_) => write.descriptor_count(1).push_next(structures),
-                }
-            })
-            .collect();
-        // SAFETY: the set was just allocated with this layout; the resources outlive the frame.
-        unsafe { self.recorder.device().raw().update_descriptor_sets(&writes, &[]) };
-    }
+/// Writes resources into a set that was just allocated.
+pub(super) fn write_descriptors(device: &Device, set: vk::DescriptorSet, bound: &[(Binding, Resource<'_>)]) {
+    let bound: Vec<_> =
+        bound.iter().map(|(binding, resource)| (binding, Descriptor::of(binding.kind, resource))).collect();
+    // The writes point into these until the call.
+    let mut structures: Vec<_> = bound.iter().map(|(_, descriptor)| descriptor.structures()).collect();
+    let writes: Vec<_> = bound
+        .iter()
+        .zip(&mut structures)
+        .map(|((binding, descriptor), structures)| {
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding.binding)
+                .descriptor_type(binding.kind.descriptor_type());
+            match descriptor {
+                Descriptor::Buffer(info) => write.buffer_info(info),
+                Descriptor::Texels(view) => write.texel_buffer_view(view),
+                Descriptor::Image(info) => write.image_info(info),
+                Descriptor::Structure(_) => write.descriptor_count(1).push_next(structures),
+            }
+        })
+        .collect();
+    // SAFETY: the set was just allocated with these bindings; the resources outlive the frame.
+    unsafe { device.raw().update_descriptor_sets(&writes, &[]) };
 }
 
 /// Descriptor info of a resource.
@@ -296,13 +329,15 @@ impl Descriptor {
                 offset: slice.offset,
                 range: slice.size,
             }]),
-            Resource::Image(image) => Self::Image([vk::DescriptorImageInfo {
-                sampler: vk::Sampler::null(),
-                image_view: image.view,
-                image_layout: image.tracker.layout(),
-            }]),
+            Resource::Image(image) => Self::image(image, vk::Sampler::null()),
+            Resource::Sampled(image, sampler) => Self::image(image, sampler.raw),
             Resource::TopLevel(structure) => Self::Structure([structure.raw]),
         }
+    }
+
+    fn image(image: &Image, sampler: vk::Sampler) -> Self {
+        let (image_view, image_layout) = (image.view, image.tracker.layout());
+        Self::Image([vk::DescriptorImageInfo { sampler, image_view, image_layout }])
     }
 
     fn structures(&self) -> vk::WriteDescriptorSetAccelerationStructureKHR<'_> {
@@ -320,7 +355,8 @@ fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
             !bound.write && slice.buffer.texels != vk::BufferView::null()
         }
         (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
-        | (BindingKind::SampledImage | BindingKind::CombinedImageSampler, Resource::Image(_))
+        | (BindingKind::SampledImage, Resource::Image(_))
+        | (BindingKind::CombinedImageSampler, Resource::Sampled(..))
         | (BindingKind::AccelerationStructure, Resource::TopLevel(_)) => !bound.write,
         (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
         (BindingKind::StorageImage, Resource::Image(_)) => true,

@@ -1,6 +1,6 @@
 //! SPIR-V reflection: bindings by name, push constants, group size, struct layouts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Dim, ExecutionMode, Op, StorageClass, Word};
@@ -37,6 +37,8 @@ pub struct Binding {
     pub binding: u32,
     /// Its descriptor type.
     pub kind: BindingKind,
+    /// Whether a function that the entry point calls, directly or not, names it.
+    pub used: bool,
 }
 
 /// Interface of one shader, or of all stages of a pipeline.
@@ -64,7 +66,10 @@ impl Reflection {
 
     /// Merges the stages of a graphics pipeline.
     pub(super) fn merge(mut self, other: Self) -> Self {
-        self.bindings.extend(other.bindings);
+        for (name, binding) in other.bindings {
+            let used = self.bindings.get(&name).is_some_and(|binding| binding.used) || binding.used;
+            self.bindings.insert(name, Binding { used, ..binding });
+        }
         self.push_size = self.push_size.max(other.push_size);
         self.structs.extend(other.structs);
         self.strides.extend(other.strides);
@@ -107,11 +112,12 @@ impl<'a> Reader<'a> {
 
     fn read(&self) -> Reflection {
         let mut reflection = Reflection { group_size: self.group_size(), ..Reflection::default() };
+        let used = self.statically_used();
         for variable in &self.module.types_global_values {
             if variable.class.opcode != Op::Variable {
                 continue;
             }
-            self.read_variable(variable, &mut reflection);
+            self.read_variable(variable, &used, &mut reflection);
         }
         for (&id, instruction) in &self.types {
             match instruction.class.opcode {
@@ -134,7 +140,7 @@ impl<'a> Reader<'a> {
         reflection
     }
 
-    fn read_variable(&self, variable: &Instruction, reflection: &mut Reflection) {
+    fn read_variable(&self, variable: &Instruction, used: &BTreeSet<Word>, reflection: &mut Reflection) {
         let Some(id) = variable.result_id else { return };
         let Some(pointer) = variable.result_type.and_then(|id| self.types.get(&id)) else { return };
         let pointee = id_at(pointer, 1);
@@ -155,8 +161,33 @@ impl<'a> Reader<'a> {
             set: self.decoration(id, Decoration::DescriptorSet).unwrap_or(0),
             binding: self.decoration(id, Decoration::Binding).unwrap_or(0),
             kind,
+            used: used.contains(&id),
         };
         reflection.bindings.insert(name, binding);
+    }
+
+    /// Every id in the functions that the entry point reaches: what Vulkan calls static use.
+    fn statically_used(&self) -> BTreeSet<Word> {
+        let mut used = BTreeSet::new();
+        let mut next: Vec<Word> =
+            self.module.entry_points.iter().map(|point| id_at(point, 1)).collect();
+        let mut reached = BTreeSet::new();
+        while let Some(id) = next.pop() {
+            if !reached.insert(id) {
+                continue;
+            }
+            let functions = self.module.functions.iter();
+            for function in functions.filter(|function| function.def_id() == Some(id)) {
+                for instruction in function.all_inst_iter() {
+                    let ids = instruction.operands.iter().filter_map(Operand::id_ref_any);
+                    used.extend(ids);
+                    if instruction.class.opcode == Op::FunctionCall {
+                        next.push(id_at(instruction, 0));
+                    }
+                }
+            }
+        }
+        used
     }
 
     fn kind_of(&self, class: StorageClass, pointee: Word) -> Option<BindingKind> {

@@ -96,7 +96,7 @@ fn truth(x: f32) -> f32 {
 
 /// What still noise converges to: its mean, and SSIM of a frame with the truth, means over the frames from 40 to 100.
 fn converged(lab: &Lab, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
-    let table = include_bytes!("../../src/effects/blue_noise.bin");
+    let table = include_bytes!("../../src/gpu_scene/blue_noise.bin");
     let mut bench = Bench::new(&lab.device, settings);
     let mut numbers = Random::new(33);
     let image = |texels: &dyn Fn(usize) -> f32| {

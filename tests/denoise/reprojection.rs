@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use glam::{IVec2, Vec3, Vec4};
 use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
-use glowworm::passes::structs::InstanceData;
+use glowworm::gpu_scene::structs::InstanceData;
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{Buffer, Image, vk};
 

@@ -9,7 +9,7 @@ use exr::prelude::f16;
 use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
 use glowworm::denoise::RestFrame;
 use glowworm::denoise::svgf::{Svgf, SvgfInputs};
-use glowworm::passes::structs::FrameUniforms;
+use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
 

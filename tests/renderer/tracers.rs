@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glowworm::estimators::vpls::{SlotState, VplLook};
 use glowworm::output::Picture;
-use glowworm::passes::tracer::RayTracer;
+use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};

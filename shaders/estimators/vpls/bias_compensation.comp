@@ -7,14 +7,12 @@
 // with one light and one VPL drawn at y. Out: what the texel has drawn, with that added.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #define VPLS_BINDING 3
 #include "vpls.glsl"
 #include "representative.glsl"
 #define RAY_COUNTER_BINDING 8
 #include "ray_counter.glsl"
-#define HIT_BINDING 10
-#define TRACER_BINDING 12
 #include "tracer.glsl"
 #include "hit.glsl"
 
@@ -31,7 +29,6 @@ layout(set = 0, binding = 7, rgba32f) uniform image2D drawn_irradiance;
 #include "draw_vpl.glsl"
 #include "lights.glsl"
 #include "light_rays.glsl"
-layout(set = 0, binding = 9, std430) readonly buffer LightBlock { LightData data[]; } lights;
 
 // About a normal, in proportion to the cosine.
 vec3 cosine_hemisphere(vec3 n, vec2 u) {

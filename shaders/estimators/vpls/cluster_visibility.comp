@@ -10,7 +10,6 @@
 #include "representative.glsl"
 #define RAY_COUNTER_BINDING 7
 #include "ray_counter.glsl"
-#define TRACER_BINDING 10
 #include "tracer.glsl"
 
 layout(local_size_x = 64) in;

@@ -1,4 +1,4 @@
-// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene.glsl, vpls.glsl, same_surface.glsl
+// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene_set.glsl, vpls.glsl, same_surface.glsl
 // and representative.glsl.
 // Define SET_BUFFERS_BINDING before including: it and the next two are taken. Twins: SetParameters, SetPush in
 // src/estimators/vpls/set_buffers.rs.
@@ -6,7 +6,6 @@
 layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16ui) uniform readonly uimage2DArray set_buffers;
 // For each set its SetParameters, then three rows for each instance: from object space to the space of the set's camera.
 layout(set = 0, binding = SET_BUFFERS_BINDING + 1) uniform utextureBuffer set_views;
-layout(set = 0, binding = SET_BUFFERS_BINDING + 2, std430) readonly buffer InstanceBlock { InstanceData data[]; } instances;
 
 struct SetPush {
     uvec2 size;         // of the pictures that the sets drew, pixels

@@ -4,16 +4,16 @@
 // What one VPL alone sends to every pixel. Out: rgb: irradiance, weighted; a: 1 where the VPL sees the pixel.
 #include "frame.glsl"
 #include "gbuffer.glsl"
+#include "rounded.glsl"
 #define VPLS_BINDING 3
 #include "vpls.glsl"
-#define TRACER_BINDING 6
 #include "tracer.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-layout(set = 0, binding = 5, rgba32f) uniform writeonly image2D vpl_light;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D vpl_light;
 #include "surface.glsl"
 
 // weight: what the irradiance is multiplied by; 0: there is no such VPL.
@@ -34,5 +34,5 @@ void main() {
             light = vec4(irradiance * transmittance * push.weight, 1.0);
         }
     }
-    imageStore(vpl_light, pixel, light);
+    imageStore(vpl_light, pixel, storable(light));
 }

@@ -5,7 +5,7 @@
 // exposure; everything else as plain display values.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "scene_set.glsl"
 #include "tone_map.glsl"
 #define VPLS_BINDING 4
 #include "vpls.glsl"
@@ -20,7 +20,7 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 9, rgba32f) uniform readonly image2D drawn_irradiance;
-layout(set = 0, binding = 10, rgba32f) uniform readonly image2D irradiance;
+layout(set = 0, binding = 10, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 11, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 12, rgba8) uniform writeonly image2D display;
 #include "surface.glsl"

@@ -7,7 +7,7 @@ use super::contender::{Cast, Contender, Query};
 use super::rays::{RayKind, RaySet};
 use crate::bvh::TwoLevelBvh;
 use crate::passes::cast_rays::RayCaster;
-use crate::passes::tracer::RayTracer;
+use crate::gpu_scene::tracer::RayTracer;
 use crate::renderer::RenderError;
 use crate::vulkan::{Device, VulkanError};
 

@@ -14,7 +14,7 @@ use super::super::{BenchError, Control};
 use super::report::TimeRun;
 use super::shader::failed;
 use crate::bvh::TwoLevelBvh;
-use crate::passes::tracer::{RayTracer, Tracer};
+use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::report::PassTimes;
 use crate::scene::{Pose, Scene};

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::manager::GpuVpl;
-use crate::passes::to_u32;
+use crate::gpu_scene::to_u32;
 use crate::scene::luminance;
 
 /// Clusters of a set. Twin: shaders/estimators/vpls/clusters.glsl.
@@ -73,7 +73,7 @@ fn cluster(vpls: &[GpuVpl], range: std::ops::Range<usize>) -> VplCluster {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::structs::tests::same_layout;
+    use crate::gpu_scene::structs::tests::same_layout;
     use crate::vulkan::shaders;
 
     #[test]

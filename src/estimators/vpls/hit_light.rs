@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::indirect_shadows::DrawPush;
 use super::vpl_buffer::UploadedSet;
-use crate::estimators::{EstimatorInputs, Hits};
-use crate::passes::tracer::TracerVariant;
+use crate::estimators::Hits;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::vulkan::{ComputePipeline, Device, Frame, VulkanError, shaders};
 
 /// The pass.
@@ -23,22 +24,19 @@ impl HitLightPass {
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         hits: &Hits<'_>,
         set: &UploadedSet,
         set_share: f32,
     ) -> Result<(), VulkanError> {
-        let pass = frame
-            .pass("hit_light", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &inputs.gbuffer.depth)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
+        let pass = inputs
+            .bind(frame.pass("hit_light", &self.pipeline))
             .read("vpl_clusters", &*set.clusters)
             .read("hit_place", hits.place)
             .read("hit_weight", hits.weight)
             .write("reflection", hits.reflection)
             .write("ray_counters", &*set.ray_counters)
             .push(&DrawPush::of_share(set_share));
-        set.bind(inputs.tracer.bind(pass)).dispatch_over(hits.reflection.extent())
+        set.bind(pass).dispatch_over(hits.reflection.extent())
     }
 }

@@ -1,49 +1,40 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
 //! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
 //!
-//! Set buffers of half the resolution are added up for one pixel of four, then upsampled along surfaces. So the cost for each
-//! set is a quarter of what every pixel would take.
+//! Set buffers of half the resolution are added up for one pixel of four (`set_reprojection`), denoised, then upsampled along
+//! surfaces (`irradiance_upsampling`). So the cost for each set is a quarter of what every pixel would take.
 
 use std::sync::Arc;
 
 use super::set_buffers::{SetBuffers, SetPush};
 use super::vpl_buffer::UploadedSet;
-use crate::estimators::EstimatorInputs;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
-/// Texels between the taps of the filter, step by step.
-const FILTER_STEPS: [i32; 3] = [1, 2, 4];
-
-/// The pass.
+/// The passes.
 pub struct IndirectReprojectionPass {
     sum: ComputePipeline,
-    filter: ComputePipeline,
-    full: ComputePipeline,
-    /// Irradiance and its variance, at half the resolution: before and after a step of the filter, in turns.
-    coarse: [(Image, Image); 2],
+    upsample: ComputePipeline,
+    /// The sum of all sets at half the resolution; a: how many sets had seen the surface.
+    pub coarse_irradiance: Image,
+    /// The variance of its luminance.
+    pub coarse_variance: Image,
     irradiance: Image,
 }
 
 impl IndirectReprojectionPass {
-    /// Makes the pipelines, and the images for pictures of `extent` texels.
+    /// Makes the pipelines, and the images for pictures of `extent` texels: 11 bytes a pixel.
     pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
-        let sum = pipeline("coarse_reprojection", shaders::COARSE_REPROJECTION_COMP)?;
-        let filter = pipeline("variance_filter", shaders::VARIANCE_FILTER_COMP)?;
-        let full = pipeline("indirect_reprojection", shaders::INDIRECT_REPROJECTION_COMP)?;
         let half = extent.map(|side| side.div_ceil(2));
-        let irradiance = |name, extent| storage_image(device, name, vk::Format::R32G32B32A32_SFLOAT, extent);
-        let coarse = || -> Result<_, VulkanError> {
-            let variance = storage_image(device, "coarse_variance", vk::Format::R32_SFLOAT, half)?;
-            Ok((irradiance("coarse_irradiance", half)?, variance))
-        };
+        let halves = vk::Format::R16G16B16A16_SFLOAT;
         Ok(Self {
-            sum,
-            filter,
-            full,
-            coarse: [coarse()?, coarse()?],
-            irradiance: irradiance("irradiance", extent)?,
+            sum: pipeline("set_reprojection", shaders::SET_REPROJECTION_COMP)?,
+            upsample: pipeline("irradiance_upsampling", shaders::IRRADIANCE_UPSAMPLING_COMP)?,
+            coarse_irradiance: storage_image(device, "coarse_irradiance", halves, half)?,
+            coarse_variance: storage_image(device, "coarse_variance", vk::Format::R32_SFLOAT, half)?,
+            irradiance: storage_image(device, "irradiance", halves, extent)?,
         })
     }
 
@@ -52,41 +43,33 @@ impl IndirectReprojectionPass {
         &self.irradiance
     }
 
-    /// Brings all sets together.
-    pub fn record(
+    /// Adds up sets of half the resolution.
+    pub fn add_up(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         (sets, push): (&SetBuffers, &SetPush),
     ) -> Result<(), VulkanError> {
-        let [from, to] = &self.coarse;
-        let (mut noisy, mut filtered) = (from, to);
-        if sets.step() == 2 {
-            let extent = noisy.0.extent();
-            let pass = frame.pass("indirect_reprojection", &self.sum).push(push);
-            bind(pass, inputs, set, sets)
-                .write("coarse_irradiance", &noisy.0)
-                .write("coarse_variance", &noisy.1)
-                .dispatch_over(extent)?;
-            for step in FILTER_STEPS {
-                let pass = frame
-                    .pass("indirect_reprojection", &self.filter)
-                    .read("frame_uniforms", inputs.frame)
-                    .read("gbuffer_depth", &inputs.gbuffer.depth)
-                    .read("gbuffer_normal", &inputs.gbuffer.normal)
-                    .read("noisy_irradiance", &noisy.0)
-                    .read("noisy_variance", &noisy.1)
-                    .write("coarse_irradiance", &filtered.0)
-                    .write("coarse_variance", &filtered.1)
-                    .push(&step);
-                set.bind(pass).dispatch_over(extent)?;
-                std::mem::swap(&mut noisy, &mut filtered);
-            }
-        }
-        let pass = frame.pass("indirect_reprojection", &self.full).push(push);
+        let pass = frame.pass("set_reprojection", &self.sum).push(push);
         bind(pass, inputs, set, sets)
-            .read("coarse_irradiance", &noisy.0)
+            .write("coarse_irradiance", &self.coarse_irradiance)
+            .write("coarse_variance", &self.coarse_variance)
+            .dispatch_over(self.coarse_irradiance.extent())
+    }
+
+    /// Gives every pixel its irradiance: from the denoised sum, or from sets of the full resolution themselves.
+    pub fn upsample(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        set: &UploadedSet,
+        (sets, push): (&SetBuffers, &SetPush),
+        denoised: &Image,
+    ) -> Result<(), VulkanError> {
+        let pass = frame.pass("irradiance_upsampling", &self.upsample).push(push);
+        bind(pass, inputs, set, sets)
+            .read("coarse_irradiance", denoised)
             .write("irradiance", &self.irradiance)
             .dispatch_over(self.irradiance.extent())
     }
@@ -95,14 +78,10 @@ impl IndirectReprojectionPass {
 /// Binds what both shaders read.
 fn bind<'f>(
     pass: Pass<'f>,
-    inputs: &'f EstimatorInputs<'_>,
+    inputs: &'f FrameInputs<'_>,
     set: &'f UploadedSet,
     sets: &'f SetBuffers,
 ) -> Pass<'f> {
-    let pass = pass
-        .read("frame_uniforms", inputs.frame)
-        .read("gbuffer_depth", &inputs.gbuffer.depth)
-        .read("gbuffer_normal", &inputs.gbuffer.normal)
-        .read("gbuffer_instance", &inputs.gbuffer.instance);
-    sets.bind(set.bind(pass), &inputs.instances.data)
+    let pass = inputs.bind(pass).read("gbuffer_instance", &inputs.gbuffer.instance);
+    sets.bind(set.bind(pass))
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::set_buffers::{SetBuffers, set_step};
 use super::vpl_buffer::UploadedSet;
-use crate::estimators::EstimatorInputs;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::settings::VplSettings;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders};
 
@@ -17,24 +17,21 @@ impl IndirectShadingPass {
     /// Makes the pipeline.
     pub fn new(device: &Arc<Device>, settings: &VplSettings) -> Result<Self, VulkanError> {
         let constants = [settings.interleave, set_step(settings)];
-        let filter = shaders::INDIRECT_SHADING_COMP;
-        Ok(Self { filter: ComputePipeline::specialised(device, "indirect_shading", filter, &constants)? })
+        let filter = shaders::DISCONTINUITY_FILTER_COMP;
+        Ok(Self { filter: ComputePipeline::specialised(device, "discontinuity_filter", filter, &constants)? })
     }
 
     /// Filters into the set's layer of the set buffers.
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         drawn_irradiance: &Image,
         sets: &SetBuffers,
     ) -> Result<(), VulkanError> {
-        let pass = frame
-            .pass("indirect_shading", &self.filter)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &inputs.gbuffer.depth)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
+        let pass = inputs
+            .bind(frame.pass("discontinuity_filter", &self.filter))
             .read("drawn_irradiance", drawn_irradiance)
             .write("set_buffers", sets.buffers());
         set.bind(pass).dispatch_over(sets.buffers().extent())

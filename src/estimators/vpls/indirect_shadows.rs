@@ -8,9 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use super::clusters::CLUSTERS;
 use super::set_buffers::set_step;
 use super::vpl_buffer::UploadedSet;
-use crate::estimators::EstimatorInputs;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
-use crate::passes::tracer::TracerVariant;
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::settings::{Settings, VplSettings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
@@ -34,7 +34,7 @@ pub(super) struct DrawPush {
     draws: u32,
     /// Of the light, that a set holds.
     set_share: f32,
-    /// Of so many by so many texels one brings back what the bound takes away.
+    /// Of so many by so many texels one compensates the bias of the clamped geometry term.
     spread: u32,
 }
 
@@ -72,7 +72,7 @@ impl IndirectShadowsPass {
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let traced = |name, shader| tracer.pipeline(device, name, shader, &[]);
-        let draw = traced("indirect_shadows", shaders::INDIRECT_SHADOWS_COMP)?;
+        let draw = traced("vpl_sampling", shaders::VPL_SAMPLING_COMP)?;
         let visibility = traced("cluster_visibility", shaders::CLUSTER_VISIBILITY_COMP)?;
         let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
         let weigh = shaders::CLUSTER_WEIGHTS_COMP;
@@ -108,7 +108,7 @@ impl IndirectShadowsPass {
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         draws: u32,
     ) -> Result<&Image, VulkanError> {
@@ -127,17 +127,18 @@ impl IndirectShadowsPass {
             self.weigh_clusters(frame, inputs, set, all)?;
         }
         for push in dispatches {
-            let pass = surfaces(frame.pass("indirect_shadows", &self.draw), inputs)
+            let pass = inputs
+                .bind(frame.pass("vpl_sampling", &self.draw))
                 .read("vpl_clusters", &*set.clusters)
                 .read("cluster_weights", &self.cluster_weights)
                 .write("drawn_irradiance", &self.irradiance)
                 .write("ray_counters", &*set.ray_counters)
                 .push(&push);
-            set.bind(inputs.tracer.bind(pass)).dispatch_over(extent)?;
+            set.bind(pass).dispatch_over(extent)?;
         }
 
         if self.bounded {
-            self.bring_back(frame, inputs, set, all)?;
+            self.compensate_bias(frame, inputs, set, all)?;
         }
         Ok(&self.irradiance)
     }
@@ -146,18 +147,20 @@ impl IndirectShadowsPass {
     fn weigh_clusters(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         all: DrawPush,
     ) -> Result<(), VulkanError> {
         let threads = CLUSTERS as u32;
-        let pass = surfaces(frame.pass("indirect_shadows", &self.visibility), inputs)
+        let pass = inputs
+            .bind(frame.pass("cluster_visibility", &self.visibility))
             .read("vpl_clusters", &*set.clusters)
             .write("cluster_visibility", &self.cluster_visibility)
             .write("ray_counters", &*set.ray_counters)
             .push(&all);
-        set.bind(inputs.tracer.bind(pass)).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])?;
-        let pass = surfaces(frame.pass("indirect_shadows", &self.weigh), inputs)
+        set.bind(pass).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])?;
+        let pass = inputs
+            .bind(frame.pass("cluster_weights", &self.weigh))
             .read("vpl_clusters", &*set.clusters)
             .read("cluster_visibility", &self.cluster_visibility)
             .write("cluster_weights", &self.cluster_weights)
@@ -166,33 +169,24 @@ impl IndirectShadowsPass {
         set.bind(pass).dispatch_threads([blocks[0] * threads, blocks[1], 1])
     }
 
-    /// Adds what the bound has taken away.
-    fn bring_back(
+    /// Adds what the clamped geometry term has taken away.
+    fn compensate_bias(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         all: DrawPush,
     ) -> Result<(), VulkanError> {
-        let pass = surfaces(frame.pass("indirect_shadows", &self.compensate), inputs)
+        let pass = inputs
+            .bind(frame.pass("bias_compensation", &self.compensate))
             .read("vpl_clusters", &*set.clusters)
             .read("cluster_weights", &self.cluster_weights)
-            .read("lights", inputs.lights)
-            .read("instances", &*inputs.instances.data)
-            .read("materials", inputs.materials)
             .write("drawn_irradiance", &self.irradiance)
             .write("ray_counters", &*set.ray_counters)
             .push(&all);
         let blocks = self.irradiance.extent().map(|side| side.div_ceil(all.spread));
-        set.bind(inputs.tracer.bind(pass)).dispatch_over(blocks)
+        set.bind(pass).dispatch_over(blocks)
     }
-}
-
-/// Binds the visible surfaces.
-fn surfaces<'f>(pass: Pass<'f>, inputs: &'f EstimatorInputs<'_>) -> Pass<'f> {
-    pass.read("frame_uniforms", inputs.frame)
-        .read("gbuffer_depth", &inputs.gbuffer.depth)
-        .read("gbuffer_normal", &inputs.gbuffer.normal)
 }
 
 /// VPLs that a texel draws in each frame from a set that holds so many: all, if its share of `--vpls` is no less, else that share times
@@ -218,12 +212,12 @@ fn dispatches(all: DrawPush, vpls: u32, draws: u32) -> Vec<DrawPush> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::structs::tests::same_layout;
+    use crate::gpu_scene::structs::tests::same_layout;
 
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         same_layout!(
-            shaders::INDIRECT_SHADOWS_COMP.software,
+            shaders::VPL_SAMPLING_COMP.software,
             DrawPush,
             tiles,
             set_step,

@@ -36,10 +36,12 @@ pub use path_lines::{path_legend, reason_colour};
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
 
 use super::{
-    DebugView, Estimator, EstimatorContext, EstimatorInputs, Hits, Method, MethodPasses, ViewInputs, World,
+    DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, SignalNoise, ViewInputs,
+    World,
 };
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
-use crate::passes::tracer::TracerVariant;
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::report::{Counters, PassInfo};
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
@@ -190,6 +192,11 @@ impl Vpls {
 }
 
 impl Passes {
+    /// The sets that the picture is made of.
+    fn shown(&self) -> &SetBuffers {
+        self.settled.as_ref().unwrap_or(&self.sets)
+    }
+
     fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
@@ -251,7 +258,7 @@ impl Estimator for Vpls {
         self.manager.counters().named()
     }
 
-    fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
         let irradiance_scale = self.irradiance_scale();
         let all = VplUniforms {
             geometry_bound: self.geometry_bound(),
@@ -280,25 +287,52 @@ impl Estimator for Vpls {
         // There is always the set whose turn it is.
         let Some(uploaded) = last else { return Ok(()) };
         if self.passes.sets.is_complete() && self.passes.settled.is_some() {
-            // Frames on their way still read the old ones.
+            // Frames in flight still read the old ones.
             self.device.wait_idle()?;
             self.passes.settled = None;
         }
-        let shown = self.passes.settled.as_ref().unwrap_or(&self.passes.sets);
-        let push = shown.push(self.settings.vpl.missing_sets, flux);
-        self.passes.indirect_reprojection.record(frame, inputs, &uploaded, (shown, &push))?;
+        let shown = self.passes.shown();
+        if shown.step() == 2 {
+            let push = shown.push(self.settings.vpl.missing_sets, flux);
+            self.passes.indirect_reprojection.add_up(frame, inputs, &uploaded, (shown, &push))?;
+        }
         self.uploaded = Some(uploaded);
         Ok(())
     }
 
-    fn irradiance(&self) -> &Image {
-        self.passes.indirect_reprojection.output()
+    fn noise(&self) -> SignalNoise {
+        SignalNoise::Variance
+    }
+
+    fn signal(&self) -> IrradianceSignal<'_> {
+        let pass = &self.passes.indirect_reprojection;
+        let is_coarse = self.passes.shown().step() == 2;
+        IrradianceSignal {
+            noisy: &pass.coarse_irradiance,
+            variance: is_coarse.then_some(&pass.coarse_variance),
+        }
+    }
+
+    fn resolve(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        denoised: &Image,
+    ) -> Result<(), VulkanError> {
+        let Some(uploaded) = &self.uploaded else { return Ok(()) };
+        let shown = self.passes.shown();
+        let push = shown.push(self.settings.vpl.missing_sets, &self.turn.flux);
+        self.passes.indirect_reprojection.upsample(frame, inputs, uploaded, (shown, &push), denoised)
+    }
+
+    fn resolved(&self) -> Option<&Image> {
+        Some(self.passes.indirect_reprojection.output())
     }
 
     fn light_hits(
         &mut self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         hits: &Hits<'_>,
     ) -> Result<(), VulkanError> {
         let Some(set) = &self.uploaded else { return Ok(()) };
@@ -345,7 +379,7 @@ impl Estimator for Vpls {
     fn shown_irradiance(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
     ) -> Result<Option<&Image>, VulkanError> {
         let (Some(pass), Some(set)) = (&self.views.vpl_light, &self.uploaded) else { return Ok(None) };
         if self.look.single_vpl.is_none() {
@@ -362,13 +396,13 @@ impl Estimator for Vpls {
         view: &str,
     ) -> Result<(), VulkanError> {
         let (Some(pass), Some(vpls)) = (&self.views.vpl_view, &self.uploaded) else { return Ok(()) };
-        let single = self.shown_irradiance(frame, inputs.estimator)?;
+        let single = self.shown_irradiance(frame, inputs.frame)?;
         let sources = VplViewSources {
             vpls,
             drawn_irradiance: self.passes.indirect_shadows.output(),
-            irradiance: single.unwrap_or(self.irradiance()),
+            irradiance: single.unwrap_or(self.passes.indirect_reprojection.output()),
             drawn: (&self.passes.sets, self.turn.set),
-            shown: (self.passes.settled.as_ref().unwrap_or(&self.passes.sets), self.look.set),
+            shown: (self.passes.shown(), self.look.set),
         };
         pass.record(frame, inputs, &sources, view)
     }

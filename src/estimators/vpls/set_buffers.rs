@@ -10,7 +10,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 
 use crate::bvh::gpu::rows;
-use crate::passes::{storage_image_array, to_u32};
+use crate::gpu_scene::to_u32;
+use crate::passes::storage_image_array;
 use crate::scene::{Camera, Pose};
 use crate::settings::{MissingSets, VplSettings};
 use crate::vulkan::{Buffer, Device, Frame, Image, Pass, VulkanError, vk};
@@ -207,21 +208,21 @@ impl SetBuffers {
     }
 
     /// Binds what shaders/estimators/vpls/set_buffers.glsl names.
-    pub fn bind<'f>(&'f self, pass: Pass<'f>, instances: &'f Buffer) -> Pass<'f> {
-        pass.read("set_buffers", &self.buffers).read("set_views", &self.views).read("instances", instances)
+    pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        pass.read("set_buffers", &self.buffers).read("set_views", &self.views)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::structs::tests::same_layout;
+    use crate::gpu_scene::structs::tests::same_layout;
     use crate::vulkan::shaders;
 
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         same_layout!(
-            shaders::INDIRECT_REPROJECTION_COMP,
+            shaders::IRRADIANCE_UPSAMPLING_COMP,
             SetPush,
             size,
             set_step,

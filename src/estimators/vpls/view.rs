@@ -149,19 +149,16 @@ impl VplViewPass {
             drawn_step: sources.drawn.0.step(),
             ..sets.push(MissingSets::Dark, &[])
         };
-        let gbuffer = inputs.estimator.gbuffer;
-        let pass = frame
-            .pass("vpl_view", &self.pipeline)
-            .read("frame_uniforms", inputs.estimator.frame)
-            .read("gbuffer_depth", &gbuffer.depth)
-            .read("gbuffer_normal", &gbuffer.normal)
-            .read("gbuffer_instance", &gbuffer.instance)
+        let pass = inputs
+            .frame
+            .bind(frame.pass("vpl_view", &self.pipeline))
+            .read("gbuffer_instance", &inputs.frame.gbuffer.instance)
             .read("drawn_irradiance", sources.drawn_irradiance)
             .read("irradiance", sources.irradiance)
             .read("exposure", inputs.exposure)
             .write("display", inputs.display)
             .push(&push);
-        let pass = sets.bind(sources.vpls.bind(pass), &inputs.estimator.instances.data);
+        let pass = sets.bind(sources.vpls.bind(pass));
         pass.dispatch_over(inputs.display.extent())
     }
 }

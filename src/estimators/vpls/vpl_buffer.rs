@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::clusters::{CLUSTERS, VplCluster, clusters_of};
 use super::manager::GpuVpl;
-use crate::passes::to_u32;
+use crate::gpu_scene::to_u32;
 use crate::settings::VplSettings;
 use crate::vulkan::{Buffer, Device, Frame, Mirror, Pass, Upload, VulkanError};
 
@@ -135,7 +135,7 @@ impl VplBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::structs::tests::same_layout;
+    use crate::gpu_scene::structs::tests::same_layout;
     use crate::vulkan::shaders;
 
     #[test]

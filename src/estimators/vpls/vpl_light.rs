@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::manager::GpuVpl;
 use super::vpl_buffer::UploadedSet;
-use crate::estimators::EstimatorInputs;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
-use crate::passes::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// The pass.
@@ -31,24 +31,21 @@ impl VplLightPass {
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
-        inputs: &EstimatorInputs<'_>,
+        inputs: &FrameInputs<'_>,
         set: &UploadedSet,
         (vpl, weight): (Option<GpuVpl>, f32),
     ) -> Result<(), VulkanError> {
         let vpls = frame.upload(&[vpl.unwrap_or_default()])?;
-        let pass = frame
-            .pass("vpl_light", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
-            .read("gbuffer_depth", &inputs.gbuffer.depth)
-            .read("gbuffer_normal", &inputs.gbuffer.normal)
+        inputs
+            .bind(frame.pass("vpl_light", &self.pipeline))
             .read("vpl_uniforms", &set.uniforms)
             .read("vpls", &vpls)
             .write("vpl_light", &self.light)
-            .push(&if vpl.is_some() { weight } else { 0.0 });
-        inputs.tracer.bind(pass).dispatch_over(self.light.extent())
+            .push(&if vpl.is_some() { weight } else { 0.0 })
+            .dispatch_over(self.light.extent())
     }
 }
 
 fn light(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    storage_image(device, "vpl_light", vk::Format::R32G32B32A32_SFLOAT, extent)
+    storage_image(device, "vpl_light", vk::Format::R16G16B16A16_SFLOAT, extent)
 }

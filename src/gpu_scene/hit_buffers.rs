@@ -8,10 +8,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::geometry::corners;
-use super::scene_buffers::{Instances, SceneBuffers};
-use super::to_u32;
+use super::{Named, to_u32};
 use crate::scene::{Scene, Texture};
-use crate::vulkan::{Buffer, Device, Pass, VulkanError};
+use crate::vulkan::{Buffer, Device, VulkanError};
 
 /// A texture in the texel buffer; `TextureData` in shaders/include/textures.glsl.
 #[repr(C)]
@@ -48,15 +47,13 @@ impl HitBuffers {
         })
     }
 
-    /// Binds everything that the include names with HIT_TEXTURES.
-    pub fn bind<'f>(&'f self, pass: Pass<'f>, scene: &'f SceneBuffers, instances: &'f Instances) -> Pass<'f> {
-        pass.read("instances", &*instances.data)
-            .read("materials", &scene.materials)
-            .read("vertices", &scene.vertices)
-            .read("second_uvs", &scene.second_uvs)
-            .read("corners", &self.corners)
-            .read("textures", &self.textures)
-            .read("texture_texels", &self.texels)
+    /// Its part of the scene set.
+    pub fn resources(&self) -> [Named<'_>; 3] {
+        [
+            ("corners", (&self.corners).into()),
+            ("textures", (&self.textures).into()),
+            ("texture_texels", (&self.texels).into()),
+        ]
     }
 }
 

@@ -167,7 +167,7 @@ impl AreaLights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::passes::structs::tests::same_layout;
+    use crate::gpu_scene::structs::tests::same_layout;
     use crate::vulkan::shaders;
 
     #[test]

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::Named;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::{GpuBvh, GpuBvhUpdate};
-use crate::vulkan::{Buffer, Device, Frame, Pass, VulkanError};
+use crate::vulkan::{Buffer, Device, Frame, VulkanError};
 
 /// The two-level BVH in device memory.
 pub(super) struct SoftwareTracer {
@@ -57,11 +58,13 @@ impl SoftwareTracer {
         Ok(())
     }
 
-    /// Binds what the include names, without masks.
-    pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("bvh_nodes", &self.nodes)
-            .read("bvh_triangles", &self.triangles)
-            .read("bvh_instances", &self.instances)
-            .read("bvh_roots", &self.roots)
+    /// Its part of the scene set.
+    pub fn resources(&self) -> [Named<'_>; 4] {
+        [
+            ("bvh_nodes", (&self.nodes).into()),
+            ("bvh_triangles", (&self.triangles).into()),
+            ("bvh_instances", (&self.instances).into()),
+            ("bvh_roots", (&self.roots).into()),
+        ]
     }
 }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::Named;
 use crate::bvh::gpu::rows;
 use crate::bvh::hardware::HardwareLayout;
 use crate::bvh::{TwoLevelBvh, hardware};
 use crate::vulkan::{
-    BottomLevel, Buffer, Device, Frame, Pass, PlacedStructure, TopLevel, TriangleRun, VulkanError,
+    BottomLevel, Buffer, Device, Frame, PlacedStructure, TopLevel, TriangleRun, VulkanError,
 };
 
 /// A bottom level for each mesh, one top level, and the shader's tables.
@@ -81,10 +82,12 @@ impl HardwareTracer {
         Ok(())
     }
 
-    /// Binds what the include names, without masks.
-    pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("bvh_top_level", &self.top)
-            .read("bvh_triangles", &self.triangles)
-            .read("bvh_runs", &self.runs)
+    /// Its part of the scene set.
+    pub fn resources(&self) -> [Named<'_>; 3] {
+        [
+            ("bvh_top_level", (&self.top).into()),
+            ("bvh_triangles", (&self.triangles).into()),
+            ("bvh_runs", (&self.runs).into()),
+        ]
     }
 }

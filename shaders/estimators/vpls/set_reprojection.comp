@@ -5,7 +5,8 @@
 // the variance of its luminance.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "rounded.glsl"
+#include "scene_set.glsl"
 #define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
@@ -18,7 +19,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D coarse_irradiance;
+layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D coarse_irradiance;
 layout(set = 0, binding = 10, r32f) uniform writeonly image2D coarse_variance;
 #include "surface.glsl"
 #include "slope.glsl"
@@ -34,6 +35,6 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
-    imageStore(coarse_irradiance, texel, sum);
+    imageStore(coarse_irradiance, texel, storable(sum));
     imageStore(coarse_variance, texel, vec4(variance));
 }

@@ -1,11 +1,10 @@
-//! What a still scene does: it runs through one cycle of jitter and noise that is averaged, then it stands still.
+//! The convergence of a static scene: it runs through one cycle of jitter and noise that is averaged, then it freezes.
 //!
-//! In: whether anything has changed since the last frame. Out: the number of the frame in that cycle. It begins at the same
+//! In: whether anything has changed since the last frame. Out: the number of the frame in that cycle. The cycle begins with the same
 //! temporal set whatever came before, so that what it makes does not depend on the past.
 
 use glam::Vec2;
 
-use crate::denoise::RestFrame;
 use crate::scene::Pose;
 
 /// Positions in a pixel that antialiasing goes through.
@@ -13,21 +12,31 @@ const JITTERS: u32 = 16;
 /// Frames of noise that are averaged before those of the last positions are.
 const NOISE_FRAMES: u32 = 48;
 
-/// What the frames of a renderer take to come to rest.
+/// What the frames of a static scene go through until they freeze.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Cycle {
-    /// Of the estimator: see [`crate::estimators::Estimator::cycle`].
+pub struct Cycle {
+    /// Frames in which the estimator renders everything once.
     pub estimator: u32,
     /// Frames after which its light is that of a fresh start.
     pub settled: u32,
-    /// Whether rays are random.
+    /// Whether denoisers accumulate noise.
     pub is_noisy: bool,
     /// Whether pixels are sampled at several positions.
     pub is_jittered: bool,
 }
 
+/// A frame of a static scene. A denoiser begins another history at the first, which depends on nothing before, and shows that in
+/// the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StaticFrame {
+    /// Its number, from 0.
+    pub index: u32,
+    /// Whether that history is shown from now on.
+    pub shown: bool,
+}
+
 impl Cycle {
-    /// All of them.
+    /// The length of the cycle, frames.
     pub fn frames(&self) -> u64 {
         u64::from(self.settling() + JITTERS)
     }
@@ -38,32 +47,32 @@ impl Cycle {
     }
 }
 
-/// Counts frames, and those at rest.
+/// Counts frames, and those of a static scene.
 #[derive(Default)]
-pub(super) struct RestClock {
+pub struct ConvergenceClock {
     frame: u64,
     last: Option<Pose>,
     /// The frame in which the cycle began.
     begun: Option<u64>,
 }
 
-/// Where a frame stands.
+/// The place of a frame in the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct FrameClock {
+pub struct FrameClock {
     /// Number of the frame.
     pub frame: u64,
-    /// The same in a still scene; none while anything changes.
+    /// The number of the frame in the cycle of a static scene; none while anything changes.
     rest: Option<u32>,
     cycle: Cycle,
 }
 
-impl RestClock {
+impl ConvergenceClock {
     /// Number of the next frame.
     pub fn frame(&self) -> u64 {
         self.frame
     }
 
-    /// Something else than the pose has changed.
+    /// Begins the cycle anew: something else than the pose has changed.
     pub fn disturb(&mut self) {
         self.last = None;
         self.begun = None;
@@ -95,17 +104,22 @@ impl FrameClock {
         (place < JITTERS).then_some(place)
     }
 
-    /// Whether the cycle is over, and nothing is drawn any more that is random.
+    /// Whether this is the last of the frames whose pictures are averaged.
+    pub fn is_last_averaged(&self) -> bool {
+        self.averaged() == Some(JITTERS - 1)
+    }
+
+    /// Whether the cycle is over, and nothing random is sampled any more.
     pub fn is_frozen(&self) -> bool {
         self.rest.is_some_and(|rest| rest >= self.cycle.settling() + JITTERS)
     }
 
-    /// What denoisers are told; none while anything changes.
-    pub fn rest(&self) -> Option<RestFrame> {
+    /// The frame's place in the static scene as denoisers count it; none while anything changes.
+    pub fn static_frame(&self) -> Option<StaticFrame> {
         let rest = self.rest.filter(|_| self.cycle.is_noisy)?;
         // What rays see of the estimator's light may be of the past before.
         let index = rest.checked_sub(self.cycle.settled)?;
-        Some(RestFrame { index, shown: index >= NOISE_FRAMES })
+        Some(StaticFrame { index, shown: index >= NOISE_FRAMES })
     }
 
     /// Number of the frame in the sequence of random numbers.
@@ -153,9 +167,9 @@ mod tests {
     #[test]
     fn the_cycle_begins_with_the_first_set_and_ends() {
         let [pose, moved] = poses();
-        let mut clock = RestClock::default();
+        let mut clock = ConvergenceClock::default();
         let fresh: Vec<FrameClock> = (0..30).map(|_| clock.next(&pose, CYCLE)).collect();
-        let mut clock = RestClock::default();
+        let mut clock = ConvergenceClock::default();
         clock.next(&pose, CYCLE);
         let moving = clock.next(&moved, CYCLE);
         assert_eq!((moving.rest, moving.averaged()), (None, None));
@@ -175,7 +189,7 @@ mod tests {
     #[test]
     fn jitter_covers_the_pixel_evenly() {
         let [pose, _] = poses();
-        let mut clock = RestClock::default();
+        let mut clock = ConvergenceClock::default();
         let cycle = Cycle { settled: 16, ..CYCLE };
         let jitters: Vec<Vec2> = (0..16).map(|_| clock.next(&pose, cycle).jitter()).collect();
         assert!(jitters[0].length() < 0.05, "{}", jitters[0]);

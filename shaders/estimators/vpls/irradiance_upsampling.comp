@@ -2,11 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
-// coarse_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves.
+// set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves.
 // Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene.glsl"
+#include "rounded.glsl"
+#include "scene_set.glsl"
 #define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
@@ -19,8 +20,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 9, rgba32f) uniform readonly image2D coarse_irradiance;
-layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D irradiance;
+layout(set = 0, binding = 9, rgba16f) uniform readonly image2D coarse_irradiance;
+layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D irradiance;
 #include "surface.glsl"
 #include "slope.glsl"
 
@@ -69,5 +70,5 @@ void main() {
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
-    imageStore(irradiance, pixel, sum);
+    imageStore(irradiance, pixel, storable(sum));
 }

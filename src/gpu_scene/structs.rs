@@ -167,7 +167,7 @@ pub struct OverlayLine {
 #[cfg(test)]
 pub(crate) mod tests {
 
-    use super::super::cast_rays::GpuRay;
+    use crate::passes::cast_rays::GpuRay;
     use super::super::geometry::Vertex;
     use super::super::hit_buffers::TextureData;
     use super::TextureUseData as TextureUse;
@@ -192,7 +192,7 @@ pub(crate) mod tests {
     /// Compares a struct with the one of the same name in a shader.
     macro_rules! same_layout {
         ($spirv:expr, $kind:ident, $($member:ident),+) => {
-            $crate::passes::structs::tests::check(
+            $crate::gpu_scene::structs::tests::check(
                 $spirv,
                 stringify!($kind),
                 &[$((stringify!($member), std::mem::offset_of!($kind, $member))),+],
@@ -205,7 +205,7 @@ pub(crate) mod tests {
     #[test]
     fn the_uniforms_have_the_layout_of_the_shaders() {
         same_layout!(
-            shaders::COMBINE_COMP,
+            shaders::RADIANCE_COMP,
             FrameUniforms,
             view_projection,
             previous_view_projection,

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::Named;
 use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuAlphaMasks;
 use crate::bvh::sheets::GpuSheets;
 use crate::vulkan::shaders::PerTracer;
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Pass, VulkanError};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, VulkanError};
 
 /// One of the tracers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub enum RayTracer {
 }
 
 impl RayTracer {
-    /// The tracers that a device can do with.
+    /// The tracers that a device supports.
     pub fn offered(device: &Device) -> &'static [Self] {
         if device.info().ray_query { &[Self::Software, Self::Hardware] } else { &[Self::Software] }
     }
@@ -107,10 +108,18 @@ impl Tracer {
         })
     }
 
-    /// Goes on with sheets of other materials. No frame is on its way.
-    pub fn replace_sheets(&mut self, device: &Arc<Device>, sheets: &GpuSheets) -> Result<(), VulkanError> {
-        self.sheets = Buffer::with_data(device, "bvh_sheets", &sheets.sheets)?;
-        Ok(())
+    /// Uploads sheets of other materials, for [`Self::replace_sheets`].
+    pub(super) fn sheet_materials(
+        &self,
+        device: &Arc<Device>,
+        sheets: &GpuSheets,
+    ) -> Result<Buffer, VulkanError> {
+        Buffer::with_data(device, "bvh_sheets", &sheets.sheets)
+    }
+
+    /// Goes on with sheets of other materials. No frame is in flight.
+    pub(super) fn replace_sheets(&mut self, sheets: Buffer) {
+        self.sheets = sheets;
     }
 
     /// Which shaders it is for: pipelines must be made of them.
@@ -134,22 +143,20 @@ impl Tracer {
         }
     }
 
-    /// Binds everything that the include names.
-    pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        let pass = self
-            .bind_masks(pass)
-            .read("bvh_triangle_uvs", &self.triangle_uvs)
-            .read("bvh_sheet_triangles", &self.sheet_triangles)
-            .read("bvh_sheets", &self.sheets)
-            .read("bvh_sheet_texels", &self.sheet_texels);
+    /// Its part of the scene set: all that shaders/include/tracer.glsl reads.
+    pub fn resources(&self) -> Vec<Named<'_>> {
+        let mut resources: Vec<Named<'_>> = vec![
+            ("bvh_masks", (&self.masks).into()),
+            ("bvh_mask_bits", (&self.mask_bits).into()),
+            ("bvh_triangle_uvs", (&self.triangle_uvs).into()),
+            ("bvh_sheet_triangles", (&self.sheet_triangles).into()),
+            ("bvh_sheets", (&self.sheets).into()),
+            ("bvh_sheet_texels", (&self.sheet_texels).into()),
+        ];
         match &self.structure {
-            Structure::Software(tracer) => tracer.bind(pass),
-            Structure::Hardware(tracer) => tracer.bind(pass),
+            Structure::Software(tracer) => resources.extend(tracer.resources()),
+            Structure::Hardware(tracer) => resources.extend(tracer.resources()),
         }
-    }
-
-    /// Binds the alpha masks only, for raster passes.
-    pub fn bind_masks<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.read("bvh_masks", &self.masks).read("bvh_mask_bits", &self.mask_bits)
+        resources
     }
 }

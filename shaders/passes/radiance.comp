@@ -3,13 +3,14 @@
 // Direct and indirect light together. Out: radiance towards the eye; a: 1 where a surface is.
 #include "frame.glsl"
 #include "radiance.glsl"
+#include "rounded.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D radiance;
+layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D radiance;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    imageStore(radiance, pixel, radiance_at(pixel));
+    imageStore(radiance, pixel, storable(radiance_at(pixel)));
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4};
 
 use crate::scene::{Environment, EnvironmentMap, Pose, Scene};
-use crate::vulkan::{Device, Image, VulkanError, vk};
+use crate::vulkan::{Buffer, Device, Image, Sampler, VulkanError, vk};
 
 /// Largest value of `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`.
 const LARGEST: f32 = 65_408.0;
@@ -16,6 +16,10 @@ const LARGEST: f32 = 65_408.0;
 pub struct EnvironmentTexture {
     /// One white texel where there is no map.
     pub image: Image,
+    /// Repeats to the sides, ends at the poles.
+    pub sampler: Sampler,
+    /// The cumulative distribution of the map's luminance, rows first; a single 0 without a map.
+    pub distribution: Buffer,
     map: Option<Arc<EnvironmentMap>>,
     /// Texels hold radiance over this power of two.
     scale: f32,
@@ -31,7 +35,15 @@ impl EnvironmentTexture {
         let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();
         let level = (width as u32, height as u32, bytemuck::cast_slice(&packed).to_vec());
         let format = vk::Format::E5B9G9R9_UFLOAT_PACK32;
-        Ok(Self { image: Image::with_levels(device, "environment", format, &[level])?, map, scale })
+        let distribution = map.as_ref().map_or_else(|| vec![0.0], |map| map.distribution());
+        let modes = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
+        Ok(Self {
+            image: Image::with_levels(device, "environment", format, &[level])?,
+            sampler: Sampler::for_textures(device, modes)?,
+            distribution: Buffer::with_data(device, "environment_distribution", &distribution)?,
+            map,
+            scale,
+        })
     }
 
     /// Whether this is the map of an environment.

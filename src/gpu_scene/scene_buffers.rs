@@ -11,7 +11,7 @@ use super::environment::EnvironmentTexture;
 use super::geometry::{Geometry, first_triangles};
 use super::skip::{LastInputs, Version};
 use super::structs::{InstanceData, MaterialData, TextureUseData};
-use super::to_u32;
+use super::{Named, to_u32};
 use crate::bvh::gpu::rows;
 use crate::scene::{LightKind, Material, Pose, Scene, TextureUse, Wrap};
 use crate::vulkan::{
@@ -129,6 +129,18 @@ impl SceneBuffers {
             self.environment = environment;
         }
         self.version = self.version.next();
+    }
+
+    /// Its part of the scene set.
+    pub fn resources(&self) -> [Named<'_>; 5] {
+        let environment = &self.environment;
+        [
+            ("materials", (&self.materials).into()),
+            ("vertices", (&self.vertices).into()),
+            ("second_uvs", (&self.second_uvs).into()),
+            ("environment_map", (&environment.image, &environment.sampler).into()),
+            ("environment_distribution", (&environment.distribution).into()),
+        ]
     }
 
     /// The textures of each material, for the G-buffer's pipeline.

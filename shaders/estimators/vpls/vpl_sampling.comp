@@ -12,7 +12,6 @@
 #include "representative.glsl"
 #define RAY_COUNTER_BINDING 8
 #include "ray_counter.glsl"
-#define TRACER_BINDING 9
 #include "tracer.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

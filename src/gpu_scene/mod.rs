@@ -1,0 +1,200 @@
+//! The scene on the device: the one descriptor set that rays and shading read.
+//!
+//! In: a scene, its BVH and where everything stands. Out: set 1 of every pass that casts rays or shades what these hit, the same
+//! for all methods and always complete (shaders/include/scene_set.glsl); and what raster draws.
+
+pub mod area_lights;
+pub mod clusters;
+pub mod environment;
+pub mod geometry;
+pub mod hit_buffers;
+mod lights;
+pub mod noise;
+pub mod scene_buffers;
+pub mod skip;
+pub mod structs;
+pub mod tracer;
+mod tracer_hardware;
+mod tracer_software;
+
+use std::sync::Arc;
+
+use crate::bvh::TwoLevelBvh;
+use crate::scene::{Pose, Scene};
+use crate::vulkan::{Buffer, Device, Frame, Resource, SharedSet, Upload, VulkanError};
+use area_lights::{AreaLights, UploadedAreaLights};
+use environment::EnvironmentTexture;
+use hit_buffers::HitBuffers;
+pub use lights::lights_of;
+use scene_buffers::{Instances, SceneBuffers};
+use skip::{LastInputs, Version};
+use structs::LightData;
+use tracer::{RayTracer, Tracer, TracerVariant};
+
+/// A resource of the scene set under its name in shaders/include/scene_set.glsl.
+pub type Named<'a> = (&'static str, Resource<'a>);
+
+/// A scene in device memory.
+pub struct GpuScene {
+    buffers: SceneBuffers,
+    hits: HitBuffers,
+    noise: Buffer,
+    tracer: Tracer,
+    area_lights: AreaLights,
+    /// The point, spot and directional lights of the last frame.
+    lights: LastInputs<Vec<LightData>>,
+}
+
+/// What a frame has uploaded: instances and lights as they stand.
+pub struct FrameScene {
+    instances: Instances,
+    lights: Upload,
+    area_lights: UploadedAreaLights,
+    /// How many point, spot and directional lights there are.
+    pub light_count: u32,
+    /// How many area lights there are.
+    pub area_light_count: u32,
+    /// Tells one state of the scene from the next.
+    pub versions: SceneVersions,
+}
+
+/// Tells one content of the scene's parts from the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneVersions {
+    /// Of the instances, where they stand and how their emission is scaled.
+    pub instances: Version,
+    /// Of the materials and the environment's map.
+    pub materials: Version,
+    /// Of the point, spot and directional lights.
+    pub lights: Version,
+}
+
+impl GpuScene {
+    /// Uploads what does not move, and makes the tracer.
+    ///
+    /// # Errors
+    /// Where the device lacks memory, or does not support the tracer.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        tracer: RayTracer,
+        bvh: &TwoLevelBvh,
+    ) -> Result<Self, VulkanError> {
+        Ok(Self {
+            buffers: SceneBuffers::new(device, scene)?,
+            hits: HitBuffers::new(device, scene)?,
+            noise: noise::table(device)?,
+            tracer: Tracer::new(device, tracer, bvh)?,
+            area_lights: AreaLights::default(),
+            lights: LastInputs::default(),
+        })
+    }
+
+    /// What raster draws.
+    pub fn buffers(&self) -> &SceneBuffers {
+        &self.buffers
+    }
+
+    /// The tracer.
+    pub fn tracer(&self) -> &Tracer {
+        &self.tracer
+    }
+
+    /// Which shaders the scene needs.
+    pub fn variant(&self) -> TracerVariant {
+        self.tracer.variant()
+    }
+
+    /// Replaces the tracer. No frame is in flight.
+    pub fn set_tracer(&mut self, tracer: Tracer) {
+        self.tracer = tracer;
+    }
+
+    /// Makes what differs for a scene that is built like this one: materials, and the environment if its map is another one.
+    ///
+    /// # Errors
+    /// Where the device lacks memory.
+    pub fn changes_for(
+        &self,
+        device: &Arc<Device>,
+        scene: &Scene,
+        bvh: &TwoLevelBvh,
+    ) -> Result<SceneChanges, VulkanError> {
+        let (materials, environment) = self.buffers.for_scene(device, scene)?;
+        let sheets = bvh.sheets_of(scene);
+        Ok(SceneChanges { materials, environment, sheet_materials: self.tracer.sheet_materials(device, &sheets)? })
+    }
+
+    /// Goes on with them. No frame is in flight.
+    pub fn apply(&mut self, changes: SceneChanges) {
+        self.buffers.replace(changes.materials, changes.environment);
+        self.tracer.replace_sheets(changes.sheet_materials);
+    }
+
+    /// Uploads where everything stands in `pose`, and brings the BVH on the device up to date. With `soft` shadows lights keep
+    /// their extent.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        (scene, pose): (&Scene, &Pose),
+        bvh: &TwoLevelBvh,
+        soft: bool,
+    ) -> Result<FrameScene, VulkanError> {
+        self.tracer.update(frame, bvh)?;
+        let instances = self.buffers.upload_instances(frame, scene, pose)?;
+        let lights = lights_of(pose, soft);
+        let uploaded_lights = frame.upload(&lights)?;
+        let light_count = to_u32(lights.len());
+        self.lights.differ(lights);
+        self.area_lights.update(scene, pose);
+        Ok(FrameScene {
+            versions: SceneVersions {
+                instances: instances.version,
+                materials: self.buffers.version,
+                lights: self.lights.version(),
+            },
+            instances,
+            lights: uploaded_lights,
+            area_lights: self.area_lights.upload(frame)?,
+            light_count,
+            area_light_count: self.area_lights.count(),
+        })
+    }
+
+    /// Writes the scene set of a frame.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn set<'a>(
+        &'a self,
+        frame: &mut Frame<'_>,
+        uploaded: &'a FrameScene,
+    ) -> Result<SharedSet<'a>, VulkanError> {
+        let mut resources: Vec<Named<'a>> = vec![
+            ("instances", (&*uploaded.instances.data).into()),
+            ("lights", (&uploaded.lights).into()),
+            ("area_lights", (&uploaded.area_lights.lights).into()),
+            ("emitters", (&uploaded.area_lights.emitters).into()),
+            ("blue_noise", (&self.noise).into()),
+        ];
+        resources.extend(self.buffers.resources());
+        resources.extend(self.hits.resources());
+        resources.extend(self.tracer.resources());
+        frame.shared_set(resources)
+    }
+}
+
+/// What differs for another scene of the same geometry.
+pub struct SceneChanges {
+    materials: Buffer,
+    environment: Option<EnvironmentTexture>,
+    sheet_materials: Buffer,
+}
+
+/// A count as shaders take it.
+pub(crate) fn to_u32(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
