@@ -278,7 +278,7 @@ impl Renderer {
 
     /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
     fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
-        let soft = self.settings.direct == Direct::Rays;
+        let soft = self.settings.direct == Direct::Soft;
         if soft {
             self.area_lights.update(&self.scene, pose);
         }

@@ -30,9 +30,9 @@ pub(super) struct DirectPasses {
 
 /// What casts the shadows of lights.
 pub(super) enum ShadowPasses {
-    /// `--direct maps`.
+    /// `--direct hard`.
     Maps(Box<DirectShadowsPass>),
-    /// `--direct rays`.
+    /// `--direct soft`.
     Rays(Box<SoftShadows>),
 }
 
@@ -56,12 +56,12 @@ impl DirectPasses {
     ) -> Result<Self, VulkanError> {
         let sheets = hits.filter(|_| tracer.sheets);
         let sheets = sheets.map(|hits| SheetsPass::new(device, tracer, Arc::clone(hits), settings.size));
-        let soft = settings.direct == Direct::Rays;
+        let soft = settings.direct == Direct::Soft;
         let shadows = match settings.direct {
-            Direct::Maps => {
+            Direct::Hard => {
                 ShadowPasses::Maps(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
             }
-            Direct::Rays => ShadowPasses::Rays(Box::new(SoftShadows::new(device, tracer, settings)?)),
+            Direct::Soft => ShadowPasses::Rays(Box::new(SoftShadows::new(device, tracer, settings)?)),
         };
         let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
         Ok(Self { shadows, shading, sheets: sheets.transpose()? })

@@ -68,7 +68,7 @@ impl SharedPasses {
             None if mirrored || tracer.sheets => Some(Arc::new(HitBuffers::new(device, scene)?)),
             None => None,
         };
-        let is_noisy = mirrored || settings.direct == Direct::Rays;
+        let is_noisy = mirrored || settings.direct == Direct::Soft;
         let reflections = hits.as_ref().filter(|_| mirrored);
         let reflections =
             reflections.map(|hits| Reflections::new(device, tracer, Arc::clone(hits), settings));

@@ -60,7 +60,7 @@ impl Renderer {
             noise_frame: clock.noise_frame(),
             jitter,
             seed: self.settings.seed,
-            area_light_count: if self.settings.direct == Direct::Rays { self.area_lights.count() } else { 0 },
+            area_light_count: if self.settings.direct == Direct::Soft { self.area_lights.count() } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
             ..FrameUniforms::default()
         };
