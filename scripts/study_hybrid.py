@@ -145,9 +145,9 @@ def layer_of(name):
 
 
 def effect_options(name):
-    kind = ["--direct", "maps", "--reflections", "rays", "--reflection-roughness", 1]
+    kind = ["--direct", "hard", "--reflections", "rays", "--reflection-roughness", 1]
     if layer_of(name) == "shadow":
-        kind = ["--direct", "rays", "--reflections", "none"]
+        kind = ["--direct", "soft", "--reflections", "none"]
     return ["--antialiasing", "none", "--indirect", "none", *kind]
 
 

@@ -24,7 +24,7 @@ MOTIONS = {"still": "still", "camera": "the camera strafes", "things": "a thing 
 
 HEAD = """# Soft shadows and reflections
 
-`--direct rays` and `--reflections rays`, denoised by SVGF (`src/denoise/`), against the path tracer. The scenes are after those of
+`--direct soft` and `--reflections rays`, denoised by SVGF (`src/denoise/`), against the path tracer. The scenes are after those of
 P. Granja, *Real Time Hybrid Rendering Techniques*, 2021, whose models are not public: **boxes** ever farther from a mirror, an
 **icosphere** of wires above a glossy floor, **sponza** with glossier stone, a row of thin **pillars**, large plain **objects**
 (`scripts/hybrid_scenes.py`). Compared is the light of the effect alone, in linear values: the layer `reflected` or `shadow` of

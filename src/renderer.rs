@@ -270,6 +270,18 @@ impl Renderer {
         Ok(())
     }
 
+<<<<<<< HEAD
+=======
+    /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
+    fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
+        let soft = self.settings.direct == Direct::Soft;
+        if soft {
+            self.area_lights.update(&self.scene, pose);
+        }
+        lights_of(pose, soft)
+    }
+
+>>>>>>> b9d6383
     /// The frame's work on the CPU, while the device draws the frame before.
     fn update(&mut self, pose: &Pose, frame: u64) -> Pending {
         let begun = Instant::now();

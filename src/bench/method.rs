@@ -1,4 +1,4 @@
-//! Methods to light a scene, by short names: `vpls`, `vpls@T=1`, `none@direct=rays`, `reference@4`.
+//! Methods to light a scene, by short names: `vpls`, `vpls@T=1`, `none@direct=soft`, `reference@4`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,7 +16,7 @@ const REFERENCE: &str = "reference";
 const ALL: &str = "all";
 /// What [`ALL`] stands for, besides each estimator as it is.
 const VARIANTS: [&str; 6] =
-    ["vpls@T=1", "vpls@T=4", "vpls@direct=rays", "reference@1", "reference@4", "reference@16"];
+    ["vpls@T=1", "vpls@T=4", "vpls@direct=soft", "reference@1", "reference@4", "reference@16"];
 
 /// What lights the pictures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,10 +146,10 @@ mod tests {
 
     #[test]
     fn names_state_settings() {
-        let one = method("vpls@T=1@direct=rays");
+        let one = method("vpls@T=1@direct=soft");
         let settings = Settings::from_table(one.settings()).unwrap();
-        assert_eq!((settings.vpl.temporal_sets, settings.direct), (1, crate::settings::Direct::Rays));
-        assert_eq!((one.samples(), one.to_string().as_str()), (None, "vpls@T=1@direct=rays"));
+        assert_eq!((settings.vpl.temporal_sets, settings.direct), (1, crate::settings::Direct::Soft));
+        assert_eq!((one.samples(), one.to_string().as_str()), (None, "vpls@T=1@direct=soft"));
         assert_eq!(method("reference@4").samples(), Some(4));
         assert_eq!(Method::of(&Settings::default()), method("vpls"));
     }

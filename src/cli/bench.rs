@@ -60,7 +60,7 @@ pub(super) struct BenchOptions {
     /// that of --against, or 2.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rounds: Option<u32>,
-    /// Methods to measure side by side, such as vpls,vpls@T=1,none@direct=rays,reference@4: an estimator with settings, or the
+    /// Methods to measure side by side, such as vpls,vpls@T=1,none@direct=soft,reference@4: an estimator with settings, or the
     /// path tracer with samples a pixel; all: each of them. Otherwise that of the settings.
     #[arg(long, value_name = "METHOD", value_delimiter = ',', value_parser = Method::list)]
     pub methods: Vec<Vec<Method>>,

@@ -23,7 +23,7 @@ pub const VIEWS: [View; 10] = [
     View {
         name: "shadow",
         label: "Soft shadows",
-        about: "Light of all lights that arrives, over what would without shadows (--direct rays)",
+        about: "Light of all lights that arrives, over what would without shadows (--direct soft)",
     },
     View { name: "shadow-raw", label: "Soft shadows, raw", about: "The same as this frame's rays have it" },
     View {

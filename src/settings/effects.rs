@@ -26,9 +26,9 @@ pub enum Noise {
     White,
 }
 
-/// Settings of `--direct rays` and `--reflections rays`.
+/// Settings of `--direct soft` and `--reflections rays`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, clap::Args)]
-#[command(next_help_heading = "Soft shadows and reflections (--direct rays, --reflections rays)")]
+#[command(next_help_heading = "Soft shadows and reflections (--direct soft, --reflections rays)")]
 #[group(id = "settings.effects")]
 pub struct EffectSettings {
     /// What denoises soft shadows and reflections. Svgf: about six passes each; none: noise, at no cost.

@@ -30,15 +30,15 @@ pub enum Indirect {
     None,
 }
 
-/// Where direct light comes from.
+/// Shadows of direct light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direct {
-    /// A map of hard shadows for each light: lights have no extent, area lights shine by virtual point lights.
+    /// One ray to each light, which has no extent; area lights shine by virtual point lights.
     #[default]
-    Maps,
-    /// Rays to random points of the lights, denoised: soft shadows.
-    Rays,
+    Hard,
+    /// One ray to a random point of the lights, denoised.
+    Soft,
 }
 
 /// Where the light comes from that glossy surfaces mirror.
@@ -90,9 +90,9 @@ pub struct Settings {
     /// What computes indirect light. Vpls: virtual point lights; none: direct light only, which costs least.
     #[arg(long, value_enum, default_value = "vpls")]
     pub indirect: Indirect,
-    /// Where direct light comes from. Maps: one ray a light, hard shadows; rays: one ray a pixel, soft shadows of lights with an
-    /// extent, which are denoised.
-    #[arg(long, value_enum, default_value = "maps")]
+    /// Shadows of direct light. Hard: one ray a light; soft: one ray a pixel, soft shadows of lights with an extent, which are
+    /// denoised.
+    #[arg(long, value_enum, default_value = "hard")]
     pub direct: Direct,
     /// What glossy surfaces mirror. Rays: one or two rays a pixel, denoised; none: their mean irradiance; auto: rays in scenes
     /// with glossy surfaces.
@@ -124,7 +124,7 @@ pub struct Settings {
     #[arg(long, value_name = "EV|auto", value_parser = text::parse_exposure, allow_negative_numbers = true, default_value = "auto")]
     #[serde(serialize_with = "text::exposure_or_auto")]
     pub exposure: Exposure,
-    /// Of `--direct rays` and `--reflections rays`.
+    /// Of `--direct soft` and `--reflections rays`.
     #[command(flatten)]
     #[serde(flatten)]
     pub effects: EffectSettings,
@@ -142,7 +142,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             indirect: Indirect::Vpls,
-            direct: Direct::Maps,
+            direct: Direct::Hard,
             reflections: Reflections::Auto,
             antialiasing: Antialiasing::Taa,
             bounces: 2,

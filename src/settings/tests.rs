@@ -111,6 +111,7 @@ fn invalid_values_name_their_option() {
         (["--time-step", "1/"], "must be seconds"),
         (["--exposure", "bright"], "must be auto or stops"),
         (["--tracer", "magic"], "possible values: auto, software, hardware"),
+        (["--direct", "maps"], "possible values: hard, soft"),
         (["--missing-sets", "magic"], "possible values: scale, dark"),
     ] {
         let message = rejected(&arguments);
@@ -212,7 +213,7 @@ fn settings_round_trip_through_json() {
 /// A non-default value of each option, in the syntax of the command line.
 const NON_DEFAULTS: [(&str, &str); 38] = [
     ("indirect", "none"),
-    ("direct", "rays"),
+    ("direct", "soft"),
     ("reflections", "none"),
     ("antialiasing", "none"),
     ("bounces", "3"),

@@ -8,10 +8,10 @@ use crate::window::{Demo, is_action};
 
 /// Menu in the bar, method, and the setting that it is of.
 const METHODS: [(&str, &str, &str); 6] = [
-    ("method of direct light", "rays", "direct"),
+    ("method of direct light", "soft", "direct"),
     ("method of reflections", "rays", "reflections"),
     ("method", "none", "indirect"),
-    ("method of direct light", "maps", "direct"),
+    ("method of direct light", "hard", "direct"),
     ("method", "vpls", "indirect"),
     ("method of reflections", "none", "reflections"),
 ];

@@ -174,7 +174,7 @@ fn mirrors_stand_still_and_depend_on_no_past() {
     let rest = scene.pose(0.0);
     let (smooth, frames) = all_in_use();
     let effects = EffectSettings { denoise: Denoise::None, noise: Noise::White, ..smooth.effects };
-    let (direct, antialiasing) = (Direct::Maps, Antialiasing::None);
+    let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
     let rough = Settings { direct, antialiasing, effects, ..smooth.clone() };
     for (what, settings) in [("denoised", smooth), ("not denoised", rough)] {
         let mut fresh = lab.renderer(&scene, &settings, &rest);
@@ -218,7 +218,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
             (settings.effects.reflection_depth, settings.effects.noise) = (1, Noise::White);
         }),
         ("limit and shadows", |settings| {
-            (settings.effects.reflection_roughness, settings.direct) = (0.2, Direct::Maps);
+            (settings.effects.reflection_roughness, settings.direct) = (0.2, Direct::Hard);
         }),
         ("denoiser", |settings| settings.effects.denoise = Denoise::None),
     ];
@@ -243,7 +243,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(lab) = Lab::open() else { return };
     let (base, frames) = all_in_use();
-    let base = Settings { direct: Direct::Maps, antialiasing: Antialiasing::None, ..base };
+    let base = Settings { direct: Direct::Hard, antialiasing: Antialiasing::None, ..base };
     let reflected = |roughness: f32, reflections, reflection_roughness| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
         let effects = EffectSettings { denoise: Denoise::None, reflection_roughness, ..base.effects };

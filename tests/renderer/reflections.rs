@@ -73,7 +73,7 @@ pub(super) const SKY: &str = "[environment]\ncolour = [0.2, 0.3, 0.5]\n";
 
 pub(super) fn settings(denoise: Denoise) -> Settings {
     let effects = EffectSettings { denoise, reflection_roughness: 1.0, ..EffectSettings::default() };
-    let (direct, reflections) = (Direct::Rays, Reflections::Rays);
+    let (direct, reflections) = (Direct::Soft, Reflections::Rays);
     Settings { size: SIZE, indirect: Indirect::None, direct, reflections, effects, ..plain() }
 }
 
@@ -95,8 +95,8 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", "");
     let pose = scene.pose(0.0);
     // Area lights take random points, so they are left out.
-    let maps = Settings { direct: Direct::Maps, ..settings(Denoise::None) };
-    let mut renderer = lab.renderer(&scene, &maps, &pose);
+    let hard = Settings { direct: Direct::Hard, ..settings(Denoise::None) };
+    let mut renderer = lab.renderer(&scene, &hard, &pose);
     renderer.render(&pose).unwrap();
     let picture = renderer.read_picture(true).unwrap();
     let (reflected, instance) = (layer(&picture, "reflected"), channel(&picture, "instance"));
@@ -107,7 +107,7 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     let (eye, target) = (flip(pose.camera.eye), flip(pose.camera.target));
     behind.camera = Camera { eye, target, near: 0.01, far: 100.0, ..pose.camera };
     behind.instances[0] = Affine3A::from_translation(Vec3::Y * 1e3) * behind.instances[0];
-    let plain = Settings { reflections: Reflections::None, ..maps };
+    let plain = Settings { reflections: Reflections::None, ..hard };
     let mut seen = lab.renderer(&scene, &plain, &behind);
     seen.render(&behind).unwrap();
     let seen = colour(&seen);

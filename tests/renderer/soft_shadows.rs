@@ -115,7 +115,7 @@ fn settings(denoise: Denoise) -> Settings {
     Settings {
         size: SIZE,
         indirect: Indirect::None,
-        direct: Direct::Rays,
+        direct: Direct::Soft,
         effects: EffectSettings { denoise, ..EffectSettings::default() },
         ..plain()
     }
@@ -210,21 +210,21 @@ fn area_lights_count_once_beside_reflections() {
 }
 
 #[test]
-fn lights_without_extent_have_the_shadows_of_maps() {
+fn lights_without_extent_have_hard_shadows() {
     let Some(lab) = Lab::open() else { return };
     let sharp = |light: &str| light.split("\nradius").next().unwrap().to_owned();
     for light in [sun(0), sharp(BULB), sharp(SPOT)] {
         let scene = yard(&light);
-        let [maps, rays] = [Direct::Maps, Direct::Rays].map(|kind| {
+        let [hard, soft] = [Direct::Hard, Direct::Soft].map(|kind| {
             direct(&lab.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
         });
-        let dark = maps.iter().filter(|pixel| **pixel == [0.0; 3]).count();
-        assert!((100..maps.len() - 100).contains(&dark), "{dark} pixels are dark");
+        let dark = hard.iter().filter(|pixel| **pixel == [0.0; 3]).count();
+        assert!((100..hard.len() - 100).contains(&dark), "{dark} pixels are dark");
         let differs =
             |(a, b): &(&[f32; 3], &[f32; 3])| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-3 * a[i].max(b[i]));
-        let off = maps.iter().zip(&rays).filter(differs).count();
+        let off = hard.iter().zip(&soft).filter(differs).count();
         // Where rounding decides whether a ray passes an edge.
-        assert!(off <= maps.len() / 1000, "{off} pixels differ");
+        assert!(off <= hard.len() / 1000, "{off} pixels differ");
     }
 }
 
@@ -306,12 +306,12 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     let rest = scene.pose(0.0);
     for (direct, antialiasing, denoise) in [
-        (Direct::Rays, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Rays, Antialiasing::Taa, Denoise::None),
-        (Direct::Rays, Antialiasing::None, Denoise::Svgf),
-        (Direct::Rays, Antialiasing::None, Denoise::None),
-        (Direct::Maps, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Maps, Antialiasing::None, Denoise::None),
+        (Direct::Soft, Antialiasing::Taa, Denoise::Svgf),
+        (Direct::Soft, Antialiasing::Taa, Denoise::None),
+        (Direct::Soft, Antialiasing::None, Denoise::Svgf),
+        (Direct::Soft, Antialiasing::None, Denoise::None),
+        (Direct::Hard, Antialiasing::Taa, Denoise::Svgf),
+        (Direct::Hard, Antialiasing::None, Denoise::None),
     ] {
         let what = format!("{direct:?}, {antialiasing:?}, {denoise:?}");
         let (settings, frames) = all_in_use(direct, antialiasing, denoise);

@@ -204,7 +204,7 @@ fn every_view_shows_something_of_its_own() {
         // Those of effects, which come last, show what is in use.
         let is_effect = VIEWS.iter().any(|view| view.name == buffer);
         let settings = if is_effect {
-            Settings { direct: Direct::Rays, reflections: Reflections::Rays, ..settings(4, 2) }
+            Settings { direct: Direct::Soft, reflections: Reflections::Rays, ..settings(4, 2) }
         } else {
             settings(4, 2)
         };

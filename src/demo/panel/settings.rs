@@ -40,7 +40,7 @@ impl SettingsDocs {
 
 /// Whether the method that a group belongs to is in use.
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
-    let has_effects = settings.direct == Direct::Rays || settings.reflections != Reflections::None;
+    let has_effects = settings.direct == Direct::Soft || settings.reflections != Reflections::None;
     match group.table.as_str() {
         "settings.vpls" => settings.indirect == Indirect::Vpls,
         "settings.effects" => has_effects,
@@ -311,7 +311,7 @@ mod tests {
         assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
         let other = Settings {
             indirect: Indirect::None,
-            direct: Direct::Rays,
+            direct: Direct::Soft,
             reflections: Reflections::Rays,
             antialiasing: Antialiasing::None,
             bounces: 7,

@@ -193,7 +193,7 @@ impl VplManager {
             invalidations: vec![None; layout.slots as usize],
             vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
-            area_lights_shine: settings.direct != Direct::Rays,
+            area_lights_shine: settings.direct != Direct::Soft,
             layout,
             changes,
             placement,
