@@ -183,16 +183,15 @@ impl Renderer {
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
+        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock);
 
         // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
         if let Some(times) = finished {
             self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
         }
-        let soft = self.settings.direct == Direct::Soft;
-        let uploaded = &self.gpu_scene.upload(&mut frame, (&self.scene, pose), &self.bvh, soft)?;
+        let uploaded = &self.gpu_scene.upload(&mut frame, (&self.scene, pose), &self.bvh)?;
         let scene = &self.gpu_scene.set(&mut frame, uploaded)?;
-        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock, uploaded);
         let frame_uniforms = &frame.upload(&[*uniforms])?;
 
         // Draw the visible surfaces, and find them in the last frame.
@@ -222,7 +221,7 @@ impl Renderer {
 
         // Light them: directly, indirectly, and by what they mirror.
         let surroundings = Surroundings {
-            light_count: uploaded.light_count,
+            light_count: uniforms.light_count,
             background: uniforms.background,
             ambient: ambient(&self.settings, pose),
         };
@@ -234,6 +233,7 @@ impl Renderer {
         }
 
         // Join all light, smooth edges, and tone map.
+        let (estimator, denoiser) = (&*self.estimator, &self.indirect_denoiser);
         let (shading, reflections) = (&self.passes.direct.shading, self.passes.reflections.as_ref());
         let joined = CombineInputs {
             frame: frame_uniforms,
@@ -259,8 +259,8 @@ impl Renderer {
             exposure: self.passes.combine.exposure(),
             display,
         };
-        self.views.record(&mut frame, &*self.estimator, &shown)?;
-        if let Some(counters) = self.estimator.device_counters() {
+        self.views.record(&mut frame, estimator, &shown)?;
+        if let Some(counters) = estimator.device_counters() {
             frame.read_back(counters);
         }
         frame.submit()?;
@@ -270,22 +270,12 @@ impl Renderer {
         Ok(())
     }
 
-<<<<<<< HEAD
-=======
-    /// The lamps of the frame; area lights, too, are brought up to date where rays sample them.
-    fn update_lights(&mut self, pose: &Pose) -> Vec<LightData> {
-        let soft = self.settings.direct == Direct::Soft;
-        if soft {
-            self.area_lights.update(&self.scene, pose);
-        }
-        lights_of(pose, soft)
-    }
-
->>>>>>> b9d6383
     /// The frame's work on the CPU, while the device draws the frame before.
     fn update(&mut self, pose: &Pose, frame: u64) -> Pending {
         let begun = Instant::now();
         self.bvh.update(&pose.instances);
+        let soft = self.settings.direct == Direct::Soft;
+        self.gpu_scene.update_lights(&self.scene, pose, soft);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
         Pending { frame: self.frames_before + frame, cpu_ms, counters: self.estimator.counters() }

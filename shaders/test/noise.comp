@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The random numbers of one frame and dimension, for tests/noise.rs: two a pixel.
 #include "frame.glsl"
+#include "scene_set.glsl"
 #include "noise.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

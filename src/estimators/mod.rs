@@ -110,7 +110,7 @@ pub trait Estimator: Any + Send {
     /// # Errors
     /// Where the device fails.
     fn resolve(
-        &mut self,
+        &self,
         _frame: &mut Frame<'_>,
         _inputs: &FrameInputs<'_>,
         _denoised: &Image,

@@ -41,7 +41,7 @@ pub struct GpuScene {
     noise: Buffer,
     tracer: Tracer,
     area_lights: AreaLights,
-    /// The point, spot and directional lights of the last frame.
+    /// Point, spot and directional lights.
     lights: LastInputs<Vec<LightData>>,
 }
 
@@ -50,10 +50,6 @@ pub struct FrameScene {
     instances: Instances,
     lights: Upload,
     area_lights: UploadedAreaLights,
-    /// How many point, spot and directional lights there are.
-    pub light_count: u32,
-    /// How many area lights there are.
-    pub area_light_count: u32,
     /// Tells one state of the scene from the next.
     pub versions: SceneVersions,
 }
@@ -131,8 +127,18 @@ impl GpuScene {
         self.tracer.replace_sheets(changes.sheet_materials);
     }
 
-    /// Uploads where everything stands in `pose`, and brings the BVH on the device up to date. With `soft` shadows lights keep
-    /// their extent.
+    /// Brings the lights up to date with `pose`. With `soft` shadows they keep their extent.
+    pub fn update_lights(&mut self, scene: &Scene, pose: &Pose, soft: bool) {
+        self.lights.differ(lights_of(pose, soft));
+        self.area_lights.update(scene, pose);
+    }
+
+    /// How many point, spot and directional lights there are, and how many area lights.
+    pub fn light_counts(&self) -> [u32; 2] {
+        [to_u32(self.lights.inputs().map_or(0, Vec::len)), self.area_lights.count()]
+    }
+
+    /// Uploads the lights and where everything stands in `pose`, and brings the BVH on the device up to date.
     ///
     /// # Errors
     /// Where the device fails.
@@ -141,15 +147,9 @@ impl GpuScene {
         frame: &mut Frame<'_>,
         (scene, pose): (&Scene, &Pose),
         bvh: &TwoLevelBvh,
-        soft: bool,
     ) -> Result<FrameScene, VulkanError> {
         self.tracer.update(frame, bvh)?;
         let instances = self.buffers.upload_instances(frame, scene, pose)?;
-        let lights = lights_of(pose, soft);
-        let uploaded_lights = frame.upload(&lights)?;
-        let light_count = to_u32(lights.len());
-        self.lights.differ(lights);
-        self.area_lights.update(scene, pose);
         Ok(FrameScene {
             versions: SceneVersions {
                 instances: instances.version,
@@ -157,10 +157,8 @@ impl GpuScene {
                 lights: self.lights.version(),
             },
             instances,
-            lights: uploaded_lights,
+            lights: frame.upload(self.lights.inputs().map_or(&[][..], Vec::as_slice))?,
             area_lights: self.area_lights.upload(frame)?,
-            light_count,
-            area_light_count: self.area_lights.count(),
         })
     }
 

@@ -82,6 +82,7 @@ impl ReprojectionPass {
         inputs: &ReprojectionInputs<'_>,
     ) -> Result<(), VulkanError> {
         let Reprojection { surfaces, reprojected } = &mut self.output;
+        let reprojected = &*reprojected;
         frame
             .pass("reprojection", &self.pipeline)
             .read("frame_uniforms", inputs.uniforms)

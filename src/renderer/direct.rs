@@ -26,15 +26,9 @@ pub(super) struct DirectPasses {
 /// What casts the shadows of lights.
 pub(super) enum ShadowPasses {
     /// `--direct hard`.
-<<<<<<< HEAD
     Hard(Box<DirectShadowsPass>),
     /// `--direct soft`.
     Soft(Box<SoftShadows>),
-=======
-    Maps(Box<DirectShadowsPass>),
-    /// `--direct soft`.
-    Rays(Box<SoftShadows>),
->>>>>>> b9d6383
 }
 
 /// Light that does not come from the scene set.
@@ -53,7 +47,6 @@ impl DirectPasses {
         tracer: TracerVariant,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-<<<<<<< HEAD
         let sheets = tracer.sheets.then(|| SheetsPass::new(device, tracer, settings.size));
         let soft = settings.direct == Direct::Soft;
         let shadows = match settings.direct {
@@ -61,16 +54,6 @@ impl DirectPasses {
                 ShadowPasses::Hard(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
             }
             Direct::Soft => ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?)),
-=======
-        let sheets = hits.filter(|_| tracer.sheets);
-        let sheets = sheets.map(|hits| SheetsPass::new(device, tracer, Arc::clone(hits), settings.size));
-        let soft = settings.direct == Direct::Soft;
-        let shadows = match settings.direct {
-            Direct::Hard => {
-                ShadowPasses::Maps(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
-            }
-            Direct::Soft => ShadowPasses::Rays(Box::new(SoftShadows::new(device, tracer, settings)?)),
->>>>>>> b9d6383
         };
         let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
         Ok(Self { shadows, shading, sheets: sheets.transpose()? })

@@ -59,20 +59,7 @@ impl SharedPasses {
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let size = settings.size;
-<<<<<<< HEAD
         let reflections = traces_reflections(scene, settings);
-=======
-        let mirrored = is_mirrored(scene, settings);
-        let hits = match hits {
-            Some(hits) => Some(Arc::clone(hits)),
-            None if mirrored || tracer.sheets => Some(Arc::new(HitBuffers::new(device, scene)?)),
-            None => None,
-        };
-        let is_noisy = mirrored || settings.direct == Direct::Soft;
-        let reflections = hits.as_ref().filter(|_| mirrored);
-        let reflections =
-            reflections.map(|hits| Reflections::new(device, tracer, Arc::clone(hits), settings));
->>>>>>> b9d6383
         let taa = settings.antialiasing == Antialiasing::Taa;
         Ok(Self {
             gbuffer,

@@ -5,7 +5,6 @@ use glam::{Mat4, Vec2};
 use super::Renderer;
 use crate::effects::reflections::Reflections;
 use crate::estimators::World;
-use crate::gpu_scene::FrameScene;
 use crate::gpu_scene::structs::FrameUniforms;
 use crate::passes::clock::{Cycle, FrameClock};
 use crate::scene::{Camera, Pose};
@@ -37,8 +36,9 @@ impl Renderer {
         }
     }
 
-    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock, uploaded: &FrameScene) -> Viewed {
+    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock) -> Viewed {
         let size = self.settings.size;
+        let [light_count, area_light_count] = self.gpu_scene.light_counts();
         let extent = Vec2::from(size.map(|side| side as f32));
         let aspect = extent.x / extent.y;
         let unjittered = view_projection(&pose.camera, aspect);
@@ -56,11 +56,11 @@ impl Renderer {
             ray_x,
             ray_y,
             size,
-            light_count: uploaded.light_count,
+            light_count,
             noise_frame: clock.noise_frame(),
             jitter,
             seed: self.settings.seed,
-            area_light_count: if self.settings.direct == Direct::Soft { uploaded.area_light_count } else { 0 },
+            area_light_count: if self.settings.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
             ..FrameUniforms::default()
         };

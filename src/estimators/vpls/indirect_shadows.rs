@@ -12,7 +12,7 @@ use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::settings::{Settings, VplSettings};
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// Rays of a texel in one dispatch, at most: watchdogs of GPUs end long ones.
 const MOST_RAYS: u32 = 32;

@@ -314,7 +314,7 @@ impl Estimator for Vpls {
     }
 
     fn resolve(
-        &mut self,
+        &self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         denoised: &Image,
