@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
+use glowworm::formats::load_scene;
 use glowworm::output::PictureTarget;
 use glowworm::renderer::Renderer;
-use glowworm::scene::load_scene;
 use glowworm::settings::{Direct, Settings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 

@@ -4,8 +4,9 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glowworm::formats::load_scene;
 use glowworm::renderer::Renderer;
-use glowworm::scene::{Scene, load_scene};
+use glowworm::scene::Scene;
 use glowworm::settings::Settings;
 use glowworm::vulkan::{
     Device, Instance, InstanceOptions, Pane, PresentMode, Presenter, Surface, UiDrawing, Viewport,

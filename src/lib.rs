@@ -3,9 +3,11 @@
 //! Modules, from the bottom up (imports run downwards only):
 //!
 //! - [`settings`]: every knob, one struct.
-//! - [`scene`]: meshes, materials, lights, camera, animation; loading, built-in scenes.
+//! - [`scene`]: what the world is: meshes, materials, lights, camera, animation.
 //! - [`bsdf`]: how surfaces reflect light.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
+//! - [`builtin`]: scenes made by code.
+//! - [`formats`]: files that become a scene: OBJ, glTF, TOML, environment maps; the camera and light of a bare model.
 //! - [`vulkan`]: device, memory, pipelines, frames; the only code that the compiler cannot check.
 //! - [`statistics`]: percentiles, spread and confidence of measurements.
 //! - [`report`]: the measurements of each frame.
@@ -27,6 +29,7 @@
 
 pub mod bench;
 pub mod bsdf;
+pub mod builtin;
 pub mod bvh;
 pub mod cli;
 pub mod dataset;
@@ -35,6 +38,7 @@ pub mod denoise;
 pub mod effects;
 pub mod estimators;
 pub mod export;
+pub mod formats;
 pub mod gpu_scene;
 mod memory;
 pub mod metrics;

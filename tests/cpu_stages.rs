@@ -24,7 +24,7 @@ fn stages_are_short() {
 
 /// The conference room whose torus turns under the spot light: nearly every frame loses VPLs.
 fn vpls_follow_a_turning_torus(pool: u32, most: Duration) {
-    let scene = glowworm::scene::load_scene("meeting-room", None).unwrap();
+    let scene = glowworm::formats::load_scene("meeting-room", None).unwrap();
     let settings = Settings {
         vpl: VplSettings { slots: 512, pool, budget: 64, ..VplSettings::default() },
         ..Settings::default()
@@ -106,5 +106,5 @@ fn load_toml(text: &str) -> Scene {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
-    glowworm::scene::load_scene(path.to_str().unwrap(), None).unwrap()
+    glowworm::formats::load_scene(path.to_str().unwrap(), None).unwrap()
 }

@@ -12,6 +12,7 @@ use bvh_support::Random;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
+use glowworm::formats::load_scene;
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::gpu_scene::hit_buffers::HitBuffers;
 use glowworm::gpu_scene::scene_buffers::SceneBuffers;
@@ -19,7 +20,7 @@ use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
 use glowworm::scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
-    linear_to_srgb, load_scene,
+    linear_to_srgb,
 };
 use glowworm::settings::{Antialiasing, Settings};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};

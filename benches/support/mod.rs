@@ -5,7 +5,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glowworm::scene::{Scene, load_scene};
+use glowworm::formats::load_scene;
+use glowworm::scene::Scene;
 use glowworm::settings::Settings;
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 

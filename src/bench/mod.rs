@@ -48,13 +48,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::formats::{SceneError, load_scene};
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::{RenderError, tracer_rates};
 use crate::report::LoadTimes;
-use crate::scene::{SceneError, load_scene};
 use crate::settings::SettingsError;
 use crate::vulkan::Device;
 use control::{work_of_frame, work_of_sample};

@@ -11,8 +11,8 @@ use crate::bench::{
     Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
     lacks_models, read_report, tables,
 };
+use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::output::OutputFile;
-use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::settings::{Settings, VplSettings};
 use crate::vulkan::Device;
 

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use crate::bench::BenchError;
 use crate::dataset::DatasetError;
 use crate::export::ExportError;
+use crate::formats::SceneError;
 use crate::metrics::MetricsError;
 use crate::output::OutputError;
 use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
-use crate::scene::SceneError;
 use crate::settings::SettingsError;
 use crate::vulkan::VulkanError;
 

@@ -7,8 +7,9 @@ use super::progress::controlled;
 use super::{CliError, device, say};
 use crate::bench::micro::{Micro, micro_tables};
 use crate::bench::{Folder, MICRO_FILE};
+use crate::builtin::BENCH_SCENES;
+use crate::formats::load_scene;
 use crate::output::OutputFile;
-use crate::scene::{BENCH_SCENES, load_scene};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 

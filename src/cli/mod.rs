@@ -28,8 +28,8 @@ use std::ffi::OsString;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::formats::SceneError;
 use crate::renderer::remember_in;
-use crate::scene::SceneError;
 use crate::settings::given_options;
 
 /// Real-time global illumination by temporally interleaved instant radiosity, on Vulkan.

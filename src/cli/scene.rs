@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use super::options::FileOptions;
 use super::{CliError, say};
-use crate::scene::{Scene, load_scene};
+use crate::formats::load_scene;
+use crate::scene::Scene;
 use crate::settings::{Settings, text};
 
 /// Scene and common settings of the commands that path trace or export.

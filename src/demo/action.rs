@@ -8,8 +8,9 @@ use winit::keyboard::{KeyCode, ModifiersState};
 use super::edit::NewObject;
 use super::split::RightSide;
 use super::stage::Selected;
+use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit};
 use crate::renderer::DebugView;
-use crate::scene::{EnvironmentEntry, InstanceEntry, LightEntry, LightType, MaterialEdit};
+use crate::scene::LightType;
 use crate::settings::Settings;
 use crate::vulkan::PresentMode;
 

@@ -7,10 +7,11 @@ use serde::Serialize;
 use toml::Spanned;
 
 use super::stage::{Change, Selected, Stage};
-use crate::scene::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
-    MaterialEdit, ModelSource, Primitive, RotationEntry, ScaleEntry, SceneError, SpinEntry,
+use crate::formats::{
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, MaterialEdit,
+    ModelSource, Primitive, RotationEntry, ScaleEntry, SceneError, SpinEntry,
 };
+use crate::scene::LightType;
 
 /// Warm white.
 const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);

@@ -7,7 +7,8 @@ use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
 use super::stage::{Selected, Stage};
 use crate::bvh::Ray;
-use crate::scene::{AxisAngle, InstanceEntry, LightEntry, LightKind, RotationEntry};
+use crate::formats::{AxisAngle, InstanceEntry, LightEntry, RotationEntry};
+use crate::scene::LightKind;
 
 /// Length of arrows and radius of rings, as a fraction of the picture's height at the pivot.
 const REACH: f32 = 0.18;

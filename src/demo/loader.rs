@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPoolBuilder;
 
 use super::{DemoError, Launch};
+use crate::formats::{ReadFiles, SceneDocument};
 use crate::renderer::Renderer;
-use crate::scene::{ReadFiles, Scene, SceneDocument};
+use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::vulkan::Device;
 

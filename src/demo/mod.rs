@@ -36,9 +36,9 @@ use std::path::PathBuf;
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
+use crate::formats::SceneError;
 use crate::output::OutputError;
 use crate::renderer::RenderError;
-use crate::scene::SceneError;
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::VulkanError;
 

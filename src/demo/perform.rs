@@ -16,7 +16,7 @@ use super::resolution::COARSEST;
 use super::screenshot::{self, Saving};
 use super::stage::{Change, Saved, Selected, Stage, carry};
 use super::undo::State;
-use crate::scene::{InstanceEntry, LightEntry, SceneError};
+use crate::formats::{InstanceEntry, LightEntry, SceneError};
 use crate::settings::Settings;
 
 impl App {

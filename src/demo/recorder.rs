@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use super::screenshot::Saving;
 use super::stage::Stage;
-use crate::scene::{Pose, RecordedFrame, SceneDocument};
+use crate::formats::SceneDocument;
+use crate::scene::{Pose, RecordedFrame};
 use crate::settings::Settings;
 
 /// A recording in progress, from the first frame of a renderer.

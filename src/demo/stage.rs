@@ -12,11 +12,10 @@ use super::live_metrics::Shot;
 use super::loader::{Built, Edited};
 use super::undo::{State, Undo};
 use crate::bvh::Ray;
+use crate::formats::{LightEntry, ReadFiles, SceneDocument, SceneError};
 use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
-use crate::scene::{
-    Camera, LightEntry, LightKind, LightType, Pose, ReadFiles, Scene, SceneDocument, SceneError,
-};
+use crate::scene::{Camera, LightKind, LightType, Pose, Scene};
 use crate::settings::Settings;
 
 /// A selectable entry of the document.

@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_picture_nears_the_reference_as_samples_grow() {
-        let scene = Arc::new(crate::scene::load_scene("cornell-box", None).unwrap());
+        let scene = Arc::new(crate::formats::load_scene("cornell-box", None).unwrap());
         let pose = scene.pose(0.0);
         let settings = Settings { size: [24, 16], seed: 5, exposure: Some(0.0), ..Settings::default() };
         let run =

@@ -1,6 +1,6 @@
 //! What can be taken back: edits of the scene, and settings.
 
-use crate::scene::SceneDocument;
+use crate::formats::SceneDocument;
 use crate::settings::Settings;
 
 /// Steps to keep.

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{RenderError, Renderer};
-use crate::scene::{Pose, ReadFiles, RecordedFrame, Scene};
+use crate::formats::ReadFiles;
+use crate::scene::{Pose, RecordedFrame, Scene};
 use crate::settings::Settings;
 use crate::vulkan::Device;
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
 use super::recording::recorded_camera;
-use super::{Scene, bare_obj};
+use super::{BoundingSphere, Scene};
 
 /// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +52,13 @@ impl Camera {
             motion.position + motion.rotation * (self.target - self.eye)
         };
         Self { eye: motion.position, target, up: motion.rotation * self.up, ..*self }
+    }
+
+    /// Sets `near` and `far` so that `bounds` is in their range from any eye point within `reach` of this one.
+    pub fn fit_depths(&mut self, bounds: &BoundingSphere, reach: f32) {
+        let away = self.eye.distance(bounds.center) + reach;
+        self.far = 1.01 * (away + bounds.radius);
+        self.near = 2e-4 * self.far;
     }
 
     /// Unit view direction.
@@ -118,7 +125,7 @@ impl Scene {
         camera.up = [camera.up, Vec3::NEG_Z, Vec3::Y].into_iter().find(is_up).unwrap_or(camera.up);
         let is_moved = parts.eye.is_some() || parts.target.is_some();
         if parts.eye.is_some() {
-            bare_obj::fit_depths(&mut camera, &self.bounding_sphere(&self.pose(0.0)), 0.0);
+            camera.fit_depths(&self.bounding_sphere(&self.pose(0.0)), 0.0);
         }
         if is_moved {
             self.camera_animation = None;
@@ -139,11 +146,14 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Animation, RecordedFrame, Rotation, load_scene};
+    use super::super::{Animation, Instance, Mesh, RecordedFrame, Rotation};
     use super::*;
 
     fn moving() -> Scene {
-        let mut scene = load_scene("cornell-box", None).unwrap();
+        let mut scene = Scene::new("box");
+        scene.meshes.push(Mesh::cuboid("box", Vec3::splat(0.5), 0).into());
+        let placed = glam::Affine3A::from_translation(Vec3::splat(0.25));
+        scene.instances.push(Instance::fixed("box", 0, placed));
         let rotation = Rotation { axis: Vec3::Y, speed: 1.0, pivot: Some(Vec3::ZERO) };
         scene.camera_animation = Some(Animation { rotation: Some(rotation), ..Animation::default() });
         scene.recording = Arc::new(vec![RecordedFrame {

@@ -119,7 +119,7 @@ fn direction_of(uv: Vec2) -> Vec3 {
 
 impl EnvironmentMap {
     /// A map of `width` x `height` texels that has the given radiance in each direction (a unit vector).
-    pub(super) fn of_directions(width: usize, height: usize, radiance: impl Fn(Vec3) -> Vec3) -> Self {
+    pub(crate) fn of_directions(width: usize, height: usize, radiance: impl Fn(Vec3) -> Vec3) -> Self {
         let size = Vec2::new(width as f32, height as f32);
         let centre = |i: usize| (Vec2::new((i % width) as f32, (i / width) as f32) + 0.5) / size;
         let texels = (0..width * height).map(|i| radiance(direction_of(centre(i)))).collect();

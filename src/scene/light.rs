@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{Affine3A, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::animation::Animation;
 use super::{BoundingSphere, Pose, Scene};
@@ -37,6 +38,20 @@ pub enum LightKind {
         /// Its emissive triangles.
         triangles: Vec<AreaTriangle>,
     },
+}
+
+/// Types of lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightType {
+    /// The same in all directions.
+    Point,
+    /// A cone.
+    Spot,
+    /// Parallel light from infinity.
+    Directional,
+    /// A surface.
+    Area,
 }
 
 /// One emissive triangle of an area light.

@@ -8,7 +8,7 @@ use super::texture_use::{Attributes, TextureUse, Wrap, wrapped};
 use crate::bsdf::Bsdf;
 
 /// What dielectrics reflect at normal incidence in glTF.
-pub(super) const GLTF_F0: Vec3 = Vec3::splat(0.04);
+pub(crate) const GLTF_F0: Vec3 = Vec3::splat(0.04);
 
 /// How the alpha of the base colour is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

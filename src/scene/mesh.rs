@@ -170,7 +170,7 @@ impl Mesh {
     }
 
     /// Sorts the triangles by material, keeping their order within one.
-    pub(super) fn sort_by_material(&mut self) {
+    pub(crate) fn sort_by_material(&mut self) {
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
         order.sort_by_key(|&i| self.triangle_materials[i]);
         self.triangles = order.iter().map(|&i| self.triangles[i]).collect();
@@ -178,7 +178,7 @@ impl Mesh {
     }
 
     /// Appends the triangles of `other`.
-    pub(super) fn append(&mut self, other: Self) {
+    pub(crate) fn append(&mut self, other: Self) {
         let first = self.positions.len();
         let total = first + other.positions.len();
         self.positions.extend(other.positions);
@@ -193,7 +193,7 @@ impl Mesh {
     }
 
     /// Appends a copy of a vertex; returns its index.
-    pub(super) fn repeat_vertex(&mut self, vertex: u32) -> u32 {
+    pub(crate) fn repeat_vertex(&mut self, vertex: u32) -> u32 {
         let vertex = vertex as usize;
         self.positions.push(self.positions[vertex]);
         self.normals.push(self.normals[vertex]);
@@ -205,14 +205,14 @@ impl Mesh {
     }
 
     /// Keeps the triangles for whose index `keep` is true.
-    pub(super) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
+    pub(crate) fn retain_triangles(&mut self, keep: impl Fn(&Self, usize) -> bool) {
         let kept: Vec<usize> = (0..self.triangles.len()).filter(|&i| keep(self, i)).collect();
         self.triangles = kept.iter().map(|&i| self.triangles[i]).collect();
         self.triangle_materials = kept.iter().map(|&i| self.triangle_materials[i]).collect();
     }
 
     /// Removes degenerate triangles.
-    pub(super) fn drop_degenerate_triangles(&mut self) {
+    pub(crate) fn drop_degenerate_triangles(&mut self) {
         self.retain_triangles(|mesh, i| {
             let [a, b, c] = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
             let (ab, ac, bc) = (b - a, c - a, c - b);
@@ -222,7 +222,7 @@ impl Mesh {
     }
 
     /// Gives each triangle three vertices of its own, in order.
-    pub(super) fn unshare_vertices(&mut self) {
+    pub(crate) fn unshare_vertices(&mut self) {
         let order: Vec<usize> = self.triangles.iter().flatten().map(|&vertex| vertex as usize).collect();
         self.select_vertices(&order);
         self.triangles = (0..order.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -238,7 +238,7 @@ impl Mesh {
     }
 
     /// Renumbers the vertices in order of first use by the triangles, and removes unused ones.
-    pub(super) fn drop_unused_vertices(&mut self) {
+    pub(crate) fn drop_unused_vertices(&mut self) {
         const UNUSED: u32 = u32::MAX;
         let mut place = vec![UNUSED; self.positions.len()];
         let mut order = Vec::with_capacity(self.positions.len());
@@ -271,7 +271,7 @@ fn append_details<T: Copy>(all: &mut Vec<T>, more: Vec<T>, [first, total]: [usiz
 }
 
 /// Bounds (min, max) of `points`; none for no points.
-pub(super) fn bounds_of(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
+pub(crate) fn bounds_of(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
     points.fold(None, |bounds, point| match bounds {
         None => Some((point, point)),
         Some((min, max)) => Some((min.min(point), max.max(point))),

@@ -4,61 +4,30 @@
 //! Vulkan.
 
 mod animation;
-mod bare_obj;
-mod builtin;
 mod camera;
-mod clip;
-mod document;
 mod environment;
-mod environment_file;
-mod error;
-mod gltf;
 mod light;
 mod light_cone;
-mod load;
 mod material;
-mod material_edit;
 mod mesh;
-mod mtl;
-mod mtl_surface;
-mod normal_map;
-mod normals;
-mod obj;
-mod obj_materials;
-mod obj_text;
-mod polygon;
+pub(crate) mod normals;
+pub(crate) mod polygon;
 mod primitives;
-mod read_files;
 mod recording;
-mod scene_build;
-mod scene_environment;
-mod scene_file;
-mod scene_lights;
-mod scene_models;
-mod tangents;
-mod texture;
+pub(crate) mod tangents;
+pub(crate) mod texture;
 mod texture_use;
-mod viewpoint;
 mod world_surface;
 
 pub use animation::{Animation, Keyframe, Motion, Rotation};
-pub use builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS, NAMES as BUILTIN_SCENES};
 pub use camera::{Camera, CameraOverride};
-pub use document::{ModelSource, Placement, SceneDocument};
 pub use environment::{Environment, EnvironmentMap};
-pub use error::{Place, SceneError};
-pub use light::{AreaTriangle, Light, LightKind, luminance, spot_falloff};
+pub use light::{AreaTriangle, Light, LightKind, LightType, luminance, spot_falloff};
 pub use light_cone::{ConeSample, LightCone};
-pub use load::{load_scene, missing_asset, scene_of_text};
+pub(crate) use material::GLTF_F0;
 pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
-pub use material_edit::MaterialEdit;
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
-pub use read_files::ReadFiles;
 pub use recording::{RecordedCamera, RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
-pub use scene_file::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, LightType,
-    Primitive, RotationEntry, ScaleEntry, SpinEntry,
-};
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use texture_use::{Attributes, TextureUse, Wrap};

@@ -25,7 +25,7 @@ struct Corner {
 }
 
 /// Replaces every zero normal; vertices on a crease are split.
-pub(super) fn fill_missing(mesh: &mut Mesh) {
+pub(crate) fn fill_missing(mesh: &mut Mesh) {
     let crease_cos = CREASE_DEGREES.to_radians().cos();
     let mut made: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
     let mut given = vec![false; mesh.positions.len()];

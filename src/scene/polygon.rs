@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 const MAX_CLIPPED: usize = 1000;
 
 /// Triangulates a polygon of at least three corners.
-pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
+pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
     let n = corners.len();
     let fan = || (1..n - 1).map(|i| [0, i, i + 1]).collect();
     if n == 3 || n > MAX_CLIPPED {

@@ -6,8 +6,7 @@
 use glam::{Affine3A, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::scene_file::LightType;
-use super::{Camera, Light, LightKind, Pose, Scene};
+use super::{Camera, Light, LightKind, LightType, Pose, Scene};
 use crate::settings::Settings;
 
 /// One frame.
@@ -154,7 +153,7 @@ impl RecordedFrame {
     }
 }
 
-pub(super) fn recorded_camera(camera: &Camera) -> RecordedCamera {
+pub(crate) fn recorded_camera(camera: &Camera) -> RecordedCamera {
     let Camera { eye, target, up, vertical_fov, near, far, .. } = *camera;
     RecordedCamera { eye, target, up, vertical_fov, near, far }
 }

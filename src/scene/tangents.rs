@@ -63,14 +63,14 @@ impl Geometry for Part<'_> {
 }
 
 /// The tangent with unit length and a side of 1 or -1; 0 if it has no side or spans no plane with the normal.
-pub(super) fn usable(tangent: Vec4, normal: Vec3) -> Vec4 {
+pub(crate) fn usable(tangent: Vec4, normal: Vec3) -> Vec4 {
     let direction = tangent.truncate().normalize_or_zero();
     let spans = tangent.w.is_finite() && tangent.w != 0.0 && direction.cross(normal).length() > LEAST_ANGLE;
     if spans { direction.extend(tangent.w.signum()) } else { Vec4::ZERO }
 }
 
 /// Generates the tangents of those triangles that need them and lack one. The mesh is sorted by material.
-pub(super) fn fill_missing(mesh: &mut Mesh, materials: &[Material]) {
+pub(crate) fn fill_missing(mesh: &mut Mesh, materials: &[Material]) {
     let mut parts = Vec::new();
     let mut first = 0;
     for run in mesh.triangle_materials.chunk_by(|a, b| a == b) {

@@ -177,7 +177,7 @@ fn neighbours(next: u32, size: u32, wrap: Wrap) -> [u32; 2] {
 }
 
 /// Reads and decodes an image; the error completes a sentence in a warning.
-pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
+pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
     // TGA has no signature, so fall back to the extension.
@@ -185,7 +185,7 @@ pub(super) fn read_image(path: &Path) -> Result<DynamicImage, String> {
 }
 
 /// Decodes an image, of `format` if it has no signature; the error completes a sentence.
-pub(super) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
+pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let mut reader = image::ImageReader::new(Cursor::new(bytes));
     if let Some(format) = format {
@@ -217,7 +217,7 @@ fn surplus_levels(width: u32, height: u32) -> usize {
 }
 
 /// If the texture of an image is smaller than that: their sizes.
-pub(super) fn shrinking(image: &DynamicImage) -> Option<String> {
+pub(crate) fn shrinking(image: &DynamicImage) -> Option<String> {
     let (width, height) = (image.width(), image.height());
     let surplus = surplus_levels(width, height);
     let [small_width, small_height] = [width, height].map(|extent| (extent >> surplus).max(1));
@@ -246,7 +246,7 @@ fn jpeg_is_complete(bytes: &[u8]) -> bool {
 }
 
 /// RGBA8 with sRGB-encoded colour; floating-point images, which are linear, are encoded.
-pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
+pub(crate) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
     match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             let linear = image.to_rgba32f();
@@ -262,7 +262,7 @@ pub(super) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
 
 /// A texture of roughness (green) and metallic (blue), as glTF has it, from a grey image of each; 1 where there is none.
 /// It has the size of the larger; the other's nearest texels are used.
-pub(super) fn metallic_roughness(
+pub(crate) fn metallic_roughness(
     roughness: Option<&DynamicImage>,
     metallic: Option<&DynamicImage>,
 ) -> Texture {
@@ -286,7 +286,7 @@ pub(super) fn metallic_roughness(
 
 /// Width, height and opacity of each texel, 0 to 255: the alpha channel if the image has one in use, else its
 /// luminance if `luminance` is set.
-pub(super) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
+pub(crate) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
     let (width, height) = (image.width(), image.height());
     if image.color().has_alpha() {
         let alpha: Vec<u8> = image.to_rgba8().pixels().map(|texel| texel.0[3]).collect();

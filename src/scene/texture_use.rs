@@ -88,7 +88,7 @@ impl TextureUse {
     }
 
     /// Linear colour (level 0, bilinear).
-    pub(super) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
+    pub(crate) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
         scene.textures[self.texture].sample_wrapped(self.coordinates(at.uvs), self.wrap)
     }
 }

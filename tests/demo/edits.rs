@@ -186,7 +186,7 @@ fn lights_get_an_extent_which_is_saved() {
         assert!(!demo.events()[seen..].iter().any(is_edited), "a scene was built for a number");
     }
     let file = saved(&mut demo);
-    let scene = glowworm::scene::load_scene(demo.path(&file).to_str().unwrap(), None).unwrap();
+    let scene = glowworm::formats::load_scene(demo.path(&file).to_str().unwrap(), None).unwrap();
     assert!(scene.lights.iter().any(|light| light.radius > 0.0));
     assert!(scene.lights.iter().any(|light| light.half_angle > 0.0));
     demo.close();

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glowworm::export::{ExportError, ExportFolder, export_mitsuba};
-use glowworm::scene::{Scene, load_scene};
+use glowworm::formats::load_scene;
+use glowworm::scene::Scene;
 
 use crate::support::*;
 

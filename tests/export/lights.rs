@@ -116,7 +116,7 @@ fn lights_with_an_extent_are_shapes_that_send_the_same() {
 #[test]
 fn shapes_of_lights_are_passed_and_hidden() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/soft-lights.toml");
-    let mut scene = glowworm::scene::load_scene(file, None).unwrap();
+    let mut scene = glowworm::formats::load_scene(file, None).unwrap();
     let integrator = |scene: &Scene| {
         let exported = export(scene);
         (exported.report.integrator, exported.text.contains("hide_emitters"))

@@ -1,7 +1,8 @@
 //! Shapes and their PLY files.
 
 use glam::{Affine3A, Vec3};
-use glowworm::scene::{Instance, Material, Mesh, Scene, load_scene};
+use glowworm::formats::load_scene;
+use glowworm::scene::{Instance, Material, Mesh, Scene};
 
 use crate::support::*;
 

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use glam::{Mat4, Vec2, Vec3};
 use glowworm::export::{ExportFolder, ExportReport, ExportSettings, export_mitsuba};
-use glowworm::scene::{Scene, load_scene};
+use glowworm::formats::load_scene;
+use glowworm::scene::Scene;
 use tempfile::TempDir;
 
 /// An export on disk.

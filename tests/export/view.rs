@@ -1,6 +1,6 @@
 //! Integrator, camera, film and frame.
 
-use glowworm::scene::load_scene;
+use glowworm::formats::load_scene;
 
 use crate::support::*;
 

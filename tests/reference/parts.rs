@@ -3,9 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use glowworm::formats::load_scene;
 use glowworm::output::Picture;
 use glowworm::reference::{Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
-use glowworm::scene::{CameraOverride, Scene, load_scene, luminance};
+use glowworm::scene::{CameraOverride, Scene, luminance};
 
 use super::support::{assert_near, colour, film, layer, mean, picture, scene, settings};
 

@@ -3,9 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use glowworm::formats::load_scene;
 use glowworm::output::Picture;
 use glowworm::reference::{Film, PixelFilter, Reference, ReferenceSettings};
-use glowworm::scene::{Scene, load_scene};
+use glowworm::scene::Scene;
 
 /// Settings for a square picture of `side` pixels.
 pub fn settings(side: u32, bounces: Option<u32>) -> ReferenceSettings {

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
-use glowworm::scene::{Camera, Scene, load_scene};
+use glowworm::formats::load_scene;
+use glowworm::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
 use super::reference::reference;

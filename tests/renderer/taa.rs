@@ -4,9 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
+use glowworm::formats::load_scene;
 use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::renderer::Renderer;
-use glowworm::scene::{Camera, Pose, Scene, load_scene};
+use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
 use super::support::{Lab, mean, plain, scene};

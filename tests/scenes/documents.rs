@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glowworm::scene::{EnvironmentEntry, MaterialEdit, SceneDocument, scene_of_text};
+use glowworm::formats::{EnvironmentEntry, MaterialEdit, SceneDocument, scene_of_text};
 
 use super::*;
 

@@ -1,6 +1,7 @@
 //! The extent of lights: read, moved, saved and recorded.
 
-use glowworm::scene::{RecordedFrame, SceneDocument, scene_of_text};
+use glowworm::formats::{SceneDocument, scene_of_text};
+use glowworm::scene::RecordedFrame;
 
 use super::*;
 

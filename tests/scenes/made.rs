@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use glowworm::builtin::BENCH_SCENES;
 use glowworm::bvh::TwoLevelBvh;
-use glowworm::scene::{BENCH_SCENES, Pose};
+use glowworm::scene::Pose;
 
 use super::*;
 

@@ -23,7 +23,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use glowworm::scene::{LightKind, Scene, SceneError, load_scene, luminance};
+use glowworm::formats::{SceneError, load_scene};
+use glowworm::scene::{LightKind, Scene, luminance};
 
 /// A mesh of one triangle whose material library may be missing.
 const TRIANGLE: &str =

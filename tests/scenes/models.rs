@@ -3,7 +3,8 @@
 use std::f32::consts::PI;
 
 use glam::Vec2;
-use glowworm::scene::{BENCH_SCENES, BUILTIN_SCENES, Material, Texture};
+use glowworm::builtin::{BENCH_SCENES, NAMES};
+use glowworm::scene::{Material, Texture};
 
 use super::*;
 
@@ -73,7 +74,7 @@ fn living_room_leaves_are_cut_out_and_its_glass_lets_light_pass() {
 #[test]
 fn every_builtin_scene_without_assets_says_what_to_do() {
     let made = |name: &str| ["playroom", "material-grid"].contains(&name) || BENCH_SCENES.contains(&name);
-    for name in BUILTIN_SCENES.iter().filter(|name| !made(name)) {
+    for name in NAMES.iter().filter(|name| !made(name)) {
         for assets in [None, Some(Path::new("no/such/folder"))] {
             let error = load_scene(name, assets).unwrap_err().to_string();
             assert!(error.contains("GLOWWORM_ASSETS") && error.contains("--assets"), "{error}");

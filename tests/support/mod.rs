@@ -7,9 +7,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glowworm::formats::load_scene;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
-use glowworm::scene::{Pose, Scene, load_scene};
+use glowworm::scene::{Pose, Scene};
 use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 

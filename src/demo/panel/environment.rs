@@ -8,7 +8,7 @@ use super::objects::power;
 use super::scene::short;
 use super::{PanelState, Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
-use crate::scene::EnvironmentEntry;
+use crate::formats::EnvironmentEntry;
 
 /// What the first colour is, W/m^2/sr.
 const COLOUR: [f32; 3] = [0.5; 3];

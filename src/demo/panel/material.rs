@@ -6,7 +6,8 @@ use super::objects::power;
 use super::{PanelState, Places, Shown, place, place_track};
 use crate::demo::action::Action;
 use crate::demo::stage::Stage;
-use crate::scene::{Alpha, Material, MaterialEdit};
+use crate::formats::MaterialEdit;
+use crate::scene::{Alpha, Material};
 
 /// Most that the slopes of a normal map are multiplied by.
 const NORMAL_SCALE: f32 = 4.0;

@@ -9,9 +9,10 @@ use crate::demo::action::Action;
 use crate::demo::edit::{Motion, NewObject, label};
 use crate::demo::handles::Mode;
 use crate::demo::stage::{Selected, Stage, carry};
-use crate::scene::{
-    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, LightType, Primitive, RotationEntry, ScaleEntry,
+use crate::formats::{
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry,
 };
+use crate::scene::LightType;
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 

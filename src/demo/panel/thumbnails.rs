@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
-use crate::scene::{BUILTIN_SCENES, missing_asset};
+use crate::builtin;
+use crate::formats::missing_asset;
 
 /// A built-in scene in the menu.
 pub(super) struct KnownScene {
@@ -24,7 +25,7 @@ impl Thumbnails {
     /// The built-in scenes; `assets`: folder of the downloaded models.
     pub fn scenes(&mut self, context: &Context, assets: Option<&Path>) -> &[KnownScene] {
         if self.scenes.is_empty() {
-            let known = BUILTIN_SCENES.into_iter().map(|name| KnownScene {
+            let known = builtin::NAMES.into_iter().map(|name| KnownScene {
                 name,
                 picture: context.load_texture(name, decoded(name), TextureOptions::LINEAR),
                 missing: missing_asset(name, assets),
@@ -70,7 +71,7 @@ mod tests {
 
     #[test]
     fn each_scene_whose_models_are_at_hand_has_a_picture() {
-        for name in BUILTIN_SCENES.into_iter().filter(|name| *name != "crytek-sponza") {
+        for name in builtin::NAMES.into_iter().filter(|name| *name != "crytek-sponza") {
             assert_eq!(decoded(name).size, [128, 72], "{name}");
         }
     }

@@ -212,7 +212,8 @@ pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address, emitters:
 mod tests {
     use super::*;
     use crate::bvh::TwoLevelBvh;
-    use crate::scene::{Instance, load_scene};
+    use crate::formats::load_scene;
+    use crate::scene::Instance;
     use crate::settings::{Settings, VplSettings};
 
     /// A torus rotates by animation; a static one is moved by edits now and then.

@@ -206,7 +206,7 @@ mod tests {
 
     use super::*;
     use crate::bvh::TwoLevelBvh;
-    use crate::scene::load_scene;
+    use crate::formats::load_scene;
 
     /// With the bounds of the box, and the height of its floor.
     fn in_cornell_box(candidates: u32) -> (Placement, BoundingSphere, f32) {

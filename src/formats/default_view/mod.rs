@@ -1,0 +1,124 @@
+//! A default camera and light for a bare model.
+//!
+//! In: a scene with the model, and what the file has of a camera and lights. Out: the scene with a camera, in front of the
+//! model or, if that shows more of its surface, inside; and, unless its own lights light the view, a soft sky, or a point
+//! light where the sky hardly reaches. A warning reports each that was made up.
+
+mod survey;
+
+use glam::Vec3;
+
+use crate::builtin;
+use crate::scene::{BoundingSphere, Camera, Light, LightKind, Scene};
+use survey::ModelSurvey;
+
+/// Direction from the model's centre to the camera: in front, slightly to the right and above.
+const VIEW: Vec3 = Vec3::new(0.45, 0.35, 1.0);
+
+const VERTICAL_FOV_DEGREES: f32 = 40.0;
+
+/// A view from inside is preferred if it shows at least this fraction of the surface that the view from outside shows:
+/// the hull of an interior is visible from outside, too.
+const INSIDE_PREFERENCE: f32 = 0.8;
+
+/// Fraction of the visible surface that emissive materials must light, so that no light is added.
+const MIN_LIT_FRACTION: f32 = 0.5;
+
+/// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
+const MIN_OPEN_FRACTION: f32 = 0.3;
+
+/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) and, if needed, a light,
+/// unless the file has lights that are not surfaces (`has_lights`).
+pub(crate) fn stage(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
+    match given {
+        Some(mut camera) => {
+            if camera.far <= camera.near {
+                camera.fit_depths(&bounds_of(scene), 0.0);
+            }
+            scene.camera = camera;
+        }
+        None => frame(scene),
+    }
+    let survey = ModelSurvey::new(scene);
+    let outside_shows = survey.shown_by(&scene.camera);
+    let best_view = if given.is_none() { survey.best_view() } else { None };
+    let inside = best_view.filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
+    let camera = inside.map_or(scene.camera, |(camera, _)| camera);
+    let nearest = survey.nearest_in(&camera);
+    let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let is_open = survey.open_to_sky(&camera) >= MIN_OPEN_FRACTION;
+    let lamp = if lit || is_open { None } else { survey.best_light(&camera) };
+    if inside.is_some() {
+        place_inside(scene, camera, nearest);
+    }
+    if let Some(place) = lamp {
+        add_lamp(scene, place.position, place.intensity);
+    } else if !lit {
+        add_sky(scene);
+    }
+}
+
+fn bounds_of(scene: &Scene) -> BoundingSphere {
+    scene.bounding_sphere(&scene.pose(0.0))
+}
+
+/// Sets a camera inside the model, with a near plane in front of the nearest visible surface, at distance `nearest`.
+fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
+    camera.fit_depths(&bounds_of(scene), 0.0);
+    camera.near = nearest.map_or(camera.near, |nearest| camera.near.min(0.25 * nearest));
+    scene.camera = camera;
+    // Replace the warning about the camera in front.
+    scene.warnings.pop();
+    warn_of_camera(scene, "inside");
+}
+
+fn warn_of_camera(scene: &mut Scene, place: &str) {
+    scene.warnings.push(format!(
+        "{}: no camera given; placed one {place} at {:.3} that looks at {:.3}",
+        scene.name, scene.camera.eye, scene.camera.target
+    ));
+}
+
+/// Places the camera so that the whole scene is in view, also in a square picture.
+pub(crate) fn frame(scene: &mut Scene) {
+    let bounds = bounds_of(scene);
+    let half_fov = 0.5 * VERTICAL_FOV_DEGREES.to_radians();
+    let distance = bounds.radius / half_fov.sin();
+    let mut camera = Camera {
+        vertical_fov: 2.0 * half_fov,
+        ..Camera::looking(bounds.center + VIEW.normalize() * distance, bounds.center)
+    };
+    camera.fit_depths(&bounds, 0.0);
+    scene.camera = camera;
+    warn_of_camera(scene, "in front");
+}
+
+/// Why a light is made up.
+fn need_of_light(scene: &Scene) -> &'static str {
+    if scene.lights.is_empty() { "no light given" } else { "its own lights leave most of the view dark" }
+}
+
+fn add_sky(scene: &mut Scene) {
+    let why = need_of_light(scene);
+    let sky = builtin::sky();
+    scene.environment = Some(sky);
+    scene.warnings.push(format!("{}: {why}; put it under a soft sky", scene.name));
+}
+
+fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
+    let why = need_of_light(scene);
+    let lamp = Light {
+        name: "made up".into(),
+        kind: LightKind::Point { intensity: Vec3::splat(intensity) },
+        position,
+        direction: Vec3::NEG_Y,
+        radius: 0.0,
+        half_angle: 0.0,
+        animation: None,
+    };
+    // First, as lights of a scene file come before those of emissive materials.
+    scene.lights.insert(0, lamp);
+    scene
+        .warnings
+        .push(format!("{}: {why}; placed a point light of {intensity:.3} W/sr at {position:.3}", scene.name));
+}

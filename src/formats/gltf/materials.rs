@@ -1,0 +1,309 @@
+//! Materials with their images.
+//!
+//! In: the materials of a file. Out: the scene's, in order, with textures and alpha masks.
+
+use std::collections::HashMap;
+
+use ::gltf::json::Value;
+use ::gltf::material::AlphaMode;
+use ::gltf::material::NormalTexture;
+use ::gltf::texture::{Info, WrappingMode};
+use glam::{Mat2, Vec2, Vec3};
+use image::DynamicImage;
+use rayon::prelude::*;
+
+use super::source::Source;
+use crate::formats::error::SceneError;
+use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material, Texture};
+use crate::scene::{Scene, TextureUse, Wrap, texture};
+
+/// The materials of a file in the scene.
+pub(super) struct Materials {
+    /// Scene index of the first; the one of primitives without a material comes last.
+    first: usize,
+    count: usize,
+}
+
+impl Materials {
+    /// Scene index of a primitive's material.
+    pub fn of(&self, material: &::gltf::Material<'_>) -> usize {
+        self.first + material.index().unwrap_or(self.count)
+    }
+
+    /// Adds all materials of the file.
+    pub fn add(source: &mut Source, scene: &mut Scene) -> Result<Self, SceneError> {
+        let mut images = Images::read(source)?;
+        for (index, image) in images.decoded.iter().enumerate() {
+            let sizes = image.as_ref().and_then(texture::shrinking);
+            source.not_shown.extend(sizes.map(|sizes| format!("image {index} in full ({sizes})")));
+        }
+        let first = scene.materials.len();
+        let document = source.document.clone();
+        for material in document.materials() {
+            note_what_is_not_shown(&material, source);
+            let made = material_of(&material, source, &mut images, scene)?;
+            scene.materials.push(made);
+        }
+        let plain = Material { metallic: 1.0, ..Material::lambertian("glTF", Vec3::ONE) };
+        scene.materials.push(Material { f0: GLTF_F0, f90: 1.0, ..plain });
+        Ok(Self { first, count: document.materials().len() })
+    }
+}
+
+/// The images of a file, decoded where a material uses them.
+struct Images {
+    decoded: Vec<Option<DynamicImage>>,
+    /// Scene indices of textures, by image and whether they are linear.
+    places: HashMap<(usize, bool), usize>,
+}
+
+impl Images {
+    fn read(source: &Source) -> Result<Self, SceneError> {
+        let mut used = vec![false; source.document.images().len()];
+        for material in source.document.materials() {
+            let data = material.pbr_metallic_roughness().metallic_roughness_texture();
+            let colour = material.pbr_metallic_roughness().base_color_texture();
+            let normal = material.normal_texture().map(|map| map.texture());
+            let others = [data, colour, material.emissive_texture()].into_iter().flatten();
+            for texture in others.map(|info| info.texture()).chain(normal) {
+                used[texture.source().index()] = true;
+            }
+        }
+        let images: Vec<_> = source.document.images().zip(used).collect();
+        let read = |(image, used): &(::gltf::Image<'_>, bool)| -> Result<Option<DynamicImage>, SceneError> {
+            if !*used {
+                return Ok(None);
+            }
+            let what = format!("image {}", image.index());
+            let embedded;
+            let external;
+            let bytes: &[u8] = match image.source() {
+                ::gltf::image::Source::View { view, .. } => {
+                    embedded = source.view(&view)?;
+                    embedded
+                }
+                ::gltf::image::Source::Uri { uri, .. } => {
+                    external = source.resolve(uri, &what)?;
+                    &external
+                }
+            };
+            let decoded = texture::decode_image(bytes, None);
+            decoded
+                .map(Some)
+                .map_err(|problem| source.error(format!("{what} {problem}; export the file again")))
+        };
+        let decoded = images.par_iter().map(read).collect::<Result<_, _>>()?;
+        Ok(Self { decoded, places: HashMap::new() })
+    }
+
+    fn of(&self, texture: &::gltf::Texture<'_>) -> Option<&DynamicImage> {
+        self.decoded[texture.source().index()].as_ref()
+    }
+
+    /// Adds a texture to the scene, where it is not there yet; returns its index.
+    fn add(&mut self, texture: &::gltf::Texture<'_>, linear: bool, scene: &mut Scene) -> Option<usize> {
+        let index = texture.source().index();
+        let image = self.decoded[index].as_ref()?;
+        Some(*self.places.entry((index, linear)).or_insert_with(|| {
+            let name = texture.source().name().map_or_else(|| format!("image {index}"), str::to_owned);
+            let texels = texture::to_srgb8(image);
+            let (width, height) = texels.dimensions();
+            let texture = match linear {
+                true => Texture::linear_from_rgba8(&name, width, height, texels.into_raw()),
+                false => Texture::from_rgba8(&name, width, height, texels.into_raw()),
+            };
+            scene.textures.push(texture.into());
+            scene.textures.len() - 1
+        }))
+    }
+}
+
+/// A place in a file that names a texture.
+struct Slot<'a> {
+    texture: ::gltf::Texture<'a>,
+    set: u32,
+    transform: Option<Transform>,
+}
+
+/// KHR_texture_transform.
+#[derive(Clone, Copy)]
+struct Transform {
+    offset: [f32; 2],
+    rotation: f32,
+    scale: [f32; 2],
+    set: Option<u32>,
+}
+
+impl<'a> From<Info<'a>> for Slot<'a> {
+    fn from(info: Info<'a>) -> Self {
+        let transform = info.texture_transform().map(|transform| Transform {
+            offset: transform.offset(),
+            rotation: transform.rotation(),
+            scale: transform.scale(),
+            set: transform.tex_coord(),
+        });
+        Self { texture: info.texture(), set: info.tex_coord(), transform }
+    }
+}
+
+impl<'a> From<NormalTexture<'a>> for Slot<'a> {
+    fn from(map: NormalTexture<'a>) -> Self {
+        // The crate reads this extension of the other textures alone.
+        let transform = map.extension_value("KHR_texture_transform").map(|value| {
+            let number = |value: Option<&Value>, or: f64| value.and_then(Value::as_f64).unwrap_or(or) as f32;
+            let pair =
+                |key: &str, or: f64| [0, 1].map(|axis| number(value.get(key).and_then(|v| v.get(axis)), or));
+            Transform {
+                offset: pair("offset", 0.0),
+                rotation: number(value.get("rotation"), 0.0),
+                scale: pair("scale", 1.0),
+                set: value.get("texCoord").and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()),
+            }
+        });
+        Self { texture: map.texture(), set: map.tex_coord(), transform }
+    }
+}
+
+/// How a material uses a texture; none if it has none, or one that is not shown.
+fn texture_use<'a>(
+    slot: Option<impl Into<Slot<'a>>>,
+    linear: bool,
+    source: &mut Source,
+    images: &mut Images,
+    scene: &mut Scene,
+) -> Result<Option<TextureUse>, SceneError> {
+    let Some(Slot { texture, set, transform }) = slot.map(Into::into) else { return Ok(None) };
+    let set = transform.and_then(|transform| transform.set).unwrap_or(set);
+    if set > 1 {
+        source.not_shown.insert("texture coordinates but the first two".to_owned());
+    }
+    let Some(index) = images.add(&texture, linear, scene) else { return Ok(None) };
+    let wrap = [texture.sampler().wrap_s(), texture.sampler().wrap_t()].map(|mode| match mode {
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+        WrappingMode::Repeat => Wrap::Repeat,
+    });
+    let mut texture = TextureUse { set: set.min(1) as usize, wrap, ..index.into() };
+    if let Some(Transform { offset, rotation, scale, .. }) = transform {
+        let (sin, cos) = rotation.sin_cos();
+        let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
+        texture.matrix = rotation * Mat2::from_diagonal(Vec2::from_array(scale));
+        texture.offset = Vec2::from_array(offset);
+        if !(texture.matrix.is_finite() && texture.offset.is_finite()) {
+            return Err(source.error("a texture transform is not finite; export the file again"));
+        }
+    }
+    Ok(Some(texture))
+}
+
+fn material_of(
+    material: &::gltf::Material<'_>,
+    source: &mut Source,
+    images: &mut Images,
+    scene: &mut Scene,
+) -> Result<Material, SceneError> {
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, opacity] = pbr.base_color_factor();
+    let base = Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE);
+    let name =
+        material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned);
+    let base_texture = texture_use(pbr.base_color_texture(), false, source, images, scene)?;
+    let transmission = material.transmission().map_or(0.0, |t| t.transmission_factor().clamp(0.0, 1.0));
+    let wrap = base_texture.map_or(Wrap::REPEAT, |texture| texture.wrap);
+    let (alpha, alpha_mask) = alpha_of(material, images, scene, wrap);
+    if material.unlit() {
+        let unlit = Material {
+            emission: base,
+            emission_texture: base_texture,
+            ..Material::lambertian(&name, Vec3::ZERO)
+        };
+        return Ok(Material { alpha, alpha_mask, ..unlit });
+    }
+    let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
+    let (f0, f90) = dielectric_of(material);
+    let data_texture = texture_use(pbr.metallic_roughness_texture(), true, source, images, scene)?;
+    let emission_texture = texture_use(material.emissive_texture(), false, source, images, scene)?;
+    let normal_scale = material.normal_texture().map_or(1.0, |map| map.scale());
+    let normal_texture = texture_use(material.normal_texture(), true, source, images, scene)?;
+    if !normal_scale.is_finite() {
+        return Err(source.error(format!(
+            "material \"{name}\": the scale of its normal map is not finite; export the file again"
+        )));
+    }
+    Ok(Material {
+        name,
+        base_colour: base,
+        base_colour_texture: base_texture,
+        metallic: pbr.metallic_factor().clamp(0.0, 1.0),
+        roughness: pbr.roughness_factor().clamp(0.0, 1.0),
+        metallic_roughness_texture: data_texture,
+        f0,
+        f90,
+        emission: Vec3::from_array(material.emissive_factor()).max(Vec3::ZERO) * strength,
+        emission_texture,
+        normal_texture,
+        normal_scale,
+        alpha,
+        opacity: opacity.clamp(0.0, 1.0),
+        transmission,
+        double_sided: material.double_sided(),
+        alpha_mask,
+    })
+}
+
+/// Reflectances of the dielectric part (KHR_materials_ior, KHR_materials_specular).
+fn dielectric_of(material: &::gltf::Material<'_>) -> (Vec3, f32) {
+    let by_index = material.ior().map(|ior| Vec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2)));
+    let f0 = by_index.unwrap_or(GLTF_F0);
+    let Some(specular) = material.specular() else { return (f0, 1.0) };
+    let factor = specular.specular_factor().clamp(0.0, 1.0);
+    let colour = Vec3::from_array(specular.specular_color_factor()).max(Vec3::ZERO);
+    ((f0 * colour).min(Vec3::ONE) * factor, factor)
+}
+
+/// How alpha is used, and the mask of what is cut out, with its wrap modes.
+fn alpha_of(
+    material: &::gltf::Material<'_>,
+    images: &Images,
+    scene: &mut Scene,
+    wrap: [Wrap; 2],
+) -> (Alpha, Option<usize>) {
+    let pbr = material.pbr_metallic_roughness();
+    let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
+    let map = pbr.base_color_texture();
+    let opacity = map.as_ref().and_then(|info| texture::opacity(images.of(&info.texture())?, false));
+    let (width, height, opacity) = opacity.unwrap_or((1, 1, vec![255]));
+    let mut add = |factor: f32| {
+        let mask = AlphaMask::from_opacity(width, height, &opacity, factor)?;
+        scene.alpha_masks.push(AlphaMask { wrap, ..mask });
+        Some(scene.alpha_masks.len() - 1)
+    };
+    match material.alpha_mode() {
+        AlphaMode::Mask => {
+            let cutoff = material.alpha_cutoff().unwrap_or(0.5).max(1e-6);
+            // The mask's own threshold is a half.
+            (Alpha::Mask(cutoff), add(factor * 0.5 / cutoff))
+        }
+        AlphaMode::Blend if factor < 1.0 || opacity.iter().any(|&alpha| alpha < 255) => {
+            (Alpha::Blend, add(factor))
+        }
+        _ => (Alpha::Opaque, None),
+    }
+}
+
+fn note_what_is_not_shown(material: &::gltf::Material<'_>, source: &mut Source) {
+    for (is_there, what) in [
+        (material.occlusion_texture().is_some(), "occlusion maps (light is traced)"),
+        (material.transmission().is_some_and(|t| t.transmission_texture().is_some()), "maps of transmission"),
+        (
+            material
+                .specular()
+                .is_some_and(|s| s.specular_texture().is_some() || s.specular_color_texture().is_some()),
+            "maps of the reflectance",
+        ),
+    ] {
+        if is_there {
+            source.not_shown.insert(what.to_owned());
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Meshes.
+//!
+//! In: a mesh of the file. Out: one of the scene's with the triangles of all its primitives, its normals completed (flat
+//! ones where the file has none), and tangents and a second set of texture coordinates where its materials need them.
+
+use ::gltf::mesh::Mode;
+use ::gltf::{Mesh as FileMesh, Primitive, Semantic};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+use super::materials::Materials;
+use super::source::Source;
+use crate::formats::error::SceneError;
+use crate::scene::Mesh;
+use crate::scene::{MAX_COORDINATE, Material, Scene, SurfaceTransform, normals, tangents};
+
+/// The mesh `mesh`; none if it has no triangles.
+pub(super) fn mesh_of(
+    source: &mut Source,
+    mesh: &FileMesh<'_>,
+    materials: &Materials,
+    scene: &Scene,
+) -> Result<Option<Mesh>, SceneError> {
+    let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+    let mut made = Mesh { name, ..Mesh::default() };
+    for primitive in mesh.primitives() {
+        append(source, &mut made, &primitive, (mesh.index(), materials), scene)?;
+    }
+    made.drop_degenerate_triangles();
+    made.sort_by_material();
+    normals::fill_missing(&mut made);
+    tangents::fill_missing(&mut made, &scene.materials);
+    made.drop_unused_vertices();
+    Ok((!made.triangles.is_empty()).then_some(made))
+}
+
+fn append(
+    source: &mut Source,
+    made: &mut Mesh,
+    primitive: &Primitive<'_>,
+    (mesh, materials): (usize, &Materials),
+    scene: &Scene,
+) -> Result<(), SceneError> {
+    let place = format!("mesh {mesh} primitive {}", primitive.index());
+    if primitive.morph_targets().len() > 0 {
+        source.not_shown.insert("morph targets (the shape at rest is)".to_owned());
+    }
+    if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        source.not_shown.insert("points and lines".to_owned());
+        return Ok(());
+    }
+    let Some(accessor) = primitive.get(&Semantic::Positions) else {
+        return Err(source.error(format!("{place} has no POSITION; export the file again")));
+    };
+    let positions: Vec<Vec3> =
+        source.vertices(&accessor, "POSITION")?.into_iter().map(Vec3::from_array).collect();
+    if positions.iter().any(|position| position.abs().max_element() > MAX_COORDINATE) {
+        return Err(
+            source.error(format!("{place}: a vertex is beyond +-{MAX_COORDINATE:e}; scale the model down"))
+        );
+    }
+    let material = materials.of(&primitive.material());
+    let reader = Attributes { source, primitive, place: &place, count: positions.len() };
+    let normals = reader.read::<3>(&Semantic::Normals, "normals")?;
+    let mut piece = Mesh { positions, ..Mesh::default() };
+    reader.add_to(&mut piece, &scene.materials[material])?;
+    let indices = match primitive.indices() {
+        Some(accessor) => source.indices(&accessor)?,
+        None => (0..piece.positions.len() as u32).collect(),
+    };
+    if let Some(index) = indices.iter().find(|index| **index as usize >= piece.positions.len()) {
+        let total = piece.positions.len();
+        return Err(
+            source.error(format!("{place} uses vertex {index}, but has {total}; export the file again"))
+        );
+    }
+    piece.triangles = triangles_of(primitive.mode(), &indices);
+    piece.triangle_materials = vec![material as u32; piece.triangles.len()];
+    match normals {
+        Some(normals) => {
+            piece.normals = normals.into_iter().map(|n| Vec3::from_array(n).normalize_or_zero()).collect();
+        }
+        None => shade_flat(&mut piece),
+    }
+    if !piece.tangents.is_empty() {
+        let usable = |(tangent, normal): (&Vec4, &Vec3)| tangents::usable(*tangent, *normal);
+        piece.tangents = piece.tangents.iter().zip(&piece.normals).map(usable).collect();
+    }
+    made.append(piece);
+    Ok(())
+}
+
+/// Gives each triangle vertices of its own with its normal. The file's tangents do not count then.
+fn shade_flat(piece: &mut Mesh) {
+    piece.tangents.clear();
+    piece.unshare_vertices();
+    piece.normals = piece
+        .positions
+        .chunks_exact(3)
+        .flat_map(|corners| [(corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero(); 3])
+        .collect();
+}
+
+/// Reads a primitive's attributes.
+struct Attributes<'a> {
+    source: &'a Source,
+    primitive: &'a Primitive<'a>,
+    /// Names it in errors.
+    place: &'a str,
+    /// Of its vertices.
+    count: usize,
+}
+
+impl Attributes<'_> {
+    /// One attribute, if it is there.
+    fn read<const N: usize>(
+        &self,
+        semantic: &Semantic,
+        what: &str,
+    ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
+        let Some(accessor) = self.primitive.get(semantic) else { return Ok(None) };
+        let integers = matches!(semantic, Semantic::Colors(_));
+        let values = match integers {
+            // The specification lets these be normalised integers, whatever else is.
+            true => self.source.vectors(&accessor, what)?,
+            false => self.source.vertices(&accessor, what)?,
+        };
+        if values.len() != self.count {
+            return Err(self.source.error(format!(
+                "{} has {} positions, but {} {what}; export the file again",
+                self.place,
+                self.count,
+                values.len()
+            )));
+        }
+        Ok(Some(values))
+    }
+
+    /// Adds texture coordinates, and what else the material needs and is there.
+    fn add_to(&self, piece: &mut Mesh, material: &Material) -> Result<(), SceneError> {
+        let set = |set| self.read::<2>(&Semantic::TexCoords(set), "texture coordinates");
+        let vectors = |uvs: Option<Vec<[f32; 2]>>| match uvs {
+            Some(uvs) => uvs.into_iter().map(Vec2::from_array).collect(),
+            None => vec![Vec2::ZERO; self.count],
+        };
+        piece.uvs = vectors(set(0)?);
+        if material.textures().any(|texture| texture.set == 1) {
+            piece.second_uvs = vectors(set(1)?);
+        }
+        if material.normal_texture.is_some()
+            && let Some(tangents) = self.read::<4>(&Semantic::Tangents, "tangents")?
+        {
+            piece.tangents = tangents.into_iter().map(Vec4::from_array).collect();
+        }
+        let of_three = self
+            .primitive
+            .get(&Semantic::Colors(0))
+            .is_some_and(|accessor| accessor.dimensions().multiplicity() == 3);
+        let colours: Option<Vec<Vec4>> = if of_three {
+            let colours = self.read::<3>(&Semantic::Colors(0), "colours")?;
+            colours.map(|colours| colours.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect())
+        } else {
+            let colours = self.read::<4>(&Semantic::Colors(0), "colours")?;
+            colours.map(|colours| colours.into_iter().map(Vec4::from_array).collect())
+        };
+        let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+        let bytes = |colour: &Vec4| colour.to_array().map(byte);
+        piece.colours = colours.unwrap_or_default().iter().map(bytes).collect();
+        Ok(())
+    }
+}
+
+fn triangles_of(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => indices
+            .windows(3)
+            .enumerate()
+            .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
+            .collect(),
+        Mode::TriangleFan => match indices {
+            [hub, rim @ ..] => rim.windows(2).map(|edge| [*hub, edge[0], edge[1]]).collect(),
+            [] => Vec::new(),
+        },
+        _ => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+    }
+}
+
+/// The mesh transformed: a mirroring transform turns its triangles over, so that their front stays in front.
+pub(super) fn baked(mesh: &Mesh, transform: &Affine3A) -> Mesh {
+    let placement = SurfaceTransform::new(transform);
+    let mut baked = mesh.clone();
+    for position in &mut baked.positions {
+        *position = transform.transform_point3(*position);
+    }
+    for normal in &mut baked.normals {
+        *normal = placement.normal(*normal);
+    }
+    let mirrored = transform.matrix3.determinant() < 0.0;
+    if mirrored {
+        baked.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    let side = if mirrored { -1.0 } else { 1.0 };
+    for (tangent, normal) in baked.tangents.iter_mut().zip(&baked.normals) {
+        let direction = transform.transform_vector3(tangent.truncate());
+        *tangent = tangents::usable(direction.extend(side * tangent.w), *normal);
+    }
+    baked
+}

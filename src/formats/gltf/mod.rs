@@ -1,0 +1,257 @@
+//! glTF 2.0 models, parsed by the crate `gltf`.
+//!
+//! In: a `.gltf` or `.glb` with its buffers and images. Out: a scene with its meshes, materials, node tree, animation,
+//! cameras and lights; or, as a model of a scene file, one mesh of all that it shows at rest.
+//!
+//! Units: metres. Candela and lux are divided by 683 lm/W, emission is taken as W/m^2/sr.
+
+mod accessor;
+mod materials;
+mod meshes;
+mod motion;
+mod nodes;
+mod source;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use ::gltf::camera::Projection;
+use ::gltf::khr_lights_punctual::Kind;
+use glam::{Affine3A, Vec3};
+
+use self::materials::Materials;
+use self::meshes::{baked, mesh_of};
+use self::motion::Motions;
+use self::nodes::{Placed, placed};
+use self::source::Source;
+use super::error::SceneError;
+use super::{default_view, obj};
+use crate::scene::{Animation, Camera, Instance, Light, LightKind, Mesh, Scene};
+
+/// Luminous efficacy by which photometric units become radiometric ones, lm/W.
+const EFFICACY: f32 = 683.0;
+
+/// Least difference of a spot's cones, radians.
+const LEAST_FALLOFF: f32 = 1e-3;
+
+/// Whether a file name is that of a glTF file.
+pub(crate) fn is_gltf(file: &Path) -> bool {
+    let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    matches!(extension.as_deref(), Some("gltf" | "glb"))
+}
+
+/// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none.
+pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
+    let mut scene = Scene::new(&obj::stem(file));
+    // As the specification has it.
+    scene.metres_per_unit = Some(1.0);
+    let mut file = File::open(file, &mut scene)?;
+    let motions = Motions::read(&mut file.source)?;
+    let placed = std::mem::take(&mut file.placed);
+    let mut camera = None;
+    for place in &placed {
+        let animation = motions.of(place);
+        file.add_instance(&mut scene, place, animation.clone())?;
+        file.add_light(&mut scene, place, animation.clone())?;
+        if let Some(found) = file.camera(place)? {
+            if camera.is_none() {
+                camera = Some((found, animation));
+            } else {
+                file.source.not_shown.insert("cameras but the first".to_owned());
+            }
+        }
+    }
+    file.finish(&mut scene)?;
+    let own_lights = scene.lights.len();
+    for instance in 0..scene.instances.len() {
+        scene.add_area_light(instance);
+    }
+    let placed_camera = camera.map(|(found, animation)| {
+        scene.camera_animation = animation;
+        found
+    });
+    default_view::stage(&mut scene, placed_camera, own_lights > 0);
+    Ok(scene)
+}
+
+/// Adds all that a file shows at rest as one mesh; returns its index.
+pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    let mut file = File::open(path, scene)?;
+    let mut whole = Mesh { name: obj::stem(path), ..Mesh::default() };
+    let document = Arc::clone(&file.source.document);
+    for place in std::mem::take(&mut file.placed) {
+        let node = place.in_document(&document);
+        if node.camera().is_some() || node.light().is_some() {
+            file.source.not_shown.insert("cameras and lights (the scene file's are)".to_owned());
+        }
+        let Some(mesh) = node.mesh() else { continue };
+        if let Some(mesh) = mesh_of(&mut file.source, &mesh, &file.materials, scene)? {
+            whole.append(baked(&mesh, &place.transform));
+        }
+    }
+    if file.source.document.animations().len() > 0 {
+        file.source.not_shown.insert("animation (instances have their own)".to_owned());
+    }
+    whole.sort_by_material();
+    if whole.triangles.is_empty() {
+        return Err(file.source.error("has no triangles; export a model with meshes"));
+    }
+    file.warn(scene);
+    scene.meshes.push(whole.into());
+    Ok(scene.meshes.len() - 1)
+}
+
+/// A file being added to a scene.
+struct File {
+    source: Source,
+    materials: Materials,
+    placed: Vec<Placed>,
+    /// Scene index of each mesh of the file that is used; none if it has no triangles.
+    meshes: HashMap<usize, Option<usize>>,
+}
+
+impl File {
+    fn open(file: &Path, scene: &mut Scene) -> Result<Self, SceneError> {
+        let mut source = Source::read(file)?;
+        let placed = placed(&mut source)?;
+        let materials = Materials::add(&mut source, scene)?;
+        Ok(Self { source, materials, placed, meshes: HashMap::new() })
+    }
+
+    fn name(&self, place: &Placed) -> String {
+        place
+            .in_document(&self.source.document)
+            .name()
+            .map_or_else(|| format!("node {}", place.node), str::to_owned)
+    }
+
+    fn add_instance(
+        &mut self,
+        scene: &mut Scene,
+        place: &Placed,
+        animation: Option<Animation>,
+    ) -> Result<(), SceneError> {
+        let document = Arc::clone(&self.source.document);
+        let Some(mesh) = place.in_document(&document).mesh() else { return Ok(()) };
+        let known = self.meshes.get(&mesh.index()).copied();
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let made = mesh_of(&mut self.source, &mesh, &self.materials, scene)?;
+                let index = made.map(|made| {
+                    scene.meshes.push(made.into());
+                    scene.meshes.len() - 1
+                });
+                self.meshes.insert(mesh.index(), index);
+                index
+            }
+        };
+        let Some(mut index) = index else { return Ok(()) };
+        let mut transform = place.transform;
+        let mut animation = animation;
+        if transform.matrix3.determinant() < 0.0 && scene.is_emissive(index) {
+            // Which side emits depends on the winding, so a mirrored light gets a mesh of its own.
+            scene.meshes.push(baked(&scene.meshes[index], &transform).into());
+            index = scene.meshes.len() - 1;
+            transform = Affine3A::IDENTITY;
+            if animation.take().is_some() {
+                self.source.not_shown.insert("animation of mirrored surfaces that emit".to_owned());
+            }
+        }
+        if !transform.inverse().is_finite() {
+            self.source.not_shown.insert("meshes scaled to nothing".to_owned());
+            return Ok(());
+        }
+        scene.instances.push(Instance {
+            dynamic: animation.is_some(),
+            animation,
+            ..Instance::fixed(&self.name(place), index, transform)
+        });
+        Ok(())
+    }
+
+    /// Adds the light of a node (KHR_lights_punctual).
+    fn add_light(
+        &mut self,
+        scene: &mut Scene,
+        place: &Placed,
+        animation: Option<Animation>,
+    ) -> Result<(), SceneError> {
+        let name = self.name(place);
+        let document = Arc::clone(&self.source.document);
+        let Some(light) = place.in_document(&document).light() else { return Ok(()) };
+        let power = Vec3::from_array(light.color()) * (light.intensity() / EFFICACY);
+        if !power.is_finite() || power.min_element() < 0.0 {
+            return Err(self
+                .source
+                .error(format!("light \"{name}\": colour times intensity must be finite and not negative")));
+        }
+        let kind = match light.kind() {
+            Kind::Directional => LightKind::Directional { irradiance: power },
+            Kind::Point => LightKind::Point { intensity: power },
+            Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+                let outer_angle = outer_cone_angle.clamp(2.0 * LEAST_FALLOFF, std::f32::consts::FRAC_PI_2);
+                let inner_angle = inner_cone_angle.clamp(0.0, outer_angle - LEAST_FALLOFF);
+                LightKind::Spot { intensity: power, inner_angle, outer_angle }
+            }
+        };
+        if light.range().is_some() {
+            self.source.not_shown.insert("ranges of lights".to_owned());
+        }
+        scene.lights.push(Light {
+            name,
+            kind,
+            position: place.transform.translation.into(),
+            direction: place.transform.transform_vector3(Vec3::NEG_Z).normalize_or(Vec3::NEG_Z),
+            radius: 0.0,
+            half_angle: 0.0,
+            animation,
+        });
+        Ok(())
+    }
+
+    /// The perspective camera of a node; near and far are fitted later where the file has no far plane.
+    fn camera(&mut self, place: &Placed) -> Result<Option<Camera>, SceneError> {
+        let document = Arc::clone(&self.source.document);
+        let Some(camera) = place.in_document(&document).camera() else { return Ok(None) };
+        let Projection::Perspective(lens) = camera.projection() else {
+            self.source.not_shown.insert("orthographic cameras".to_owned());
+            return Ok(None);
+        };
+        let axis = |v: Vec3, or: Vec3| place.transform.transform_vector3(v).normalize_or(or);
+        let (forward, up) = (axis(Vec3::NEG_Z, Vec3::NEG_Z), axis(Vec3::Y, Vec3::Y));
+        let eye = Vec3::from(place.transform.translation);
+        let near = lens.znear();
+        let far = lens.zfar().unwrap_or(0.0);
+        let degrees = lens.yfov().to_degrees();
+        if !(0.01..=170.0).contains(&degrees)
+            || !near.is_finite()
+            || !far.is_finite()
+            || forward.cross(up).length() < 1e-4
+        {
+            return Err(self.source.error(format!(
+                "camera {}: needs a field of view from 0.01 to 170 degrees and finite planes; export it again",
+                camera.index()
+            )));
+        }
+        let target = eye + forward;
+        Ok(Some(Camera { up, vertical_fov: lens.yfov(), near, far, ..Camera::looking(eye, target) }))
+    }
+
+    fn finish(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        if scene.instances.is_empty() {
+            return Err(self.source.error("has no triangles; export a model with meshes"));
+        }
+        self.warn(scene);
+        Ok(())
+    }
+
+    /// Names what is in the file and is not shown.
+    fn warn(&self, scene: &mut Scene) {
+        let names: Vec<&str> = self.source.not_shown.iter().map(String::as_str).collect();
+        if !names.is_empty() {
+            scene.warnings.push(format!("{}: not shown: {}", self.source.file.display(), names.join(", ")));
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! A glTF file with its buffers.
+//!
+//! In: a `.gltf` or `.glb`. Out: the checked document and the bytes of its buffers and images; or an error that names
+//! the file and what is wrong in it.
+
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use ::gltf::json;
+use ::gltf::json::validation::{Checked, Error as Violation, Validate};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::formats::error::SceneError;
+
+/// The extensions that are read.
+const KNOWN: [&str; 10] = [
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "MSFT_texture_dds",
+];
+
+/// Those that name a texture's image.
+const IMAGE_FORMATS: [&str; 2] = ["EXT_texture_webp", "MSFT_texture_dds"];
+
+/// The document of a text. Images of other formats come in place of those that textures have for readers that do not know
+/// them, or of none.
+fn parse(json: &[u8]) -> serde_json::Result<json::Root> {
+    let text = String::from_utf8_lossy(json);
+    if !IMAGE_FORMATS.iter().any(|name| text.contains(name)) {
+        return serde_json::from_slice(json);
+    }
+    let mut document: serde_json::Value = serde_json::from_slice(json)?;
+    let textures = document.get_mut("textures").and_then(serde_json::Value::as_array_mut);
+    for texture in textures.into_iter().flatten() {
+        let source = |name: &&str| texture.get("extensions")?.get(name)?.get("source").cloned();
+        if let (Some(source), Some(texture)) =
+            (IMAGE_FORMATS.iter().find_map(source), texture.as_object_mut())
+        {
+            texture.insert("source".to_owned(), source);
+        }
+    }
+    serde_json::from_value(document)
+}
+
+/// A file in memory.
+pub(super) struct Source {
+    pub file: PathBuf,
+    pub document: Arc<::gltf::Document>,
+    /// The bytes of each buffer, at least as many as it says.
+    buffers: Vec<Vec<u8>>,
+    /// Whether vertices may be integers.
+    pub quantized: bool,
+    /// What is in the file and is not shown, each once.
+    pub not_shown: BTreeSet<String>,
+}
+
+impl Source {
+    /// Reads `file` and the buffers that it names, and checks every index in it.
+    pub fn read(file: &Path) -> Result<Self, SceneError> {
+        let bytes =
+            std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
+        let invalid = |problem: String| SceneError::invalid(file, None, problem);
+        let (json, blob) = if bytes.starts_with(b"glTF") {
+            let glb = ::gltf::Glb::from_slice(&bytes).map_err(|error| {
+                invalid(format!("is not a whole GLB ({error}); export or download it again"))
+            })?;
+            (glb.json, glb.bin.map(Cow::into_owned))
+        } else {
+            (Cow::Borrowed(bytes.as_slice()), None)
+        };
+        let root =
+            parse(&json).map_err(|error| invalid(format!("is not glTF 2.0 ({error}); export it again")))?;
+        let mut source = Self {
+            file: file.to_owned(),
+            quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
+            document: Arc::new(::gltf::Document::from_json_without_validation(json::Root::default())),
+            buffers: Vec::new(),
+            not_shown: BTreeSet::new(),
+        };
+        source.check(&root)?;
+        source.buffers = source.read_buffers(&root, blob)?;
+        source.document = Arc::new(::gltf::Document::from_json_without_validation(root));
+        Ok(source)
+    }
+
+    /// An error about the file.
+    pub fn error(&self, problem: impl Into<String>) -> SceneError {
+        SceneError::invalid(&self.file, None, problem)
+    }
+
+    /// Checks version, extensions, and what the format demands of each object.
+    fn check(&mut self, root: &json::Root) -> Result<(), SceneError> {
+        if !root.asset.version.starts_with("2.") {
+            return Err(self.error(format!("is glTF {}; export it as glTF 2.0", root.asset.version)));
+        }
+        let unknown = |names: &[String]| -> Vec<String> {
+            names.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect()
+        };
+        let required = unknown(&root.extensions_required);
+        if !required.is_empty() {
+            return Err(self.error(format!(
+                "needs extensions that are not known: {}; export it without them",
+                required.join(", ")
+            )));
+        }
+        let optional = unknown(&root.extensions_used);
+        self.not_shown.extend(optional.into_iter().map(|name| format!("extension {name}")));
+        self.check_positions(root)?;
+        let mut violation = None;
+        root.validate(root, json::Path::new, &mut |path, error| {
+            if error != Violation::Unsupported && violation.is_none() {
+                violation = Some((path().to_string(), error));
+            }
+        });
+        match violation {
+            None => Ok(()),
+            Some((path, error)) => {
+                let what = match error {
+                    Violation::IndexOutOfBounds => "is an index past the end",
+                    Violation::Missing => "is missing",
+                    _ => "is not valid",
+                };
+                Err(self.error(format!("{path} {what}; export the file again")))
+            }
+        }
+    }
+
+    /// Checks the indices of positions, which the validation below takes for granted.
+    fn check_positions(&self, root: &json::Root) -> Result<(), SceneError> {
+        let positions = Checked::Valid(::gltf::Semantic::Positions);
+        for (index, mesh) in root.meshes.iter().enumerate() {
+            for primitive in &mesh.primitives {
+                let accessor = primitive.attributes.get(&positions);
+                if accessor.is_some_and(|accessor| accessor.value() >= root.accessors.len()) {
+                    return Err(self.error(format!(
+                        "meshes[{index}]: POSITION is an index past the end; export the file again"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn read_buffers(&self, root: &json::Root, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
+        let read = |(index, buffer): (usize, &json::Buffer)| {
+            let bytes = match &buffer.uri {
+                Some(uri) => self.resolve(uri, &format!("buffer {index}"))?,
+                None => blob.take().filter(|_| index == 0).ok_or_else(|| {
+                    self.error(format!("buffer {index} has no uri and no data; export the file again"))
+                })?,
+            };
+            let needed = buffer.byte_length.0;
+            if (bytes.len() as u64) < needed {
+                return Err(self.error(format!(
+                    "buffer {index} has {} bytes instead of {needed}; export or download the file again",
+                    bytes.len()
+                )));
+            }
+            Ok(bytes)
+        };
+        root.buffers.iter().enumerate().map(read).collect()
+    }
+
+    /// The bytes of a data URI or of a file below the folder of this one. `what` names it in errors.
+    pub fn resolve(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+            let encoded = encoded.ok_or_else(|| {
+                self.error(format!("{what}: its data URI is not base64; export the file again"))
+            })?;
+            return STANDARD.decode(encoded).map_err(|error| {
+                self.error(format!("{what}: its data URI is not base64 ({error}); export the file again"))
+            });
+        }
+        let path = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+        let parts = Path::new(path.as_ref()).components();
+        let mut inside =
+            parts.map(|part| matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir));
+        let path = path.replace('\\', "/");
+        let is_url = path.contains("://");
+        if path.is_empty()
+            || is_url
+            || path.split('/').any(|part| part == "..")
+            || !inside.all(|inside| inside)
+        {
+            return Err(self.error(format!(
+                "{what}: the uri \"{uri}\" leads out of the folder of the file; put it beside the file"
+            )));
+        }
+        let file = self.file.parent().unwrap_or(Path::new("")).join(&path);
+        std::fs::read(&file).map_err(|reason| {
+            self.error(format!("{what}: {} cannot be read ({reason}); put it there", file.display()))
+        })
+    }
+
+    /// The bytes of a buffer view.
+    pub fn view(&self, view: &::gltf::buffer::View<'_>) -> Result<&[u8], SceneError> {
+        let bytes = &self.buffers[view.buffer().index()];
+        let end = view.offset().checked_add(view.length());
+        end.and_then(|end| bytes.get(view.offset()..end)).ok_or_else(|| {
+            self.error(format!(
+                "buffer view {} (bytes {} to {}) is out of the range of its buffer, which has {} bytes; export the file again",
+                view.index(),
+                view.offset(),
+                view.offset().saturating_add(view.length()),
+                bytes.len()
+            ))
+        })
+    }
+}

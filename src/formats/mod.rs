@@ -1,0 +1,19 @@
+//! Files that become a scene: OBJ and MTL, glTF, scene files in TOML, environment maps.
+//!
+//! In: a name or a file. Out: a [`Scene`](crate::scene::Scene), or an error of one line that names file, line and key. Models
+//! without a camera or light get both: see `default_view`, which casts rays and therefore stands above the BVH.
+
+mod default_view;
+mod environment_map;
+mod error;
+mod gltf;
+mod load;
+mod obj;
+mod scene_file;
+
+pub use error::{Place, SceneError};
+pub use load::{load_scene, missing_asset, scene_of_text};
+pub use scene_file::{
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, MaterialEdit,
+    ModelSource, Placement, Primitive, ReadFiles, RotationEntry, ScaleEntry, SceneDocument, SpinEntry,
+};

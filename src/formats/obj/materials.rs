@@ -1,0 +1,225 @@
+//! Converts tobj's materials and their images to the scene's.
+//!
+//! In: the materials of an OBJ. Out: a [`Material`] for each, with its textures and alpha mask in the scene; an
+//! unreadable image is replaced by a fallback and named in a warning.
+
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+
+use image::DynamicImage;
+use rayon::prelude::*;
+
+use super::mtl::{BUMP, find_file};
+use super::normal_map;
+use super::surface::surface;
+use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture, texture};
+
+/// The images of a model's materials, each read once.
+struct Images(HashMap<String, Result<DynamicImage, String>>);
+
+impl Images {
+    fn read(file: &Path, materials: &[tobj::Material]) -> Self {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let names: BTreeSet<&str> =
+            materials.iter().flat_map(|material| Maps::of(material).names()).collect();
+        let read = |name: &&str| {
+            let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
+            ((*name).to_owned(), path.and_then(|path| texture::read_image(&path)))
+        };
+        Self(names.into_iter().collect::<Vec<_>>().par_iter().map(read).collect())
+    }
+
+    fn get(&self, name: &str) -> Result<&DynamicImage, &str> {
+        match self.0.get(name) {
+            Some(Ok(image)) => Ok(image),
+            Some(Err(problem)) => Err(problem),
+            None => Err("was not read"),
+        }
+    }
+}
+
+/// The image files that a material names.
+#[derive(Clone, Copy)]
+struct Maps<'a> {
+    colour: Option<&'a str>,
+    opacity: Option<&'a str>,
+    emission: Option<&'a str>,
+    roughness: Option<&'a str>,
+    metallic: Option<&'a str>,
+    relief: Option<Relief<'a>>,
+}
+
+/// A map of the normal.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Relief<'a> {
+    Normals(&'a str),
+    /// A file of heights, and the bits of their multiplier.
+    Heights(&'a str, u32),
+}
+
+impl<'a> Relief<'a> {
+    fn of(material: &'a tobj::Material) -> Option<Self> {
+        if let Some(name) = material.unknown_param.get("norm") {
+            return Some(Self::Normals(name));
+        }
+        let (multiplier, name) = material.unknown_param.get(BUMP)?.split_once(' ')?;
+        Some(Self::Heights(name, multiplier.parse::<f32>().ok()?.to_bits()))
+    }
+
+    fn name(self) -> &'a str {
+        match self {
+            Self::Normals(name) | Self::Heights(name, _) => name,
+        }
+    }
+}
+
+impl<'a> Maps<'a> {
+    fn of(material: &'a tobj::Material) -> Self {
+        let other = |key: &str| material.unknown_param.get(key).map(String::as_str);
+        Self {
+            colour: material.diffuse_texture.as_deref(),
+            opacity: material.dissolve_texture.as_deref(),
+            emission: other("map_Ke")
+                .filter(|_| material.emissive.is_some_and(|emission| emission != [0.0; 3])),
+            roughness: other("map_Pr"),
+            metallic: other("map_Pm"),
+            relief: Relief::of(material),
+        }
+    }
+
+    fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        let relief = self.relief.map(Relief::name);
+        [self.colour, self.opacity, self.emission, self.roughness, self.metallic, relief]
+            .into_iter()
+            .flatten()
+    }
+}
+
+/// Inputs of a mask: colour map, opacity map, bits of the opacity.
+type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
+
+/// What a texture is made of.
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Source<'a> {
+    Colour(&'a str),
+    /// Files of roughness and metallic.
+    Data([Option<&'a str>; 2]),
+    Relief(Relief<'a>),
+}
+
+/// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
+pub(crate) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
+    let images = Images::read(file, materials);
+    warn_of_missing(file, materials, &images, scene);
+    let textures = add_textures(materials, &images, scene);
+    let mut masks: HashMap<MaskKey<'_>, Option<usize>> = HashMap::new();
+    for material in materials {
+        let maps = Maps::of(material);
+        let surface = surface(material);
+        let alpha_mask =
+            *masks.entry((maps.colour, maps.opacity, surface.opacity.to_bits())).or_insert_with(|| {
+                let mask = mask_of(maps, surface.opacity, &images)?;
+                scene.alpha_masks.push(mask);
+                Some(scene.alpha_masks.len() - 1)
+            });
+        // Maps of opacity cut out; only `d` makes sheets.
+        let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_sheet());
+        let texture = |source: Option<Source<'_>>| {
+            source.and_then(|source| textures.get(&source).copied().map(Into::into))
+        };
+        scene.materials.push(Material {
+            base_colour_texture: texture(maps.colour.map(Source::Colour)),
+            emission_texture: texture(maps.emission.map(Source::Colour)),
+            metallic_roughness_texture: texture(data_of(maps)),
+            normal_texture: texture(maps.relief.map(Source::Relief)),
+            alpha: if cut_out { Alpha::Mask(0.5) } else { surface.alpha },
+            alpha_mask,
+            ..surface
+        });
+    }
+}
+
+fn data_of(maps: Maps<'_>) -> Option<Source<'_>> {
+    let files = [maps.roughness, maps.metallic];
+    (files != [None; 2]).then_some(Source::Data(files))
+}
+
+fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, scene: &mut Scene) {
+    for maps in materials.iter().map(Maps::of) {
+        for (name, fallback) in [
+            (maps.colour, "using a magenta and black checkerboard"),
+            (maps.opacity, "using no alpha mask"),
+            (maps.emission, "using its colour alone"),
+            (maps.roughness, "using its number alone"),
+            (maps.metallic, "using its number alone"),
+            (maps.relief.map(Relief::name), "using no normal map"),
+        ] {
+            let Some(name) = name else { continue };
+            let line = match images.get(name) {
+                Err(problem) => format!("{}: texture {name} {problem}; {fallback}", file.display()),
+                Ok(image) => match texture::shrinking(image) {
+                    Some(sizes) => format!("{}: texture {name} is {sizes}", file.display()),
+                    None => continue,
+                },
+            };
+            if !scene.warnings.contains(&line) {
+                scene.warnings.push(line);
+            }
+        }
+    }
+}
+
+/// Adds every texture with its mip chain, or a fallback for an unreadable colour. Returns scene indices by source.
+fn add_textures<'a>(
+    materials: &'a [tobj::Material],
+    images: &Images,
+    scene: &mut Scene,
+) -> HashMap<Source<'a>, usize> {
+    let mut sources: Vec<Source<'a>> = Vec::new();
+    for maps in materials.iter().map(Maps::of) {
+        let colours = [maps.colour, maps.emission].map(|name| name.map(Source::Colour));
+        let data = [data_of(maps), maps.relief.map(Source::Relief)];
+        for source in colours.into_iter().chain(data).flatten() {
+            let readable = match &source {
+                Source::Colour(name) => maps.colour == Some(name) || images.get(name).is_ok(),
+                Source::Data(names) => names.iter().flatten().all(|name| images.get(name).is_ok()),
+                Source::Relief(relief) => images.get(relief.name()).is_ok(),
+            };
+            if readable && !sources.contains(&source) {
+                sources.push(source);
+            }
+        }
+    }
+    let build = |source: &Source<'_>| match source {
+        Source::Colour(name) => match images.get(name) {
+            Ok(image) => {
+                let texels = texture::to_srgb8(image);
+                Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
+            }
+            Err(_) => Texture::missing(name),
+        },
+        Source::Data([roughness, metallic]) => {
+            let image = |name: Option<&str>| images.get(name?).ok();
+            texture::metallic_roughness(image(*roughness), image(*metallic))
+        }
+        Source::Relief(relief) => match (images.get(relief.name()), relief) {
+            (Ok(image), Relief::Heights(name, multiplier)) if !normal_map::is_normal_map(image) => {
+                normal_map::of_heights(name, image, f32::from_bits(*multiplier))
+            }
+            (Ok(image), _) => normal_map::of_image(relief.name(), image),
+            (Err(_), _) => Texture::missing(relief.name()),
+        },
+    };
+    let first = scene.textures.len();
+    scene.textures.par_extend(sources.par_iter().map(build).map(Arc::new));
+    sources.into_iter().enumerate().map(|(i, source)| (source, first + i)).collect()
+}
+
+/// The alpha mask: `map_d` if present, else the alpha of `map_Kd`, times `d`.
+fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
+    let from_opacity = maps.opacity.and_then(|name| texture::opacity(images.get(name).ok()?, true));
+    let from_colour = || maps.colour.and_then(|name| texture::opacity(images.get(name).ok()?, false));
+    let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
+    AlphaMask::from_opacity(width, height, &opacity, dissolve)
+}

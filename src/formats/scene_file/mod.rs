@@ -1,0 +1,22 @@
+//! Scene files: TOML that says what is in a scene, where, and how it moves.
+//!
+//! In: text. Out: a scene; or a document that can be edited and saved again.
+
+pub(crate) mod build;
+mod clip;
+mod document;
+mod environment;
+mod lights;
+mod material_edit;
+mod models;
+mod read_files;
+mod schema;
+
+pub use document::{ModelSource, Placement, SceneDocument};
+pub use material_edit::MaterialEdit;
+pub use read_files::ReadFiles;
+pub(crate) use schema::SceneFile;
+pub use schema::{
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, Primitive,
+    RotationEntry, ScaleEntry, SpinEntry,
+};
