@@ -14,7 +14,6 @@ mod rest;
 mod shared;
 mod steps;
 mod tracer_choice;
-mod tracer_speed;
 mod uniforms;
 mod view;
 
@@ -23,7 +22,6 @@ pub use crate::passes::overlay::Line;
 pub use pick::{Picked, camera_ray};
 pub use prepared::PreparedScene;
 pub use replay::Replay;
-pub use tracer_choice::{remember_in, tracer_rates};
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -42,8 +40,8 @@ use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::scene_buffers::SceneBuffers;
 use crate::passes::sheets::SheetsPass;
 use crate::passes::structs::{FrameUniforms, LightData};
-use crate::passes::tracer::{Tracer, TracerVariant};
-use crate::report::{FrameReport, TracerChoice};
+use crate::passes::tracer::{RayTracer, Tracer, TracerVariant};
+use crate::report::FrameReport;
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frames, VulkanError};
@@ -61,7 +59,7 @@ pub enum RenderError {
     /// Vulkan failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
-    /// The hardware tracer was asked for on a device that cannot do with it.
+    /// The hardware tracer was asked for on a device that does not support it.
     #[error(
         "--tracer hardware: {device} lacks {lacks}; use --tracer software, or another --device (glowworm info lists them)"
     )]
@@ -98,7 +96,6 @@ pub struct Renderer {
     buffers: SceneBuffers,
     area_lights: AreaLights,
     tracer: Tracer,
-    tracer_choice: TracerChoice,
     passes: SharedPasses,
     estimator: Box<dyn Estimator>,
     views: ViewPasses,
@@ -139,12 +136,12 @@ impl Renderer {
         pose: &Pose,
         make: &MakeEstimator<'_>,
     ) -> Result<Self, RenderError> {
-        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
+        let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
-        let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_sheets() };
+        let variant = TracerVariant { tracer, sheets: bvh.has_sheets() };
         let estimator = make(&EstimatorContext {
             device,
             tracer: variant,
@@ -154,7 +151,7 @@ impl Renderer {
         })?;
         let buffers = SceneBuffers::new(device, &scene)?;
         Ok(Self {
-            tracer: Tracer::new(device, tracer_choice.used, &bvh)?,
+            tracer: Tracer::new(device, tracer, &bvh)?,
             passes: SharedPasses::new(device, variant, (&scene, &buffers), settings)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
@@ -172,7 +169,6 @@ impl Renderer {
             bvh,
             radius,
             estimator,
-            tracer_choice,
             buffers,
             area_lights: AreaLights::default(),
         })
@@ -305,8 +301,8 @@ impl Renderer {
     }
 
     /// The tracer in use.
-    pub fn tracer(&self) -> TracerChoice {
-        self.tracer_choice
+    pub fn tracer(&self) -> RayTracer {
+        self.tracer.kind()
     }
 
     /// The estimator, if it is of this kind.
