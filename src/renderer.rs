@@ -13,7 +13,6 @@ mod reports;
 mod shared;
 mod steps;
 mod tracer_choice;
-mod tracer_speed;
 mod uniforms;
 mod view;
 
@@ -22,7 +21,6 @@ pub use crate::passes::overlay::Line;
 pub use pick::{Picked, camera_ray};
 pub use prepared::PreparedScene;
 pub use replay::Replay;
-pub use tracer_choice::{remember_in, tracer_rates};
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -44,7 +42,7 @@ use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::reprojection::ReprojectionInputs;
 use crate::passes::sheets::SheetsPass;
-use crate::report::{FrameReport, TracerChoice};
+use crate::report::FrameReport;
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frames, VulkanError};
@@ -96,7 +94,6 @@ pub struct Renderer {
     frames_before: u64,
 
     gpu_scene: GpuScene,
-    tracer_choice: TracerChoice,
     passes: SharedPasses,
     estimator: Box<dyn Estimator>,
     indirect_denoiser: Denoiser,
@@ -138,12 +135,12 @@ impl Renderer {
         pose: &Pose,
         make: &MakeEstimator<'_>,
     ) -> Result<Self, RenderError> {
-        let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
+        let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
-        let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_sheets() };
+        let variant = TracerVariant { tracer, sheets: bvh.has_sheets() };
         let estimator = make(&EstimatorContext {
             device,
             tracer: variant,
@@ -151,7 +148,7 @@ impl Renderer {
             world: World { scene: &scene, pose, bvh: &bvh },
             scene_radius: radius,
         })?;
-        let gpu_scene = GpuScene::new(device, &scene, tracer_choice.used, &bvh)?;
+        let gpu_scene = GpuScene::new(device, &scene, tracer, &bvh)?;
         Ok(Self {
             passes: SharedPasses::new(device, variant, (&scene, gpu_scene.buffers()), settings)?,
             indirect_denoiser: indirect_denoiser(device, &*estimator, settings)?,
@@ -171,7 +168,6 @@ impl Renderer {
             bvh,
             radius,
             estimator,
-            tracer_choice,
             gpu_scene,
         })
     }
@@ -292,8 +288,8 @@ impl Renderer {
     }
 
     /// The tracer in use.
-    pub fn tracer(&self) -> TracerChoice {
-        self.tracer_choice
+    pub fn tracer(&self) -> RayTracer {
+        self.tracer.kind()
     }
 
     /// The estimator, if it is of this kind.

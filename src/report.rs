@@ -125,43 +125,6 @@ impl Summary {
     }
 }
 
-/// Occlusion rays a second, of each tracer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TracerRates {
-    /// Of the software tracer.
-    pub software: f64,
-    /// Of the hardware tracer; 0 where its answers are wrong.
-    pub hardware: f64,
-}
-
-impl TracerRates {
-    /// The faster tracer.
-    pub fn faster(&self) -> RayTracer {
-        if self.hardware > self.software { RayTracer::Hardware } else { RayTracer::Software }
-    }
-}
-
-impl std::fmt::Display for TracerRates {
-    fn fmt(&self, text: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [software, hardware] = [self.software, self.hardware].map(|rate| rate * 1e-6);
-        let auto = match self.faster() {
-            RayTracer::Software => "software",
-            RayTracer::Hardware => "hardware",
-        };
-        write!(text, "software {software:.2}, hardware {hardware:.2} million rays a second: auto is {auto}")
-    }
-}
-
-/// The tracer in use.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TracerChoice {
-    /// The tracer.
-    pub used: RayTracer,
-    /// What was measured on the device, now or earlier, if that decided.
-    pub rays_per_second: Option<TracerRates>,
-}
-
 /// How long a scene took until it was ready to be rendered. Flat in reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LoadTimes {
@@ -181,7 +144,7 @@ pub struct RenderReport {
     /// Name and version of its driver.
     pub driver: String,
     /// The ray tracer that was used.
-    pub tracer: TracerChoice,
+    pub tracer: RayTracer,
     /// The settings that were used.
     pub settings: Settings,
     /// See [`COMMIT`].
@@ -200,7 +163,7 @@ impl RenderReport {
     pub fn new(
         scene: &str,
         device: &DeviceInfo,
-        tracer: TracerChoice,
+        tracer: RayTracer,
         settings: &Settings,
         load: LoadTimes,
         frames: Vec<FrameReport>,
@@ -273,19 +236,11 @@ mod tests {
     }
 
     #[test]
-    fn the_faster_tracer_is_chosen() {
-        let rates = |software, hardware| TracerRates { software, hardware };
-        assert_eq!(rates(2.0, 1.0).faster(), RayTracer::Software);
-        assert_eq!(rates(1.0, 2.0).faster(), RayTracer::Hardware);
-    }
-
-    #[test]
     fn the_report_has_the_keys_of_the_design() {
         let frames: Vec<_> = (0..2).map(frame).collect();
         let device = DeviceInfo { name: "some device".to_owned(), ..DeviceInfo::default() };
-        let rates = TracerRates { software: 2.5, hardware: 1.0 };
         let load = LoadTimes { load_ms: 12.0, bvh_ms: 3.0 };
-        let tracer = TracerChoice { used: rates.faster(), rays_per_second: Some(rates) };
+        let tracer = RayTracer::Software;
         let report = RenderReport::new("cornell-box", &device, tracer, &Settings::default(), load, frames);
         assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
         let json = serde_json::to_value(&report).unwrap();
@@ -308,7 +263,6 @@ mod tests {
         }
         assert_eq!(keys(&json["summary"]["p95"]), sorted(figures));
         assert_eq!(json["settings"]["exposure"], "auto");
-        assert_eq!(json["tracer"]["used"], "software");
-        assert_eq!(json["tracer"]["rays_per_second"]["hardware"], 1.0);
+        assert_eq!(json["tracer"], "software");
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 
-use crate::report::{COMMIT, TracerRates};
+use crate::report::COMMIT;
 use crate::vulkan::DeviceInfo;
 
 /// The machine and the program.
@@ -17,9 +17,6 @@ pub struct Machine {
     pub driver: String,
     /// Vulkan version.
     pub vulkan: String,
-    /// Rates of its tracers, if it has both; `--tracer auto` takes the faster one.
-    #[serde(default)]
-    pub tracers: Option<TracerRates>,
     /// Model of the CPU.
     pub cpu: String,
     /// Threads of the program's pool.
@@ -35,8 +32,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This machine with the device `info` and the rates of its tracers.
-    pub fn new(info: &DeviceInfo, tracers: Option<TracerRates>) -> Self {
+    /// This machine with the device `info`.
+    pub fn new(info: &DeviceInfo) -> Self {
         let wanted = RefreshKind::nothing()
             .with_cpu(CpuRefreshKind::nothing())
             .with_memory(MemoryRefreshKind::nothing().with_ram());
@@ -50,7 +47,6 @@ impl Machine {
             device_kind: info.kind.clone(),
             driver: info.driver.clone(),
             vulkan: info.vulkan.clone(),
-            tracers,
             cpu: cpu.filter(|brand| !brand.is_empty()).unwrap_or_else(unknown),
             cpu_threads: rayon::current_num_threads(),
             memory: system.total_memory(),
@@ -66,7 +62,6 @@ impl Machine {
         vec![
             ("Device", device),
             ("Driver", self.driver.clone()),
-            ("Tracers", self.tracers.map_or_else(|| "software".to_owned(), |rates| rates.to_string())),
             ("CPU", format!("{}, {} threads", self.cpu, self.cpu_threads)),
             ("Memory", format!("{:.1} GiB", self.memory as f64 / f64::from(1 << 30))),
             ("System", self.os.clone()),

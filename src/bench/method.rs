@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::estimators::METHODS;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{GivenSettings, Settings, SettingsError};
 
 /// The setting of the estimator.
 const INDIRECT: &str = "indirect";
@@ -77,8 +77,7 @@ impl Method {
 
     /// Checks the values of its settings.
     fn check(&self) -> Result<(), SettingsError> {
-        let names: Vec<&str> = self.settings.keys().map(String::as_str).collect();
-        Settings::from_table(&self.settings)?.check_options(&names)
+        GivenSettings::from(self.settings.clone()).check()
     }
 }
 
@@ -167,7 +166,7 @@ mod tests {
         for (text, says) in [
             ("vpl", "vpl: must be vpls, none, reference@N or all"),
             ("vpls@", "must be OPTION=VALUE"),
-            ("vpls@T=0", "temporal-sets 0: must be 1 to 64"),
+            ("vpls@T=0", "temporal-sets 0: must be a whole number, 1 to 64"),
             ("vpls@colour=3", "colour"),
             ("vpls@direct=lamps", "lamps"),
             ("reference", "reference@N"),

@@ -53,7 +53,7 @@ use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
 use crate::plot::PlotError;
 use crate::reference::ReferenceError;
-use crate::renderer::{RenderError, tracer_rates};
+use crate::renderer::RenderError;
 use crate::report::LoadTimes;
 use crate::settings::SettingsError;
 use crate::vulkan::Device;
@@ -158,7 +158,7 @@ impl Bench {
                 quality: None,
             }));
         }
-        let report = Report::new(Machine::new(device.info(), tracer_rates(device)), plan, scenes, runs);
+        let report = Report::new(Machine::new(device.info()), plan, scenes, runs);
         Ok(Self { device: Arc::clone(device), assets, folder, report })
     }
 

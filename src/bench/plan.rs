@@ -3,10 +3,11 @@
 //! In: the options. Out: for each scene, every combination of the methods and the swept settings.
 
 use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
 
 use super::method::Method;
 use super::report::Run;
-use crate::settings::{Settings, SettingsError, VplSettings};
+use crate::settings::{Settings, SettingsError};
 
 /// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -156,32 +157,13 @@ impl Plan {
     ) -> Result<Vec<Settings>, SettingsError> {
         let mut own = self.settings.clone();
         own.extend(fixed.clone());
-        let given = Settings::from_table(&own)?;
-        let sweep = self.sweep.without(fixed);
-        let mut names: Vec<&str> = own.keys().map(String::as_str).collect();
-        names.extend(sweep.names());
-        let base = Settings::resolve(scene_settings, &sweep.first(&given), &names)?;
-        let or = |list: &[u32], base: u32| if list.is_empty() { vec![base] } else { list.to_vec() };
-        let sizes = if sweep.size.is_empty() { vec![base.size] } else { sweep.size.clone() };
-        let mut combinations = Vec::new();
-        for size in sizes {
-            for vpls in or(&sweep.vpls, base.vpl.slots) {
-                for bounces in or(&sweep.bounces, base.bounces) {
-                    for interleave in or(&sweep.interleave, base.vpl.interleave) {
-                        for temporal_sets in or(&sweep.temporal_sets, base.vpl.temporal_sets) {
-                            let cli = Settings {
-                                size,
-                                bounces,
-                                vpl: VplSettings { slots: vpls, interleave, temporal_sets, ..given.vpl },
-                                ..given.clone()
-                            };
-                            combinations.push(Settings::resolve(scene_settings, &cli, &names)?);
-                        }
-                    }
-                }
-            }
+        let mut combinations = vec![own];
+        // The last axis varies fastest.
+        for (key, values) in self.sweep.lists().into_iter().filter(|(key, _)| !fixed.contains_key(*key)) {
+            combinations = combinations.iter().flat_map(|own| with_each(own, key, &values)).collect();
         }
-        Ok(combinations)
+        let resolved = |own: Table| Settings::resolve(scene_settings, &own.into());
+        combinations.into_iter().map(resolved).collect()
     }
 
     /// The option in which `other` differs, if any.
@@ -205,48 +187,30 @@ impl Plan {
 }
 
 impl Sweep {
-    /// Without the lists of settings that `fixed` states.
-    fn without(&self, fixed: &toml::Table) -> Self {
-        let list = |axis: Axis, list: &[u32]| {
-            if fixed.contains_key(axis.key()) { Vec::new() } else { list.to_vec() }
+    /// The values of each setting.
+    fn lists(&self) -> [(&'static str, Vec<Value>); 5] {
+        let numbers = |axis: Axis, list: &[u32]| {
+            (axis.key(), list.iter().map(|value| i64::from(*value).into()).collect())
         };
-        let has_size = fixed.contains_key(Axis::Size.key());
-        Self {
-            methods: Vec::new(),
-            temporal_sets: list(Axis::TemporalSets, &self.temporal_sets),
-            size: if has_size { Vec::new() } else { self.size.clone() },
-            vpls: list(Axis::Vpls, &self.vpls),
-            bounces: list(Axis::Bounces, &self.bounces),
-            interleave: list(Axis::Interleave, &self.interleave),
-        }
+        let sizes = self.size.iter().map(|size| size.map(i64::from).to_vec().into()).collect();
+        [
+            (Axis::Size.key(), sizes),
+            numbers(Axis::Vpls, &self.vpls),
+            numbers(Axis::Bounces, &self.bounces),
+            numbers(Axis::Interleave, &self.interleave),
+            numbers(Axis::TemporalSets, &self.temporal_sets),
+        ]
     }
+}
 
-    /// `settings` with the first value of each list.
-    fn first(&self, settings: &Settings) -> Settings {
-        let first = |list: &[u32], else_: u32| list.first().copied().unwrap_or(else_);
-        Settings {
-            size: self.size.first().copied().unwrap_or(settings.size),
-            bounces: first(&self.bounces, settings.bounces),
-            vpl: VplSettings {
-                temporal_sets: first(&self.temporal_sets, settings.vpl.temporal_sets),
-                slots: first(&self.vpls, settings.vpl.slots),
-                interleave: first(&self.interleave, settings.vpl.interleave),
-                ..settings.vpl
-            },
-            ..settings.clone()
-        }
-    }
-
-    fn names(&self) -> Vec<&'static str> {
-        let given = [
-            (Axis::TemporalSets, self.temporal_sets.is_empty()),
-            (Axis::Size, self.size.is_empty()),
-            (Axis::Vpls, self.vpls.is_empty()),
-            (Axis::Bounces, self.bounces.is_empty()),
-            (Axis::Interleave, self.interleave.is_empty()),
-        ];
-        given.into_iter().filter(|(_, empty)| !empty).map(|(axis, _)| axis.key()).collect()
-    }
+/// The table with each of the values, or as it is where there are none.
+fn with_each(table: &Table, key: &str, values: &[Value]) -> Vec<Table> {
+    let with = |value: &Value| {
+        let mut table = table.clone();
+        table.insert(key.to_owned(), value.clone());
+        table
+    };
+    if values.is_empty() { vec![table.clone()] } else { values.iter().map(with).collect() }
 }
 
 #[cfg(test)]

@@ -1,7 +1,10 @@
 //! `glowworm bench`: frame times and quality of scenes, and changes since an earlier report.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+use toml::Table as TomlTable;
 
 use super::micro::micro;
 use super::options::RunOptions;
@@ -13,7 +16,7 @@ use crate::bench::{
 };
 use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::output::OutputFile;
-use crate::settings::{Settings, VplSettings};
+use crate::settings::{GivenSettings, Settings};
 use crate::vulkan::Device;
 
 /// Default number of measured frames.
@@ -22,6 +25,10 @@ const FRAMES: u32 = 240;
 const ROUNDS: u32 = 2;
 /// Default samples a pixel of the path tracer's pictures.
 const SPP: u32 = 1024;
+/// Default temporal sets.
+const TEMPORAL_SETS: [u32; 5] = [1, 4, 8, 16, 32];
+/// Default size in pixels.
+const SIZE: [u32; 2] = [1024, 1024];
 /// Defaults on a CPU driver, which takes some 50 ms for such a frame.
 pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
@@ -94,11 +101,13 @@ pub(super) struct BenchOptions {
     pub run: RunOptions,
 }
 
-/// The settings, some with several values.
+/// The given settings, some with several values.
 #[derive(Clone, Debug)]
 pub(super) struct SweptSettings {
-    pub settings: Settings,
-    sweep: Sweep,
+    /// Those with one value.
+    pub given: GivenSettings,
+    /// The values of those that accept several.
+    lists: BTreeMap<&'static str, Vec<String>>,
 }
 
 /// The settings that accept several values.
@@ -106,25 +115,26 @@ const SWEPT: [&str; 5] = ["temporal_sets", "size", "vpls", "bounces", "interleav
 
 impl clap::Args for SweptSettings {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let command = Settings::augment_args(command);
+        let add_help = |argument: clap::Arg, more: &str| {
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            argument.help(format!("{help}. {more}"))
+        };
         let list = |command: clap::Command, name: &str| {
             command.mut_arg(name, |argument| {
-                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.value_delimiter(',').help(format!("{help}. A list such as A,B measures each"))
+                add_help(argument.value_delimiter(','), "A list such as A,B measures each")
             })
         };
         SWEPT
             .into_iter()
-            .fold(command, list)
-            .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
-            .mut_arg("time_step", |argument| {
-                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.help(format!("{help}. On a CPU driver the default is 1/20"))
+            .fold(GivenSettings::augment_args(command), list)
+            .mut_arg("temporal_sets", |argument| {
+                argument.default_value(TEMPORAL_SETS.map(|sets| sets.to_string()).join(","))
             })
+            .mut_arg("time_step", |argument| add_help(argument, "On a CPU driver the default is 1/20"))
             .mut_arg("size", |argument| {
-                argument.default_value("1024x1024").help(
-                    "Width and height of the picture in pixels; the default on a CPU driver is 256x256. A list \
-                     such as A,B measures each",
+                add_help(
+                    argument.default_value(SIZE.map(|side| side.to_string()).join("x")),
+                    "On a CPU driver the default is 256x256",
                 )
             })
     }
@@ -136,18 +146,10 @@ impl clap::Args for SweptSettings {
 
 impl clap::FromArgMatches for SweptSettings {
     fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
-        let numbers = |name: &str| -> Vec<u32> {
-            matches.get_many(name).map(|values| values.copied().collect()).unwrap_or_default()
-        };
-        let sweep = Sweep {
-            methods: Vec::new(),
-            temporal_sets: numbers("temporal_sets"),
-            size: matches.get_many("size").map(|sizes| sizes.copied().collect()).unwrap_or_default(),
-            vpls: numbers("vpls"),
-            bounces: numbers("bounces"),
-            interleave: numbers("interleave"),
-        };
-        Ok(Self { settings: Settings::from_arg_matches(matches)?, sweep })
+        let mut given = GivenSettings::from_arg_matches(matches)?;
+        let swept = SWEPT.into_iter().filter(|key| given.remove(key));
+        let values = |key| matches.get_many(key).map(|values| values.cloned().collect()).unwrap_or_default();
+        Ok(Self { lists: swept.map(|key| (key, values(key))).collect(), given })
     }
 
     fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
@@ -156,19 +158,61 @@ impl clap::FromArgMatches for SweptSettings {
     }
 }
 
-/// Measures, reports and compares. `given` are the settings given on the command line.
-pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
+impl SweptSettings {
+    /// All given settings, each with its first value.
+    pub fn first(&self) -> GivenSettings {
+        let mut given = self.given.clone();
+        for (key, values) in &self.lists {
+            if let Some(value) = values.first() {
+                given.insert(key, value.as_str());
+            }
+        }
+        given
+    }
+
+    /// The given values of a setting, or else `others`.
+    fn list<T: Clone>(&self, key: &str, value: impl Fn(&Settings) -> T, others: &[T]) -> Vec<T> {
+        let Some(texts) = self.lists.get(key) else { return others.to_vec() };
+        let tables = texts.iter().map(|text| TomlTable::from_iter([(key.to_owned(), text.as_str().into())]));
+        // The parser has checked the texts.
+        tables
+            .filter_map(|table| Settings::from_table(&table).ok())
+            .map(|settings| value(&settings))
+            .collect()
+    }
+
+    /// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and sets for all.
+    fn sweep(&self, old: Option<&Sweep>, on_cpu: bool) -> Sweep {
+        let size = vec![if on_cpu { ON_CPU.size } else { SIZE }];
+        let default = Sweep { temporal_sets: TEMPORAL_SETS.into(), size, ..Sweep::default() };
+        let old = old.unwrap_or(&default);
+        Sweep {
+            methods: Vec::new(),
+            temporal_sets: self.list(
+                "temporal_sets",
+                |settings| settings.vpl.temporal_sets,
+                &old.temporal_sets,
+            ),
+            size: self.list("size", |settings| settings.size, &old.size),
+            vpls: self.list("vpls", |settings| settings.vpl.slots, &old.vpls),
+            bounces: self.list("bounces", |settings| settings.bounces, &old.bounces),
+            interleave: self.list("interleave", |settings| settings.vpl.interleave, &old.interleave),
+        }
+    }
+}
+
+/// Measures, reports and compares.
+pub(super) fn bench(options: &BenchOptions) -> Result<(), CliError> {
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     // Read it before anything is written: the new report may replace it.
     let old = options.against.as_deref().map(read_report).transpose()?;
-    check(options, given)?;
     let folder = Folder::new(&options.out)?;
     let device = device::open(&options.run.device)?;
     if options.micro {
-        return micro(options, given, &device, &folder, json.as_ref());
+        return micro(options, &device, &folder, json.as_ref());
     }
     let earlier = if options.resume { folder.earlier()?.map(|(_, report)| report) } else { None };
-    let mut plan = plan(options, given, earlier.as_ref().or(old.as_ref()), &device)?;
+    let mut plan = plan(options, earlier.as_ref().or(old.as_ref()), &device)?;
     plan.quality |= earlier.is_some_and(|earlier| earlier.plan.quality);
     let mut bench = Bench::new(&device, plan, folder, options.run.files.assets_folder())?;
     if options.resume && !bench.resume()? {
@@ -193,32 +237,8 @@ pub(super) fn bench(options: &BenchOptions, given: &[&str]) -> Result<(), CliErr
     }
 }
 
-/// Checks every value of every setting.
-fn check(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
-    let error = |error| CliError::Settings { scene: "bench".to_owned(), error };
-    let SweptSettings { settings, sweep } = &options.settings;
-    let check = |settings: Settings| settings.check_options(given).map_err(error);
-    check(settings.clone())?;
-    sweep.temporal_sets.iter().try_for_each(|&temporal_sets| {
-        check(Settings { vpl: VplSettings { temporal_sets, ..settings.vpl }, ..settings.clone() })
-    })?;
-    sweep.size.iter().try_for_each(|&size| check(Settings { size, ..settings.clone() }))?;
-    sweep.vpls.iter().try_for_each(|&vpls| {
-        check(Settings { vpl: VplSettings { slots: vpls, ..settings.vpl }, ..settings.clone() })
-    })?;
-    sweep.bounces.iter().try_for_each(|&bounces| check(Settings { bounces, ..settings.clone() }))?;
-    sweep.interleave.iter().try_for_each(|&interleave| {
-        check(Settings { vpl: VplSettings { interleave, ..settings.vpl }, ..settings.clone() })
-    })
-}
-
 /// The plan of the options; defaults come from the `old` report, except for `--quality`.
-fn plan(
-    options: &BenchOptions,
-    given: &[&str],
-    old: Option<&Report>,
-    device: &Arc<Device>,
-) -> Result<Plan, CliError> {
+fn plan(options: &BenchOptions, old: Option<&Report>, device: &Arc<Device>) -> Result<Plan, CliError> {
     let old = old.map(|report| &report.plan);
     let scenes = match old {
         _ if options.models => models(options)?,
@@ -227,15 +247,12 @@ fn plan(
         None => BENCH_SCENES.map(str::to_owned).into(),
     };
     let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
-    let own = options.settings.settings.to_table();
-    settings.extend(
-        own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
-    );
+    settings.extend(options.settings.given.table().clone());
     let on_cpu = device.is_cpu();
-    if on_cpu && old.is_none() && !given.contains(&"time_step") {
+    if on_cpu && old.is_none() && !settings.contains_key("time_step") {
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
     }
-    let mut sweep = sweep(&options.settings.sweep, given, old.map(|old| &old.sweep), on_cpu);
+    let mut sweep = options.settings.sweep(old.map(|old| &old.sweep), on_cpu);
     for method in options.methods.concat() {
         if !sweep.methods.contains(&method) {
             sweep.methods.push(method);
@@ -245,7 +262,7 @@ fn plan(
         sweep.methods = old.sweep.methods.clone();
     }
     // Methods say how many sets they have.
-    if !sweep.methods.is_empty() && !given.contains(&"temporal_sets") {
+    if !sweep.methods.is_empty() && !options.settings.lists.contains_key("temporal_sets") {
         sweep.temporal_sets.clear();
     }
     // Sets may cast very different numbers of rays, so measure each.
@@ -270,33 +287,6 @@ pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
         }
     }
     Ok(scenes)
-}
-
-/// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and sets
-/// for all.
-fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Sweep {
-    let list = |name: &str, own: &[u32], old: Option<&Vec<u32>>, default: &[u32]| {
-        if given.contains(&name) { own.to_vec() } else { old.map_or(default, Vec::as_slice).to_vec() }
-    };
-    let size = match old {
-        _ if given.contains(&"size") => own.size.clone(),
-        Some(old) => old.size.clone(),
-        None if on_cpu => vec![ON_CPU.size],
-        None => own.size.clone(),
-    };
-    Sweep {
-        methods: Vec::new(),
-        temporal_sets: list(
-            "temporal_sets",
-            &own.temporal_sets,
-            old.map(|old| &old.temporal_sets),
-            &own.temporal_sets,
-        ),
-        size,
-        vpls: list("vpls", &own.vpls, old.map(|old| &old.vpls), &[]),
-        bounces: list("bounces", &own.bounces, old.map(|old| &old.bounces), &[]),
-        interleave: list("interleave", &own.interleave, old.map(|old| &old.interleave), &[]),
-    }
 }
 
 /// Formats a table for the terminal.

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use super::options::FileOptions;
 use super::progress::interruption;
-use super::scene::SceneOptions;
+use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
 use crate::dataset::{Dataset, DatasetPlan};
 use crate::output::OutputFile;
-use crate::settings::text;
+use crate::settings::parser_of;
 
 /// Help after the options: the format.
 const HELP: &str = "\
@@ -38,8 +38,8 @@ pub(super) struct DatasetOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "4096")]
     pub spp: u64,
     /// Seed of the samples. Otherwise the scene's, or 0.
-    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
-    pub seed: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = parser_of("seed"), allow_negative_numbers = true)]
+    pub seed: Option<String>,
     /// Folder to write to, new or empty.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     pub out: PathBuf,
@@ -52,10 +52,9 @@ pub(super) struct DatasetOptions {
 
 /// Renders the data set.
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
-    let given = options.scene.given().with("seed", options.seed, |settings, seed| settings.seed = seed);
-    given.check()?;
+    let given = options.scene.given(&[("seed", &options.seed)]);
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
-    let (scene, settings) = given.load(&options.files)?;
+    let LoadedScene { scene, settings, .. } = load(&options.scene.name, &given, &options.files)?;
     let plan = DatasetPlan {
         scene: scene.name.clone(),
         frames: options.frames,

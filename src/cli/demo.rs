@@ -1,13 +1,13 @@
 //! `glowworm [demo]`: the window; without a display, its scene rendered to a file.
 
+use std::env::var_os;
 use std::path::{Path, PathBuf};
 
 use super::options::{CameraOptions, RunOptions};
 use super::render::{RenderOptions, ViewOptions, render};
-use super::scene::GivenSettings;
-use super::{CliError, cache, device, say};
+use super::{CliError, device, say};
 use crate::demo::{self, DemoError, Launch};
-use crate::settings::Settings;
+use crate::settings::GivenSettings;
 
 /// Options of `demo`.
 #[derive(Clone, Debug, clap::Args)]
@@ -23,45 +23,57 @@ pub(super) struct DemoOptions {
     #[arg(long, value_name = "FILE", requires = "tour", help_heading = "Files")]
     pub contact_sheet: Option<PathBuf>,
     #[command(flatten)]
-    pub settings: Settings,
+    pub settings: GivenSettings,
     #[command(flatten)]
     pub run: RunOptions,
 }
 
 /// Shows the scene in a window. Without a display it warns and renders the scene to a file in the current folder.
-/// `given`: names of the settings on the command line.
-pub(super) fn demo(options: DemoOptions, given: &[&str]) -> Result<(), CliError> {
-    GivenSettings::new(&options.scene, &options.settings, given).check()?;
+pub(super) fn demo(options: DemoOptions) -> Result<(), CliError> {
     let launch = Launch {
         scene: options.scene.clone(),
-        settings: options.settings.clone(),
-        given: given.iter().map(|&name| name.to_owned()).collect(),
+        given: options.settings.clone(),
         assets: options.run.files.assets_folder(),
         json: options.run.files.json.clone(),
         device: options.run.device.device.clone(),
         validate: options.run.device.validate,
-        cache: cache::folder(),
+        cache: cache_folder(),
         tour: options.tour,
         contact_sheet: options.contact_sheet.clone(),
     };
     match demo::run(launch) {
         Ok(messages) => device::check_validation(&messages),
-        Err(DemoError::NoDisplay(reason)) => render_instead(options, given, &reason),
+        Err(DemoError::NoDisplay(reason)) => render_instead(options, &reason),
         Err(error) => Err(error.into()),
     }
 }
 
-fn render_instead(options: DemoOptions, given: &[&str], reason: &str) -> Result<(), CliError> {
+/// `glowworm` in the user's cache folder: `XDG_CACHE_HOME`, or else `.cache` in the home folder; none where there is
+/// neither.
+fn cache_folder() -> Option<PathBuf> {
+    let folder = |variable| var_os(variable).map(PathBuf::from).filter(|folder| folder.is_absolute());
+    let caches = folder("XDG_CACHE_HOME").or_else(|| Some(folder("HOME")?.join(".cache")));
+    caches.map(|caches| caches.join("glowworm"))
+}
+
+fn render_instead(options: DemoOptions, reason: &str) -> Result<(), CliError> {
     let name = Path::new(&options.scene).file_stem().unwrap_or_default().to_string_lossy();
     let out = format!("glowworm-{name}.png");
     say::warning(&format!("no display to open a window on ({reason}); rendering {} to {out}", options.scene));
     let DemoOptions { scene, settings, run, .. } = options;
     let (camera, view) = (CameraOptions::default(), ViewOptions::default());
     let out = out.into();
-    render(
-        &RenderOptions { scene, frames: None, time: None, out, layers: false, camera, view, settings, run },
-        given,
-    )
+    render(&RenderOptions {
+        scene,
+        frames: None,
+        time: None,
+        out,
+        layers: false,
+        camera,
+        view,
+        settings,
+        run,
+    })
 }
 
 impl From<DemoError> for CliError {

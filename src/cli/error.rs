@@ -1,6 +1,9 @@
 //! Errors of a run, and their exit codes.
 
+use std::error::Error;
 use std::path::PathBuf;
+
+use clap::error::ContextKind;
 
 use crate::bench::BenchError;
 use crate::dataset::DatasetError;
@@ -124,6 +127,13 @@ impl From<BenchError> for CliError {
 impl CliError {
     /// A command line that clap refuses, in one line.
     pub(super) fn usage(error: &clap::Error) -> Self {
+        let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+        if let Some(allowed) = error.source() {
+            let option = context(ContextKind::InvalidArg);
+            let name = option.split_whitespace().next().unwrap_or_default();
+            let value = context(ContextKind::InvalidValue);
+            return Self::Usage(format!("{name} {value}: {allowed}; see glowworm --help"));
+        }
         let text = error.render().to_string();
         let parts: Vec<_> = text
             .split("\n\n")

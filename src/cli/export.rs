@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::options::{CameraOptions, FileOptions};
-use super::scene::SceneOptions;
+use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, say};
 use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, export_mitsuba};
 use crate::output::OutputFile;
@@ -44,8 +44,6 @@ pub(super) struct ExportOptions {
 /// Exports the scene.
 pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     let Format::Mitsuba = options.format;
-    let given = options.scene.given();
-    given.check()?;
     options.camera.check()?;
     let folder = ExportFolder::new(&options.out)?;
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
@@ -57,7 +55,8 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
             "--json {path}: would overwrite the export or the scene; give it another name"
         )));
     }
-    let (mut scene, settings) = given.load(&options.files)?;
+    let given = options.scene.given(&[]);
+    let LoadedScene { mut scene, settings, .. } = load(&options.scene.name, &given, &options.files)?;
     options.camera.place(&mut scene)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {

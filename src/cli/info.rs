@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use clap::CommandFactory;
 use serde::Serialize;
 
 use super::options::DeviceOptions;
-use super::{CliError, device, say};
+use super::options_page::page;
+use super::{Arguments, CliError, device, say};
 use crate::estimators;
 use crate::output::OutputFile;
 use crate::report::COMMIT;
@@ -19,6 +21,9 @@ pub(super) struct InfoOptions {
     /// List the passes of a frame in order, each with the method that runs it, in place of the devices.
     #[arg(long)]
     pub passes: bool,
+    /// Print docs/OPTIONS.md, the page of all options, in place of the devices.
+    #[arg(long, conflicts_with_all = ["passes", "json"])]
+    pub options: bool,
     #[command(flatten)]
     pub device: DeviceOptions,
     /// Write the list to FILE.
@@ -48,6 +53,9 @@ struct PassInfo {
 
 /// Lists the passes, or the devices, best first, and marks the one that would be used. Fails if none is usable.
 pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
+    if options.options {
+        return say::print(&page(&Arguments::command()));
+    }
     let json = options.json.as_ref().map(OutputFile::new).transpose()?;
     if options.passes {
         let passes =

@@ -16,10 +16,9 @@ use crate::vulkan::Device;
 /// Default number of turns.
 const TURNS: u32 = 9;
 
-/// Measures and reports. `given`: names of the settings on the command line.
+/// Measures and reports.
 pub(super) fn micro(
     options: &BenchOptions,
-    given: &[&str],
     device: &Arc<Device>,
     folder: &Folder,
     json: Option<&OutputFile>,
@@ -29,17 +28,15 @@ pub(super) fn micro(
         _ if !options.scenes.is_empty() => options.scenes.clone(),
         _ => BENCH_SCENES.map(str::to_owned).into(),
     };
-    let mut own = options.settings.settings.clone();
-    let mut given = given.to_vec();
-    if device.is_cpu() && !given.contains(&"size") {
-        own.size = ON_CPU.size;
-        given.push("size");
+    let mut given = options.settings.first();
+    if device.is_cpu() && !given.has("size") {
+        given.insert("size", ON_CPU.size.map(i64::from).to_vec());
     }
     let assets = options.run.files.assets_folder();
     let mut scenes = Vec::new();
     for name in names {
         let scene = load_scene(&name, assets.as_deref())?;
-        let settings = Settings::resolve(&scene.settings, &own, &given)
+        let settings = Settings::resolve(&scene.settings, &given)
             .map_err(|error| CliError::Settings { scene: name, error })?;
         scenes.push((Arc::new(scene), settings));
     }

@@ -3,7 +3,6 @@
 //! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
 
 mod bench;
-mod cache;
 mod compare;
 mod compare_text;
 mod dataset;
@@ -14,6 +13,7 @@ mod export;
 mod info;
 mod micro;
 mod options;
+mod options_page;
 mod progress;
 mod reference;
 mod render;
@@ -29,8 +29,6 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::formats::SceneError;
-use crate::renderer::remember_in;
-use crate::settings::given_options;
 
 /// Real-time global illumination by temporally interleaved instant radiosity, on Vulkan.
 ///
@@ -81,20 +79,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     };
     let arguments = Arguments::from_arg_matches(&matches).map_err(|error| CliError::usage(&error))?;
     say::start_log(arguments.verbose);
-    if let Some(folder) = cache::folder() {
-        remember_in(folder);
-    }
-    let given = given_options(matches.subcommand().map_or(&matches, |(_, matches)| matches));
     match arguments.command {
-        Some(Command::Demo(options)) => demo::demo(options, &given),
-        Some(Command::Render(options)) => render::render(&options, &given),
-        Some(Command::Bench(options)) => bench::bench(&options, &given),
+        Some(Command::Demo(options)) => demo::demo(options),
+        Some(Command::Render(options)) => render::render(&options),
+        Some(Command::Bench(options)) => bench::bench(&options),
         Some(Command::Reference(options)) => reference::reference(&options),
         Some(Command::Dataset(options)) => dataset::dataset(&options),
         Some(Command::Export(options)) => export::export(&options),
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),
-        None => demo::demo(arguments.demo, &given).map_err(|error| match error {
+        None => demo::demo(arguments.demo).map_err(|error| match error {
             CliError::Scene(SceneError::NotFound(name)) if name.extension().is_none() => CliError::Usage(
                 format!("{}: neither a subcommand nor a scene; see glowworm --help", name.display()),
             ),
@@ -105,8 +99,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-
     use super::*;
 
     fn parse(arguments: &[&str]) -> Arguments {
@@ -131,7 +123,7 @@ mod tests {
         let arguments = parse(&["sponza", "--vpls", "64"]);
         assert!(arguments.command.is_none());
         assert_eq!(arguments.demo.scene, "sponza");
-        assert_eq!(arguments.demo.settings.vpl.slots, 64);
+        assert_eq!(arguments.demo.settings.table()["vpls"].as_integer(), Some(64));
     }
 
     #[test]
@@ -160,56 +152,20 @@ mod tests {
             panic!("not render");
         };
         assert_eq!((render.scene.as_str(), render.frames, render.layers), ("cornell-box", Some(3), true));
-        assert_eq!(render.settings.size, [8, 4]);
+        assert_eq!(render.settings.table().len(), 1);
+        assert!(render.settings.has("size"));
         assert_eq!(render.run.device.device.as_deref(), Some("1"));
         assert!(render.run.device.validate);
         assert_eq!(render.run.files.assets_folder(), Some("models".into()));
     }
 
-    const PAGE: &str = include_str!("../../docs/OPTIONS.md");
-
-    /// The options that a part of the page lists, each with its next cell.
-    fn rows(part: &'static str) -> Vec<(&'static str, &'static str)> {
-        let row = |line: &'static str| {
-            let (cell, rest) = line.strip_prefix("| `--")?.split_once(" | ")?;
-            let name = cell.split(|c: char| c != '-' && !c.is_ascii_lowercase()).next()?;
-            Some((name, rest.split(" | ").next()?))
-        };
-        part.lines().filter_map(row).collect()
-    }
-
     #[test]
-    fn the_page_of_options_has_each_of_them_and_no_other() {
-        let long = |command: &clap::Command| -> BTreeSet<String> {
-            command.get_arguments().filter_map(|option| option.get_long()).map(str::to_owned).collect()
-        };
-        let program = Arguments::command();
-        let all: BTreeSet<_> = program.get_subcommands().chain([&program]).flat_map(&long).collect();
-        assert_eq!(rows(PAGE).into_iter().map(|(name, _)| name.to_owned()).collect::<BTreeSet<_>>(), all);
-        for section in PAGE.split("\n## ").filter(|section| section.starts_with('`')) {
-            let heading = section.lines().next().unwrap();
-            let commands =
-                program.get_subcommands().filter(|of| heading.contains(&format!("`{}`", of.get_name())));
-            let options: BTreeSet<_> = commands.flat_map(&long).collect();
-            for (name, _) in rows(section) {
-                assert!(options.contains(name), "{heading}: --{name}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_page_of_options_has_the_settings_by_group_with_their_defaults() {
-        use clap::Args;
-        let command = crate::settings::Settings::augment_args(clap::Command::new("settings"));
-        for group in crate::settings::groups() {
-            let part = PAGE.split(&format!("# {}\n", group.heading)).nth(1).unwrap();
-            let part = part.split("\n##").next().unwrap();
-            let default = |key: &String| {
-                let option = command.get_arguments().find(|option| option.get_id() == key.as_str()).unwrap();
-                (option.get_long().unwrap(), option.get_default_values()[0].to_str().unwrap())
-            };
-            assert_eq!(rows(part), group.settings.iter().map(default).collect::<Vec<_>>());
-        }
+    fn the_page_of_options_is_what_info_prints() {
+        let page = options_page::page(&Arguments::command());
+        assert!(
+            page == include_str!("../../docs/OPTIONS.md"),
+            "write it anew: glowworm info --options > docs/OPTIONS.md"
+        );
     }
 
     #[test]

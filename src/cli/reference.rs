@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use super::options::{CameraOptions, FileOptions};
 use super::progress::interruption;
-use super::scene::SceneOptions;
+use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
 use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
 use crate::report::{COMMIT, LoadTimes};
 use crate::scene::Scene;
-use crate::settings::{Settings, text};
+use crate::settings::{Settings, parser_of};
 
 /// The attribute of an .exr with its identity and progress.
 const NOTE: &str = "glowworm reference";
@@ -44,11 +44,11 @@ pub(super) struct ReferenceOptions {
     #[arg(long, value_enum, default_value = "box")]
     pub pixel_filter: PixelFilter,
     /// Seed of the samples. Otherwise the scene's, or 0.
-    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true)]
-    pub seed: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = parser_of("seed"), allow_negative_numbers = true)]
+    pub seed: Option<String>,
     /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
-    #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
-    pub exposure: Option<Exposure>,
+    #[arg(long, value_name = "EV|auto", value_parser = parser_of("exposure"), allow_negative_numbers = true)]
+    pub exposure: Option<String>,
     #[command(flatten)]
     pub camera: CameraOptions,
     /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is saved periodically, so that an
@@ -64,14 +64,6 @@ pub(super) struct ReferenceOptions {
     pub resume: bool,
     #[command(flatten)]
     pub files: FileOptions,
-}
-
-/// `--exposure`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Exposure(Option<f32>);
-
-fn parse_exposure(text: &str) -> Result<Exposure, String> {
-    text::parse_exposure(text).map(Exposure)
 }
 
 /// Report of a run, for `--json`.
@@ -96,12 +88,7 @@ struct ReferenceReport {
 
 /// Renders the reference.
 pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
-    let given = options.scene.given().with("seed", options.seed, |settings, seed| settings.seed = seed).with(
-        "exposure",
-        options.exposure,
-        |settings, Exposure(stops)| settings.exposure = stops,
-    );
-    given.check()?;
+    let given = options.scene.given(&[("seed", &options.seed), ("exposure", &options.exposure)]);
     options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     if options.resume && !target.is_linear() {
@@ -116,7 +103,7 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
             "--json {path}: would overwrite the picture or the scene; give it another name"
         )));
     }
-    let (mut scene, settings, load_ms) = given.load_timed(&options.files)?;
+    let LoadedScene { mut scene, settings, load_ms } = load(&options.scene.name, &given, &options.files)?;
     options.camera.place(&mut scene)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::options::{CameraOptions, RunOptions};
 use super::progress::frames_bar;
-use super::scene::GivenSettings;
+use super::scene::{LoadedScene, load};
 use super::{CliError, device, say};
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplLook, VplManager};
@@ -14,7 +14,7 @@ use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
 use crate::report::{FrameReport, LoadTimes, RenderReport};
-use crate::settings::{Settings, text};
+use crate::settings::{GivenSettings, Settings, read_seconds};
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,7 +27,7 @@ pub(super) struct RenderOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub frames: Option<u64>,
     /// Animation time of the last frame, seconds; those before it lead up to it by --time-step. Otherwise frame 0 is at 0.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_time)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub time: Option<f64>,
     /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
     /// frame if the name has a {frame} or {frame:04}.
@@ -41,7 +41,7 @@ pub(super) struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     #[command(flatten)]
-    pub settings: Settings,
+    pub settings: GivenSettings,
     #[command(flatten)]
     pub run: RunOptions,
 }
@@ -109,15 +109,20 @@ impl ViewOptions {
     }
 }
 
-/// Renders the scene. `given`: names of the settings on the command line.
-pub(super) fn render(options: &RenderOptions, given: &[&str]) -> Result<(), CliError> {
-    let given = GivenSettings::new(&options.scene, &options.settings, given);
-    given.check()?;
+/// Seconds from 0 to 1,000,000.
+fn parse_time(text: &str) -> Result<f64, String> {
+    let seconds = read_seconds(text).filter(|seconds| (0.0..=1e6).contains(seconds));
+    seconds.ok_or_else(|| "must be seconds from 0 to 1,000,000, such as 2.5".to_owned())
+}
+
+/// Renders the scene.
+pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
-    let (mut scene, settings, load_ms) = given.load_timed(&options.run.files)?;
+    let LoadedScene { mut scene, settings, load_ms } =
+        load(&options.scene, &options.settings, &options.run.files)?;
     options.camera.place(&mut scene)?;
     let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;

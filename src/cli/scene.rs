@@ -6,7 +6,7 @@ use super::options::FileOptions;
 use super::{CliError, say};
 use crate::formats::load_scene;
 use crate::scene::Scene;
-use crate::settings::{Settings, text};
+use crate::settings::{GivenSettings, Settings, parser_of};
 
 /// Scene and common settings of the commands that path trace or export.
 #[derive(Clone, Debug, clap::Args)]
@@ -18,11 +18,11 @@ pub(super) struct SceneOptions {
     #[arg(long, value_name = "N|inf", value_parser = parse_bounces, allow_negative_numbers = true)]
     bounces: Option<Bounces>,
     /// Width and height of the picture in pixels. Otherwise the scene's, or 1280x720.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true)]
-    size: Option<[u32; 2]>,
+    #[arg(long, value_name = "WxH", value_parser = parser_of("size"), allow_negative_numbers = true)]
+    size: Option<String>,
     /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true)]
-    time_step: Option<f64>,
+    #[arg(long, value_name = "SECONDS", value_parser = parser_of("time_step"), allow_negative_numbers = true)]
+    time_step: Option<String>,
 }
 
 /// `--bounces`.
@@ -43,11 +43,16 @@ fn parse_bounces(text: &str) -> Result<Bounces, String> {
 }
 
 impl SceneOptions {
-    /// The scene and the given settings.
-    pub fn given(&self) -> GivenSettings<'_> {
-        GivenSettings { scene: &self.name, settings: Settings::default(), names: Vec::new() }
-            .with("size", self.size, |settings, size| settings.size = size)
-            .with("time_step", self.time_step, |settings, seconds| settings.time_step = seconds)
+    /// The given settings, with those of `more` that have a value.
+    pub fn given(&self, more: &[(&str, &Option<String>)]) -> GivenSettings {
+        let mut given = GivenSettings::default();
+        let own = [("size", &self.size), ("time_step", &self.time_step)];
+        for (key, text) in own.iter().chain(more) {
+            if let Some(text) = text {
+                given.insert(key, text.as_str());
+            }
+        }
+        given
     }
 
     /// The bounce limit, if any.
@@ -60,56 +65,21 @@ impl SceneOptions {
     }
 }
 
-/// A scene and the settings that the command line gives for it.
-#[derive(Clone, Debug)]
-pub(super) struct GivenSettings<'a> {
-    scene: &'a str,
-    settings: Settings,
-    /// Which of the settings were given.
-    names: Vec<&'a str>,
+/// A scene with its settings.
+pub(super) struct LoadedScene {
+    pub scene: Scene,
+    pub settings: Settings,
+    /// How long loading took.
+    pub load_ms: f64,
 }
 
-impl<'a> GivenSettings<'a> {
-    /// All `settings` of a command; `names` are those given.
-    pub fn new(scene: &'a str, settings: &Settings, names: &[&'a str]) -> Self {
-        Self { scene, settings: settings.clone(), names: names.to_vec() }
-    }
-
-    /// Adds a setting, if it has a value.
-    pub fn with<T>(
-        mut self,
-        name: &'static str,
-        value: Option<T>,
-        set: impl FnOnce(&mut Settings, T),
-    ) -> Self {
-        if let Some(value) = value {
-            set(&mut self.settings, value);
-            self.names.push(name);
-        }
-        self
-    }
-
-    /// Fails if a setting is out of range. To be called before any slow work or output.
-    pub fn check(&self) -> Result<(), CliError> {
-        self.settings.check_options(&self.names).map_err(|error| self.error(error))
-    }
-
-    /// Loads the scene, prints its warnings, and resolves the settings.
-    pub fn load(&self, files: &FileOptions) -> Result<(Scene, Settings), CliError> {
-        self.load_timed(files).map(|(scene, settings, _)| (scene, settings))
-    }
-
-    /// [`Self::load`], and the load time, ms.
-    pub fn load_timed(&self, files: &FileOptions) -> Result<(Scene, Settings, f64), CliError> {
-        let begun = Instant::now();
-        let scene = load_scene(self.scene, files.assets_folder().as_deref())?;
-        let load_ms = begun.elapsed().as_secs_f64() * 1e3;
-        scene.warnings.iter().for_each(|warning| say::warning(warning));
-        let settings = Settings::resolve(&scene.settings, &self.settings, &self.names);
-        Ok((scene, settings.map_err(|error| self.error(error))?, load_ms))
-    }
-
-    fn error(&self, error: crate::settings::SettingsError) -> CliError {
-        CliError::Settings { scene: self.scene.to_owned(), error }
-    }
+/// Loads the scene `name`, prints its warnings, and resolves its settings with those `given`.
+pub(super) fn load(name: &str, given: &GivenSettings, files: &FileOptions) -> Result<LoadedScene, CliError> {
+    let begun = Instant::now();
+    let scene = load_scene(name, files.assets_folder().as_deref())?;
+    let load_ms = begun.elapsed().as_secs_f64() * 1e3;
+    scene.warnings.iter().for_each(|warning| say::warning(warning));
+    let settings = Settings::resolve(&scene.settings, given)
+        .map_err(|error| CliError::Settings { scene: name.to_owned(), error })?;
+    Ok(LoadedScene { scene, settings, load_ms })
 }

@@ -31,6 +31,7 @@ use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
 use crate::renderer::DebugView;
+use crate::settings::Settings;
 use crate::vulkan::{Instance, Viewport};
 
 /// Poll interval while the window is hidden.
@@ -130,9 +131,7 @@ impl App {
         self.instance = Some(Arc::clone(gpu.instance()));
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
-        let is_slow = info.is_cpu() && !self.is_given("size");
-        let resolution =
-            if is_slow { Resolution::automatic(window.scale_factor()) } else { Resolution::full() };
+        let resolution = Resolution::full(!self.is_given("size"));
         let context = slow_click_context();
         let scale = Some(window.scale_factor() as f32);
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
@@ -170,12 +169,12 @@ impl App {
     }
 
     fn is_given(&self, setting: &str) -> bool {
-        self.launch.given.iter().any(|given| given == setting)
+        self.launch.given.has(setting)
     }
 
     /// Size of the window, pixels: by default that of the settings; one that is given is the picture's, with the panel beside.
     fn window_size(&self, events: &ActiveEventLoop) -> [u32; 2] {
-        let size = self.launch.settings.size;
+        let size = Settings::from_table(self.launch.given.table()).unwrap_or_default().size;
         if self.launch.tour || !self.is_given("size") {
             return size;
         }

@@ -160,7 +160,8 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
         }
         None => {
             let (document, scene, read) = SceneDocument::open(&name, assets)?;
-            let settings = settings_for(&scene, &name, device.is_cpu(), launch)?;
+            let settings = Settings::resolve(&scene.settings, &launch.given)
+                .map_err(|error| DemoError::Settings { scene: name.clone(), error })?;
             (document, scene, read, Settings { size, ..settings }, None)
         }
     };
@@ -174,20 +175,6 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
     };
     Ok(Built { name, document, scene, read, settings, renderer, same })
 }
-
-/// The settings of the scene and the command line. CPU drivers get a smaller default of VPLs.
-fn settings_for(scene: &Scene, name: &str, is_cpu: bool, launch: &Launch) -> Result<Settings, DemoError> {
-    let mut table = scene.settings.clone();
-    if is_cpu {
-        table.entry("vpls").or_insert(toml::Value::Integer(CPU_VPLS));
-    }
-    let given: Vec<&str> = launch.given.iter().map(String::as_str).collect();
-    let resolved = Settings::resolve(&table, &launch.settings, &given);
-    resolved.map_err(|error| DemoError::Settings { scene: name.to_owned(), error })
-}
-
-/// Default VPL slots on a CPU driver.
-const CPU_VPLS: i64 = 128;
 
 /// Runs `work` in a thread pool of its own, on at most half of the cores. In the global pool, a frame that waits
 /// for a small task could steal a large one; in a shared one, loading would wait for the path tracer.

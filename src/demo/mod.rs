@@ -39,7 +39,7 @@ use winit::event_loop::EventLoop;
 use crate::formats::SceneError;
 use crate::output::OutputError;
 use crate::renderer::RenderError;
-use crate::settings::{Settings, SettingsError};
+use crate::settings::{GivenSettings, SettingsError};
 use crate::vulkan::VulkanError;
 
 /// What the window starts with.
@@ -47,10 +47,8 @@ use crate::vulkan::VulkanError;
 pub struct Launch {
     /// The scene, by name or file.
     pub scene: String,
-    /// The settings of the command line.
-    pub settings: Settings,
-    /// Names of those given explicitly; the scene file's win over the others.
-    pub given: Vec<String>,
+    /// The settings that the command line gives.
+    pub given: GivenSettings,
     /// Folder of the downloaded models.
     pub assets: Option<PathBuf>,
     /// File of the log.

@@ -13,21 +13,17 @@ use crate::vulkan::Viewport;
 
 /// Delay from the last change of the viewport to that of the picture, which is scaled meanwhile.
 const RESIZE_DELAY: Duration = Duration::from_millis(150);
-/// Default logical pixels per picture pixel in each direction, on a CPU driver.
-const CPU_COARSENESS: f64 = 2.0;
 /// Largest coarseness.
 pub(super) const COARSEST: u32 = 8;
 /// The largest that is chosen automatically: nothing can be made out in a coarser picture.
 const COARSEST_AUTOMATIC: u32 = 4;
 
-/// Interval that an automatic resolution aims at, ms.
-const AIM_MS: f64 = 1e3 / 15.0;
-/// Intervals above this ask for fewer pixels, ms.
-const SLOW_MS: f64 = 1e3 / 12.0;
+/// Intervals longer than the aim by this factor ask for fewer pixels.
+const SLOW: f64 = 1.25;
 /// Share of the aim that more pixels must be expected to stay within.
 const HEADROOM: f64 = 0.8;
 /// The resolution is judged by the median over at least so many frames and so many ms.
-const JUDGED: (usize, f64) = (6, 1e3);
+const JUDGED: (usize, f64) = (3, 1e3);
 
 /// Window pixels per picture pixel.
 pub(super) struct Resolution {
@@ -35,49 +31,45 @@ pub(super) struct Resolution {
     pub coarseness: u32,
     /// Whether it follows the frame rate.
     pub automatic: bool,
-    intervals: Vec<f64>,
+    /// Of each frame since the last judgement the interval and the cost, ms.
+    frames: Vec<[f64; 2]>,
     /// The largest coarseness that was too fine; 0 if none was.
     too_fine: u32,
 }
 
 impl Resolution {
-    /// Window pixels are picture pixels.
-    pub fn full() -> Self {
-        Self { coarseness: 1, automatic: false, intervals: Vec::new(), too_fine: 0 }
-    }
-
-    /// One that follows the frame rate of a CPU driver, for this scale factor of the display.
-    pub fn automatic(scale: f64) -> Self {
-        let coarseness = (CPU_COARSENESS * scale).round().clamp(1.0, f64::from(COARSEST)) as u32;
-        Self { coarseness, automatic: true, ..Self::full() }
+    /// Window pixels are picture pixels, unless it is `automatic` and frames turn out to take too long.
+    pub fn full(automatic: bool) -> Self {
+        Self { coarseness: 1, automatic, frames: Vec::new(), too_fine: 0 }
     }
 
     /// Forgets what was measured, since another picture is drawn.
     pub fn forget(&mut self) {
-        self.intervals.clear();
+        self.frames.clear();
         self.too_fine = 0;
     }
 
-    /// Counts a frame that took `ms`; whether the coarseness has changed.
-    fn judge(&mut self, ms: f64) -> bool {
-        self.intervals.push(ms);
-        if self.intervals.len() < JUDGED.0 || self.intervals.iter().sum::<f64>() < JUDGED.1 {
+    /// Counts a frame that came after `interval` ms, of which its passes took `cost`, where `aim` ms are wanted; whether the
+    /// coarseness has changed.
+    fn judge(&mut self, interval: f64, cost: f64, aim: f64) -> bool {
+        // What waits for the display costs less than its interval.
+        self.frames.push([interval, cost.min(interval)]);
+        if self.frames.len() < JUDGED.0 || self.frames.iter().map(|[ms, _]| ms).sum::<f64>() < JUDGED.1 {
             return false;
         }
-        let median = percentile(self.intervals.drain(..), 0.5).unwrap_or(AIM_MS);
-        // A frame costs as much as it has pixels.
-        let expected = |coarseness: u32| {
-            let ratio = f64::from(self.coarseness) / f64::from(coarseness);
-            median * ratio * ratio
-        };
+        let median = |which: usize| percentile(self.frames.iter().map(|frame| frame[which]), 0.5);
+        let [interval, cost] = [0, 1].map(|which| median(which).unwrap_or(aim));
+        self.frames.clear();
         let now = self.coarseness;
-        let wanted = if median > SLOW_MS {
+        // A frame costs as much as it has pixels.
+        let expected = |ms: f64, coarseness: u32| ms * (f64::from(now) / f64::from(coarseness)).powi(2);
+        let wanted = if interval > SLOW * aim {
             self.too_fine = self.too_fine.max(now);
             let most = now.max(COARSEST_AUTOMATIC);
-            (now..most).find(|&coarser| expected(coarser) <= AIM_MS).unwrap_or(most)
+            (now..most).find(|&coarser| expected(interval, coarser) <= aim).unwrap_or(most)
         } else {
             let mut finer = self.too_fine + 1..now;
-            finer.find(|&finer| expected(finer) <= HEADROOM * AIM_MS).unwrap_or(now)
+            finer.find(|&finer| expected(cost, finer) <= HEADROOM * aim).unwrap_or(now)
         };
         std::mem::replace(&mut self.coarseness, wanted) != wanted
     }
@@ -117,17 +109,32 @@ impl Open {
         }
     }
 
-    /// Gives the picture as many pixels as keep the frame rate. Not while something else needs the machine, or a picture
-    /// must keep its size.
+    /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
+    /// needs the machine, or a picture must keep its size.
     pub fn follow_rate(&mut self) {
-        let is_truth = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+        let is_reference = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
         let is_busy = self.loader.progress().is_some() || self.resized.is_some();
-        let is_fixed = is_truth || !matches!(self.recording, Recording::Off);
-        if !self.resolution.automatic || is_busy || is_fixed || self.stage.is_none() {
-            self.resolution.intervals.clear();
-        } else if self.resolution.judge(self.clock.interval_ms()) {
+        let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
+        let stage = self.stage.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
+        let Some(stage) = stage else {
+            self.resolution.frames.clear();
+            return;
+        };
+        let (aim, cost) = (self.aim_ms(stage.settings.target_fps), stage.report.figures.total_ms);
+        let changed = match aim {
+            Some(aim) => self.resolution.judge(self.clock.interval_ms(), cost, aim),
+            None => std::mem::replace(&mut self.resolution.coarseness, 1) != 1,
+        };
+        if changed {
             self.resized = Some(Instant::now());
         }
+    }
+
+    /// The interval of frames at the `target` rate, ms, but no shorter than the display shows them; none where the target is 0.
+    fn aim_ms(&self, target: u32) -> Option<f64> {
+        let display = self.window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
+        let most = display.map_or(f64::INFINITY, |millihertz| f64::from(millihertz) / 1e3);
+        (target > 0).then(|| 1e3 / f64::from(target).min(most))
     }
 }
 
@@ -135,29 +142,47 @@ impl Open {
 mod tests {
     use super::*;
 
+    const AIM: f64 = 1e3 / 15.0;
+
     /// The coarseness after a second of frames that take `ms` at full resolution.
     fn judged(resolution: &mut Resolution, ms: f64) -> u32 {
         let cost = ms / f64::from(resolution.coarseness).powi(2);
-        let _ = (0..1000).any(|_| resolution.judge(cost));
+        let _ = (0..1000).any(|_| resolution.judge(cost, cost, AIM));
         resolution.coarseness
     }
 
     #[test]
     fn the_resolution_follows_the_cost_of_a_frame() {
-        let mut resolution = Resolution::automatic(1.0);
-        assert_eq!(resolution.coarseness, 2);
-        assert_eq!(judged(&mut resolution, 40.0), 1, "15 frames a second at full resolution");
+        let mut resolution = Resolution::full(true);
+        assert_eq!(judged(&mut resolution, 40.0), 1, "25 frames a second at full resolution");
         assert_eq!(judged(&mut resolution, 500.0), 3, "7.5 times too slow, so a ninth of the pixels");
         assert_eq!(judged(&mut resolution, 500.0), 3);
         assert_eq!(judged(&mut resolution, 1e9), COARSEST_AUTOMATIC);
+        resolution.forget();
+        assert_eq!(judged(&mut resolution, 40.0), 1);
+    }
+
+    #[test]
+    fn the_pace_of_the_display_is_no_cost() {
+        let mut resolution = Resolution { coarseness: 2, ..Resolution::full(true) };
+        let _ = (0..1000).any(|_| resolution.judge(AIM, 3.0, AIM));
+        assert_eq!(resolution.coarseness, 1);
+    }
+
+    #[test]
+    fn a_single_slow_frame_changes_nothing() {
+        let mut resolution = Resolution::full(true);
+        assert!([20.0, 20.0, 2e3].iter().all(|ms| !resolution.judge(*ms, *ms, AIM)));
+        assert_eq!(resolution.coarseness, 1);
     }
 
     #[test]
     fn what_was_too_fine_is_not_tried_again() {
-        let mut resolution = Resolution::automatic(1.0);
+        let mut resolution = Resolution::full(true);
         assert_eq!(judged(&mut resolution, 500.0), 3);
-        assert_eq!(judged(&mut resolution, 100.0), 3, "2 has been too slow before");
+        assert_eq!(judged(&mut resolution, 250.0), 3);
+        assert_eq!(judged(&mut resolution, 100.0), 2, "1 has been too slow before");
         resolution.forget();
-        assert_eq!(judged(&mut resolution, 100.0), 2);
+        assert_eq!(judged(&mut resolution, 40.0), 1);
     }
 }

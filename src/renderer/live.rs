@@ -21,13 +21,13 @@ impl Renderer {
     /// Where the device cannot do with them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
         let device = Arc::clone(&self.device);
-        let choice = tracer_choice::choose(&device, settings.tracer)?;
-        let retraced = choice.used != self.gpu_scene.tracer().kind();
-        let variant = TracerVariant { tracer: choice.used, ..self.gpu_scene.variant() };
+        let kind = tracer_choice::choose(device.info(), settings.tracer)?;
+        let retraced = kind != self.gpu_scene.tracer().kind();
+        let variant = TracerVariant { tracer: kind, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
         // Make what is to be another one.
-        let tracer = if retraced { Some(Tracer::new(&device, choice.used, &self.bvh)?) } else { None };
+        let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let made_of =
             |of: &Settings| (of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf);
         let remade = || self.passes.remade(&device, variant, &self.scene, settings);
@@ -64,7 +64,6 @@ impl Renderer {
         if let Some(tracer) = tracer {
             self.gpu_scene.set_tracer(tracer);
         }
-        self.tracer_choice = choice;
         self.clock.disturb();
         self.settings.clone_from(settings);
         Ok(())

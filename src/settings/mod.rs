@@ -1,270 +1,198 @@
-//! Every setting of the renderer, grouped by method: for the command line, scene files and tests.
+//! Every setting of the renderer, declared once: key, type, default, range, help, group.
 //!
-//! [`Settings`] holds what all methods share, and one struct a method, whose clap group is the name of its table
-//! in a scene file and whose heading is its title everywhere. [`Settings::resolve`] merges them in this order:
-//! defaults, the scene file's `[settings]`, the options given on the command line.
+//! A group of settings is a file of this folder that declares its struct by the macro of `setting.rs`. From that come the options
+//! of the command line, the `[settings]` of scene files, the JSON of reports, the window's panel and docs/OPTIONS.md. To add a
+//! setting, add its lines to its group; to add a group, add a file and its field of [`Settings`] and entry of `GROUPS` below.
+//! [`Settings::resolve`] merges in this order: defaults, the scene file's `[settings]`, the options given on the command line.
 
 mod effects;
 mod error;
+mod options;
+mod setting;
 mod svgf;
 mod table;
-pub(crate) mod text;
+mod value;
 mod vpls;
-
-use serde::Serialize;
 
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
+pub use options::GivenSettings;
 pub use svgf::SvgfSettings;
-pub(crate) use table::{Group, flat, groups};
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
+pub(crate) use options::parser_of;
+pub(crate) use setting::{Group, Setting};
+pub(crate) use table::flat;
+pub(crate) use value::{Kind, read_seconds};
+
+use setting::settings;
+use value::{choice, choices, whole};
+
 /// What computes indirect light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Indirect {
     /// Virtual point lights: instant radiosity with temporal sets.
-    #[default]
     Vpls,
-    /// Nothing: direct light only.
+    /// Direct light only, which costs least.
     None,
 }
 
 /// Shadows of direct light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Direct {
     /// One ray to each light, which has no extent; area lights shine by virtual point lights.
-    #[default]
     Hard,
-    /// One ray to a random point of the lights, denoised.
+    /// Soft shadows of lights with an extent: one ray a pixel, to a random point of the lights, denoised.
     Soft,
 }
 
 /// Where the light comes from that glossy surfaces mirror.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Reflections {
     /// Rays, in scenes with glossy surfaces.
-    #[default]
     Auto,
-    /// Their irradiance: nothing is mirrored.
+    /// Their mean irradiance: nothing is mirrored.
     None,
-    /// Rays, denoised.
+    /// One or two rays a pixel, denoised.
     Rays,
 }
 
 /// What smooths edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Antialiasing {
-    /// Temporal antialiasing.
-    #[default]
+    /// Temporal antialiasing over 16 frames: about a fifth of a millisecond at 1920x1080.
     Taa,
-    /// Nothing: one sample in the middle of each pixel.
+    /// One sample in the middle of each pixel.
     None,
 }
 
 /// Which ray tracer the shaders use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TracerKind {
-    /// The faster one on the device, by a short measurement.
-    #[default]
+    /// Hardware on a GPU that has it, software otherwise.
     Auto,
-    /// The two-level BVH traversed in a compute shader: every Vulkan 1.3 device.
+    /// The two-level BVH traversed in a compute shader, on every device.
     Software,
-    /// Ray queries: devices with `VK_KHR_ray_query`.
+    /// Ray queries, on devices with `VK_KHR_ray_query`.
     Hardware,
 }
 
-/// Stops, or none for automatic. The alias keeps clap from treating the `Option` as an optional argument.
-type Exposure = Option<f32>;
+choices!(Indirect, Direct, Reflections, Antialiasing, TracerKind);
 
-/// The settings of one rendering. Every field, and every field of a group, is an option of the command line and a
-/// key of a scene file's `[settings]`.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
-#[command(next_help_heading = "Settings")]
-#[group(id = "settings")]
-pub struct Settings {
-    /// What computes indirect light. Vpls: virtual point lights; none: direct light only, which costs least.
-    #[arg(long, value_enum, default_value = "vpls")]
-    pub indirect: Indirect,
-    /// Shadows of direct light. Hard: one ray a light; soft: one ray a pixel, soft shadows of lights with an extent, which are
-    /// denoised.
-    #[arg(long, value_enum, default_value = "hard")]
-    pub direct: Direct,
-    /// What glossy surfaces mirror. Rays: one or two rays a pixel, denoised; none: their mean irradiance; auto: rays in scenes
-    /// with glossy surfaces.
-    #[arg(long, value_enum, default_value = "auto")]
-    pub reflections: Reflections,
-    /// Smoothing of edges. Taa: over 16 frames, about a fifth of a millisecond at 1920x1080; none: one sample a pixel.
-    #[arg(long, value_enum, default_value = "taa")]
-    pub antialiasing: Antialiasing,
-    /// Bounces of a light path, 1 to 16. More: light reaches further; slots are shared among more bounces.
-    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "2")]
-    pub bounces: u32,
-    /// Width and height of the picture in pixels, 1 to 16,384 each. More: every pass on the GPU and the
-    /// memory of all set buffers grow in proportion.
-    #[arg(long, value_name = "WxH", value_parser = text::parse_size, allow_negative_numbers = true, default_value = "1280x720")]
-    pub size: [u32; 2],
+settings! {
+    /// The settings of one rendering.
+    struct Settings, table "settings", "Settings";
+    at settings => settings;
+    used if |_| true;
+
+    /// Method of indirect light.
+    "indirect" indirect: Indirect = Indirect::Vpls, choice::<Indirect>();
+    /// Shadows of direct light.
+    "direct" direct: Direct = Direct::Hard, choice::<Direct>();
+    /// What glossy surfaces mirror.
+    "reflections" reflections: Reflections = Reflections::Auto, choice::<Reflections>();
+    /// Smoothing of edges.
+    "antialiasing" antialiasing: Antialiasing = Antialiasing::Taa, choice::<Antialiasing>();
+    /// Bounces of a light path. More: light reaches further; slots are shared among more bounces.
+    "bounces" bounces: u32 = 2, whole("N", 1, 16);
+    /// Width and height of the picture in pixels; without it the picture of the window follows the window. More: every pass on the
+    /// GPU and the memory of all set buffers grow in proportion.
+    "size" size: [u32; 2] = [1280, 720], Kind::Size { most: 16_384 }, fixed;
+    /// Frames a second that the window keeps by fewer pixels where it must, unless --size is given; 0: as many pixels as it has.
+    /// More: coarser pictures. render and bench ignore it.
+    "target_fps" target_fps: u32 = 30, whole("N", 0, 1000);
     /// Seed of the low-discrepancy sequence. Any value is as good as another and costs the same.
-    #[arg(long, value_name = "N", value_parser = text::parse_whole, allow_negative_numbers = true, default_value = "0")]
-    pub seed: u32,
-    /// Seconds of animation from one frame to the next, such as 1/60 or 0.02. More: things move further
-    /// between frames, so the temporal sets lag further behind.
-    #[arg(long, value_name = "SECONDS", value_parser = text::parse_seconds, allow_negative_numbers = true, default_value = "1/60")]
-    pub time_step: f64,
-    /// Ray tracer of the indirect shadows. Software runs on every device, hardware on those with ray queries; the
-    /// picture is the same. Auto: the faster one, by a short measurement that is kept for the device and its driver.
-    #[arg(long, value_enum, default_value = "auto")]
-    pub tracer: TracerKind,
-    /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: from the picture's
-    /// log-average luminance. More: brighter. Either costs the same.
-    #[arg(long, value_name = "EV|auto", value_parser = text::parse_exposure, allow_negative_numbers = true, default_value = "auto")]
-    #[serde(serialize_with = "text::exposure_or_auto")]
-    pub exposure: Exposure,
-    /// Of `--direct soft` and `--reflections rays`.
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub effects: EffectSettings,
-    /// Of `--denoise svgf`.
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub svgf: SvgfSettings,
-    /// Of `--indirect vpls`.
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub vpl: VplSettings,
-}
+    "seed" seed: u32 = 0, whole("N", 0, u32::MAX);
+    /// Animation from one frame to the next, such as 1/60 or 0.02. More: things move further between frames, so the temporal sets
+    /// lag further behind.
+    "time_step" time_step: f64 = 1.0 / 60.0, Kind::Seconds { most: 1e9 };
+    /// Ray tracer of the shaders. The picture is the same.
+    "tracer" tracer: TracerKind = TracerKind::Auto, choice::<TracerKind>();
+    /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: from the picture's log-average luminance, in the window
+    /// over about half a second. More: brighter. Either costs the same.
+    "exposure" exposure: Option<f32> = None, Kind::Stops { most: 64.0 };
 
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            indirect: Indirect::Vpls,
-            direct: Direct::Hard,
-            reflections: Reflections::Auto,
-            antialiasing: Antialiasing::Taa,
-            bounces: 2,
-            size: [1280, 720],
-            seed: 0,
-            time_step: 1.0 / 60.0,
-            tracer: TracerKind::Auto,
-            exposure: None,
-            effects: EffectSettings::default(),
-            svgf: SvgfSettings::default(),
-            vpl: VplSettings::default(),
-        }
+    groups {
+        /// Settings of soft shadows and reflections.
+        effects: EffectSettings,
+        /// Settings of SVGF.
+        svgf: SvgfSettings,
+        /// Settings of virtual point lights.
+        vpl: VplSettings,
     }
 }
 
-/// A setting, its value, and whether it is in range.
-struct Range {
-    setting: &'static str,
-    value: String,
-    holds: bool,
-    allowed: &'static str,
+/// All groups, the shared one first.
+pub(crate) const GROUPS: [Group; 4] =
+    [Settings::GROUP, EffectSettings::GROUP, SvgfSettings::GROUP, VplSettings::GROUP];
+
+/// Every setting, in the order of the groups.
+pub(crate) fn all() -> impl Iterator<Item = &'static Setting> {
+    GROUPS.into_iter().flat_map(|group| group.settings)
 }
 
-impl Range {
-    fn new(setting: &'static str, value: impl ToString, holds: bool, allowed: &'static str) -> Self {
-        Self { setting, value: value.to_string(), holds, allowed }
-    }
+/// The setting of a key.
+pub(crate) fn find(key: &str) -> Option<&'static Setting> {
+    all().find(|setting| setting.key == key)
 }
 
 impl Settings {
-    /// The settings to use: the defaults, overridden by a scene file's `[settings]`, overridden by
-    /// those fields of `cli` that `given` names. Fails where the scene file has an unknown key or
-    /// the result is out of range.
-    pub fn resolve(scene: &toml::Table, cli: &Settings, given: &[&str]) -> Result<Self, SettingsError> {
-        let mut merged = flat(scene)?;
-        // Report a mistake of the scene file even where an option overrides it.
-        Self::from_table(&merged)?.check_ranges()?;
-        merged.extend(cli.to_table().into_iter().filter(|(key, _)| given.contains(&key.as_str())));
-        let settings = Self::from_table(&merged)?;
-        settings.check().map_err(|error| error.blame(given))?;
+    /// The settings to use: the defaults, overridden by a scene file's `[settings]`, overridden by those `given` on the command
+    /// line.
+    ///
+    /// # Errors
+    /// If a key is unknown, a value out of range, or two do not go together.
+    pub fn resolve(scene: &toml::Table, given: &GivenSettings) -> Result<Self, SettingsError> {
+        let mut settings = Self::from_table(scene)?;
+        settings.set_given(given)?;
+        settings.check_conflicts(given)?;
         Ok(settings)
     }
 
-    /// Checks the ranges of the options given on the command line, before a scene is loaded. Combinations with the
-    /// scene's settings are checked by [`Self::resolve`].
-    pub fn check_options(&self, given: &[&str]) -> Result<(), SettingsError> {
-        self.check_ranges().map_err(|error| error.blame(given))
+    /// Whether every setting is in its range and goes with the others.
+    ///
+    /// # Errors
+    /// The first that is not, and what is allowed.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        match all().find(|setting| !setting.kind.admits(&setting.value(self))) {
+            Some(wrong) => Err(SettingsError::option(wrong, &wrong.text(self))),
+            None => self.check_conflicts(&GivenSettings::default()),
+        }
     }
 
-    /// Whether every setting is in its range; the error names the first that is not, and the range.
-    pub fn check(&self) -> Result<(), SettingsError> {
-        self.check_ranges()?;
-        self.vpl.check()
+    fn set_given(&mut self, given: &GivenSettings) -> Result<(), SettingsError> {
+        for (key, value) in given.table() {
+            let unknown = || SettingsError::Option(format!("--{}: unknown setting", key.replace('_', "-")));
+            let (setting, text) = (find(key).ok_or_else(unknown)?, value::text_of(value));
+            setting.set(self, &text).map_err(|_| SettingsError::option(setting, &text))?;
+        }
+        Ok(())
+    }
+
+    fn check_conflicts(&self, given: &GivenSettings) -> Result<(), SettingsError> {
+        match GROUPS.iter().find_map(|group| (group.conflict)(self)) {
+            Some(conflict) => Err(SettingsError::Conflict {
+                is_usage: conflict.keys.iter().any(|key| given.has(key)),
+                message: conflict.message,
+            }),
+            None => Ok(()),
+        }
     }
 
     /// The command-line options, without their dashes, that turn the defaults into these settings, with their values.
     pub fn differing_options(&self) -> Vec<(String, String)> {
-        let option = |(key, value): (String, toml::Value)| (key.replace('_', "-"), table::text_of(&value));
-        self.differing().into_iter().map(option).collect()
+        self.differing_settings().map(|setting| (setting.option(), setting.text(self))).collect()
     }
 
     /// The settings that are not at their defaults, as the `[settings]` of a scene file.
     pub fn differing(&self) -> toml::Table {
-        let defaults = Self::default().to_table();
-        self.to_table().into_iter().filter(|(key, value)| defaults.get(key) != Some(value)).collect()
+        self.differing_settings().map(|setting| (setting.key.to_owned(), setting.value(self))).collect()
     }
 
-    /// All settings under their keys.
-    pub(crate) fn to_table(&self) -> toml::Table {
-        // Cannot fail: all values are numbers, strings or truth values.
-        toml::Table::try_from(self).unwrap_or_default()
+    fn differing_settings(&self) -> impl Iterator<Item = &'static Setting> {
+        let defaults = Self::default();
+        all().filter(move |setting| setting.value(self) != setting.value(&defaults))
     }
-
-    fn check_ranges(&self) -> Result<(), SettingsError> {
-        let groups = self.effects.ranges().into_iter().chain(self.svgf.ranges()).chain(self.vpl.ranges());
-        match self.ranges().into_iter().chain(groups).find(|range| !range.holds) {
-            None => Ok(()),
-            Some(Range { setting, value, allowed, .. }) => {
-                Err(SettingsError::OutOfRange { setting, value, allowed, from_command_line: false })
-            }
-        }
-    }
-
-    /// The ranges of the shared settings.
-    fn ranges(&self) -> [Range; 4] {
-        let [width, height] = self.size;
-        let side = 1..=16_384;
-        let exposure = self.exposure.map_or_else(|| "auto".to_owned(), |stops| stops.to_string());
-        [
-            Range::new("bounces", self.bounces, (1..=16).contains(&self.bounces), "1 to 16"),
-            Range::new(
-                "size",
-                format!("{width}x{height}"),
-                side.contains(&width) && side.contains(&height),
-                "1x1 to 16384x16384",
-            ),
-            Range::new(
-                "time_step",
-                self.time_step,
-                (0.0..=1e9).contains(&self.time_step),
-                "0 to 1e9 seconds",
-            ),
-            Range::new(
-                "exposure",
-                exposure,
-                self.exposure.is_none_or(|stops| stops.abs() <= 64.0),
-                "auto or -64 to 64",
-            ),
-        ]
-    }
-}
-
-/// Names of the settings' fields that were given on the command line.
-pub fn given_options(matches: &clap::ArgMatches) -> Vec<&str> {
-    use clap::Args;
-    let settings = Settings::augment_args(clap::Command::new("settings"));
-    matches
-        .ids()
-        .map(clap::Id::as_str)
-        .filter(|id| settings.get_arguments().any(|argument| argument.get_id() == *id))
-        .filter(|id| matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine))
-        .collect()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ fn bad_input_is_one_line() {
         (&["--frames", "0"][..], 2, "--frames"),
         (&["--rounds", "0"], 2, "--rounds"),
         (&["--temporal-sets", "1,x"], 2, "--temporal-sets"),
-        (&["--temporal-sets", "1,65"], 2, "--temporal-sets 65: must be 1 to 64"),
+        (&["--temporal-sets", "1,65"], 2, "--temporal-sets 65: must be a whole number, 1 to 64"),
         (
             &["--temporal-sets", "1,16", "--vpls", "64,8"],
             2,

@@ -91,7 +91,7 @@ fn all_are_shown_at_equal_time() {
 fn bad_methods_are_one_line() {
     for (methods, says) in [
         ("vpl", "vpl: must be vpls, none, reference@N or all"),
-        ("vpls@T=0", "must be 1 to 64"),
+        ("vpls@T=0", "must be a whole number, 1 to 64"),
         ("vpls@x=1", "x"),
         ("reference@0", "at least 1"),
     ] {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glowworm::estimators::vpls::{SlotState, VplLook};
 use glowworm::output::Picture;
-use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};
@@ -151,17 +150,4 @@ fn a_frame_takes_no_memory() {
     lab.device.restart_memory_peak();
     let settled = lab.device.memory_peak();
     assert_eq!(draw(4..12), settled);
-}
-
-#[test]
-fn auto_is_the_one_that_was_faster() {
-    let Some(lab) = open() else { return };
-    let scene = named_scene("cornell-box", None);
-    let tracer = |kind| lab.rendered(&scene, &settings(kind), 1).tracer();
-    let auto = tracer(TracerKind::Auto);
-    let rates = auto.rays_per_second.unwrap();
-    assert!(rates.software > 1e3 && rates.hardware > 1e3, "{rates:?}");
-    assert_eq!(auto.used, rates.faster());
-    assert_eq!(tracer(TracerKind::Auto), auto, "it is measured once");
-    assert_eq!(tracer(TracerKind::Hardware).used, RayTracer::Hardware);
 }

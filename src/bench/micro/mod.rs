@@ -75,7 +75,7 @@ impl Micro {
         scenes.push(self.crowd(control)?);
         Ok(MicroReport {
             format: MICRO_FORMAT.to_owned(),
-            machine: Machine::new(self.device.info(), None),
+            machine: Machine::new(self.device.info()),
             turns: self.turns,
             scenes,
         })

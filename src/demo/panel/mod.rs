@@ -74,8 +74,6 @@ pub(super) struct PanelState {
     /// The widget that had the keyboard in the last frame.
     focused: Option<Id>,
     thumbnails: thumbnails::Thumbnails,
-    /// Documentation of the settings, for tooltips.
-    settings: settings::SettingsDocs,
 }
 
 impl PanelState {
@@ -219,7 +217,7 @@ fn sections(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>, actions:
     header(ui, "Debug views", views);
     let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
     header(ui, "Performance", plots);
-    let settings = section(ui, "Settings", false, |ui| settings::show(ui, state, shown, actions));
+    let settings = section(ui, "Settings", false, |ui| settings::show(ui, shown, actions));
     header(ui, "Settings", settings);
     places.extend(inner);
     state.places = places;
@@ -252,9 +250,6 @@ fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
         });
     } else if !state.message.is_empty() {
         ui.small(&state.message).on_hover_text(&state.message);
-    } else if shown.gpu.device.is_cpu() {
-        ui.small("CPU driver: fewer pixels and VPLs by default.")
-            .on_hover_text(&shown.gpu.device.info().name);
     }
 }
 

@@ -1,109 +1,52 @@
-//! All settings, with tooltips, reset buttons and presets.
-//!
-//! The tooltips come from the command line's help.
+//! All settings, with tooltips, reset buttons and presets. Rows, ranges and tooltips come from the settings' descriptors.
 
-use std::collections::BTreeMap;
+use clap::ValueEnum;
+use egui::{Align, ComboBox, DragValue, Layout, Response, Ui};
+use toml::Value;
 
-use clap::{Args, ValueEnum};
-use egui::{Align, ComboBox, DragValue, Layout, Slider, Ui};
-
-use super::{PanelState, Shown};
+use super::Shown;
 use crate::demo::action::Action;
 use crate::demo::resolution::{COARSEST, Resolution};
-use crate::settings::{
-    Denoise, Direct, Group, Indirect, MissingSets, Reflections, Settings, SvgfSettings, VplSettings, groups,
-};
+use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings};
 
-/// The groups of settings, and the documentation of each setting.
-pub(super) struct SettingsDocs {
-    groups: Vec<Group>,
-    docs: BTreeMap<String, String>,
-}
-
-impl Default for SettingsDocs {
-    fn default() -> Self {
-        let command = Settings::augment_args(clap::Command::new("settings"));
-        let doc = |argument: &clap::Arg| {
-            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-            (argument.get_id().to_string(), help)
-        };
-        Self { groups: groups(), docs: command.get_arguments().map(doc).collect() }
-    }
-}
-
-impl SettingsDocs {
-    /// What a setting is for.
-    pub fn doc(&self, setting: &str) -> &str {
-        self.docs.get(setting).map_or("", String::as_str)
-    }
-}
-
-/// Whether the method that a group belongs to is in use.
-fn is_in_use(group: &Group, settings: &Settings) -> bool {
-    let has_effects = settings.direct == Direct::Soft || settings.reflections != Reflections::None;
-    match group.table.as_str() {
-        "settings.vpls" => settings.indirect == Indirect::Vpls,
-        "settings.effects" => has_effects,
-        "settings.svgf" => has_effects && settings.effects.denoise == Denoise::Svgf,
-        _ => true,
-    }
-}
-
-/// Presets.
+/// Presets: name, tooltip, settings.
 pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
-    // Keep what does not affect quality.
-    let base = Settings {
-        indirect: now.indirect,
-        direct: now.direct,
-        reflections: now.reflections,
-        antialiasing: now.antialiasing,
-        effects: now.effects,
-        svgf: now.svgf,
-        size: now.size,
-        seed: now.seed,
-        time_step: now.time_step,
-        tracer: now.tracer,
-        exposure: now.exposure,
-        ..Settings::default()
-    };
+    let base = Settings { bounces: 2, vpl: VplSettings::default(), ..now.clone() };
+    let with = |bounces: u32, vpl: VplSettings| Settings { bounces, vpl, ..base.clone() };
     [
         (
             "draft",
             "Few VPLs, one bounce: for slow devices.",
-            Settings { bounces: 1, vpl: VplSettings { slots: 128, budget: 32, ..base.vpl }, ..base.clone() },
+            with(1, VplSettings { slots: 128, budget: 32, ..base.vpl }),
         ),
         ("normal", "The defaults.", base.clone()),
         (
             "fine",
             "Many VPLs, four bounces, a large budget: for fast devices.",
-            Settings {
-                bounces: 4,
-                vpl: VplSettings { slots: 4096, budget: 512, clamp: 1600.0, ..base.vpl },
-                ..base.clone()
-            },
+            with(4, VplSettings { slots: 4096, budget: 512, clamp: 1600.0, ..base.vpl }),
         ),
         (
             "as in the dissertation",
             "512 VPLs in 16 sets, 4x4 interleaving; surfaces missing from a set stay dark (Tonna 2019).",
-            Settings { vpl: VplSettings { missing_sets: MissingSets::Dark, ..base.vpl }, ..base },
+            with(base.bounces, VplSettings { missing_sets: MissingSets::Dark, ..base.vpl }),
         ),
     ]
 }
 
-pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(stage) = shown.stage else { return };
     let mut settings = stage.settings.clone();
     let [.., (name, what, dissertation)] = presets(&stage.settings);
     if ui.selectable_label(dissertation == settings, name).on_hover_text(what).clicked() {
         settings = dissertation;
     }
-    let defaults = Settings { size: settings.size, ..Settings::default() };
-    for group in &state.settings.groups {
+    let defaults = Settings::default();
+    for group in GROUPS {
         ui.separator();
-        ui.small(&group.heading);
-        ui.add_enabled_ui(is_in_use(group, &stage.settings), |ui| {
-            for name in &group.settings {
-                row(ui, name, state.settings.doc(name), &mut settings, &defaults);
+        ui.small(group.title);
+        ui.add_enabled_ui((group.in_use)(&stage.settings), |ui| {
+            for setting in group.settings {
+                row(ui, setting, &mut settings, &defaults);
             }
         });
     }
@@ -119,7 +62,7 @@ fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
         ui.label("pixel size");
         let field = DragValue::new(&mut pixels).range(1..=COARSEST).speed(0.03);
         ui.add_enabled(!automatic, field.suffix(" px"));
-        ui.checkbox(&mut automatic, "auto").on_hover_text("As few as 15 frames a second allow.");
+        ui.checkbox(&mut automatic, "auto").on_hover_text("As small as the target fps allow.");
     });
     line.response.on_hover_text(
         "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
@@ -130,102 +73,88 @@ fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
 }
 
 /// One setting: its name, its value, a reset.
-pub(super) fn row(ui: &mut Ui, name: &str, doc: &str, settings: &mut Settings, defaults: &Settings) {
+pub(super) fn row(ui: &mut Ui, setting: &Setting, settings: &mut Settings, defaults: &Settings) {
     ui.horizontal(|ui| {
-        let label = ui.label(name.replace('_', " ")).on_hover_text(doc);
+        let label = ui.label(setting.key.replace('_', " ")).on_hover_text(setting.full_help());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let mut reset = settings.clone();
-            copy(name, defaults, &mut reset);
-            let differs = reset != *settings;
-            if ui.add_enabled(differs, egui::Button::new("reset").small()).clicked() {
-                *settings = reset;
+            let (text, default) = (setting.text(settings), setting.text(defaults));
+            let can_reset = setting.live && text != default;
+            let mut wanted = text.clone();
+            if ui.add_enabled(can_reset, egui::Button::new("reset").small()).clicked() {
+                wanted = default;
             }
-            field(ui, name, settings).labelled_by(label.id).on_hover_text(doc);
+            let field = if setting.live {
+                field(ui, setting, &setting.value(settings), &mut wanted)
+            } else {
+                ui.label(&text)
+            };
+            field.labelled_by(label.id).on_hover_text(setting.full_help());
+            let mut changed = settings.clone();
+            if wanted != text && setting.set(&mut changed, &wanted).is_ok() && changed.check().is_ok() {
+                *settings = changed;
+            }
         });
     });
 }
 
-/// The widget of a setting.
-fn field(ui: &mut Ui, name: &str, settings: &mut Settings) -> egui::Response {
-    let whole = |ui: &mut Ui, value: &mut u32, most: u32| {
-        ui.add(DragValue::new(value).range(1..=most).speed(f64::from(most) * 2e-3))
+/// The widget of a setting; writes what is chosen to `wanted`.
+fn field(ui: &mut Ui, setting: &Setting, value: &Value, wanted: &mut String) -> Response {
+    // As fast as the number is large, but steps can be seen.
+    let drag = |ui: &mut Ui, now: f64, [least, most]: [f64; 2], suffix: &str, wanted: &mut String| {
+        let mut number = now;
+        let is_whole = value.is_integer();
+        let least_speed = if is_whole { 0.05 } else { 1e-3 };
+        let field =
+            DragValue::new(&mut number).range(least..=most).speed((0.01 * now).abs().max(least_speed));
+        let field = if is_whole { field.max_decimals(0) } else { field.max_decimals(4) };
+        let response = ui.add(field.suffix(suffix));
+        if response.changed() {
+            *wanted = if is_whole { number.round() } else { number }.to_string();
+        }
+        response
     };
-    match name {
-        "vpls" => {
-            // There must be at least as many VPLs as sets.
-            let least = settings.vpl.temporal_sets;
-            ui.add(DragValue::new(&mut settings.vpl.slots).range(least..=65_536).speed(8.0))
+    let number = value.as_float().unwrap_or_default();
+    match setting.kind {
+        Kind::Whole { least, most, .. } => {
+            let whole = value.as_integer().unwrap_or_default() as f64;
+            drag(ui, whole, [least, most].map(f64::from), "", wanted)
         }
-        "indirect" => choice(ui, name, &mut settings.indirect),
-        "direct" => choice(ui, name, &mut settings.direct),
-        "reflections" => choice(ui, name, &mut settings.reflections),
-        "antialiasing" => choice(ui, name, &mut settings.antialiasing),
-        "denoise" => choice(ui, name, &mut settings.effects.denoise),
-        "noise" => choice(ui, name, &mut settings.effects.noise),
-        "reflection_depth" => whole(ui, &mut settings.effects.reflection_depth, 8),
-        "reflection_roughness" => {
-            ui.add(DragValue::new(&mut settings.effects.reflection_roughness).range(0.0..=1.0).speed(0.01))
+        Kind::Number { least, most, above, .. } => {
+            let least = if above { least + 1e-4 } else { least };
+            drag(ui, number, [least, most.min(1e9)], "", wanted)
         }
-        name if name.starts_with("svgf_") => svgf_field(ui, name, &mut settings.svgf),
-        "bounces" => whole(ui, &mut settings.bounces, 16),
-        "candidates" => ui.add(DragValue::new(&mut settings.vpl.candidates).range(1..=64).speed(0.1)),
-        "pool" => ui.add(DragValue::new(&mut settings.vpl.pool).range(1..=65_536).speed(64.0)),
-        "budget" => whole(ui, &mut settings.vpl.budget, 65_536),
-        "refresh" => ui.add(DragValue::new(&mut settings.vpl.refresh).range(0..=63)),
-        "clamp" => ui.add(DragValue::new(&mut settings.vpl.clamp).range(0.0..=1e9).speed(5.0)),
-        "seed" => ui.add(DragValue::new(&mut settings.seed)),
-        "sequence" => choice(ui, name, &mut settings.vpl.sequence),
-        "temporal_sets" => {
-            let most = settings.vpl.slots.min(64);
-            whole(ui, &mut settings.vpl.temporal_sets, most)
+        Kind::Seconds { most } => drag(ui, number, [0.0, most.min(10.0)], " s", wanted),
+        Kind::Stops { most } => {
+            let mut automatic = value.is_str();
+            let mut response = ui.checkbox(&mut automatic, "auto");
+            if response.changed() {
+                *wanted = if automatic { "auto" } else { "0" }.to_owned();
+            } else if !automatic {
+                response |= drag(ui, number, [-most, most], " EV", wanted);
+            }
+            response
         }
-        "missing_sets" => choice(ui, name, &mut settings.vpl.missing_sets),
-        "position_cutoff" => {
-            let slider = Slider::new(&mut settings.vpl.position_cutoff, 1e-4..=1.0).logarithmic(true);
-            ui.spacing_mut().slider_width = 50.0;
-            ui.add(slider)
+        Kind::Flag => {
+            let mut flag = value.as_bool().unwrap_or_default();
+            let response = ui.checkbox(&mut flag, "");
+            *wanted = flag.to_string();
+            response
         }
-        "time_step" => {
-            let value = DragValue::new(&mut settings.time_step).range(0.0..=10.0).speed(1e-3);
-            ui.add(value.max_decimals(4).suffix(" s"))
+        Kind::Choice(choices) => {
+            let combo = ComboBox::from_id_salt(setting.key).selected_text(wanted.as_str()).width(64.0);
+            let menu = combo.show_ui(ui, |ui| {
+                for choice in choices() {
+                    let name = choice.get_name().to_owned();
+                    let label = ui.selectable_value(wanted, name.clone(), name);
+                    if let Some(help) = choice.get_help() {
+                        label.on_hover_text(help.to_string());
+                    }
+                }
+            });
+            menu.response
         }
-        "interleave" => whole(ui, &mut settings.vpl.interleave, 8),
-        "size" => ui.label(format!("{}x{}", settings.size[0], settings.size[1])),
-        "exposure" => exposure(ui, &mut settings.exposure),
-        _ => choice(ui, name, &mut settings.tracer),
+        Kind::Size { .. } => ui.label(wanted.as_str()),
     }
-}
-
-fn svgf_field(ui: &mut Ui, name: &str, svgf: &mut SvgfSettings) -> egui::Response {
-    let share = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(0.0..=1.0).speed(0.005));
-    let above_0 = |ui: &mut Ui, value: &mut f32| ui.add(DragValue::new(value).range(1e-3..=1e3).speed(0.05));
-    match name {
-        "svgf_alpha" => share(ui, &mut svgf.alpha),
-        "svgf_moments_alpha" => share(ui, &mut svgf.moments_alpha),
-        "svgf_history" => ui.add(DragValue::new(&mut svgf.longest_history).range(1..=1024)),
-        "svgf_clamp" => ui.add(DragValue::new(&mut svgf.clamp).range(0.0..=1e3).speed(0.05)),
-        "svgf_firefly" => ui.add(DragValue::new(&mut svgf.firefly).range(0.0..=1e3).speed(0.1)),
-        "svgf_levels" => ui.add(DragValue::new(&mut svgf.levels).range(0..=5).speed(0.05)),
-        "svgf_feedback" => ui.add(DragValue::new(&mut svgf.feedback).range(0..=4).speed(0.05)),
-        "svgf_separable" => ui.checkbox(&mut svgf.separable, ""),
-        "svgf_adaptive" => ui.checkbox(&mut svgf.adaptive, ""),
-        "svgf_reinhard" => ui.checkbox(&mut svgf.reinhard, ""),
-        "svgf_depth" => above_0(ui, &mut svgf.depth_tolerance),
-        "svgf_normal" => ui.add(DragValue::new(&mut svgf.normal_exponent).range(0.0..=1024.0)),
-        _ => above_0(ui, &mut svgf.luminance_tolerance),
-    }
-}
-
-fn exposure(ui: &mut Ui, exposure: &mut Option<f32>) -> egui::Response {
-    let mut automatic = exposure.is_none();
-    let mut response = ui.checkbox(&mut automatic, "auto");
-    if response.changed() {
-        *exposure = if automatic { None } else { Some(0.0) };
-    }
-    if let Some(stops) = exposure {
-        response |= ui.add(DragValue::new(stops).range(-64.0..=64.0).speed(0.05).suffix(" EV"));
-    }
-    response
 }
 
 /// The name of a value on the command line.
@@ -233,155 +162,39 @@ pub(super) fn name_of(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
 }
 
-/// One of an enum's values.
-fn choice<Value: ValueEnum + PartialEq>(ui: &mut Ui, name: &str, value: &mut Value) -> egui::Response {
-    let combo = ComboBox::from_id_salt(name).selected_text(name_of(value)).width(64.0);
-    combo
-        .show_ui(ui, |ui| {
-            for choice in Value::value_variants() {
-                ui.selectable_value(value, choice.clone(), name_of(choice));
-            }
-        })
-        .response
-}
-
-/// Copies one setting.
-fn copy(name: &str, from: &Settings, to: &mut Settings) {
-    match name {
-        "vpls" => to.vpl.slots = from.vpl.slots.max(to.vpl.temporal_sets),
-        "indirect" => to.indirect = from.indirect,
-        "direct" => to.direct = from.direct,
-        "reflections" => to.reflections = from.reflections,
-        "antialiasing" => to.antialiasing = from.antialiasing,
-        "denoise" => to.effects.denoise = from.effects.denoise,
-        "noise" => to.effects.noise = from.effects.noise,
-        "reflection_depth" => to.effects.reflection_depth = from.effects.reflection_depth,
-        "reflection_roughness" => to.effects.reflection_roughness = from.effects.reflection_roughness,
-        name if name.starts_with("svgf_") => copy_svgf(name, &from.svgf, &mut to.svgf),
-        "bounces" => to.bounces = from.bounces,
-        "candidates" => to.vpl.candidates = from.vpl.candidates,
-        "pool" => to.vpl.pool = from.vpl.pool,
-        "budget" => to.vpl.budget = from.vpl.budget,
-        "refresh" => to.vpl.refresh = from.vpl.refresh,
-        "clamp" => to.vpl.clamp = from.vpl.clamp,
-        "seed" => to.seed = from.seed,
-        "sequence" => to.vpl.sequence = from.vpl.sequence,
-        "temporal_sets" => to.vpl.temporal_sets = from.vpl.temporal_sets.min(to.vpl.slots),
-        "missing_sets" => to.vpl.missing_sets = from.vpl.missing_sets,
-        "position_cutoff" => to.vpl.position_cutoff = from.vpl.position_cutoff,
-        "time_step" => to.time_step = from.time_step,
-        "interleave" => to.vpl.interleave = from.vpl.interleave,
-        "size" => to.size = from.size,
-        "exposure" => to.exposure = from.exposure,
-        _ => to.tracer = from.tracer,
-    }
-}
-
-fn copy_svgf(name: &str, from: &SvgfSettings, to: &mut SvgfSettings) {
-    match name {
-        "svgf_alpha" => to.alpha = from.alpha,
-        "svgf_moments_alpha" => to.moments_alpha = from.moments_alpha,
-        "svgf_history" => to.longest_history = from.longest_history,
-        "svgf_clamp" => to.clamp = from.clamp,
-        "svgf_firefly" => to.firefly = from.firefly,
-        "svgf_levels" => to.levels = from.levels,
-        "svgf_feedback" => to.feedback = from.feedback,
-        "svgf_separable" => to.separable = from.separable,
-        "svgf_adaptive" => to.adaptive = from.adaptive,
-        "svgf_reinhard" => to.reinhard = from.reinhard,
-        "svgf_depth" => to.depth_tolerance = from.depth_tolerance,
-        "svgf_normal" => to.normal_exponent = from.normal_exponent,
-        _ => to.luminance_tolerance = from.luminance_tolerance,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Antialiasing, EffectSettings, Noise, Sequence, TracerKind};
-
-    /// Every field of the struct is in one group, has documentation, and can be copied.
-    #[test]
-    fn no_setting_is_missing() {
-        let SettingsDocs { groups, docs } = SettingsDocs::default();
-        let mut shown: Vec<&str> =
-            groups.iter().flat_map(|group| &group.settings).map(String::as_str).collect();
-        shown.sort_unstable();
-        assert_eq!(shown, docs.keys().map(String::as_str).collect::<Vec<_>>());
-        assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
-        let other = Settings {
-            indirect: Indirect::None,
-            direct: Direct::Soft,
-            reflections: Reflections::Rays,
-            antialiasing: Antialiasing::None,
-            bounces: 7,
-            size: [8, 9],
-            seed: 4,
-            time_step: 0.5,
-            tracer: TracerKind::Software,
-            exposure: Some(1.0),
-            effects: EffectSettings {
-                denoise: Denoise::None,
-                noise: Noise::White,
-                reflection_depth: 3,
-                reflection_roughness: 0.2,
-            },
-            svgf: SvgfSettings {
-                alpha: 0.1,
-                moments_alpha: 0.3,
-                longest_history: 16,
-                clamp: 1.0,
-                firefly: 5.0,
-                levels: 3,
-                feedback: 2,
-                separable: true,
-                adaptive: false,
-                reinhard: true,
-                depth_tolerance: 2.0,
-                normal_exponent: 64.0,
-                luminance_tolerance: 8.0,
-            },
-            vpl: VplSettings {
-                slots: 77,
-                pool: 99,
-                candidates: 3,
-                refresh: 3,
-                interleave: 2,
-                temporal_sets: 3,
-                budget: 5,
-                clamp: 1.5,
-                position_cutoff: 0.5,
-                sequence: Sequence::Random,
-                missing_sets: MissingSets::Dark,
-            },
-        };
-        let mut copied = Settings::default();
-        for name in shown {
-            let before = copied.clone();
-            copy(name, &other, &mut copied);
-            assert_ne!(copied, before, "{name}");
-        }
-        assert_eq!(copied, other);
-    }
+    use crate::settings::{Indirect, Reflections};
 
     #[test]
-    fn settings_of_what_is_not_in_use_are_hidden() {
-        let none = Settings { indirect: Indirect::None, ..Settings::default() };
-        let in_use = |settings: &Settings| {
-            let groups = groups();
-            groups
-                .into_iter()
-                .filter(|group| is_in_use(group, settings))
-                .map(|group| group.table)
-                .collect::<Vec<_>>()
+    fn settings_of_what_is_not_in_use_are_disabled() {
+        let in_use = |settings: &Settings| -> Vec<&str> {
+            GROUPS.iter().filter(|group| (group.in_use)(settings)).map(|group| group.table).collect()
         };
         let plain = Settings { reflections: Reflections::None, ..Settings::default() };
+        let none = Settings { indirect: Indirect::None, ..Settings::default() };
         assert_eq!(
             in_use(&Settings::default()),
             ["settings", "settings.effects", "settings.svgf", "settings.vpls"]
         );
         assert_eq!(in_use(&plain), ["settings", "settings.vpls"]);
         assert_eq!(in_use(&none), ["settings", "settings.effects", "settings.svgf"]);
+    }
+
+    /// Each setting has a row, which changes nothing unless somebody uses it.
+    #[test]
+    fn rows_leave_settings_alone() {
+        let context = egui::Context::default();
+        let [.., (_, _, mut settings)] = presets(&Settings { exposure: Some(1.5), ..Settings::default() });
+        let before = settings.clone();
+        for _ in 0..2 {
+            let _ = context.run_ui(egui::RawInput::default(), |ui| {
+                let defaults = Settings::default();
+                crate::settings::all().for_each(|setting| row(ui, setting, &mut settings, &defaults));
+            });
+        }
+        assert_eq!(settings, before);
     }
 
     #[test]

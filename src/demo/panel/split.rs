@@ -7,7 +7,7 @@ use egui::{
     TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 
-use super::settings::{SettingsDocs, name_of, row};
+use super::settings::{name_of, row};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::split::{Right, RightSide, Split};
@@ -15,7 +15,7 @@ use crate::demo::stage::Stage;
 use crate::demo::truth::{ENOUGH, Truth};
 use crate::plot::magma;
 use crate::report::FrameReport;
-use crate::settings::{Indirect, Settings};
+use crate::settings::{self, Indirect, Settings};
 
 /// Half the width of what can be gripped of the divider, points.
 const GRIP: f32 = 6.0;
@@ -104,7 +104,7 @@ fn scale(ui: &Ui, viewport: Rect) {
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
     let viewport = state.viewport(ui.ctx());
-    let PanelState { places, settings: docs, .. } = state;
+    let places = &mut state.places;
     let x = divider_of(viewport, split.at);
     let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, viewport.y_range());
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
@@ -132,17 +132,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
     });
     let right = pos2(x + 10.0, viewport.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
-        right_side(ui, (stage, split), docs, places, actions);
+        right_side(ui, (stage, split), places, actions);
     });
 }
 
-fn right_side(
-    ui: &mut Ui,
-    (stage, split): (&Stage, &Split),
-    docs: &SettingsDocs,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+fn right_side(ui: &mut Ui, (stage, split): (&Stage, &Split), places: &mut Places, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let is_truth = matches!(split.right, Right::Truth(_));
         for (name, what, truth) in [
@@ -172,8 +166,8 @@ fn right_side(
             let mut settings = other.settings.clone();
             let folded = egui::CollapsingHeader::new("change").default_open(false);
             let header = folded.show(ui, |ui| {
-                for name in CHOICES {
-                    row(ui, name, docs.doc(name), &mut settings, &stage.settings);
+                for setting in CHOICES.into_iter().filter_map(settings::find) {
+                    row(ui, setting, &mut settings, &stage.settings);
                 }
             });
             place(ui, places, "change", &header.header_response);
