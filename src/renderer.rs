@@ -35,7 +35,7 @@ use crate::effects::reflections::Reflections;
 use crate::estimators::{self, Estimator, EstimatorContext, World};
 use crate::gpu_scene::GpuScene;
 use crate::gpu_scene::structs::FrameUniforms;
-use crate::gpu_scene::tracer::TracerVariant;
+use crate::gpu_scene::tracer::{RayTracer, TracerVariant};
 use crate::passes::clock::ConvergenceClock;
 use crate::passes::combine::CombineInputs;
 use crate::passes::frame_inputs::FrameInputs;
@@ -289,7 +289,7 @@ impl Renderer {
 
     /// The tracer in use.
     pub fn tracer(&self) -> RayTracer {
-        self.tracer.kind()
+        self.gpu_scene.tracer().kind()
     }
 
     /// The estimator, if it is of this kind.
