@@ -13,11 +13,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::formats::load_scene;
-use glowworm::passes::cast_rays::GpuRay;
-use glowworm::gpu_scene::hit_buffers::HitBuffers;
-use glowworm::gpu_scene::scene_buffers::SceneBuffers;
+use glowworm::gpu_scene::GpuScene;
 use glowworm::gpu_scene::structs::FrameUniforms;
-use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
+use glowworm::gpu_scene::tracer::RayTracer;
+use glowworm::passes::cast_rays::GpuRay;
 use glowworm::scene::{
     Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
     linear_to_srgb,
@@ -59,26 +58,25 @@ fn surfaces(
     }
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(scene, &pose.instances);
-    let mut buffers = SceneBuffers::new(device, scene).unwrap();
-    let hits = HitBuffers::new(device, scene).unwrap();
-    let mut tracer = Tracer::new(device, tracer, &bvh).unwrap();
-    let shader = tracer.kind().of(shaders::HIT_SURFACES_COMP);
+    let mut gpu_scene = GpuScene::new(device, scene, tracer, &bvh).unwrap();
+    let shader = tracer.of(shaders::HIT_SURFACES_COMP);
     let pipeline = ComputePipeline::new(device, "hit_surfaces", shader).unwrap();
     let answers = Buffer::new(device, "answers", (size_of::<TestSurface>() * rays.len()) as u64).unwrap();
     let mut frames = Frames::new(device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
-    tracer.update(&mut frame, &bvh).unwrap();
-    let instances = buffers.upload_instances(&mut frame, scene, &pose).unwrap();
+    let uploads = gpu_scene.upload(&mut frame, (scene, &pose), &bvh).unwrap();
+    let set = gpu_scene.set(&mut frame, &uploads).unwrap();
     let uniforms = frame.upload(&[FrameUniforms::default()]).unwrap();
     let uploaded = frame.upload(&rays.iter().map(GpuRay::from).collect::<Vec<_>>()).unwrap();
-    let pass = frame
+    frame
         .pass("hit_surfaces", &pipeline)
+        .shared(&set)
         .read("frame_uniforms", &uniforms)
         .read("rays", &uploaded)
         .write("answers", &answers)
-        .push(&cone);
-    let pass = hits.bind(tracer.bind(pass), &buffers, &instances);
-    pass.dispatch_threads([rays.len() as u32, 1, 1]).unwrap();
+        .push(&cone)
+        .dispatch_threads([rays.len() as u32, 1, 1])
+        .unwrap();
     frame.submit().unwrap();
     Some(bytemuck::pod_collect_to_vec(&answers.read(device).unwrap()))
 }

@@ -176,10 +176,11 @@ fn on_device(lab: &Lab, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<
     let mut frames = Frames::new(device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let uniforms = frame.upload(&[uniforms]).unwrap();
+    let set = frame.shared_set(vec![("blue_noise", (&table).into())]).unwrap();
     frame
         .pass("noise", &pipeline)
+        .shared(&set)
         .read("frame_uniforms", &uniforms)
-        .read("blue_noise", &table)
         .write("numbers", &numbers)
         .push(&dimension)
         .dispatch_over(SIZE)

@@ -10,8 +10,8 @@ use bvh_support::*;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
-use glowworm::passes::cast_rays::GpuRay;
 use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
+use glowworm::passes::cast_rays::GpuRay;
 use glowworm::scene::{Alpha, Material, Pose, Side, SurfacePoint, Texture, TextureUse, Wrap};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
 use support::{Lab, assets, named_scene, skip};
@@ -103,9 +103,14 @@ impl Comparison {
         let (mut frame, _) = self.frames.begin().unwrap();
         self.tracer.update(&mut frame, bvh).unwrap();
         let uploaded = frame.upload(&gpu_rays).unwrap();
-        let pass =
-            frame.pass("trace_rays", &self.pipeline).read("rays", &uploaded).write("answers", &answers);
-        self.tracer.bind(pass).dispatch_threads([rays.len() as u32, 1, 1]).unwrap();
+        let set = frame.shared_set(self.tracer.resources()).unwrap();
+        frame
+            .pass("trace_rays", &self.pipeline)
+            .shared(&set)
+            .read("rays", &uploaded)
+            .write("answers", &answers)
+            .dispatch_threads([rays.len() as u32, 1, 1])
+            .unwrap();
         frame.submit().unwrap();
         bytemuck::pod_collect_to_vec(&answers.read(device).unwrap())
     }

@@ -257,7 +257,11 @@ impl Svgf {
         Ok(())
     }
 
-    fn estimate_variance(&self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
+    fn estimate_variance(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &DenoiserInputs<'_>,
+    ) -> Result<(), VulkanError> {
         bind(frame.pass(self.usage.names().svgf_variance, &self.variance), inputs)
             .read("moments", self.moments())
             .read("light", self.history())

@@ -107,13 +107,7 @@ impl Reflections {
                 surfaces: History::new(|_| image("image_surface", vk::Format::R16G16B16A16_UINT))?,
                 reprojected: image("image_reprojected", halves)?,
             },
-            denoiser: Denoiser::new(
-                device,
-                Use::Reflections,
-                SignalNoise::Unknown,
-                settings.size,
-                settings,
-            )?,
+            denoiser: Denoiser::new(device, Use::Reflections, SignalNoise::Unknown, settings.size, settings)?,
             limit: settings.effects.reflection_roughness,
         })
     }

@@ -35,13 +35,7 @@ impl SoftShadows {
         Ok(Self {
             trace: tracer.pipeline(device, "soft_shadows_trace", shader, &[white])?,
             noisy: storage_image(device, "noisy shadow", halves, settings.size)?,
-            denoiser: Denoiser::new(
-                device,
-                Use::SoftShadows,
-                SignalNoise::Unknown,
-                settings.size,
-                settings,
-            )?,
+            denoiser: Denoiser::new(device, Use::SoftShadows, SignalNoise::Unknown, settings.size, settings)?,
             version: Version::default(),
         })
     }

@@ -118,7 +118,11 @@ impl GpuScene {
     ) -> Result<SceneChanges, VulkanError> {
         let (materials, environment) = self.buffers.for_scene(device, scene)?;
         let sheets = bvh.sheets_of(scene);
-        Ok(SceneChanges { materials, environment, sheet_materials: self.tracer.sheet_materials(device, &sheets)? })
+        Ok(SceneChanges {
+            materials,
+            environment,
+            sheet_materials: self.tracer.sheet_materials(device, &sheets)?,
+        })
     }
 
     /// Goes on with them. No frame is in flight.

@@ -167,12 +167,12 @@ pub struct OverlayLine {
 #[cfg(test)]
 pub(crate) mod tests {
 
-    use crate::passes::cast_rays::GpuRay;
     use super::super::geometry::Vertex;
     use super::super::hit_buffers::TextureData;
     use super::TextureUseData as TextureUse;
     use super::*;
     use crate::bvh::sheets::{GpuSheet, GpuSheetTriangle};
+    use crate::passes::cast_rays::GpuRay;
     use crate::vulkan::{Reflection, shaders};
 
     /// Whether a struct of a shader has these members at these offsets.

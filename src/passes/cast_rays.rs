@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::bvh::{Ray, TwoLevelBvh};
+use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
 /// Threads in a row of the dispatch. Twin: `ROW` in shaders/passes/cast_rays.comp.

@@ -55,11 +55,7 @@ pub struct SheetsPass {
 
 impl SheetsPass {
     /// Makes the pipeline for a tracer, and the images, of `extent` texels.
-    pub fn new(
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        extent: [u32; 2],
-    ) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
             pipeline: tracer.pipeline(device, "sheets", shaders::SHEETS_COMP, &[])?,
             images: SheetImages::new(device, extent)?,

@@ -186,7 +186,9 @@ impl Renderer {
             let texels = self.read_halves(image, 4)?;
             let name = view.replace('-', "_");
             layers.push(match kind {
-                Visualization::Share | Visualization::Light => Layer::of_channels(&name, &["R", "G", "B"], &texels),
+                Visualization::Share | Visualization::Light => {
+                    Layer::of_channels(&name, &["R", "G", "B"], &texels)
+                }
                 Visualization::Deviation => {
                     Layer::single(&name, "variance", texels.iter().map(|texel| texel[3] * texel[3]).collect())
                 }

@@ -64,11 +64,7 @@ impl ViewPasses {
                 pass.record(frame, inputs.uniforms, shown.effect, exposure, display)?;
             }
             (None, _) => {
-                estimator.draw_view(
-                    frame,
-                    &ViewInputs { frame: inputs, exposure, display },
-                    &view.buffer,
-                )?;
+                estimator.draw_view(frame, &ViewInputs { frame: inputs, exposure, display }, &view.buffer)?;
             }
             (Some(_), None) => {}
         }

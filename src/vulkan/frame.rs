@@ -9,7 +9,8 @@ use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
 use super::frame_slot::{READBACK_SIZE, Slot};
 use super::{
-    Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Resource, SharedSet, VulkanError,
+    Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Resource, SharedSet,
+    VulkanError,
 };
 
 /// Frames in flight: the CPU records one while the device executes the other.

@@ -11,8 +11,8 @@ use super::frame::Recorder;
 use super::layout::{Layout, PASS_SET};
 use super::reflect::{Binding, BindingKind};
 use super::{
-    BufferSlice, ComputePipeline, Device, DrawList, GraphicsPipeline, Image, Sampler, SharedSet, Targets, TopLevel,
-    VulkanError,
+    BufferSlice, ComputePipeline, Device, DrawList, GraphicsPipeline, Image, Sampler, SharedSet, Targets,
+    TopLevel, VulkanError,
 };
 
 /// A resource to bind.
@@ -93,7 +93,16 @@ impl<'f> Pass<'f> {
         layout: &'f Layout,
         compute: bool,
     ) -> Self {
-        Self { recorder, name, pipelines, layout, compute, bound: BTreeMap::new(), shared: None, push: Vec::new() }
+        Self {
+            recorder,
+            name,
+            pipelines,
+            layout,
+            compute,
+            bound: BTreeMap::new(),
+            shared: None,
+            push: Vec::new(),
+        }
     }
 
     /// Binds what the shader reads under `name`.
@@ -201,9 +210,10 @@ impl<'f> Pass<'f> {
             let bound = &self.bound[name];
             (bound.resource, bound.write, binding)
         });
-        let shared = self.layout.shared_bindings().filter_map(|(name, binding)| {
-            Some((*self.shared?.resources.get(name)?, false, binding))
-        });
+        let shared = self
+            .layout
+            .shared_bindings()
+            .filter_map(|(name, binding)| Some((*self.shared?.resources.get(name)?, false, binding)));
         for (resource, write, binding) in own.chain(shared) {
             let access = match (self.compute, write) {
                 (true, true) => Access::ComputeWrite,

@@ -169,8 +169,7 @@ impl<'a> Reader<'a> {
     /// Every id in the functions that the entry point reaches: what Vulkan calls static use.
     fn statically_used(&self) -> BTreeSet<Word> {
         let mut used = BTreeSet::new();
-        let mut next: Vec<Word> =
-            self.module.entry_points.iter().map(|point| id_at(point, 1)).collect();
+        let mut next: Vec<Word> = self.module.entry_points.iter().map(|point| id_at(point, 1)).collect();
         let mut reached = BTreeSet::new();
         while let Some(id) = next.pop() {
             if !reached.insert(id) {

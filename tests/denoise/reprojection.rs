@@ -2,8 +2,8 @@
 
 use bytemuck::Zeroable;
 use glam::{IVec2, Vec3, Vec4};
-use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use glowworm::gpu_scene::structs::InstanceData;
+use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{Buffer, Image, vk};
 
@@ -62,17 +62,18 @@ impl Reprojection {
         let instance = image("instance", vk::Format::R32_UINT, bytemuck::cast_slice(&ids));
         let motion = image("motion", vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&motions));
         let (mut frame, _) = self.bench.frames.begin().unwrap();
+        let scene = frame.shared_set(vec![("instances", (&self.instances).into())]).unwrap();
         let inputs = ReprojectionInputs {
-            frame: &frame.upload(&[uniforms()]).unwrap(),
+            uniforms: &frame.upload(&[uniforms()]).unwrap(),
+            scene: &scene,
             depth: &self.bench.depth,
             normal: &self.bench.normal,
             instance: &instance,
             motion: &motion,
-            instances: &self.instances,
         };
         self.pass.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();
-        let found = texels(&self.lab.device, self.pass.reprojected());
+        let found = texels(&self.lab.device, &self.pass.output().reprojected);
         found.into_iter().map(|texel| [texel.z as u32, texel.w as u32]).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! A still scene: what SVGF shows in the end is a function of the frames at rest alone.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
-use glowworm::denoise::RestFrame;
+use glowworm::passes::clock::StaticFrame;
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
@@ -25,7 +25,7 @@ fn rest(bench: &mut Bench, brightness: f32, frames: u32, shown: u32) -> Vec<Vec4
         for (sum, pixel) in sum.iter_mut().zip(&pixels) {
             *sum += Vec4::from(pixel.noisy) / frames as f32;
         }
-        bench.denoise_at(&pixels, Some(RestFrame { index, shown: index + shown >= frames }));
+        bench.denoise_at(&pixels, Some(StaticFrame { index, shown: index + shown >= frames }));
     }
     sum
 }
@@ -51,7 +51,7 @@ fn what_is_shown_in_the_end_does_not_depend_on_what_came_before() {
         for index in 0..5 {
             let mut garbage = noisy(&mut numbers, 100.0);
             garbage[index * 7].noisy = [f32::NAN; 4];
-            let at = shown.map(|shown| RestFrame { index: index as u32, shown: shown && index > 2 });
+            let at = shown.map(|shown| StaticFrame { index: index as u32, shown: shown && index > 2 });
             bench.denoise_at(&garbage, at);
         }
     }
@@ -70,7 +70,7 @@ fn until_then_the_picture_is_that_of_a_scene_that_changes() {
     for index in 0..12 {
         let pixels = noisy(&mut numbers, 1.0);
         moving.denoise(&pixels);
-        resting.denoise_at(&pixels, Some(RestFrame { index, shown: false }));
+        resting.denoise_at(&pixels, Some(StaticFrame { index, shown: false }));
         assert_eq!(bits(&moving.output()), bits(&resting.output()));
     }
     // A rest that was never shown is dropped.

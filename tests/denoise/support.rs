@@ -7,9 +7,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use exr::prelude::f16;
 use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
-use glowworm::denoise::RestFrame;
-use glowworm::denoise::svgf::{Svgf, SvgfInputs};
+use glowworm::denoise::svgf::Svgf;
+use glowworm::denoise::{DenoiserInputs, Use};
 use glowworm::gpu_scene::structs::FrameUniforms;
+use glowworm::passes::clock::StaticFrame;
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
 
@@ -160,7 +161,7 @@ impl Bench {
             reprojected: image("reprojected", halves),
             depth: image("depth", vk::Format::R32_SFLOAT),
             surface: image("surface", vk::Format::R16G16B16A16_UINT),
-            svgf: Svgf::new(device, extent, settings).unwrap(),
+            svgf: Svgf::new(device, Use::Reflections, extent, settings).unwrap(),
             extent,
             device: Arc::clone(device),
         }
@@ -172,7 +173,7 @@ impl Bench {
     }
 
     /// Denoises one frame.
-    pub fn denoise_at(&mut self, pixels: &[Pixel], rest: Option<RestFrame>) {
+    pub fn denoise_at(&mut self, pixels: &[Pixel], static_frame: Option<StaticFrame>) {
         let (mut frame, _) = self.frames.begin().unwrap();
         let uniforms = frame.upload(&[FrameUniforms { size: self.extent, ..uniforms() }]).unwrap();
         let uploaded = frame.upload(pixels).unwrap();
@@ -187,15 +188,17 @@ impl Bench {
             .write("surface", &self.surface)
             .dispatch_over(self.extent)
             .unwrap();
-        let inputs = SvgfInputs {
-            frame: &uniforms,
+        let inputs = DenoiserInputs {
+            uniforms: &uniforms,
             noisy: &self.noisy,
+            variance: None,
             depth: &self.depth,
             normal: &self.normal,
             surface: &self.surface,
             reprojected: &self.reprojected,
+            static_frame,
         };
-        self.svgf.record(&mut frame, &inputs, rest).unwrap();
+        self.svgf.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();
     }
 

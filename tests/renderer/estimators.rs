@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use glowworm::estimators::{Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses};
+use glowworm::estimators::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses};
+use glowworm::passes::frame_inputs::FrameInputs;
 use glowworm::renderer::{PreparedScene, Renderer};
 use glowworm::report::{Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
 use glowworm::settings::{Indirect, Settings};
@@ -41,18 +42,18 @@ impl Estimator for Ambient {
         Counters([("lamps", 1)].into_iter().collect())
     }
 
-    fn record(&mut self, frame: &mut Frame<'_>, inputs: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
         frame
             .pass("ambient", &self.pipeline)
-            .read("frame_uniforms", inputs.frame)
+            .read("frame_uniforms", inputs.uniforms)
             .read("gbuffer_depth", &inputs.gbuffer.depth)
             .write("irradiance", &self.irradiance)
             .push(&AMBIENT)
             .dispatch_over(self.irradiance.extent())
     }
 
-    fn irradiance(&self) -> &Image {
-        &self.irradiance
+    fn signal(&self) -> IrradianceSignal<'_> {
+        IrradianceSignal { noisy: &self.irradiance, variance: None }
     }
 
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
@@ -62,7 +63,7 @@ impl Estimator for Ambient {
 }
 
 fn image(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
-    let (format, usage) = (vk::Format::R32G32B32A32_SFLOAT, vk::ImageUsageFlags::STORAGE);
+    let (format, usage) = (vk::Format::R16G16B16A16_SFLOAT, vk::ImageUsageFlags::STORAGE);
     Image::new(device, &ImageDescription { name: "ambient", format, extent, layers: None, levels: 1, usage })
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::output::Picture;
 use glowworm::gpu_scene::tracer::RayTracer;
+use glowworm::output::Picture;
 use glowworm::scene::{
     Alpha, Camera, Instance, Light, LightKind, Material, Mesh, Pose, Scene, Side, SurfacePoint, Texture,
 };

@@ -6,8 +6,8 @@ use super::super::BenchError;
 use super::contender::{Cast, Contender, Query};
 use super::rays::{RayKind, RaySet};
 use crate::bvh::TwoLevelBvh;
-use crate::passes::cast_rays::RayCaster;
 use crate::gpu_scene::tracer::RayTracer;
+use crate::passes::cast_rays::RayCaster;
 use crate::renderer::RenderError;
 use crate::vulkan::{Device, VulkanError};
 

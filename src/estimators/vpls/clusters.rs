@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         same_layout!(
-            shaders::INDIRECT_SHADOWS_COMP.software,
+            shaders::VPL_SAMPLING_COMP.software,
             VplCluster,
             position,
             radius,

@@ -8,9 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use super::clusters::CLUSTERS;
 use super::set_buffers::set_step;
 use super::vpl_buffer::UploadedSet;
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
-use crate::gpu_scene::tracer::TracerVariant;
 use crate::settings::{Settings, VplSettings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 

@@ -36,12 +36,12 @@ pub use path_lines::{path_legend, reason_colour};
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
 
 use super::{
-    DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, SignalNoise, ViewInputs,
-    World,
+    DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, SignalNoise,
+    ViewInputs, World,
 };
+use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
-use crate::gpu_scene::tracer::TracerVariant;
 use crate::report::{Counters, PassInfo};
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
