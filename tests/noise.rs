@@ -6,6 +6,7 @@
 mod lab;
 
 use glam::{UVec2, UVec3, Vec2};
+use glowworm::gpu_scene::environment::EnvironmentTexture;
 use glowworm::gpu_scene::noise;
 use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
@@ -170,13 +171,15 @@ fn on_device(lab: &Lab, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<
     let device = &lab.device;
     let pipeline =
         ComputePipeline::specialised(device, "noise", shaders::NOISE_COMP, &[0, u32::from(white)]).unwrap();
-    let table = noise::table(device).unwrap();
+    let table = noise::table(device).unwrap().with_texels().unwrap();
     let numbers = Buffer::new(device, "numbers", u64::from(SIZE[0] * SIZE[1]) * 8).unwrap();
     let uniforms = FrameUniforms { size: SIZE, noise_frame: frame, seed, ..FrameUniforms::default() };
     let mut frames = Frames::new(device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let uniforms = frame.upload(&[uniforms]).unwrap();
-    let set = frame.shared_set(vec![("blue_noise", (&table).into())]).unwrap();
+    let environment = EnvironmentTexture::new(&lab.device, None).unwrap();
+    let [map, _] = environment.resources();
+    let set = frame.shared_set(vec![map, ("blue_noise", (&table).into())]).unwrap();
     frame
         .pass("noise", &pipeline)
         .shared(&set)

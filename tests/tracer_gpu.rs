@@ -10,6 +10,7 @@ use bvh_support::*;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
+use glowworm::gpu_scene::environment::EnvironmentTexture;
 use glowworm::gpu_scene::tracer::{RayTracer, Tracer};
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::scene::{Alpha, Material, Pose, Side, SurfacePoint, Texture, TextureUse, Wrap};
@@ -103,7 +104,10 @@ impl Comparison {
         let (mut frame, _) = self.frames.begin().unwrap();
         self.tracer.update(&mut frame, bvh).unwrap();
         let uploaded = frame.upload(&gpu_rays).unwrap();
-        let set = frame.shared_set(self.tracer.resources()).unwrap();
+        let environment = EnvironmentTexture::new(device, None).unwrap();
+        let mut resources = self.tracer.resources();
+        resources.extend(environment.resources());
+        let set = frame.shared_set(resources).unwrap();
         frame
             .pass("trace_rays", &self.pipeline)
             .shared(&set)

@@ -19,11 +19,11 @@ float plane_distance(vec3 centre, vec3 geometric, float depth, ivec2 pixel, floa
 
 float normal_weight(vec3 a, vec3 b, float exponent) { return pow(max(dot(a, b), 0.0), exponent); }
 
-// How far a blur is of use, pixels, given the share of the `widest` one; that 0: any is.
-float reach_of(float share, float widest) { return widest == 0.0 ? 1e6 : share * widest; }
+// The radius that a filter is of use in, pixels, given the share of the `widest` one; that 0: any is.
+float filter_radius(float share, float widest) { return widest == 0.0 ? 1e6 : share * widest; }
 
-// How much taps count that are `ring` taps away, where a blur is of use as far as `reach` taps.
-float share_of_ring(int ring, float reach) { return clamp(reach - float(ring) + 1.0, 0.0, 1.0); }
+// The weight of taps that are `ring` taps away, where the filter has a radius of `radius` taps.
+float kernel_falloff(int ring, float radius) { return clamp(radius - float(ring) + 1.0, 0.0, 1.0); }
 
 // Reinhard's curve (2002) and its inverse: what is bright counts less in a mean, so less of it flickers, and the mean is darker.
 vec3 compressed(vec3 light) { return light / (1.0 + luminance(light)); }

@@ -25,7 +25,7 @@ layout(push_constant) uniform Push {
     float depth_tolerance;   // as in svgf_variance.comp, at a distance of one pixel
     float normal_exponent;
     float luminance_tolerance; // standard deviations, by which the weight falls to 1/e
-    float widest;            // pixels that all levels reach; 0: blur as far whatever is of use
+    float widest;            // pixels that all levels radius; 0: blur as far whatever is of use
     uint expand;             // 1: the signal is compressed, and this is the last step
 } push;
 
@@ -62,12 +62,12 @@ void main() {
     VisibleSurface centre = surface_of_pixel(pixel);
     vec4 middle = imageLoad(light, pixel);
     // Taps that are left for this level, after those before it.
-    float reach = (reach_of(imageLoad(noisy, pixel).a, push.widest) - 2.0 * float(push.step - 1)) / float(push.step);
-    if (centre.depth == 0.0 || reach <= 0.0) {
+    float radius = (filter_radius(imageLoad(noisy, pixel).a, push.widest) - 2.0 * float(push.step - 1)) / float(push.step);
+    if (centre.depth == 0.0 || radius <= 0.0) {
         imageStore(filtered, pixel, rounded(result_of(middle)));
         return;
     }
-    Surface seen = surface_at(pixel);
+    Surface here = surface_at(pixel);
     float middle_luminance = luminance(middle.rgb);
     float deviation = smooth_deviation(pixel);
     vec4 sum = vec4(middle.rgb, middle.a * middle.a);
@@ -82,9 +82,9 @@ void main() {
             // Of both pixels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
             float tolerance = push.luminance_tolerance * 0.5 * (deviation + tap.a) + 1e-6;
             float distance = float(push.step) * length(vec2(x, y));
-            float off = plane_distance(seen.position, seen.geometric, centre.depth, at, other.depth);
+            float off = plane_distance(here.position, here.geometric, centre.depth, at, other.depth);
             float likeness = off / (push.depth_tolerance * distance) + abs(luminance(tap.rgb) - middle_luminance) / tolerance;
-            float weight = share_of_ring(max(abs(x), abs(y)), reach) * KERNEL[abs(x)] * KERNEL[abs(y)] * exp(-likeness)
+            float weight = kernel_falloff(max(abs(x), abs(y)), radius) * KERNEL[abs(x)] * KERNEL[abs(y)] * exp(-likeness)
                 * normal_weight(centre.normal, other.normal, push.normal_exponent);
             sum += vec4(weight * tap.rgb, weight * weight * tap.a * tap.a);
             weights += weight;

@@ -16,14 +16,14 @@ layout(set = 0, binding = 5, rgba16f) uniform readonly image2D last_moments;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D light;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D moments;
 
-#include "svgf_recent.glsl"
+#include "history_rejection.glsl"
 
 layout(push_constant) uniform Push {
     float least_alpha;         // of the signal
     float least_moments_alpha;
     float recent_alpha;        // of the last frames' mean
     float longest;             // history, frames
-    float certainty;           // by which a change is told from noise, see svgf_recent.glsl; 0: never
+    float rejection;           // by which a change is told from noise, see history_rejection.glsl; 0: never
     float brightest;           // standard deviations above the mean, beyond which a lone sample is a firefly; 0: none is
     uint has_history;
     uint compress;             // 1: the signal is accumulated in compressed form
@@ -103,9 +103,9 @@ void main() {
     // What is not a number never reaches the history.
     if (!is_finite(now)) now = then.light;
     vec3 counted = now;
-    if ((push.certainty > 0.0 || push.brightest > 0.0) && then.moments.z > 0.0) {
+    if ((push.rejection > 0.0 || push.brightest > 0.0) && then.moments.z > 0.0) {
         Recent recent = recent_at(ivec2(floor(vec2(pixel) - imageLoad(reprojected, pixel).xy + 0.5)));
-        if (push.certainty > 0.0) then.moments.z *= kept(recent, push.certainty);
+        if (push.rejection > 0.0) then.moments.z *= kept_history(recent, push.rejection);
         if (push.brightest > 0.0 && then.moments.z > FEW_FRAMES) counted = without_firefly(now, pixel, recent);
     }
 

@@ -33,12 +33,12 @@ void main() {
     vec4 result = imageLoad(light, pixel);
     float frames = imageLoad(moments, pixel).b;
     if (centre.depth > 0.0 && frames < ENOUGH_FRAMES) {
-        Surface seen = surface_at(pixel);
+        Surface here = surface_at(pixel);
         vec3 sum = vec3(0.0);
         vec2 sum_of_moments = vec2(0.0); // of luminance and its square
         float weights = 0.0;
         // The variance is that of all pixels around, the light as far as a blur is of use.
-        float reach = reach_of(imageLoad(noisy, pixel).a, push.widest);
+        float radius = filter_radius(imageLoad(noisy, pixel).a, push.widest);
         float light_weights = 0.0;
         for (int y = -RADIUS; y <= RADIUS; y++) {
             for (int x = -RADIUS; x <= RADIUS; x++) {
@@ -46,10 +46,10 @@ void main() {
                 if (!inside(at)) continue;
                 VisibleSurface other = surface_of_pixel(at);
                 if (other.depth == 0.0) continue;
-                float off = plane_distance(seen.position, seen.geometric, centre.depth, at, other.depth);
+                float off = plane_distance(here.position, here.geometric, centre.depth, at, other.depth);
                 float weight = exp(-off / push.depth_tolerance) * normal_weight(centre.normal, other.normal, push.normal_exponent);
                 vec2 mean_deviation = imageLoad(moments, at).rg;
-                float light_weight = share_of_ring(max(abs(x), abs(y)), reach) * weight;
+                float light_weight = kernel_falloff(max(abs(x), abs(y)), radius) * weight;
                 sum += light_weight * imageLoad(light, at).rgb;
                 light_weights += light_weight;
                 sum_of_moments += weight * vec2(mean_deviation.x, dot(mean_deviation, mean_deviation));

@@ -23,7 +23,7 @@ layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
 #include "unshadowed.glsl"
-#include "seen.glsl"
+#include "shading_point.glsl"
 #include "light_sampling.glsl"
 #include "environment.glsl"
 #include "visible_surface.glsl"
@@ -51,8 +51,6 @@ layout(push_constant) uniform Push {
     uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
 } push;
 
-// What a half float holds at most.
-const float MOST = 65504.0;
 // Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
 const uint FIRST_DIMENSION = 4u;
 const uint DIMENSIONS = 4u;
@@ -61,11 +59,8 @@ const uint DIMENSIONS = 4u;
 const float IMAGE_ROUGHNESS = 0.05;
 const float MOVING_ROUGHNESS = 0.25;
 const float FLAT = 0.999;
-// The same of what the last frame saw: see reprojection.comp.
-const float MIN_COSINE = 0.7071;
-const float DEPTH_TOLERANCE = 0.01;
-const float SLOPE_PIXELS = 2.0;
-const float MIN_SLOPE_COSINE = 0.05;
+// Share of the depth of a mirror image, by which it may differ from where it is expected.
+const float IMAGE_ROUNDING = 0.01;
 // Pixels that a blur reaches at most, and those that one of noisy light at a sharp mirror image does.
 const float WIDEST = 30.0;
 const float IMAGE_BLUR = 3.0;
@@ -100,7 +95,7 @@ bool seen_irradiance(HitSurface hit, uint instance, out vec3 result) {
 }
 
 // Lights a hit: emission, one light, and irradiance, which is known or left to the estimator.
-void shade(inout Path path, HitSurface hit, Seen at, uint instance, vec3 albedo, vec4 random) {
+void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3 albedo, vec4 random) {
     path.radiance += path.throughput * hit.emission;
     vec3 origin = ray_origin(at.surface);
     ChosenLight chosen = choose_light(at, random.x);
@@ -132,10 +127,10 @@ struct FirstHit {
     vec3 geometric;
 };
 
-Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
+Path trace_path(ivec2 pixel, ShadingPoint visible, out FirstHit first) {
     Path path = Path(vec3(0.0), vec3(1.0), HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0), 0.0);
     first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
-    Seen at = seen_surface;
+    ShadingPoint at = visible;
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
     for (uint depth = 0u; depth < DEPTH; depth++) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
@@ -161,9 +156,9 @@ Path trace_path(ivec2 pixel, Seen seen_surface, out FirstHit first) {
         if (depth == 0u) first = FirstHit(true, hit.instance, hit.t, surface.position, surface.shading, surface.geometric);
         at.surface = Surface(surface.position, surface.shading, surface.geometric, hit.t);
         at.is_glossy = reflects(surface.bsdf);
-        at.reflection = seen(surface.bsdf, surface.shading, -sampled.direction);
+        at.reflection = prepare_bsdf(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
-        bool goes_on = at.is_glossy && depth + 1u < DEPTH && mirrored_share(surface.bsdf.roughness) > 0.5;
+        bool goes_on = at.is_glossy && depth + 1u < DEPTH && reflection_weight(surface.bsdf.roughness) > 0.5;
         // What the path goes on to see of area lights it counts there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
         vec3 albedo = at.diffuse + (goes_on || !at.is_glossy ? vec3(0.0) : at.reflection.reflected);
@@ -207,15 +202,11 @@ SeenImage image_of(Surface mirror, FirstHit hit) {
     return image;
 }
 
-bool shows(SeenImage image, float depth_then, float tolerance, ivec2 texel) {
-    if (!inside(texel)) return false;
-    VisibleSurface there = unpack_surface(imageLoad(last_image_surface, texel));
-    return there.depth > 0.0 && there.instance == image.instance && dot(there.normal, image.shading) > MIN_COSINE
-        && abs(there.depth - depth_then) < tolerance;
-}
+VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_image_surface, texel)); }
+#include "reprojected_surface.glsl"
 
 // Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.
-vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage seen) {
+vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage shown) {
     vec3 then = image.position;
     if (hit.met) {
         InstanceData data = instances.data[hit.instance];
@@ -225,21 +216,12 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
     if (clip.w <= 0.0 || push.has_history == 0u) return vec4(0.0);
     vec2 motion = vec2(pixel) + 0.5 + frame.jitter - (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size);
-    float cosine = max(abs(dot(image.geometric, normalize(image.position - frame.eye.xyz))), MIN_SLOPE_COSINE);
-    float slope = sqrt(1.0 - cosine * cosine) / cosine;
-    float tolerance = clip.w * (DEPTH_TOLERANCE + SLOPE_PIXELS * slope * push.spread);
-    float depth_then = is_sharp ? clip.w : mirror.depth;
-    if (!is_sharp) tolerance = MIRROR_TOLERANCE * mirror.depth;
-    vec2 place = vec2(pixel) - motion;
-    ivec2 corner = ivec2(floor(place));
-    vec2 masks = vec2(0.0);
-    for (int tap = 0; tap < 4; tap++) {
-        if (shows(seen, depth_then, tolerance, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
+    ExpectedSurface expected = ExpectedSurface(VisibleSurface(mirror.depth, shown.shading, shown.instance), MIRROR_TOLERANCE * mirror.depth);
+    if (is_sharp) {
+        expected.surface.depth = clip.w;
+        expected.tolerance = clip.w * depth_tolerance(IMAGE_ROUNDING, image.geometric, image.position, push.spread);
     }
-    ivec2 nearest = ivec2(floor(place + 0.5));
-    for (int tap = 0; tap < 9; tap++) {
-        if (masks.x == 0.0 && shows(seen, depth_then, tolerance, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
-    }
+    vec2 masks = showing_texels(expected, vec2(pixel) - motion);
     return vec4(motion, masks);
 }
 
@@ -260,16 +242,16 @@ void main() {
     vec4 then = imageLoad(reprojected, pixel);
     HitRecord record = HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
     float roughness = imageLoad(gbuffer_albedo, pixel).a;
-    bool mirrors = id.x != 0u && mirrored_share(roughness) > 0.0;
+    bool mirrors = id.x != 0u && reflection_weight(roughness) > 0.0;
     if (mirrors) {
-        Seen at = seen_by(pixel, id);
+        ShadingPoint at = shading_point_at(pixel, id);
         mirrors = at.is_glossy;
         if (mirrors) {
             FirstHit first;
             Path path = trace_path(pixel, at, first);
             record = path.record;
             float blur = blur_of(surface, at.reflection.alpha, first, record.weight != vec3(0.0));
-            result = vec4(min(path.radiance, MOST), blur);
+            result = vec4(min(path.radiance, MOST_HALF), blur);
             bool is_sharp = roughness < IMAGE_ROUGHNESS;
             SeenImage mirrored = image_of(surface, first);
             if (is_sharp) image = mirrored;

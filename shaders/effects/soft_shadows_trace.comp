@@ -20,7 +20,7 @@ layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 4) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 7) uniform utexture2D gbuffer_surface;
 #include "unshadowed.glsl"
-#include "seen.glsl"
+#include "shading_point.glsl"
 #include "light_sampling.glsl"
 layout(set = 0, binding = 11, rgba16f) uniform writeonly image2D shadow;
 
@@ -28,12 +28,12 @@ layout(set = 0, binding = 11, rgba16f) uniform writeonly image2D shadow;
 const float MOST = 1000.0;
 
 vec3 ratio_at(ivec2 pixel, uvec2 id) {
-    Seen seen = seen_by(pixel, id);
-    ChosenLight chosen = choose_light(seen, noise(pixel, 0u).x);
+    ShadingPoint point = shading_point_at(pixel, id);
+    ChosenLight chosen = choose_light(point, noise(pixel, 0u).x);
     if (chosen.probability <= 0.0) return vec3(1.0);
-    vec3 origin = ray_origin(seen.surface);
-    LightSample light = sample_light(chosen.index, seen, origin, noise(pixel, 1u));
-    vec3 radiance = sampled_radiance(seen, chosen, light, origin);
+    vec3 origin = ray_origin(point.surface);
+    LightSample light = sample_light(chosen.index, point, origin, noise(pixel, 1u));
+    vec3 radiance = sampled_radiance(point, chosen, light, origin);
     vec3 ratio = mix(vec3(1.0), radiance / max(chosen.unshadowed, vec3(1e-30)), greaterThan(chosen.unshadowed, vec3(0.0)));
     return min(ratio, MOST);
 }

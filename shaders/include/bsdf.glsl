@@ -66,7 +66,7 @@ vec2 single_scattering(float cosine, float r) {
     return vec2(white, white * root * root * root * root * root);
 }
 
-Reflection seen(Bsdf bsdf, vec3 normal, vec3 to_eye) {
+Reflection prepare_bsdf(Bsdf bsdf, vec3 normal, vec3 to_eye) {
     Reflection r;
     r.cosine = dot(normal, to_eye);
     r.normal = r.cosine < GRAZING ? normalize(normal + to_eye * (GRAZING - r.cosine)) : normal;

@@ -15,5 +15,5 @@ layout(push_constant) uniform Push {
 } push;
 
 // Bits of `flags`: the transform swaps left and right; the instance or the camera has moved since the last frame.
-const uint MIRRORED = 1u;
+const uint FLIPS_WINDING = 1u;
 const uint MOVED = 2u;

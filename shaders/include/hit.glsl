@@ -63,7 +63,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     surface.position = transform_point(instance.object_to_world, local);
     vec3 area = cross(transform_vector(instance.object_to_world, b.position - a.position),
         transform_vector(instance.object_to_world, c.position - a.position));
-    area = instance.mirrored == 1u ? -area : area;
+    area = instance.flips_winding == 1u ? -area : area;
     surface.front = dot(area, direction) < 0.0;
     float doubled_area = max(length(area), 1e-30);
     surface.geometric = (surface.front ? area : -area) / doubled_area;

@@ -1,4 +1,4 @@
-// One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, were nothing between; then a
+// One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, unoccluded; then a
 // point of the light. Needs unshadowed.glsl and tracer.glsl.
 
 // A light; probability 0: none sends anything.
@@ -9,14 +9,14 @@ struct ChosenLight {
 };
 
 // Weighted reservoir sampling in one pass: each light replaces the choice with the probability weight / total so far.
-ChosenLight choose_light(Seen seen, float pick) {
+ChosenLight choose_light(ShadingPoint point, float pick) {
     ChosenLight chosen = ChosenLight(0u, 0.0, vec3(0.0));
     float total = 0.0;
     float chosen_weight = 0.0;
     // Mesa 22.3 compiles a shader anew each frame for a count that is a uniform alone.
-    uint count = seen.surface.depth > 0.0 ? sampled_lights() : 0u;
+    uint count = point.surface.depth > 0.0 ? sampled_lights() : 0u;
     for (uint i = 0u; i < count; i++) {
-        vec3 radiance = unshadowed_radiance(i, seen);
+        vec3 radiance = unshadowed_radiance(i, point);
         float weight = luminance(radiance);
         if (!(weight > 0.0)) continue;
         chosen.unshadowed += radiance;
@@ -77,14 +77,14 @@ LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss
 }
 
 // Samples a point of a light; rays to it begin at `origin`.
-LightSample sample_light(uint index, Seen seen, vec3 origin, vec2 u) {
+LightSample sample_light(uint index, ShadingPoint point, vec3 origin, vec2 u) {
     if (index >= frame.light_count) {
         AreaLightData light = area_lights.data[index - frame.light_count];
-        return sample_emitter(light, origin, u, gloss_of(light, seen));
+        return sample_emitter(light, origin, u, gloss_of(light, point));
     }
     LightData light = lights.data[index];
     vec3 to_light;
-    vec3 irradiance = unshadowed(light, seen.surface.position, to_light);
+    vec3 irradiance = unshadowed(light, point.surface.position, to_light);
     LightCone cone = cone_of(light, origin);
     LightSample result = LightSample(vec3(0.0), 0.0, irradiance * gain_of(cone), 1.0);
     result.to_light = sample_cone(cone, u, result.reach);
@@ -92,11 +92,11 @@ LightSample sample_light(uint index, Seen seen, vec3 origin, vec2 u) {
 }
 
 // What the light that was sampled sends to the eye, over the probability of having chosen it.
-vec3 sampled_radiance(Seen seen, ChosenLight chosen, LightSample light, vec3 origin) {
-    float cosine = dot(seen.surface.shading, light.to_light);
-    bool faces = cosine > 0.0 && dot(seen.surface.geometric, light.to_light) > 0.0;
+vec3 sampled_radiance(ShadingPoint point, ChosenLight chosen, LightSample light, vec3 origin) {
+    float cosine = dot(point.surface.shading, light.to_light);
+    bool faces = cosine > 0.0 && dot(point.surface.geometric, light.to_light) > 0.0;
     if (!faces || light.irradiance == vec3(0.0)) return vec3(0.0);
-    vec3 radiance = bsdf_of(seen, light.to_light, light.gloss) * light.irradiance * (cosine / chosen.probability);
+    vec3 radiance = bsdf_of(point, light.to_light, light.gloss) * light.irradiance * (cosine / chosen.probability);
     if (radiance == vec3(0.0)) return radiance;
     return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
 }

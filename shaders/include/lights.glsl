@@ -8,7 +8,7 @@ const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
 const uint LIGHT_DIRECTIONAL = 2u;
 
-// Irradiance on a plane across the direction to the light, were nothing between.
+// Irradiance on a plane across the direction to the light, unoccluded.
 vec3 unshadowed(LightData light, vec3 p, out vec3 to_light) {
     if (light.kind == LIGHT_DIRECTIONAL) {
         to_light = -light.direction.xyz;
@@ -37,13 +37,13 @@ vec3 unshadowed_irradiance(LightData light, Surface surface, out vec3 to_light) 
 const uint LIGHTS_PER_LAYER = HAS_SHEETS ? 1u : 32u;
 
 // What arrives of a light, 0 to 1, at its place in a texel.
-uint packed_arrival(vec3 share, uint light) {
+uint pack_transmittance(vec3 share, uint light) {
     if (!HAS_SHEETS) return uint(share != vec3(0.0)) << (light % LIGHTS_PER_LAYER);
     uvec3 steps = uvec3(round(clamp(share, 0.0, 1.0) * vec3(2047.0, 2047.0, 1023.0)));
     return steps.r | steps.g << 11 | steps.b << 22;
 }
 
-vec3 unpacked_arrival(uint texel, uint light) {
+vec3 unpack_transmittance(uint texel, uint light) {
     if (!HAS_SHEETS) return vec3(texel >> (light % LIGHTS_PER_LAYER) & 1u);
     return vec3(uvec3(texel, texel >> 11, texel >> 22) & uvec3(2047u, 2047u, 1023u)) / vec3(2047.0, 2047.0, 1023.0);
 }

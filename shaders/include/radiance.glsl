@@ -3,7 +3,7 @@
 // it. Sheets before it let their share of that pass and add what they reflect. Needs frame.glsl. Twin: `Light` in
 // src/renderer/picture.rs.
 #include "has_sheets.glsl"
-#include "mirrored.glsl"
+#include "reflection_weight.glsl"
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D direct;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D irradiance;
@@ -19,7 +19,7 @@ vec4 radiance_at(ivec2 pixel) {
     vec4 light = imageLoad(direct, pixel);
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
     vec3 specular = imageLoad(specular_albedo, pixel).rgb;
-    float mirrored = mirrored_share(albedo_roughness.a);
+    float mirrored = reflection_weight(albedo_roughness.a);
     vec3 albedo = albedo_roughness.rgb + specular * (1.0 - mirrored);
     if (mirrored > 0.0 && specular != vec3(0.0)) light.rgb += specular * mirrored * imageLoad(reflection, pixel).rgb;
     if (HAS_SHEETS) {

@@ -9,7 +9,7 @@ struct InstanceData {
     vec4 world_to_object[3];          // rows
     vec4 previous_object_to_world[3]; // rows, one frame ago
     vec4 emission;                    // rgb: what its materials' emission is multiplied by
-    uint mirrored;                    // 1: its transform swaps left and right
+    uint flips_winding;                  // 1: its transform swaps left and right
     uint first_triangle;              // of its mesh, among those of all
     uint pad1;
     uint pad2;

@@ -105,7 +105,7 @@ vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object
     normal = normalize(world_to_object * normal);
     Bsdf coat = Bsdf(sheet.base.rgb, sheet.base.w, sheet.reflectance.rgb, sheet.reflectance.w, sheet.roughness);
     vec3 to_eye = -normalize(direction);
-    vec3 reflected = seen(coat, dot(normal, to_eye) < 0.0 ? -normal : normal, to_eye).reflected;
+    vec3 reflected = prepare_bsdf(coat, dot(normal, to_eye) < 0.0 ? -normal : normal, to_eye).reflected;
     return transmittance_of(sheet_point(c.w, colour), reflected);
 }
 

@@ -1,10 +1,10 @@
-// About what each light sends from a surface to the eye, were nothing between: exactly for lights without extent, smoothly for others,
+// About what each light sends from a surface to the eye, unoccluded: exactly for lights without extent, smoothly for others,
 // area lights among them, and never 0 where they send anything (for the ratio estimator of Heitz et al. 2018). Needs frame.glsl,
 // bsdf.glsl, surface.glsl, lights.glsl and scene_set.glsl.
 #include "light_cone.glsl"
 
 // A surface with its BSDF, as the eye, or what a ray comes from, sees it.
-struct Seen {
+struct ShadingPoint {
     Surface surface;
     vec3 diffuse;          // directional albedo of the Lambertian lobe
     bool is_glossy;        // has a GGX lobe
@@ -13,9 +13,9 @@ struct Seen {
 };
 
 // What the BSDF makes of irradiance across a direction, by both lobes, without the cosine.
-vec3 bsdf_of(Seen seen, vec3 to_light, float gloss) {
-    vec3 bsdf = seen.diffuse / PI;
-    if (seen.is_glossy && gloss > 0.0) bsdf += gloss * reflected_towards_eye(seen.reflection, to_light);
+vec3 bsdf_of(ShadingPoint point, vec3 to_light, float gloss) {
+    vec3 bsdf = point.diffuse / PI;
+    if (point.is_glossy && gloss > 0.0) bsdf += gloss * reflected_towards_eye(point.reflection, to_light);
     return bsdf;
 }
 
@@ -25,17 +25,18 @@ float cosine_above(float cosine, float sine) {
     return cosine <= -sine ? 0.0 : (cosine + sine) * (cosine + sine) / (4.0 * sine);
 }
 
-// About what irradiance around a direction becomes, 0 only where the whole light is below the horizon: exact without extent. `within`:
-// how far the surface is from the border of the light's bounds to their centre, 0 to 1; there light may come from anywhere.
-vec3 around(Seen seen, vec3 to_light, float sine, float within, float gloss) {
-    float above = max(cosine_above(dot(seen.surface.shading, to_light), sine), 0.25 * within);
-    if (above <= 0.0 || (within == 0.0 && dot(seen.surface.geometric, to_light) <= -sine)) return vec3(0.0);
+// About what irradiance from the directions of a light becomes: the BSDF at its centre times the mean cosine above the horizon, exact
+// without extent and 0 only where the whole light is below the horizon. A wide light makes a wide highlight: a disc of the sine s has
+// the variance s^2/4 along each axis, which adds to GGX's alpha^2. `inside`: how far the surface lies from the border of the light's
+// bounds towards their centre, 0 to 1; there light may come from anywhere.
+vec3 lobe_response(ShadingPoint point, vec3 to_light, float sine, float inside, float gloss) {
+    float above = max(cosine_above(dot(point.surface.shading, to_light), sine), 0.25 * inside);
+    if (above <= 0.0 || (inside == 0.0 && dot(point.surface.geometric, to_light) <= -sine)) return vec3(0.0);
     if (sine > 0.0) {
-        // A wide light makes a wide highlight.
-        seen.reflection.alpha = min(sqrt(seen.reflection.alpha * seen.reflection.alpha + 0.25 * sine * sine), 1.0);
-        to_light = normalize(to_light + seen.surface.shading * max(0.5 * sine - dot(seen.surface.shading, to_light), 0.0));
+        point.reflection.alpha = min(sqrt(point.reflection.alpha * point.reflection.alpha + 0.25 * sine * sine), 1.0);
+        to_light = normalize(to_light + point.surface.shading * max(0.5 * sine - dot(point.surface.shading, to_light), 0.0));
     }
-    return bsdf_of(seen, to_light, gloss) * above;
+    return bsdf_of(point, to_light, gloss) * above;
 }
 
 LightCone cone_of(LightData light, vec3 p) {
@@ -46,15 +47,15 @@ LightCone cone_of(LightData light, vec3 p) {
 }
 
 // Share of the GGX lobe's light of an area light that counts.
-float gloss_of(AreaLightData light, Seen seen) { return light.is_visible == 0u ? 1.0 : seen.gloss_of_areas; }
+float gloss_of(AreaLightData light, ShadingPoint point) { return light.is_visible == 0u ? 1.0 : point.gloss_of_areas; }
 
-// About what a light sends to the eye, were nothing between: positive wherever it sends anything.
-vec3 unshadowed_radiance(uint index, Seen seen) {
-    vec3 p = seen.surface.position;
+// About what a light sends to the eye, unoccluded: positive wherever it sends anything.
+vec3 unshadowed_radiance(uint index, ShadingPoint point) {
+    vec3 p = point.surface.position;
     if (index < frame.light_count) {
         vec3 to_light;
         vec3 irradiance = unshadowed(lights.data[index], p, to_light);
-        return irradiance * around(seen, to_light, sine_of(cone_of(lights.data[index], p)), 0.0, 1.0);
+        return irradiance * lobe_response(point, to_light, sine_of(cone_of(lights.data[index], p)), 0.0, 1.0);
     }
     AreaLightData light = area_lights.data[index - frame.light_count];
     vec3 d = light.centre.xyz - p;
@@ -62,13 +63,13 @@ vec3 unshadowed_radiance(uint index, Seen seen) {
     float distance = max(length(d), 1e-15);
     vec3 to_light = d / distance;
     float sine = min(radius / distance, 1.0);
-    float within = max(1.0 - distance / radius, 0.0);
+    float inside = max(1.0 - distance / radius, 0.0);
     // A flat light sends by the cosine, a closed one the same everywhere: a quarter of its area faces any point.
     float flatness = length(light.facing.xyz);
     float cosine = flatness > 0.0 ? -dot(light.facing.xyz, to_light) / flatness : 0.0;
     float facing = mix(0.25, cosine_above(cosine, sine), flatness);
     float spread = max(facing, 0.02) / (distance * distance + radius * radius);
-    return light.power.rgb * spread * around(seen, to_light, sine, within, gloss_of(light, seen));
+    return light.power.rgb * spread * lobe_response(point, to_light, sine, inside, gloss_of(light, point));
 }
 
 uint sampled_lights() { return frame.light_count + frame.area_light_count; }

@@ -67,7 +67,7 @@ vec3 number_colour(uint number) {
 vec3 visibility(ivec2 pixel) {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {
-        sum += unpacked_arrival(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
+        sum += unpack_transmittance(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
     }
     return sum / float(max(frame.light_count, 1u));
 }

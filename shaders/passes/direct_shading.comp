@@ -26,34 +26,34 @@ layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D direct;
 layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo;
 #include "environment.glsl"
 #include "unshadowed.glsl"
-#include "seen.glsl"
+#include "shading_point.glsl"
 // What arrives over what would without shadows.
 layout(set = 0, binding = 13, rgba16f) uniform readonly image2D shadow;
 
 // Of lamps, behind hard shadows.
-vec3 hard_shadowed(Seen seen, ivec2 pixel) {
+vec3 hard_shadowed(ShadingPoint point, ivec2 pixel) {
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {
-        vec3 arriving = unpacked_arrival(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
+        vec3 arriving = unpack_transmittance(imageLoad(direct_shadows, ivec3(pixel, i / LIGHTS_PER_LAYER)).r, i);
         if (arriving == vec3(0.0)) continue;
         vec3 to_light;
-        vec3 irradiance = unshadowed_irradiance(lights.data[i], seen.surface, to_light) * arriving;
-        radiance += bsdf_of(seen, to_light, 1.0) * irradiance;
+        vec3 irradiance = unshadowed_irradiance(lights.data[i], point.surface, to_light) * arriving;
+        radiance += bsdf_of(point, to_light, 1.0) * irradiance;
     }
     return radiance;
 }
 
 // Of all lights, behind soft ones.
-vec3 soft_shadowed(Seen seen, ivec2 pixel) {
+vec3 soft_shadowed(ShadingPoint point, ivec2 pixel) {
     vec3 radiance = vec3(0.0);
-    for (uint i = 0u; i < sampled_lights(); i++) radiance += unshadowed_radiance(i, seen);
+    for (uint i = 0u; i < sampled_lights(); i++) radiance += unshadowed_radiance(i, point);
     return radiance * imageLoad(shadow, pixel).rgb;
 }
 
 vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
-    Seen seen = seen_by(pixel, id);
-    specular = seen.is_glossy ? seen.reflection.reflected : vec3(0.0);
-    vec3 lit = SOFT_SHADOWS ? soft_shadowed(seen, pixel) : hard_shadowed(seen, pixel);
+    ShadingPoint point = shading_point_at(pixel, id);
+    specular = point.is_glossy ? point.reflection.reflected : vec3(0.0);
+    vec3 lit = SOFT_SHADOWS ? soft_shadowed(point, pixel) : hard_shadowed(point, pixel);
     return unpack_emission(texelFetch(gbuffer_surface, pixel, 0).y) + lit;
 }
 

@@ -12,13 +12,13 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
 #include "lights.glsl"
-#include "light_rays.glsl"
+#include "light_transmittance.glsl"
 layout(set = 0, binding = 4, r32ui) uniform writeonly uimage2DArray direct_shadows;
 
-vec3 arrival_at(Surface surface, LightData light) {
+vec3 transmittance_at(Surface surface, LightData light) {
     vec3 to_light;
     if (surface.depth == 0.0 || unshadowed_irradiance(light, surface, to_light) == vec3(0.0)) return vec3(0.0);
-    return arrival(light, surface, to_light);
+    return light_transmittance(light, surface, to_light);
 }
 
 void main() {
@@ -29,7 +29,7 @@ void main() {
         uint arriving = 0u;
         uint end = min(first + LIGHTS_PER_LAYER, frame.light_count);
         for (uint i = first; i < end; i++) {
-            arriving |= packed_arrival(arrival_at(surface, lights.data[i]), i);
+            arriving |= pack_transmittance(transmittance_at(surface, lights.data[i]), i);
         }
         imageStore(direct_shadows, ivec3(pixel, first / LIGHTS_PER_LAYER), uvec4(arriving));
     }

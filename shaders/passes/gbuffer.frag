@@ -32,7 +32,7 @@ layout(location = 5) out vec2 out_motion;
 
 // What irradiance becomes: a surface that reflects nothing else is spared the rest.
 vec3 diffuse_albedo(Bsdf bsdf, vec3 normal, vec3 to_eye) {
-    return reflects(bsdf) ? seen(bsdf, normal, to_eye).diffuse : bsdf.base;
+    return reflects(bsdf) ? prepare_bsdf(bsdf, normal, to_eye).diffuse : bsdf.base;
 }
 
 vec2 coordinates(TextureUse use) { return DETAILED ? coordinates_of(use, uvs) : uvs.xy; }
@@ -98,7 +98,7 @@ void main() {
     // Turn both normals to the side that is seen: surfaces are two-sided.
     vec3 to_eye = frame.eye.xyz - position_ws;
     float area = dot(geometric, geometric);
-    bool front = gl_FrontFacing != ((push.flags & MIRRORED) != 0u);
+    bool front = gl_FrontFacing != ((push.flags & FLIPS_WINDING) != 0u);
     geometric = area > 0.0 ? geometric * inversesqrt(area) : normalize(to_eye);
     if (dot(geometric, to_eye) < 0.0) geometric = -geometric;
     vec3 shading = shading_normal(geometric, texel);

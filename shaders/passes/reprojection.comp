@@ -22,39 +22,22 @@ layout(set = 0, binding = 8, rgba16f) uniform writeonly image2D reprojected;
 
 layout(push_constant) uniform Push { uint has_history; } push;
 
-// Normals on one surface differ by less than 45 degrees.
-const float MIN_COSINE = 0.7071;
-// Of the depth; rounding of motion and normals.
-const float DEPTH_TOLERANCE = 0.005;
-// How many pixels the depth may be off by along the slope of the surface.
-const float SLOPE_PIXELS = 2.0;
-// Slopes are no steeper than this cosine.
-const float MIN_SLOPE_COSINE = 0.05;
+VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_surface, texel)); }
+#include "reprojected_surface.glsl"
 
-// The surface as the last frame saw it, and by how much a texel's depth may differ.
-struct Expected {
-    VisibleSurface surface;
-    float tolerance;
-};
+// Share of the depth; rounding of motion and normals.
+const float ROUNDING = 0.005;
 
-Expected expected_at(Surface now, uint index) {
+ExpectedSurface expected_at(Surface now, uint index) {
     InstanceData instance = instances.data[index];
     vec3 then = transform_point(instance.previous_object_to_world, transform_point(instance.world_to_object, now.position));
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
     // Motion is rigid, so normals turn as vectors do.
     vec3 local = transform_vector(instance.world_to_object, now.shading);
     vec3 normal = normalize(transform_vector(instance.previous_object_to_world, local));
-    float cosine = max(abs(dot(now.geometric, normalize(now.position - frame.eye.xyz))), MIN_SLOPE_COSINE);
-    float slope = sqrt(1.0 - cosine * cosine) / cosine;
-    float pixel = clip.w * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
-    return Expected(VisibleSurface(clip.w, normal, (index + 1u) & 4095u), DEPTH_TOLERANCE * clip.w + SLOPE_PIXELS * slope * pixel);
-}
-
-bool shows(Expected expected, ivec2 texel) {
-    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(frame.size)))) return false;
-    VisibleSurface seen = unpack_surface(imageLoad(last_surface, texel));
-    return seen.depth > 0.0 && seen.instance == expected.surface.instance && dot(seen.normal, expected.surface.normal) > MIN_COSINE
-        && abs(seen.depth - expected.surface.depth) < expected.tolerance;
+    float pixel = length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
+    float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel);
+    return ExpectedSurface(VisibleSurface(clip.w, normal, (index + 1u) & 4095u), tolerance);
 }
 
 void main() {
@@ -70,17 +53,6 @@ void main() {
     imageStore(surface, pixel, pack_surface(VisibleSurface(now.depth, now.shading, instance & 4095u)));
     vec2 motion = texelFetch(gbuffer_motion, pixel, 0).xy;
     vec2 masks = vec2(0.0);
-    if (push.has_history == 1u) {
-        Expected expected = expected_at(now, instance - 1u);
-        vec2 place = vec2(pixel) - motion;
-        ivec2 corner = ivec2(floor(place));
-        for (int tap = 0; tap < 4; tap++) {
-            if (shows(expected, corner + ivec2(tap % 2, tap / 2))) masks.x += float(1 << tap);
-        }
-        ivec2 nearest = ivec2(floor(place + 0.5));
-        for (int tap = 0; tap < 9; tap++) {
-            if (masks.x == 0.0 && shows(expected, nearest + ivec2(tap % 3, tap / 3) - 1)) masks.y += float(1 << tap);
-        }
-    }
+    if (push.has_history == 1u) masks = showing_texels(expected_at(now, instance - 1u), vec2(pixel) - motion);
     imageStore(reprojected, pixel, vec4(motion, masks));
 }

@@ -20,7 +20,7 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
 #include "lights.glsl"
-#include "light_rays.glsl"
+#include "light_transmittance.glsl"
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D sheet_light;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D sheet_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D sheet_transmittance;
@@ -46,7 +46,7 @@ vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
         if (irradiance == vec3(0.0)) continue;
         vec3 bsdf = reflection.diffuse / PI;
         if (is_glossy) bsdf += reflected_towards_eye(reflection, to_light);
-        radiance += bsdf * irradiance * arrival(light, at, to_light);
+        radiance += bsdf * irradiance * light_transmittance(light, at, to_light);
     }
     return radiance;
 }
@@ -68,7 +68,7 @@ void main() {
     for (int i = 0; i < MOST_SHEETS && transmittance != vec3(0.0); i++) {
         if (!trace_sheet(frame.eye.xyz, direction, start, end, hit)) break;
         HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread));
-        Reflection reflection = seen(met.bsdf, met.shading, to_eye);
+        Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);
         SheetPoint sheet = sheet_point(hit.material, met.colour);
         vec3 weight = transmittance * sheet.coverage;
         Surface at = Surface(met.position, met.shading, met.geometric, hit.t);

@@ -28,7 +28,7 @@ void main() {
     if (index >= questions.data.length()) return;
     BsdfQuestion q = questions.data[index];
     Bsdf bsdf = Bsdf(q.base_metallic.rgb, q.base_metallic.a, q.f0_f90.rgb, q.f0_f90.a, q.normal_roughness.w);
-    Reflection r = seen(bsdf, q.normal_roughness.xyz, q.to_eye.xyz);
+    Reflection r = prepare_bsdf(bsdf, q.normal_roughness.xyz, q.to_eye.xyz);
     Sampled sampled = sample_reflected(r, q.u.xy);
     answers.data[index] = BsdfAnswer(
         vec4(r.diffuse, 0.0), vec4(r.reflected, 0.0),

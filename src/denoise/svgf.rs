@@ -70,7 +70,7 @@ struct TemporalPush {
     least_moments_alpha: f32,
     recent_alpha: f32,
     longest: f32,
-    certainty: f32,
+    rejection: f32,
     brightest: f32,
     has_history: u32,
     compress: u32,
@@ -84,7 +84,7 @@ impl TemporalPush {
             least_moments_alpha: settings.moments_alpha,
             recent_alpha: RECENT_ALPHA,
             longest: settings.longest_history as f32,
-            certainty: settings.clamp * deviation_of_change(settings.moments_alpha),
+            rejection: settings.clamp * deviation_of_change(settings.moments_alpha),
             brightest: settings.firefly,
             ..Self::zeroed()
         }

@@ -18,17 +18,17 @@ use crate::scene::Scene;
 use crate::settings::{Noise, Reflections as Wanted, Settings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Where rays give way to irradiance. Twin: `MIRRORED_BLEND` in shaders/include/mirrored.glsl.
-const MIRRORED_BLEND: f32 = 0.1;
+/// Where rays give way to irradiance. Twin: `REFLECTION_BLEND` in shaders/include/reflection_weight.glsl.
+const REFLECTION_BLEND: f32 = 0.1;
 /// The limit of the shaders where all surfaces mirror.
 const ALL_MIRROR: f32 = 2.0;
 
-/// How much of the GGX lobe's light comes from reflection rays. Twin: shaders/include/mirrored.glsl.
+/// How much of the GGX lobe's light comes from reflection rays. Twin: shaders/include/reflection_weight.glsl.
 pub fn reflection_weight(roughness: f32, limit: f32) -> f32 {
     if limit >= 1.0 {
         return 1.0;
     }
-    let t = ((roughness - limit + MIRRORED_BLEND) / (2.0 * MIRRORED_BLEND)).clamp(0.0, 1.0);
+    let t = ((roughness - limit + REFLECTION_BLEND) / (2.0 * REFLECTION_BLEND)).clamp(0.0, 1.0);
     1.0 - t * t * (3.0 - 2.0 * t)
 }
 
@@ -73,7 +73,7 @@ pub fn traces_reflections(scene: &Scene, settings: &Settings) -> bool {
         Wanted::Auto => scene.materials.iter().any(|material| {
             let reflects = material.metallic > 0.0 || material.f90 > 0.0 || material.f0.max_element() > 0.0;
             let smooth = limit >= 1.0
-                || material.roughness < limit + MIRRORED_BLEND
+                || material.roughness < limit + REFLECTION_BLEND
                 || material.metallic_roughness_texture.is_some();
             reflects && smooth && !material.is_sheet()
         }),
@@ -112,7 +112,7 @@ impl Reflections {
         })
     }
 
-    /// Roughness up to which surfaces mirror, as the shaders blend it: see shaders/include/mirrored.glsl.
+    /// Roughness up to which surfaces mirror, as the shaders blend it: see shaders/include/reflection_weight.glsl.
     pub fn limit(&self) -> f32 {
         if self.limit >= 1.0 { ALL_MIRROR } else { self.limit }
     }

@@ -104,7 +104,7 @@ impl AreaLights {
 
     fn add(&mut self, scene: &Scene, instance: usize, triangles: &[AreaTriangle], transform: &Affine3A) {
         let mesh = &scene.meshes[scene.instances[instance].mesh];
-        let mirrored = transform.matrix3.determinant() < 0.0;
+        let flips_winding = transform.matrix3.determinant() < 0.0;
         let first = self.emitters.len();
         let (mut flux, mut area, mut facing, mut power) = (0.0, 0.0, Vec3::ZERO, Vec3::ZERO);
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -113,7 +113,7 @@ impl AreaLights {
             let corners = mesh.triangle_positions(triangle.triangle).map(|at| transform.transform_point3(at));
             let (mut corners, mut uvs) = (corners, mesh.mask_coordinates(triangle.triangle, material));
             // Mirroring flips the winding but not the front side.
-            if mirrored {
+            if flips_winding {
                 corners.swap(1, 2);
                 uvs.swap(1, 2);
             }

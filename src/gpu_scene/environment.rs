@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 
+use super::Named;
 use crate::scene::{Environment, EnvironmentMap, Pose, Scene};
 use crate::vulkan::{Buffer, Device, Image, Sampler, VulkanError, vk};
 
@@ -15,11 +16,11 @@ const LARGEST: f32 = 65_408.0;
 /// The environment's map: shared exponents, as its range is wide and no texel may be lost.
 pub struct EnvironmentTexture {
     /// One white texel where there is no map.
-    pub image: Image,
+    image: Image,
     /// Repeats to the sides, ends at the poles.
-    pub sampler: Sampler,
+    sampler: Sampler,
     /// The cumulative distribution of the map's luminance, rows first; a single 0 without a map.
-    pub distribution: Buffer,
+    distribution: Buffer,
     map: Option<Arc<EnvironmentMap>>,
     /// Texels hold radiance over this power of two.
     scale: f32,
@@ -44,6 +45,14 @@ impl EnvironmentTexture {
             map,
             scale,
         })
+    }
+
+    /// Its part of the scene set.
+    pub fn resources(&self) -> [Named<'_>; 2] {
+        [
+            ("environment_map", (&self.image, &self.sampler).into()),
+            ("environment_distribution", (&self.distribution).into()),
+        ]
     }
 
     /// Whether this is the map of an environment.

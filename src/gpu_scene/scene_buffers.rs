@@ -133,13 +133,13 @@ impl SceneBuffers {
 
     /// Its part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 5] {
-        let environment = &self.environment;
+        let [map, distribution] = self.environment.resources();
         [
             ("materials", (&self.materials).into()),
             ("vertices", (&self.vertices).into()),
             ("second_uvs", (&self.second_uvs).into()),
-            ("environment_map", (&environment.image, &environment.sampler).into()),
-            ("environment_distribution", (&environment.distribution).into()),
+            map,
+            distribution,
         ]
     }
 
@@ -176,7 +176,7 @@ impl SceneBuffers {
                 world_to_object: rows(&now.inverse()),
                 previous_object_to_world: rows(before),
                 emission: emission.extend(0.0),
-                mirrored: u32::from(now.matrix3.determinant() < 0.0),
+                flips_winding: u32::from(now.matrix3.determinant() < 0.0),
                 first_triangle,
                 ..InstanceData::default()
             })

@@ -59,8 +59,8 @@ pub struct InstanceData {
     pub previous_object_to_world: [Vec4; 3],
     /// rgb: what its materials' emission is multiplied by.
     pub emission: Vec4,
-    /// 1: its transform swaps left and right.
-    pub mirrored: u32,
+    /// 1: its transform swaps left and right, so triangles wind the other way.
+    pub flips_winding: u32,
     /// The first triangle of its mesh among those of all meshes.
     pub first_triangle: u32,
     /// Unused.
@@ -236,7 +236,7 @@ pub(crate) mod tests {
             world_to_object,
             previous_object_to_world,
             emission,
-            mirrored,
+            flips_winding,
             first_triangle,
             pad1,
             pad2

@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::bvh::{Ray, TwoLevelBvh};
+use crate::gpu_scene::environment::EnvironmentTexture;
 use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
@@ -39,6 +40,8 @@ pub struct RayCaster {
     /// For the closest hit, and for any. Made when first used, since drivers take long to compile them.
     pipelines: [Option<ComputePipeline>; 2],
     tracer: Tracer,
+    /// None: it completes the scene set.
+    environment: EnvironmentTexture,
     rays: Option<UploadedRays>,
     device: Arc<Device>,
 }
@@ -62,7 +65,15 @@ impl RayCaster {
         tracer.update(&mut frame, bvh)?;
         frame.submit()?;
         frames.finish()?;
-        Ok(Self { frames, pipelines: [None, None], tracer, rays: None, device: Arc::clone(device) })
+        let environment = EnvironmentTexture::new(device, None)?;
+        Ok(Self {
+            frames,
+            pipelines: [None, None],
+            tracer,
+            environment,
+            rays: None,
+            device: Arc::clone(device),
+        })
     }
 
     /// Uploads rays in place of those that are there.
@@ -111,7 +122,9 @@ impl RayCaster {
             }
         };
         let (mut frame, _) = self.frames.begin()?;
-        let scene = frame.shared_set(self.tracer.resources())?;
+        let mut resources = self.tracer.resources();
+        resources.extend(self.environment.resources());
+        let scene = frame.shared_set(resources)?;
         frame
             .pass("cast_rays", pipeline)
             .shared(&scene)

@@ -114,7 +114,7 @@ struct Push {
 }
 
 /// Bits of [`Push::flags`]. Twins: shaders/include/gbuffer_draw.glsl.
-const MIRRORED: u32 = 1;
+const FLIPS_WINDING: u32 = 1;
 const MOVED: u32 = 2;
 
 /// The pass.
@@ -180,7 +180,7 @@ impl GBufferPass {
         let instances = buffers.uploaded_instances();
         let flags = |data: &InstanceData| {
             let moved = now != then || data.object_to_world != data.previous_object_to_world;
-            data.mirrored * MIRRORED + u32::from(moved) * MOVED
+            data.flips_winding * FLIPS_WINDING + u32::from(moved) * MOVED
         };
         let pass = frame
             .draw_pass("gbuffer", &self.pipeline)

@@ -55,6 +55,23 @@ where
     }
 }
 
+impl Resource<'_> {
+    /// Whether a descriptor of this kind can refer to it.
+    pub(super) fn is_of(&self, kind: BindingKind) -> bool {
+        match (kind, self) {
+            (BindingKind::TexelBuffer, Self::Buffer(slice)) => slice.buffer.texels != vk::BufferView::null(),
+            (
+                BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer | BindingKind::StorageBuffer,
+                Self::Buffer(_),
+            )
+            | (BindingKind::SampledImage | BindingKind::StorageImage, Self::Image(_))
+            | (BindingKind::CombinedImageSampler, Self::Sampled(..))
+            | (BindingKind::AccelerationStructure, Self::TopLevel(_)) => true,
+            _ => false,
+        }
+    }
+}
+
 struct Bound<'a> {
     resource: Resource<'a>,
     write: bool,
@@ -360,16 +377,10 @@ impl Descriptor {
 }
 
 fn fits(kind: BindingKind, bound: &Bound<'_>) -> bool {
-    match (kind, bound.resource) {
-        (BindingKind::TexelBuffer, Resource::Buffer(slice)) => {
-            !bound.write && slice.buffer.texels != vk::BufferView::null()
+    bound.resource.is_of(kind)
+        && match kind {
+            BindingKind::StorageBuffer => bound.write,
+            BindingKind::StorageImage => true,
+            _ => !bound.write,
         }
-        (BindingKind::UniformBuffer | BindingKind::ReadOnlyStorageBuffer, Resource::Buffer(_))
-        | (BindingKind::SampledImage, Resource::Image(_))
-        | (BindingKind::CombinedImageSampler, Resource::Sampled(..))
-        | (BindingKind::AccelerationStructure, Resource::TopLevel(_)) => !bound.write,
-        (BindingKind::StorageBuffer, Resource::Buffer(_)) => bound.write,
-        (BindingKind::StorageImage, Resource::Image(_)) => true,
-        _ => false,
-    }
 }

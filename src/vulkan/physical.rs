@@ -87,6 +87,9 @@ fn rank_and_info(instance: &ash::Instance, device: vk::PhysicalDevice) -> (u32, 
     (rank, info)
 }
 
+/// Storage buffers that a shader stage binds at most: 20 of the scene set, and the pass's own.
+const STORAGE_BUFFERS: u32 = 25;
+
 fn why_unusable(
     instance: &ash::Instance,
     device: vk::PhysicalDevice,
@@ -107,6 +110,17 @@ fn why_unusable(
     }
     if core.limits.max_color_attachments < 6 {
         return Some("it supports fewer than 6 colour attachments".to_owned());
+    }
+    if core.limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
+        return Some(format!("its shaders read fewer than {STORAGE_BUFFERS} storage buffers"));
+    }
+    let mut subgroups = vk::PhysicalDeviceSubgroupProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut subgroups);
+    // SAFETY: the device offers 1.3, so the chained struct is known to it.
+    unsafe { instance.get_physical_device_properties2(device, &mut properties) };
+    let in_compute = subgroups.supported_stages.contains(vk::ShaderStageFlags::COMPUTE);
+    if !in_compute || !subgroups.supported_operations.contains(vk::SubgroupFeatureFlags::ARITHMETIC) {
+        return Some("its compute shaders lack sums over subgroups".to_owned());
     }
     if queue_family(instance, device).is_none() {
         return Some("it has no queue for graphics and compute".to_owned());

@@ -1,7 +1,7 @@
 //! The descriptor set that all passes of a frame share: set 1, the scene.
 //!
 //! In: the declarations of shaders/include/scene_set.glsl and the resources of a frame. Out: one set, written once a frame. A
-//! shader that uses set 1 declares all of it, so one layout serves every pipeline. A resource that no pass names may be left out.
+//! shader that uses set 1 declares all of it, so one layout serves every pipeline. A resource that no pass reads may be left out.
 
 use std::collections::BTreeMap;
 
@@ -91,6 +91,12 @@ impl<'a> SharedSet<'a> {
                 problem: "is not in shaders/include/scene_set.glsl".to_owned(),
             })?;
             bound.push((*binding, *resource));
+        }
+        // Not every driver bears a descriptor that was never written, even where no shader reads it: others of its kind stand in.
+        for (_, binding) in known.iter().filter(|(name, _)| !resources.iter().any(|(given, _)| given == name))
+        {
+            let stands_in = |(_, resource): &&(&str, Resource<'_>)| resource.is_of(binding.kind);
+            bound.extend(resources.iter().find(stands_in).map(|(_, resource)| (*binding, *resource)));
         }
         super::pass::write_descriptors(device, raw, &bound);
         Ok(Self { raw, resources: resources.into_iter().collect() })

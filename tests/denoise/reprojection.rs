@@ -2,6 +2,7 @@
 
 use bytemuck::Zeroable;
 use glam::{IVec2, Vec3, Vec4};
+use glowworm::gpu_scene::environment::EnvironmentTexture;
 use glowworm::gpu_scene::structs::InstanceData;
 use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use glowworm::settings::SvgfSettings;
@@ -42,7 +43,10 @@ impl Reprojection {
         Self {
             bench: Bench::new(&lab.device, &SvgfSettings::default()),
             pass: ReprojectionPass::new(&lab.device, [WIDTH as u32, HEIGHT as u32]).unwrap(),
-            instances: Buffer::with_data(&lab.device, "instances", &instances).unwrap(),
+            instances: Buffer::with_data(&lab.device, "instances", &instances)
+                .unwrap()
+                .with_texels()
+                .unwrap(),
             lab,
         }
     }
@@ -62,7 +66,9 @@ impl Reprojection {
         let instance = image("instance", vk::Format::R32_UINT, bytemuck::cast_slice(&ids));
         let motion = image("motion", vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&motions));
         let (mut frame, _) = self.bench.frames.begin().unwrap();
-        let scene = frame.shared_set(vec![("instances", (&self.instances).into())]).unwrap();
+        let environment = EnvironmentTexture::new(&self.lab.device, None).unwrap();
+        let [map, _] = environment.resources();
+        let scene = frame.shared_set(vec![map, ("instances", (&self.instances).into())]).unwrap();
         let inputs = ReprojectionInputs {
             uniforms: &frame.upload(&[uniforms()]).unwrap(),
             scene: &scene,

@@ -20,15 +20,17 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-layout(set = 0, binding = 7, rgba32f) uniform image2D drawn_irradiance;
+layout(set = 0, binding = 7, rgba32f) uniform image2D sampled_irradiance;
 #include "surface.glsl"
 #include "gather.glsl"
 #define CLUSTERS_BINDING 5
 #include "clusters.glsl"
-#define CLUSTER_WEIGHTS_BINDING 6
-#include "draw_vpl.glsl"
+// How much each block samples each cluster.
+layout(set = 0, binding = 6, std430) readonly buffer WeightBlock { float data[]; } cluster_weights;
+float cluster_weight(uint place) { return cluster_weights.data[place]; }
+#include "sample_vpl.glsl"
 #include "lights.glsl"
-#include "light_rays.glsl"
+#include "light_transmittance.glsl"
 
 // About a normal, in proportion to the cosine.
 vec3 cosine_hemisphere(vec3 n, vec2 u) {
@@ -38,7 +40,7 @@ vec3 cosine_hemisphere(vec3 n, vec2 u) {
     return (x * cos(angle) + cross(n, x) * sin(angle)) * radius + n * sqrt(max(1.0 - u.y, 0.0));
 }
 
-// Irradiance from one light, drawn by what each brings, were nothing between.
+// Irradiance from one light, drawn by what each brings, unoccluded.
 vec3 direct_light(Surface at, float random, inout uint rays) {
     Choice choice = Choice(0u, 0.0, 0.0, random);
     vec3 to_light;
@@ -49,16 +51,16 @@ vec3 direct_light(Surface at, float random, inout uint rays) {
     LightData light = lights.data[choice.kept];
     vec3 brought = unshadowed_irradiance(light, at, to_light) * (choice.sum / choice.weight);
     rays++;
-    return brought * arrival(light, at, to_light);
+    return brought * light_transmittance(light, at, to_light);
 }
 
 // Irradiance from one VPL of an earlier bounce.
 vec3 vpl_light(Surface at, uvec2 block, float random, inout uint rays) {
-    BlockWeights weights = weights_of(block);
-    Draw drawn = draw_vpl(weights, at, random);
-    GpuVpl light = vpls.data[vpl.first_vpl + drawn.index];
-    if (drawn.inverse_probability <= 0.0 || light.bounce >= vpl.bounces) return vec3(0.0);
-    return bounded(gather(at, light, rays) * drawn.inverse_probability, weights) / push.set_share;
+    BlockWeights weights = weights_from(weight_index(block, 0u));
+    SampledVpl sampled = sample_vpl(weights, at, random);
+    GpuVpl light = vpls.data[vpl.first_vpl + sampled.index];
+    if (sampled.inverse_probability <= 0.0 || light.bounce >= vpl.bounces) return vec3(0.0);
+    return bounded(gather(at, light, rays) * sampled.inverse_probability, weights) / push.set_share;
 }
 
 vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
@@ -90,10 +92,10 @@ void main() {
     Surface surface = surface_at(representative(texel, push.set_step, vpl.representative, frame.size));
     if (surface.depth <= 0.0) return;
     uint rays = 0u;
-    vec4 drawn = imageLoad(drawn_irradiance, texel);
+    vec4 drawn = imageLoad(sampled_irradiance, texel);
     // Sets take turns: each holds its share of the light.
     float weight = vpl.irradiance_scale * push.set_share * float(block * block);
     drawn.rgb += compensation(uvec2(texel), surface, rays) * weight;
-    imageStore(drawn_irradiance, texel, drawn);
+    imageStore(sampled_irradiance, texel, drawn);
     count_rays(rays);
 }

@@ -37,11 +37,11 @@ void main() {
         Surface surface = surface_at(representative(ivec2(texel), push.set_step, vpl.representative, frame.size));
         if (surface.depth <= 0.0 || cluster.count == 0u) continue;
         float random = shift_of(texel + index, i);
-        Draw drawn = choose_vpl(cluster, surface, random);
-        if (drawn.inverse_probability <= 0.0) continue;
+        SampledVpl sampled = choose_vpl(cluster, surface, random);
+        if (sampled.inverse_probability <= 0.0) continue;
         vec3 origin = ray_origin(surface);
         rays += 1.0;
-        vec4 ray = ray_to(vpls.data[vpl.first_vpl + drawn.index], origin);
+        vec4 ray = ray_to(vpls.data[vpl.first_vpl + sampled.index], origin);
         vec3 transmittance = trace_transmittance(origin, ray.xyz, 0.0, ray.w);
         seen += max(transmittance.r, max(transmittance.g, transmittance.b));
     }

@@ -1,6 +1,6 @@
 // The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
-// DrawPush, TILE in src/estimators/vpls/indirect_shadows.rs.
+// SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
 
 struct VplCluster {
     vec3 position;    // mean by flux; at infinity that of the directions
@@ -19,17 +19,17 @@ const uint BLOCK = 8u; // and that share the weights of the clusters
 
 layout(set = 0, binding = CLUSTERS_BINDING, std430) readonly buffer ClusterBlock { VplCluster data[]; } vpl_clusters;
 // What a dispatch draws.
-struct DrawPush {
+struct SamplingPush {
     uvec2 tiles;
     uint set_step;   // pixels from one texel of the set buffers to the next
-    uint first_draw; // of this dispatch
-    uint end_draw;
-    uint draws;      // over all dispatches; 0: gather every VPL from first_draw to end_draw
+    uint first_sample; // of this dispatch
+    uint end_sample;
+    uint samples;    // over all dispatches; 0: gather every VPL from first_sample to end_sample
     float set_share; // of the light, that a set holds
     uint spread;     // of bias_compensation.comp
 };
-layout(push_constant) uniform Push { DrawPush data; } push_constants;
-DrawPush push = push_constants.data;
+layout(push_constant) uniform Push { SamplingPush data; } push_constants;
+SamplingPush push = push_constants.data;
 
 uint weight_index(uvec2 block, uint cluster) {
     uint columns = push.tiles.x * (TILE / BLOCK);
@@ -48,7 +48,7 @@ uvec2 tile_of(uvec2 texel) {
     return uvec2(clamp(tile, vec2(0.0), vec2(push.tiles) - 1.0));
 }
 
-// About what a cluster brings to a surface, were nothing between. Never zero, as one of its VPLs may bring something.
+// About what a cluster brings to a surface, unoccluded. Never zero, as one of its VPLs may bring something.
 float importance(VplCluster cluster, Surface surface) {
     if (cluster.at_infinity != 0u) {
         return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
@@ -84,13 +84,13 @@ void offer(inout Choice choice, uint offered, float weight) {
 const uint MOST_CHOICES = 8u;
 
 // A VPL, counted from the set's first, and one over its probability; 0: it brings nothing.
-struct Draw {
+struct SampledVpl {
     uint index;
     float inverse_probability;
 };
 
-// Of a cluster one VPL, by what it brings to the surface, were nothing between.
-Draw choose_vpl(VplCluster cluster, Surface surface, float random) {
+// Of a cluster one VPL, by what it brings to the surface, unoccluded.
+SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
     float at = random * float(stride);
     Choice choice = Choice(0u, 0.0, 0.0, fract(at));
@@ -98,5 +98,5 @@ Draw choose_vpl(VplCluster cluster, Surface surface, float random) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
         offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
     }
-    return Draw(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
+    return SampledVpl(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
 }

@@ -14,7 +14,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-layout(set = 0, binding = 5, rgba32f) uniform readonly image2D drawn_irradiance;
+layout(set = 0, binding = 5, rgba32f) uniform readonly image2D sampled_irradiance;
 layout(set = 0, binding = 6, rgba16ui) uniform writeonly uimage2DArray set_buffers;
 #include "surface.glsl"
 
@@ -39,7 +39,7 @@ vec3 filtered(ivec2 middle, Surface centre) {
             ivec2 texel = middle + ivec2(x, y);
             if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, extent))) continue;
             ivec2 pixel = representative(texel, SET_STEP, vpl.representative, frame.size);
-            vec4 drawn = imageLoad(drawn_irradiance, texel);
+            vec4 drawn = imageLoad(sampled_irradiance, texel);
             vec4 normals = imageLoad(gbuffer_normal, pixel);
             vec3 d = position_at(pixel, drawn.a) - centre.position;
             bool finite = !any(isnan(drawn.rgb)) && !any(isinf(drawn.rgb));

@@ -40,9 +40,9 @@ void main() {
             offer(choice, i, cluster.count > 0u ? importance(cluster, surface) : 0.0);
         }
         if (choice.weight > 0.0) {
-            Draw drawn = choose_vpl(vpl_clusters.data[vpl.layer * CLUSTERS + choice.kept], surface, choice.random);
-            if (drawn.inverse_probability > 0.0) {
-                vec3 brought = gather(surface, vpls.data[vpl.first_vpl + drawn.index], rays) * drawn.inverse_probability;
+            SampledVpl sampled = choose_vpl(vpl_clusters.data[vpl.layer * CLUSTERS + choice.kept], surface, choice.random);
+            if (sampled.inverse_probability > 0.0) {
+                vec3 brought = gather(surface, vpls.data[vpl.first_vpl + sampled.index], rays) * sampled.inverse_probability;
                 brought *= choice.sum / (choice.weight * push.set_share);
                 vec4 before = imageLoad(reflection, pixel);
                 imageStore(reflection, pixel, rounded(vec4(min(before.rgb + hit.weight * brought, 65504.0), before.a)));

@@ -19,7 +19,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
-layout(set = 0, binding = 9, rgba32f) uniform readonly image2D drawn_irradiance;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D sampled_irradiance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 11, std430) readonly buffer ExposureBlock { float factor; } exposure;
 layout(set = 0, binding = 12, rgba8) uniform writeonly image2D display;
@@ -57,7 +57,7 @@ vec3 set_buffer(ivec2 pixel) {
 
 // What the set's texel has drawn, before the filter.
 vec3 unfiltered(ivec2 pixel) {
-    vec3 drawn = imageLoad(drawn_irradiance, pixel / int(sets.drawn_step)).rgb;
+    vec3 drawn = imageLoad(sampled_irradiance, pixel / int(sets.drawn_step)).rgb;
     return lit(drawn / vpl.irradiance_scale * float(sets.set_count));
 }
 

@@ -35,7 +35,7 @@ float set_weight(uint set) { return vpl_uniforms.data.set_weights[set / 4u][set 
 // short rays do not see the portal of a window.
 float bound_of(GpuVpl light) { return light.bounce == 0u ? 16.0 * vpl.geometry_bound : vpl.geometry_bound; }
 
-// Irradiance at p with normal n, were nothing between.
+// Irradiance at p with normal n, unoccluded.
 vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     if (light.at_infinity != 0u) return light.flux * max(dot(n, light.position), 0.0);
     vec3 d = light.position - p;

@@ -11,7 +11,7 @@ use crate::bvh::Ray;
 use crate::estimators::World;
 use crate::estimators::vpls::inspect::geometry_bound_of;
 use crate::estimators::vpls::manager::contribution;
-use crate::estimators::vpls::{GpuVpl, VplManager, draws, set_step};
+use crate::estimators::vpls::{GpuVpl, VplManager, samples, set_step};
 use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
 use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};
@@ -149,22 +149,22 @@ impl<'a> Pixels<'a> {
         for set in 0..settings.vpl.temporal_sets {
             if rays.len() < enough {
                 let vpls = manager.set_vpls(world, set);
-                let draws = draws(&settings.vpl, vpls.len() as u32, manager.hit_share());
-                self.to_set(&vpls, (set_step(&settings.vpl), draws), bound, &mut rays);
+                let samples = samples(&settings.vpl, vpls.len() as u32, manager.hit_share());
+                self.to_set(&vpls, (set_step(&settings.vpl), samples), bound, &mut rays);
             }
         }
         rays
     }
 
-    /// As shaders/estimators/vpls/indirect_shadows.comp draws them, but that all VPLs are alike: a workgroup is 8x8 texels, each
-    /// of which draws a few VPLs.
-    fn to_set(&self, vpls: &[GpuVpl], (step, draws): (u32, u32), bound: f32, rays: &mut Vec<Ray>) {
+    /// As shaders/estimators/vpls/vpl_sampling.comp samples them, but that all VPLs are alike: a workgroup is 8x8 texels, each
+    /// of which samples a few VPLs.
+    fn to_set(&self, vpls: &[GpuVpl], (step, samples): (u32, u32), bound: f32, rays: &mut Vec<Ray>) {
         for (index, pixel) in self.blocks(step, [0, 0]).flatten().enumerate() {
-            let draw = |draw| {
-                let vpl = (random_point(index as u32, draw, 0).x * vpls.len() as f32) as usize;
+            let sample = |sampled| {
+                let vpl = (random_point(index as u32, sampled, 0).x * vpls.len() as f32) as usize;
                 self.to_vpl(pixel, vpls.get(vpl)?, bound)
             };
-            rays.extend((0..draws).filter_map(draw));
+            rays.extend((0..samples).filter_map(sample));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::indirect_shadows::DrawPush;
+use super::indirect_shadows::SamplingPush;
 use super::vpl_buffer::UploadedSet;
 use crate::estimators::Hits;
 use crate::gpu_scene::tracer::TracerVariant;
@@ -36,7 +36,7 @@ impl HitLightPass {
             .read("hit_weight", hits.weight)
             .write("reflection", hits.reflection)
             .write("ray_counters", &*set.ray_counters)
-            .push(&DrawPush::of_share(set_share));
+            .push(&SamplingPush::of_share(set_share));
         set.bind(pass).dispatch_over(hits.reflection.extent())
     }
 }

@@ -27,12 +27,12 @@ impl IndirectShadingPass {
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         set: &UploadedSet,
-        drawn_irradiance: &Image,
+        sampled_irradiance: &Image,
         sets: &SetBuffers,
     ) -> Result<(), VulkanError> {
         let pass = inputs
             .bind(frame.pass("discontinuity_filter", &self.filter))
-            .read("drawn_irradiance", drawn_irradiance)
+            .read("sampled_irradiance", sampled_irradiance)
             .write("set_buffers", sets.buffers());
         set.bind(pass).dispatch_over(sets.buffers().extent())
     }

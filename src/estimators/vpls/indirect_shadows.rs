@@ -1,5 +1,5 @@
-//! `indirect_shadows`: each texel of the set buffers draws a few VPLs of the set, by what they would bring, and casts an
-//! occlusion ray to each.
+//! `indirect_shadows`: each texel of the set buffers samples a few VPLs of the set, by what they would bring, and casts
+//! an occlusion ray to each.
 
 use std::sync::Arc;
 
@@ -21,25 +21,25 @@ const TILE: u32 = 16;
 /// Texels of a block in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
 const BLOCK: u32 = 8;
 
-/// What a dispatch draws; `DrawPush` in shaders/estimators/vpls/clusters.glsl.
+/// What a dispatch samples; `SamplingPush` in shaders/estimators/vpls/clusters.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(super) struct DrawPush {
+pub(super) struct SamplingPush {
     tiles: [u32; 2],
     /// Pixels from one texel of the set buffers to the next.
     set_step: u32,
-    first_draw: u32,
-    end_draw: u32,
+    first_sample: u32,
+    end_sample: u32,
     /// Over all dispatches; 0: every VPL is gathered.
-    draws: u32,
+    samples: u32,
     /// Of the light, that a set holds.
     set_share: f32,
     /// Of so many by so many texels one compensates the bias of the clamped geometry term.
     spread: u32,
 }
 
-impl DrawPush {
-    /// For what draws from a set without a set buffer.
+impl SamplingPush {
+    /// For what samples a set without a set buffer.
     pub fn of_share(set_share: f32) -> Self {
         Self { set_share, ..Self::default() }
     }
@@ -48,8 +48,7 @@ impl DrawPush {
 /// The pass.
 pub struct IndirectShadowsPass {
     visibility: ComputePipeline,
-    weigh: ComputePipeline,
-    draw: ComputePipeline,
+    sampling: ComputePipeline,
     compensate: ComputePipeline,
     /// Of the light, that a set holds.
     set_share: f32,
@@ -58,7 +57,7 @@ pub struct IndirectShadowsPass {
     step: u32,
     /// For each tile, how likely it sees each cluster.
     cluster_visibility: Buffer,
-    /// For each block, how much it is to draw each cluster.
+    /// For each block, how much it samples each cluster.
     cluster_weights: Buffer,
     /// rgb: scaled irradiance of each texel, before the filter; a: view depth.
     irradiance: Image,
@@ -72,18 +71,15 @@ impl IndirectShadowsPass {
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let traced = |name, shader| tracer.pipeline(device, name, shader, &[]);
-        let draw = traced("vpl_sampling", shaders::VPL_SAMPLING_COMP)?;
+        let sampling = traced("vpl_sampling", shaders::VPL_SAMPLING_COMP)?;
         let visibility = traced("cluster_visibility", shaders::CLUSTER_VISIBILITY_COMP)?;
         let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
-        let weigh = shaders::CLUSTER_WEIGHTS_COMP;
-        let weigh = ComputePipeline::new(device, "cluster_weights", weigh)?;
         let step = set_step(&settings.vpl);
         let extent = settings.size.map(|side| side.div_ceil(step));
         let tiles: u64 = extent.map(|side| u64::from(side.div_ceil(TILE))).iter().product();
         Ok(Self {
             visibility,
-            weigh,
-            draw,
+            sampling,
             compensate,
             set_share: 1.0 / settings.vpl.temporal_sets as f32,
             bounded: settings.vpl.clamp > 0.0,
@@ -95,7 +91,7 @@ impl IndirectShadowsPass {
             )?,
             cluster_visibility: Buffer::new(device, "cluster_visibility", tiles * CLUSTERS as u64 * 4)?,
             // 32 bits: many dispatches may add to it.
-            irradiance: storage_image(device, "drawn_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
+            irradiance: storage_image(device, "sampled_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
         })
     }
 
@@ -104,34 +100,35 @@ impl IndirectShadowsPass {
         &self.irradiance
     }
 
-    /// Draws the set.
+    /// Samples the set.
     pub fn record(
         &self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         set: &UploadedSet,
-        draws: u32,
+        samples: u32,
     ) -> Result<&Image, VulkanError> {
         let extent = self.irradiance.extent();
         let tiles = extent.map(|side| side.div_ceil(TILE));
-        let all = DrawPush {
+        let all = SamplingPush {
             tiles,
             set_step: self.step,
             set_share: self.set_share,
             spread: if self.set_share <= 0.25 { 2 } else { 1 },
-            ..DrawPush::default()
+            ..SamplingPush::default()
         };
 
-        let dispatches = dispatches(all, set.count, draws);
-        if self.bounded || dispatches.iter().any(|push| push.draws > 0) {
-            self.weigh_clusters(frame, inputs, set, all)?;
+        let dispatches = dispatches(all, set.count, samples);
+        if self.bounded || dispatches.iter().any(|push| push.samples > 0) {
+            self.sample_visibility(frame, inputs, set, all)?;
         }
         for push in dispatches {
             let pass = inputs
-                .bind(frame.pass("vpl_sampling", &self.draw))
+                .bind(frame.pass("vpl_sampling", &self.sampling))
                 .read("vpl_clusters", &*set.clusters)
-                .read("cluster_weights", &self.cluster_weights)
-                .write("drawn_irradiance", &self.irradiance)
+                .read("cluster_visibility", &self.cluster_visibility)
+                .write("cluster_weights", &self.cluster_weights)
+                .write("sampled_irradiance", &self.irradiance)
                 .write("ray_counters", &*set.ray_counters)
                 .push(&push);
             set.bind(pass).dispatch_over(extent)?;
@@ -143,13 +140,13 @@ impl IndirectShadowsPass {
         Ok(&self.irradiance)
     }
 
-    /// Finds out how much each block is to draw each cluster.
-    fn weigh_clusters(
+    /// Finds out how likely each tile sees each cluster.
+    fn sample_visibility(
         &self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         set: &UploadedSet,
-        all: DrawPush,
+        all: SamplingPush,
     ) -> Result<(), VulkanError> {
         let threads = CLUSTERS as u32;
         let pass = inputs
@@ -158,15 +155,7 @@ impl IndirectShadowsPass {
             .write("cluster_visibility", &self.cluster_visibility)
             .write("ray_counters", &*set.ray_counters)
             .push(&all);
-        set.bind(pass).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])?;
-        let pass = inputs
-            .bind(frame.pass("cluster_weights", &self.weigh))
-            .read("vpl_clusters", &*set.clusters)
-            .read("cluster_visibility", &self.cluster_visibility)
-            .write("cluster_weights", &self.cluster_weights)
-            .push(&all);
-        let blocks = all.tiles.map(|side| side * (TILE / BLOCK));
-        set.bind(pass).dispatch_threads([blocks[0] * threads, blocks[1], 1])
+        set.bind(pass).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])
     }
 
     /// Adds what the clamped geometry term has taken away.
@@ -175,13 +164,13 @@ impl IndirectShadowsPass {
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         set: &UploadedSet,
-        all: DrawPush,
+        all: SamplingPush,
     ) -> Result<(), VulkanError> {
         let pass = inputs
             .bind(frame.pass("bias_compensation", &self.compensate))
             .read("vpl_clusters", &*set.clusters)
             .read("cluster_weights", &self.cluster_weights)
-            .write("drawn_irradiance", &self.irradiance)
+            .write("sampled_irradiance", &self.irradiance)
             .write("ray_counters", &*set.ray_counters)
             .push(&all);
         let blocks = self.irradiance.extent().map(|side| side.div_ceil(all.spread));
@@ -189,10 +178,10 @@ impl IndirectShadowsPass {
     }
 }
 
-/// VPLs that a texel draws in each frame from a set that holds so many: all, if its share of `--vpls` is no less, else that share times
-/// the share of the lights' rays that hit something, so that light that leaves the scene takes no rays. A texel that stands for
-/// several pixels draws half as many more.
-pub(crate) fn draws(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 {
+/// VPLs that a texel samples in each frame from a set that holds so many: all, if its share of `--vpls` is no less, else that share
+/// times the share of the lights' rays that hit something, so that light that leaves the scene takes no rays. A texel that stands for
+/// several pixels samples half as many more.
+pub(crate) fn samples(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 {
     let each = settings.slots as f32 / (settings.temporal_sets * settings.interleave.pow(2)) as f32;
     if vpls as f32 <= each {
         return vpls;
@@ -201,11 +190,15 @@ pub(crate) fn draws(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 {
     (each * more * hit_share).round().max(1.0) as u32
 }
 
-/// The dispatches that draw so many of a set's VPLs: at least one, so that an empty set gives black.
-fn dispatches(all: DrawPush, vpls: u32, draws: u32) -> Vec<DrawPush> {
-    let (draws, count) = if vpls <= draws { (0, vpls) } else { (draws, draws) };
-    let from =
-        |first_draw| DrawPush { draws, first_draw, end_draw: (first_draw + MOST_RAYS).min(count), ..all };
+/// The dispatches that sample so many of a set's VPLs: at least one, so that an empty set gives black.
+fn dispatches(all: SamplingPush, vpls: u32, samples: u32) -> Vec<SamplingPush> {
+    let (samples, count) = if vpls <= samples { (0, vpls) } else { (samples, samples) };
+    let from = |first_sample| SamplingPush {
+        samples,
+        first_sample,
+        end_sample: (first_sample + MOST_RAYS).min(count),
+        ..all
+    };
     (0..count.max(1)).step_by(MOST_RAYS as usize).map(from).collect()
 }
 
@@ -218,26 +211,26 @@ mod tests {
     fn structs_have_the_layout_of_the_shaders() {
         same_layout!(
             shaders::VPL_SAMPLING_COMP.software,
-            DrawPush,
+            SamplingPush,
             tiles,
             set_step,
-            first_draw,
-            end_draw,
-            draws,
+            first_sample,
+            end_sample,
+            samples,
             set_share,
             spread
         );
     }
 
     #[test]
-    fn dispatches_make_all_draws_once() {
-        for (vpls, draws) in [(0, 2), (1, 2), (512, 512), (700, 512), (1024, 2), (5000, 3), (65_536, 40)] {
-            let all = dispatches(DrawPush::default(), vpls, draws);
+    fn dispatches_take_all_samples_once() {
+        for (vpls, samples) in [(0, 2), (1, 2), (512, 512), (700, 512), (1024, 2), (5000, 3), (65_536, 40)] {
+            let all = dispatches(SamplingPush::default(), vpls, samples);
             assert!(!all.is_empty());
-            let ends = all.iter().map(|push| push.end_draw);
-            assert!(all.iter().map(|push| push.first_draw).skip(1).eq(ends.take(all.len() - 1)));
-            assert_eq!(all.last().unwrap().end_draw, draws.min(vpls), "{vpls} VPLs, {draws} draws");
-            assert!(all.iter().all(|push| push.draws == if vpls <= draws { 0 } else { draws }));
+            let ends = all.iter().map(|push| push.end_sample);
+            assert!(all.iter().map(|push| push.first_sample).skip(1).eq(ends.take(all.len() - 1)));
+            assert_eq!(all.last().unwrap().end_sample, samples.min(vpls), "{vpls} VPLs, {samples} samples");
+            assert!(all.iter().all(|push| push.samples == if vpls <= samples { 0 } else { samples }));
         }
     }
 }

@@ -50,7 +50,7 @@ use hit_light::HitLightPass;
 use indirect_reprojection::IndirectReprojectionPass;
 use indirect_shading::IndirectShadingPass;
 use indirect_shadows::IndirectShadowsPass;
-pub(crate) use indirect_shadows::draws;
+pub(crate) use indirect_shadows::samples;
 use path_lines::PathView;
 pub(crate) use set_buffers::set_step;
 use set_buffers::{DrawnSet, SetBuffers};
@@ -277,9 +277,9 @@ impl Estimator for Vpls {
             let representative = passes.sets.representative(*set);
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
-            let draws = draws(&self.settings.vpl, uploaded.count, hit_share);
-            let drawn_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, draws)?;
-            passes.indirect_shading.record(frame, inputs, &uploaded, drawn_irradiance, &passes.sets)?;
+            let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
+            let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
+            passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
             passes.sets.note(frame, inputs.pose, &drawn)?;
             last = Some(uploaded);
@@ -399,7 +399,7 @@ impl Estimator for Vpls {
         let single = self.shown_irradiance(frame, inputs.frame)?;
         let sources = VplViewSources {
             vpls,
-            drawn_irradiance: self.passes.indirect_shadows.output(),
+            sampled_irradiance: self.passes.indirect_shadows.output(),
             irradiance: single.unwrap_or(self.passes.indirect_reprojection.output()),
             drawn: (&self.passes.sets, self.turn.set),
             shown: (self.passes.shown(), self.look.set),

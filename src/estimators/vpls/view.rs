@@ -118,7 +118,7 @@ pub struct VplViewSources<'a> {
     /// The VPLs of the frame's set.
     pub vpls: &'a UploadedSet,
     /// Irradiance before the filter.
-    pub drawn_irradiance: &'a Image,
+    pub sampled_irradiance: &'a Image,
     /// Irradiance, or that of a single VPL.
     pub irradiance: &'a Image,
     /// The sets that this frame adds to, and the one that it drew.
@@ -153,7 +153,7 @@ impl VplViewPass {
             .frame
             .bind(frame.pass("vpl_view", &self.pipeline))
             .read("gbuffer_instance", &inputs.frame.gbuffer.instance)
-            .read("drawn_irradiance", sources.drawn_irradiance)
+            .read("sampled_irradiance", sources.sampled_irradiance)
             .read("irradiance", sources.irradiance)
             .read("exposure", inputs.exposure)
             .write("display", inputs.display)

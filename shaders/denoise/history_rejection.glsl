@@ -35,10 +35,10 @@ const float ROUNDING = 0.02;
 // needs.
 const float RARITY = 0.15;
 
-// How much of the history the last frames leave: all up to two thirds of `certainty`, nothing beyond it, in standard deviations of
+// How much of the history the last frames leave: all up to two thirds of `rejection`, nothing beyond it, in standard deviations of
 // the mean over as many texels. A test for means of samples (Welch 1947).
-float kept(Recent recent, float certainty) {
-    float expected = certainty * recent.deviation * inversesqrt(max(recent.texels, 1.0)) + ROUNDING * recent.mean;
+float kept_history(Recent recent, float rejection) {
+    float expected = rejection * recent.deviation * inversesqrt(max(recent.texels, 1.0)) + ROUNDING * recent.mean;
     float rarity = recent.deviation / max(recent.mean, 1e-6);
     if (recent.change > 0.0) expected *= 1.0 + RARITY * rarity;
     return clamp(3.0 - 3.0 * abs(recent.change) / max(expected, 1e-6), 0.0, 1.0);

@@ -1,8 +1,8 @@
 // The surface that a pixel sees, with its BSDF. Needs unshadowed.glsl and the G-buffer's images.
-#include "mirrored.glsl"
+#include "reflection_weight.glsl"
 
-Seen seen_by(ivec2 pixel, uvec2 id) {
-    Seen at;
+ShadingPoint shading_point_at(ivec2 pixel, uvec2 id) {
+    ShadingPoint at;
     at.surface = surface_at(pixel);
     MaterialData material = materials.data[id.y & MATERIAL];
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
@@ -10,8 +10,8 @@ Seen seen_by(ivec2 pixel, uvec2 id) {
     Bsdf bsdf = Bsdf(base.rgb, base.a, material.reflectance.rgb, material.reflectance.w, albedo_roughness.a);
     at.diffuse = albedo_roughness.rgb;
     at.is_glossy = reflects(bsdf);
-    if (at.is_glossy) at.reflection = seen(bsdf, at.surface.shading, normalize(frame.eye.xyz - at.surface.position));
+    if (at.is_glossy) at.reflection = prepare_bsdf(bsdf, at.surface.shading, normalize(frame.eye.xyz - at.surface.position));
     // Reflection rays meet area lights.
-    at.gloss_of_areas = 1.0 - mirrored_share(bsdf.roughness);
+    at.gloss_of_areas = 1.0 - reflection_weight(bsdf.roughness);
     return at;
 }

@@ -1,9 +1,5 @@
-// Drawing a VPL for a texel: first a cluster, by the weights of the texel's block, then a VPL of the cluster. Needs clusters.glsl.
-// Define CLUSTER_WEIGHTS_BINDING before including.
-
-// Of each block, how much it is to draw each cluster.
-layout(set = 0, binding = CLUSTER_WEIGHTS_BINDING, std430) readonly buffer WeightBlock { float data[]; } cluster_weights;
-
+// Sampling a VPL for a texel: first a cluster, by the weights of the texel's block, then a VPL of the cluster. Needs clusters.glsl and
+// `float cluster_weight(uint place)`, where place is that of a block's first cluster plus a cluster.
 
 // Clusters are drawn in two steps, by runs.
 const uint RUN = 8u;
@@ -15,19 +11,19 @@ struct BlockWeights {
     float cumulative[RUNS];
 };
 
-BlockWeights weights_of(uvec2 block) {
+BlockWeights weights_from(uint first) {
     BlockWeights weights;
-    weights.first = weight_index(block, 0u);
+    weights.first = first;
     float sum = 0.0;
     for (uint run = 0u; run < RUNS; run++) {
-        for (uint i = 0u; i < RUN; i++) sum += cluster_weights.data[weights.first + run * RUN + i];
+        for (uint i = 0u; i < RUN; i++) sum += cluster_weight(weights.first + run * RUN + i);
         weights.cumulative[run] = sum;
     }
     return weights;
 }
 
 // Of all VPLs one: first the cluster, then the VPL.
-Draw draw_vpl(BlockWeights weights, Surface surface, float random) {
+SampledVpl sample_vpl(BlockWeights weights, Surface surface, float random) {
     float total = weights.cumulative[RUNS - 1u];
     float at = random * total;
     uint run = 0u;
@@ -40,20 +36,20 @@ Draw draw_vpl(BlockWeights weights, Surface surface, float random) {
     uint chosen = run * RUN;
     float weight = 0.0;
     for (uint i = 0u; i < RUN; i++) {
-        float next = cluster_weights.data[weights.first + run * RUN + i];
+        float next = cluster_weight(weights.first + run * RUN + i);
         bool here = weight <= 0.0 || below + weight <= at;
         below += here ? weight : 0.0;
         chosen = here ? run * RUN + i : chosen;
         weight = here ? next : weight;
     }
     VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + chosen];
-    if (weight <= 0.0 || cluster.count == 0u) return Draw(0u, 0.0);
-    Draw drawn = choose_vpl(cluster, surface, clamp((at - below) / weight, 0.0, 0.9999999));
-    drawn.inverse_probability *= total / weight;
-    return drawn;
+    if (weight <= 0.0 || cluster.count == 0u) return SampledVpl(0u, 0.0);
+    SampledVpl sampled = choose_vpl(cluster, surface, clamp((at - below) / weight, 0.0, 0.9999999));
+    sampled.inverse_probability *= total / weight;
+    return sampled;
 }
 
-// How often what was expected, were nothing between, one draw may bring.
+// How often what was expected, unoccluded, one draw may bring.
 const float MOST_BROUGHT = 256.0;
 
 // No more than that, where there is a bound at all: an outlier would stay in a history.
