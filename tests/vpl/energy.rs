@@ -38,7 +38,7 @@ fn sets_add_up_to_the_total() {
     let sets = all_sets(&manager, &stage, &settings);
     let flux = manager.set_flux();
     let sum: f32 = flux.iter().sum();
-    let total = manager.total_flux(stage.world());
+    let total = total_flux(&manager);
     assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
     // Sets hold the flux that they report.
     let mut seen = vec![false; 333];

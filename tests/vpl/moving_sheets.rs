@@ -1,7 +1,7 @@
 //! Sheets that move: which VPLs are invalid or stale, and that none remembers.
 
 use glam::{Quat, Vec3};
-use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
+use glowworm::estimators::vpls::{InvalidationReason, SlotState, SlotView, VplManager};
 use glowworm::scene::{Material, Mesh};
 
 use crate::history::{assert_forgets, open_room};
@@ -29,7 +29,7 @@ fn what_a_dark_pane_covers_is_invalid_and_behind_a_light_one_stale() {
         stage.invalidate(&mut manager);
         let shade = |slot: &SlotView| slot.position.normalize().dot(Vec3::NEG_Y) > 0.8;
         let counters = manager.counters();
-        assert_eq!(counters.invalidated_by.occluded, counters.invalidated);
+        assert_eq!(counters.invalidated_by[InvalidationReason::Occluded], counters.invalidated);
         if invalidates {
             assert!(counters.invalidated > 80, "{counters:?}");
             assert!(manager.slots().all(|slot| slot.state == SlotState::Invalid || !shade(&slot)));

@@ -106,7 +106,7 @@ fn without_light_there_is_nothing() {
         for _ in 0..3 {
             let counters = stage.frame(&mut manager);
             assert_eq!((counters.valid, counters.escaped, counters.shot), (0, 0, 0));
-            assert_eq!(manager.total_flux(stage.world()), 0.0);
+            assert_eq!(total_flux(&manager), 0.0);
             let sets = all_sets(&manager, &stage, &settings);
             assert!(sets.iter().all(Vec::is_empty));
         }
