@@ -5,8 +5,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Scale};
-use super::page::{LegendEntry, Page, Panels, Sample};
-use super::{Drawn, FONT};
+use super::page::{Drawn, Page, Plot, Sample};
+use super::text::FONT;
 
 /// Width of a bar, relative to their distance.
 const BAR_WIDTH: f64 = 0.68;
@@ -50,16 +50,15 @@ pub struct Bar {
     pub parts: Vec<f64>,
 }
 
-impl Panels for Bars {
+impl Plot for Bars {
     fn page(&self) -> Page<'_> {
-        let entry = |(name, colour): &(String, [u8; 3])| LegendEntry {
-            name: name.clone(),
-            colour: rgb(*colour),
-            sample: Sample::Area,
-        };
         Page {
             title: &self.title,
-            key: self.parts.iter().map(entry).collect(),
+            key: self
+                .parts
+                .iter()
+                .map(|(name, colour)| (name.as_str(), rgb(*colour), Sample::Area))
+                .collect(),
             panels: self.panels.len(),
             columns: self.columns,
             panel_size: self.panel_size,

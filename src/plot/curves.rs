@@ -1,12 +1,13 @@
 //! Line charts over a common x axis, such as metrics over the frames of a sequence: one panel for each quantity.
 
+use indexmap::IndexSet;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Layout, Scale};
-use super::page::{LegendEntry, Page, Panels, Sample};
-use super::{Drawn, FONT};
+use super::page::{Drawn, Page, Plot, Sample};
+use super::text::FONT;
 
 /// A page of panels over one x axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,20 +68,17 @@ pub enum Look {
     Broken,
 }
 
-impl Panels for Curves {
+impl Plot for Curves {
     fn page(&self) -> Page<'_> {
         let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
-        let entry = |name: &str| {
+        let entry = |name| {
             let broken = lines().any(|line| line.name == name && line.look == Look::Broken);
-            LegendEntry {
-                name: name.to_owned(),
-                colour: self.colour(name, broken),
-                sample: if broken { Sample::DashedLine } else { Sample::Line },
-            }
+            let sample = if broken { Sample::DashedLine } else { Sample::Line };
+            (name, self.colour(name, broken), sample)
         };
         Page {
             title: &self.title,
-            key: self.names().into_iter().filter(|name| !name.is_empty()).map(entry).collect(),
+            key: self.names().into_iter().map(entry).collect(),
             panels: self.panels.len(),
             columns: self.columns,
             panel_size: self.panel_size,
@@ -153,23 +151,17 @@ impl Panels for Curves {
 }
 
 impl Curves {
-    /// The names of all lines, each once.
-    fn names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
-        for line in self.panels.iter().flat_map(|panel| &panel.lines) {
-            if !names.contains(&line.name.as_str()) {
-                names.push(line.name.as_str());
-            }
-        }
-        names
+    /// The names of all lines that have one, each once.
+    fn names(&self) -> IndexSet<&str> {
+        let lines = self.panels.iter().flat_map(|panel| &panel.lines);
+        lines.map(|line| line.name.as_str()).filter(|name| !name.is_empty()).collect()
     }
 
     fn colour(&self, name: &str, broken: bool) -> RGBColor {
         if broken {
             return RGBColor(130, 130, 130);
         }
-        let names = self.names().into_iter().filter(|name| !name.is_empty());
-        line_colour(names.into_iter().position(|known| known == name).unwrap_or(0))
+        line_colour(self.names().get_index_of(name).unwrap_or(0))
     }
 }
 

@@ -125,7 +125,7 @@ fn what_is_in_the_sphere_casts_no_shadow() {
                 [[instances]]\nmodel = \"lamp\"\ntranslation = [0, 2, 0]\n";
     let shadow = |radius: f32, more: &str| {
         let mut scene = floor(&format!("{}{more}", bulb(at, radius)));
-        // From below the lamp.
+        // From below the light.
         scene.camera.eye = Vec3::new(0.0, 1.0, 0.0);
         mean(&layer(&picture(&scene, &settings(12, Some(0)), 16), "shadow")).x
     };

@@ -94,11 +94,11 @@ fn integrating_sphere_is_evenly_lit() {
 fn four_lights() -> Stage {
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
-    let lamp = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.9, 0.0), false);
+    let emitter = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.9, 0.0), false);
     scene.lights.push(point(0.02, Vec3::new(1.0, 0.0, 1.0)));
     scene.lights.push(spot(40.0, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.2, -1.0, 0.1)));
     scene.lights.push(directional(2.0, Vec3::new(0.0, -1.0, 0.0)));
-    scene.lights.push(area(&scene, lamp, 5.0));
+    scene.lights.push(area(&scene, emitter, 5.0));
     Stage::new(scene)
 }
 

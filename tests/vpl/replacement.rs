@@ -169,7 +169,7 @@ fn spot_turned_away_loses_its_vpls_at_once() {
 
 #[test]
 fn same_slot_same_spot() {
-    // A plate passes through the light of a stationary lamp; afterwards all slots are as before.
+    // A plate passes through the light of a stationary light; afterwards all slots are as before.
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.9, 0.0), true);
