@@ -92,7 +92,7 @@ pub(super) const REPORT_FILE: &str = "glowworm-export.json";
 /// The scene itself, within the folder.
 pub const SCENE_FILE: &str = "scene.xml";
 
-/// What makes materials exact that Mitsuba does not have; renders the scene when run by itself.
+/// The plugin that makes materials exact which Mitsuba does not have; it renders the scene when run by itself.
 pub const PLUGIN_FILE: &str = "glowworm_bsdf.py";
 
 /// The materials that Mitsuba does not have, for Mitsuba alone and for [`PLUGIN_FILE`].

@@ -15,7 +15,7 @@ pub(super) struct PlyMesh {
     pub(super) uvs: Vec<Vec2>,
     /// Linear; one a vertex, or empty.
     pub(super) colours: Vec<Vec3>,
-    /// With the side of the bitangent; one a vertex, or empty.
+    /// Tangent and side of the bitangent; one a vertex, or empty.
     pub(super) tangents: Vec<Vec4>,
     pub(super) triangles: Vec<[u32; 3]>,
 }

@@ -1,6 +1,5 @@
 //! Why pictures cannot be compared.
 
-use std::io;
 use std::path::PathBuf;
 
 use crate::output::OutputError;
@@ -8,14 +7,6 @@ use crate::output::OutputError;
 /// Why pictures cannot be compared; each names the file and, if known, the pixel.
 #[derive(Debug, thiserror::Error)]
 pub enum MetricsError {
-    /// The file cannot be read.
-    #[error("{path}: cannot be read: {source}")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
     /// Not a supported file format.
     #[error("{0}: neither a PNG nor an OpenEXR file")]
     Foreign(PathBuf),
@@ -69,9 +60,9 @@ pub enum MetricsError {
         /// The picture that needs it.
         there: PathBuf,
     },
-    /// The name of a sequence is wrong.
+    /// A file cannot be read, or the name of a sequence is wrong.
     #[error(transparent)]
-    Name(#[from] OutputError),
+    Output(#[from] OutputError),
 }
 
 impl MetricsError {
@@ -79,7 +70,7 @@ impl MetricsError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::LayerOfPng(_) => true,
-            Self::Name(error) => error.is_usage(),
+            Self::Output(error) => error.is_usage(),
             _ => false,
         }
     }

@@ -13,13 +13,16 @@ pub enum Encoding {
     Display,
 }
 
+/// RGB, in rows from the top left.
+type Pixels = Vec<[f32; 3]>;
+
 /// A picture of finite RGB values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     name: String,
     size: [usize; 2],
     encoding: Encoding,
-    pixels: Vec<[f32; 3]>,
+    pixels: Pixels,
 }
 
 impl Image {
@@ -31,7 +34,7 @@ impl Image {
     pub fn from_linear(
         name: impl Into<String>,
         size: [usize; 2],
-        pixels: Vec<[f32; 3]>,
+        pixels: Pixels,
     ) -> Result<Self, MetricsError> {
         Self::new(name.into(), size, Encoding::Linear, pixels)
     }
@@ -39,21 +42,16 @@ impl Image {
     /// A picture of display values, sRGB in [0, 1]; otherwise like [`Self::from_linear`].
     ///
     /// # Errors
-    /// As for [`Self::from_linear`].
+    /// The same as those of [`Self::from_linear`].
     pub fn from_display(
         name: impl Into<String>,
         size: [usize; 2],
-        pixels: Vec<[f32; 3]>,
+        pixels: Pixels,
     ) -> Result<Self, MetricsError> {
         Self::new(name.into(), size, Encoding::Display, pixels)
     }
 
-    fn new(
-        name: String,
-        size: [usize; 2],
-        encoding: Encoding,
-        pixels: Vec<[f32; 3]>,
-    ) -> Result<Self, MetricsError> {
+    fn new(name: String, size: [usize; 2], encoding: Encoding, pixels: Pixels) -> Result<Self, MetricsError> {
         let [width, height] = size;
         if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
             return Err(MetricsError::PixelCount(name, pixels.len(), width, height));

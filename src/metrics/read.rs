@@ -10,6 +10,7 @@ use image::{ImageFormat, ImageReader, Limits};
 use super::error::MetricsError;
 use super::image::Image;
 use super::read_exr::{check_size, read_exr};
+use crate::output::OutputError;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
@@ -23,14 +24,14 @@ impl Image {
     /// that is not finite.
     pub fn read(path: &Path, layer: Option<&str>) -> Result<Self, MetricsError> {
         let bytes =
-            std::fs::read(path).map_err(|source| MetricsError::Read { path: path.to_path_buf(), source })?;
+            std::fs::read(path).map_err(|source| OutputError::Read { path: path.to_path_buf(), source })?;
         Self::decode(path, &bytes, layer)
     }
 
-    /// Like [`Self::read`], for the content `bytes` of the file `path`.
+    /// Reads, like [`Self::read`], the content `bytes` of the file `path`.
     ///
     /// # Errors
-    /// As for [`Self::read`].
+    /// The same as those of [`Self::read`].
     pub fn decode(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Self, MetricsError> {
         let name = path.display().to_string();
         if bytes.starts_with(EXR_MAGIC) {

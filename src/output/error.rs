@@ -9,6 +9,9 @@ pub enum OutputError {
     /// Neither `.png` nor `.exr`.
     #[error("{0}: unknown kind of picture; the name must end in .png or .exr")]
     UnknownExtension(PathBuf),
+    /// Neither `.svg` nor `.png`.
+    #[error("{0}: unknown kind of plot; the name must end in .svg or .png")]
+    UnknownPlot(PathBuf),
     /// Layers in a format without layers.
     #[error("{0}: --layers needs an .exr file; a .png has no layers")]
     LayersInPng(PathBuf),
@@ -42,7 +45,7 @@ pub enum OutputError {
         /// The system's error.
         source: io::Error,
     },
-    /// The picture cannot be encoded, for the encoder's reason.
+    /// The picture or plot cannot be encoded, for the encoder's reason.
     #[error("{0}: cannot be encoded: {1}")]
     Encode(PathBuf, String),
 }
@@ -50,7 +53,10 @@ pub enum OutputError {
 impl OutputError {
     /// Whether the name itself is invalid, independent of the file system.
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::UnknownExtension(_) | Self::LayersInPng(_) | Self::Placeholder(..))
+        matches!(
+            self,
+            Self::UnknownExtension(_) | Self::UnknownPlot(_) | Self::LayersInPng(_) | Self::Placeholder(..)
+        )
     }
 }
 

@@ -73,12 +73,8 @@ impl OutputFile {
 
     /// Writes `value` as JSON.
     pub fn save_json(&self, value: &impl serde::Serialize) -> Result<(), OutputError> {
-        self.save(|writer| {
-            serde_json::to_writer_pretty(&mut *writer, value)
-                .map_err(io::Error::from)
-                .and_then(|()| writeln!(writer))
-                .map_err(|source| self.error(source))
-        })
+        let text = serde_json::to_string_pretty(value).map_err(|error| self.error(error.into()))?;
+        self.save_text(&(text + "\n"))
     }
 
     pub(super) fn error(&self, source: io::Error) -> OutputError {

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Layout, Scale};
-use super::page::{Drawn, Page, Plot, Sample};
+use super::page::{Drawn, Page, Plot, Sample, chart};
 use super::text::FONT;
 
 /// A page of panels over one x axis.
@@ -95,21 +95,8 @@ impl Plot for Curves {
         let has_marks = panel.lines.iter().any(|line| line.look != Look::Plain);
         let x = self.x.layout(points().map(|(x, _)| x), if has_marks { 0.04 } else { 0.0 });
         let y = panel.y.layout(points().map(|(_, y)| y), 0.05);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&panel.title, (FONT, 16))
-            .margin(10)
-            .x_label_area_size(40)
-            .y_label_area_size(if panel.y.label.is_empty() { 60 } else { 74 })
-            .build_cartesian_2d(x.clone(), y.clone())?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
-            .x_desc(&self.x.label)
-            .y_desc(&panel.y.label)
-            .label_style((FONT, 12))
-            .axis_desc_style((FONT, 13))
-            .draw()?;
+        let axes = ((x.clone(), self.x.label.as_str()), (y.clone(), panel.y.label.as_str()));
+        let mut chart = chart(area, &panel.title, axes.0, axes.1, true)?;
         // Lines of labels alternate above and below their points.
         let mut labelled = 0;
         for line in &panel.lines {
@@ -137,7 +124,7 @@ impl Plot for Curves {
                 let below = labelled % 2 == 1;
                 labelled += 1;
                 chart.draw_series(shown.map(|(point, text)| {
-                    // On the side with more room.
+                    // The text stands on the side with more room.
                     let is_right = point.0 > 0.5 * (x.range().start + x.range().end);
                     let across = if is_right { HPos::Right } else { HPos::Left };
                     let place = (if is_right { -7 } else { 7 }, if below { 4 } else { -13 });

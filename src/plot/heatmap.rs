@@ -4,9 +4,8 @@ use image::{Rgb, RgbImage};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::file::PlotError;
 use super::text::{FONT, prepare_font, round_limit, short};
-use crate::output::OutputFile;
+use crate::output::{OutputError, OutputFile};
 
 const MARGIN: usize = 12;
 const TITLE_HEIGHT: usize = 34;
@@ -36,10 +35,10 @@ impl Heatmap<'_> {
     ///
     /// # Errors
     /// If it cannot be drawn or written.
-    pub fn save(&self, file: &OutputFile) -> Result<(), PlotError> {
-        let canvas =
-            self.draw().map_err(|reason| PlotError::Draw { path: file.path().to_path_buf(), reason })?;
-        Ok(file.save_png(canvas.dimensions().into(), &canvas)?)
+    pub fn save(&self, file: &OutputFile) -> Result<(), OutputError> {
+        let error = |reason| OutputError::Encode(file.path().to_path_buf(), reason);
+        let canvas = self.draw().map_err(error)?;
+        file.save_png(canvas.dimensions().into(), &canvas)
     }
 
     fn draw(&self) -> Result<RgbImage, String> {

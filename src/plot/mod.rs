@@ -13,7 +13,7 @@ mod text;
 pub use axis::{Axis, Scale};
 pub use bars::{Bar, BarPanel, Bars};
 pub use curves::{Curves, Line, Look, Panel};
-pub use file::{PlotError, PlotFile, svg_text};
+pub use file::{PlotFile, svg_text};
 pub use heatmap::{Heatmap, magma};
 pub use page::Plot;
 pub use text::{round_limit, short};

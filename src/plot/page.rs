@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::axis::Layout;
 use super::text::{FONT, prepare_font};
 
 pub(super) type Drawn<Canvas> = Result<(), DrawingAreaErrorKind<<Canvas as DrawingBackend>::ErrorType>>;
@@ -65,6 +66,36 @@ pub trait Plot {
         let areas = page.draw(canvas)?;
         areas.iter().take(page.panels).enumerate().try_for_each(|(index, area)| self.draw_panel(index, area))
     }
+}
+
+/// A chart with its title, on an area: the axes with their labels, and lines at the ticks of y and, if `has_x_lines`, of x.
+pub(super) fn chart<'a, Canvas: DrawingBackend>(
+    area: &'a DrawingArea<Canvas, Shift>,
+    title: &str,
+    (x, x_label): (Layout, &str),
+    (y, y_label): (Layout, &str),
+    has_x_lines: bool,
+) -> Result<ChartContext<'a, Canvas, Cartesian2d<Layout, Layout>>, DrawingAreaErrorKind<Canvas::ErrorType>> {
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, (FONT, 16))
+        .margin(10)
+        .x_label_area_size(40)
+        .y_label_area_size(if y_label.is_empty() { 60 } else { 74 })
+        .build_cartesian_2d(x, y)?;
+    {
+        let mut mesh = chart.configure_mesh();
+        if !has_x_lines {
+            mesh.disable_x_mesh();
+        }
+        mesh.light_line_style(TRANSPARENT)
+            .bold_line_style(BLACK.mix(0.12))
+            .x_desc(x_label)
+            .y_desc(y_label)
+            .label_style((FONT, 12))
+            .axis_desc_style((FONT, 13))
+            .draw()?;
+    }
+    Ok(chart)
 }
 
 impl Page<'_> {

@@ -297,7 +297,7 @@ impl LayerSums {
         self.hits += 1;
     }
 
-    /// What arrives of the lights' light over what would without shadows, by channel; 1 where none would.
+    /// Shadowed over unshadowed light of the lights, by channel; 1 where there is no light.
     fn shadow(&self) -> [f32; 3] {
         let share = |channel: usize| match self.unshadowed[channel] {
             unshadowed if unshadowed > 0.0 => (self.lit[channel] / unshadowed) as f32,

@@ -94,7 +94,7 @@ fn a_directional_light_shines_along_its_direction_with_a_highlight() {
         let d = (alpha / (half.y * half.y * (alpha * alpha - 1.0) + 1.0)).powi(2) / PI;
         let v = 0.5 / (to_light.y * long(to_eye.y) + to_eye.y * long(to_light.y));
         let fresnel = 0.3 + 0.7 * (1.0 - half.dot(to_eye)).powi(5);
-        // What is scattered twice adds little here: the floor is seen from above.
+        // Light that is scattered twice adds little here: the floor is seen from above.
         let bsdf =
             Bsdf { base: Vec3::splat(0.5), metallic: 0.0, roughness: 0.6, f0: Vec3::splat(0.3), f90: 1.0 };
         let seen = bsdf.seen(Vec3::Y, to_eye);

@@ -71,7 +71,7 @@ pub fn settings(vpls: u32, bounces: u32) -> Settings {
     }
 }
 
-/// The same settings, but VPLs lie as the lights throw them.
+/// The same settings with one candidate a slot, so that VPLs lie where the lights shoot them.
 pub fn without_choice(settings: Settings) -> Settings {
     Settings { vpl: VplSettings { candidates: 1, ..settings.vpl }, ..settings }
 }

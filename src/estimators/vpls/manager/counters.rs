@@ -1,4 +1,4 @@
-//! What the manager counts, and why VPLs became invalid.
+//! The counters of the manager, and the reasons why VPLs became invalid.
 
 use std::ops::{Index, IndexMut};
 

@@ -100,7 +100,7 @@ impl Slot {
 pub struct SlotView {
     /// Index of the slot.
     pub slot: u32,
-    /// What it holds.
+    /// Its state.
     pub state: SlotState,
     /// Index of its light; none if the slot is unassigned.
     pub light: Option<u32>,

@@ -40,7 +40,7 @@ impl VplManager {
             self.layout.set_slots(set).filter_map(|slot| self.gpu_vpl(world, slot)).collect();
         let BoundingSphere { center, radius } = self.changes.bounds;
         let place = |vpl: &GpuVpl| (vpl.position - center) / (2.0 * radius) + 0.5;
-        // Those at infinity come last, sorted by their direction.
+        // VPLs at infinity come last, sorted by their direction.
         let code = |vpl: &GpuVpl| match vpl.at_infinity {
             0 => morton_code(place(vpl)),
             _ => morton_code(0.5 * vpl.position + 0.5),
