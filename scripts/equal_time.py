@@ -1,4 +1,4 @@
-"""The program of scripts/equal-time: whole pictures after one second of rendering, by Mitsuba and by builds of the renderer.
+"""The program of scripts/equal-time: whole pictures after one second of rendering, by Mitsuba and by the renderer.
 
 Mitsuba renders what `glowworm export` wrote, with its path tracer and as many samples a pixel as a second allows; the
 renderer draws as many frames from its first one on as a second allows, at least one, at default settings. Loading and
@@ -31,28 +31,29 @@ SAMPLES = [1, 4, 9, 16, 25, 36, 49, 64, 81, 100, 144, 196, 256]
 
 
 class Lab:
-    """Runs the builds in a scratch folder; the cache keeps references."""
+    """Runs the program in a scratch folder; the cache keeps references."""
 
     def __init__(self, options, folder):
         self.options = options
         self.folder = folder
-        self.builds = {"before": options.before, "now": options.now}
-        self.builds = {build: binary for build, binary in self.builds.items() if binary}
-        # One build judges all.
-        self.judge = options.before or options.now
 
-    def run(self, binary, command, *arguments, report="report.json"):
-        report = self.folder / report
-        done = subprocess.run([binary, command, *map(str, arguments)] + ([] if command == "export" else ["--json", report]),
+    def run(self, command, *arguments):
+        report = self.folder / "report.json"
+        asked = [] if command == "export" else ["--json", report]
+        done = subprocess.run([self.options.glowworm, command, *map(str, arguments), *asked],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
             sys.exit(f"equal-time: error: glowworm {command} failed:\n{done.stderr}")
-        return None if command == "export" else json.loads(report.read_text())
+        return json.loads(report.read_text()) if asked else None
+
+    def render(self, scene, frames, out):
+        return self.run("render", scene, "--size", self.options.size, "--bounces", 2, "--time-step", 0, "--frames", frames,
+                        "--out", out)
 
     def export(self, scene):
         """The report of the scene's export."""
         out = self.folder / scene
-        self.run(self.judge, "export", scene, "--size", self.options.size, "--bounces", 2, "--out", out)
+        self.run("export", scene, "--size", self.options.size, "--bounces", 2, "--out", out)
         return json.loads((out / "glowworm-export.json").read_text())
 
     def reference(self, scene, pixel_filter):
@@ -60,28 +61,27 @@ class Lab:
         name += ("-box" if pixel_filter == "box" else "")
         picture, report = self.options.cache / f"{name}.exr", self.options.cache / f"{name}.json"
         if not (picture.exists() and report.exists()):
-            figures = self.run(self.judge, "reference", scene, "--layers", "--pixel-filter", pixel_filter, "--bounces", 2,
+            figures = self.run("reference", scene, "--layers", "--pixel-filter", pixel_filter, "--bounces", 2,
                                "--spp", self.options.spp, "--size", self.options.size, "--out", picture, "--resume")
             report.write_text(json.dumps(figures))
         return picture
 
-    def frames(self, build, scene):
+    def frames(self, scene):
         """How many frames a second holds, and the seconds that they take."""
-        report = self.run(self.builds[build], "render", scene, "--size", self.options.size, "--bounces", 2, "--time-step", 0,
-                          "--frames", MOST_FRAMES, "--out", self.folder / "frames.exr")
+        report = self.render(scene, MOST_FRAMES, self.folder / "frames.exr")
         ends = np.cumsum([frame["total_ms"] for frame in report["frames"]]) / 1000
         count = max(1, int(np.searchsorted(ends, SECONDS, side="right")))
         return count, float(ends[count - 1]), report["device"]
 
-    def errors(self, drawn, reference):
+    def errors(self, rendered, reference):
         """FLIP of the tone-mapped pictures, and HDR-FLIP of the linear ones."""
         stops = study_pictures.exposure(study_pictures.layer(reference, "colour"))
         shown = []
-        for name, file in [("drawn", drawn), ("reference", reference)]:
+        for name, file in [("rendered", rendered), ("reference", reference)]:
             shown.append(self.folder / f"{name}.png")
             Image.fromarray(study_pictures.display(colour(file), stops)).save(shown[-1])
-        return {"flip": self.run(self.judge, "compare", *shown)["flip"],
-                "hdr_flip": self.run(self.judge, "compare", drawn, reference)["flip"]}
+        return {"flip": self.run("compare", *shown)["flip"],
+                "hdr_flip": self.run("compare", rendered, reference)["flip"]}
 
 
 def colour(file):
@@ -135,18 +135,15 @@ def measure(lab, scene):
     report = lab.export(scene)
     box, centre = (lab.reference(scene, pixel_filter) for pixel_filter in ["box", "center"])
     picture, samples, seconds, spent = Mitsuba(lab.folder / scene, report["background"]).in_a_second(lab.options.turns)
-    drawn = lab.folder / "drawn.exr"
-    mi.Bitmap(picture.astype(np.float32)).write(str(drawn))
+    rendered = lab.folder / "rendered.exr"
+    mi.Bitmap(picture.astype(np.float32)).write(str(rendered))
     row = {"scene": scene, "integrator": report["integrator"],
-           "mitsuba": {"samples": samples, "seconds": seconds, "spent": spent, **lab.errors(drawn, box)}}
-    for build in lab.builds:
-        count, seconds, device = max((lab.frames(build, scene) for _ in range(lab.options.turns)),
-                                     key=lambda turn: (turn[0], -turn[1]))
-        lab.run(lab.builds[build], "render", scene, "--size", lab.options.size, "--bounces", 2, "--time-step", 0,
-                "--frames", count, "--out", drawn)
-        # Against the antialiased picture, too, which counts jagged edges as errors.
-        antialiased = {f"{key}_antialiased": value for key, value in lab.errors(drawn, box).items()}
-        row[build] = {"frames": count, "seconds": seconds, "device": device, **lab.errors(drawn, centre), **antialiased}
+           "mitsuba": {"samples": samples, "seconds": seconds, "spent": spent, **lab.errors(rendered, box)}}
+    count, seconds, device = max((lab.frames(scene) for _ in range(lab.options.turns)), key=lambda turn: (turn[0], -turn[1]))
+    lab.render(scene, count, rendered)
+    # Against the antialiased picture, too, which counts jagged edges as errors.
+    antialiased = {f"{key}_antialiased": value for key, value in lab.errors(rendered, box).items()}
+    row["glowworm"] = {"frames": count, "seconds": seconds, "device": device, **lab.errors(rendered, centre), **antialiased}
     return row
 
 
@@ -154,9 +151,8 @@ def arguments(root):
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "glowworm" / "quality"
     target = Path(os.environ.get("CARGO_TARGET_DIR") or "target")
     parser = argparse.ArgumentParser(prog="equal-time", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--before", type=Path, metavar="BINARY", help="glowworm of an earlier commit; it also judges")
-    parser.add_argument("--now", type=Path, metavar="BINARY", default=root / target / "release" / "glowworm",
-                        help="glowworm to be judged (%(default)s)")
+    parser.add_argument("--glowworm", type=Path, metavar="BINARY", default=root / target / "release" / "glowworm",
+                        help="the program to be measured (%(default)s)")
     parser.add_argument("--scenes", default=",".join(SCENES), metavar="A,B", help="names (%(default)s)")
     parser.add_argument("--size", default="256x256", metavar="WxH", help="size of the pictures (%(default)s)")
     parser.add_argument("--spp", type=int, default=1024, metavar="N", help="samples a pixel of the references (%(default)s)")

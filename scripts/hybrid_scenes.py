@@ -7,7 +7,7 @@ Rendering Techniques, 2021.
     pillars    a row of thin pillars under a sun of some half angle
     objects    large plain objects under such a sun
 
-Each moves in one way: not at all, the camera strafes, a thing crosses, or the light swings.
+Each moves in one way: not at all, the camera strafes, an object crosses, or the light swings.
 """
 
 import itertools
@@ -17,7 +17,7 @@ from pathlib import Path
 
 from study_scenes import Model
 
-MOTIONS = ["still", "camera", "things", "light"]
+MOTIONS = ["still", "camera", "objects", "light"]
 # Seconds of the animation; what moves does so from the first frame on.
 SECONDS = 4
 
@@ -56,7 +56,7 @@ class Scene:
 
     def place(self, model, at, turn=(0, 0, 0), moves=None):
         animation = {}
-        if moves and self.motion == "things":
+        if moves and self.motion == "objects":
             animation = {"animation": {"keyframes": [{"time": 0}, {"time": SECONDS, "translation": moves}]}}
         self.add("instances", name=model, model=model, translation=at, rotation=turn, **animation)
 

@@ -15,10 +15,10 @@ import results_page
 SCENES = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room"]
 ALL_KINDS = "tests/scene-files/all-kinds.toml"
 FOUR_LIGHTS = "tests/scene-files/four-lights.toml"
-LAMPS = ["tests/scene-files/lamps-material-grid.toml", "tests/scene-files/lamps-damaged-helmet.toml"]
+PUNCTUAL = ["tests/scene-files/lamps-material-grid.toml", "tests/scene-files/lamps-damaged-helmet.toml"]
 SKY_LIVING_ROOM = "tests/scene-files/sky-living-room.toml"
 # Small pictures of many VPLs: every pixel gathers all of them.
-TRUTH_SIZE = "128x128"
+REFERENCE_SIZE = "128x128"
 LOSS_SIZE = "128x128"
 CURVE_SIZE = "32x32"
 CURVE_SEEDS = range(6)
@@ -48,7 +48,7 @@ class Lab:
         self.script("glowworm", "render", self.scene(scene), "--out", out, "--json", report, *options)
         return json.loads(report.read_text())
 
-    def reference(self, scene, out, *options):
+    def trace(self, scene, out, *options):
         report = self.folder / "reference.json"
         self.script("glowworm", "reference", self.scene(scene), "--out", out, "--json", report, *options)
         return json.loads(report.read_text())
@@ -58,12 +58,12 @@ class Lab:
         self.script("glowworm", "compare", image, reference, "--json", report, *options)
         return json.loads(report.read_text())
 
-    def truth(self, scene, size, spp, *options):
+    def reference(self, scene, size, spp, *options):
         """The path tracer's picture with paths through pixel centres, rendered once for each set of options."""
         name = "-".join([Path(scene).stem, size, str(spp), *map(str, options)]).replace("/", "_")
-        picture = self.folder / f"truth-{name}.exr"
+        picture = self.folder / f"reference-{name}.exr"
         if not picture.exists():
-            self.reference(scene, picture, "--size", size, "--spp", spp, "--pixel-filter", "center", "--layers", *options)
+            self.trace(scene, picture, "--size", size, "--spp", spp, "--pixel-filter", "center", "--layers", *options)
         return picture
 
     def keep(self, section, figures):
@@ -77,7 +77,7 @@ def mitsuba(lab):
     rows = []
     # All light of the living room comes through its windows, which few paths find.
     rooms = ["living-room", lab.scene(SKY_LIVING_ROOM)]
-    scenes = [*SCENES, "material-grid", "damaged-helmet", *map(lab.scene, [ALL_KINDS, *LAMPS])]
+    scenes = [*SCENES, "material-grid", "damaged-helmet", *map(lab.scene, [ALL_KINDS, *PUNCTUAL])]
     for spp, group in [(1024, [scene for scene in scenes if scene not in rooms]), (2304, rooms)]:
         lab.script("scripts/verify-with-mitsuba", "--spp", spp, "--size", "256x256", "--json", report, *group, check=False)
         figures = json.loads(report.read_text())
@@ -86,33 +86,33 @@ def mitsuba(lab):
     lab.keep("mitsuba", figures)
 
 
-def truth(lab):
+def reference(lab):
     """The light that 65,536 VPLs carry against the path tracer: clamp off, 64 temporal sets."""
     rows = []
     for scene in ["cornell-box", "sponza", "conference", FOUR_LIGHTS]:
-        drawn = lab.folder / "drawn.exr"
-        report = lab.render(scene, drawn, "--size", TRUTH_SIZE, "--vpls", 65536, "--temporal-sets", 64,
+        rendered = lab.folder / "rendered.exr"
+        report = lab.render(scene, rendered, "--size", REFERENCE_SIZE, "--vpls", 65536, "--temporal-sets", 64,
                             "--interleave", 2, "--clamp", 0, "--bounces", 2, "--layers")
-        expected = lab.truth(scene, TRUTH_SIZE, 1024, "--bounces", 2)
-        compared = lab.compare(drawn, expected, "--layer", "indirect", "--blocks", 16)
+        expected = lab.reference(scene, REFERENCE_SIZE, 1024, "--bounces", 2)
+        compared = lab.compare(rendered, expected, "--layer", "indirect", "--blocks", 16)
         vpls = report["frames"][-1]["vpls"]
         rows.append({"scene": Path(scene).stem, "mean_ratio": compared["mean_ratio"], **compared["blocks"],
                      "valid": vpls["valid"], "escaped": vpls["escaped"], "device": report["device"]})
-    lab.keep("truth", {"size": TRUTH_SIZE, "rows": rows})
+    lab.keep("reference", {"size": REFERENCE_SIZE, "rows": rows})
 
 
 def clamp(lab):
     """What the default clamp loses, with 512 and 65,536 VPLs."""
     rows = []
     for scene in SCENES + [FOUR_LIGHTS]:
-        expected = lab.truth(scene, LOSS_SIZE, 512, "--bounces", 2)
+        expected = lab.reference(scene, LOSS_SIZE, 512, "--bounces", 2)
         row = {"scene": Path(scene).stem}
         for vpls in [512, 65536]:
             for bound in ["default", "off"]:
-                drawn = lab.folder / "drawn.exr"
-                lab.render(scene, drawn, "--size", LOSS_SIZE, "--vpls", vpls, "--temporal-sets", 16, "--bounces", 2,
+                rendered = lab.folder / "rendered.exr"
+                lab.render(scene, rendered, "--size", LOSS_SIZE, "--vpls", vpls, "--temporal-sets", 16, "--bounces", 2,
                            "--layers", *([] if bound == "default" else ["--clamp", 0]))
-                compared = lab.compare(drawn, expected, "--layer", "indirect")
+                compared = lab.compare(rendered, expected, "--layer", "indirect")
                 row[f"{vpls} {bound}"] = compared["mean_ratio"]
         rows.append(row)
     lab.keep("clamp", {"size": LOSS_SIZE, "rows": rows})
@@ -120,7 +120,7 @@ def clamp(lab):
 
 def convergence(lab):
     """Error of the indirect light against the number of VPLs, with the sequence and with random numbers."""
-    def draw(out, count, sequence, seed):
+    def render(out, count, sequence, seed):
         lab.render("cornell-box", out, "--size", CURVE_SIZE, "--vpls", count, "--temporal-sets", 16, "--interleave", 1,
                    "--bounces", 2, "--layers", "--sequence", sequence, "--seed", seed)
 
@@ -129,7 +129,7 @@ def convergence(lab):
         parts = []
         for seed in LIMIT_SEEDS:
             parts.append(lab.folder / f"limit-{seed}.exr")
-            draw(parts[-1], 65536, "sobol", seed)
+            render(parts[-1], 65536, "sobol", seed)
         write_mean_irradiance(parts, limit)
     counts = [2 ** power for power in range(6, 17)]
     curves = {}
@@ -138,9 +138,9 @@ def convergence(lab):
         for count in counts:
             errors = []
             for seed in CURVE_SEEDS:
-                drawn = lab.folder / "drawn.exr"
-                draw(drawn, count, sequence, seed)
-                errors.append(lab.compare(drawn, limit, "--layer", "indirect"))
+                rendered = lab.folder / "rendered.exr"
+                render(rendered, count, sequence, seed)
+                errors.append(lab.compare(rendered, limit, "--layer", "indirect"))
             # Over pixels and seeds alike: the root of the mean square, the mean of the absolute.
             curves[sequence].append({"rmse": math.sqrt(statistics.fmean(error["rmse"] ** 2 for error in errors)),
                                      "mae": statistics.fmean(error["mae"] for error in errors)})
@@ -173,11 +173,11 @@ def temporal(lab):
     keys = ["mae", "rmse", "relmse", "psnr", "ssim", "flip", "mean_ratio", "p95_relative_error"]
     rows = []
     for scene in ["cornell-box", "sponza"]:
-        expected = lab.truth(scene, "256x256", 512, "--bounces", 2)
+        expected = lab.reference(scene, "256x256", 512, "--bounces", 2)
         for sets in [1, 16]:
-            drawn = lab.folder / "drawn.exr"
-            lab.render(scene, drawn, "--size", "256x256", "--temporal-sets", sets, "--frames", sets, "--bounces", 2)
-            compared = lab.compare(drawn, expected)
+            rendered = lab.folder / "rendered.exr"
+            lab.render(scene, rendered, "--size", "256x256", "--temporal-sets", sets, "--frames", sets, "--bounces", 2)
+            compared = lab.compare(rendered, expected)
             rows.append({"scene": scene, "sets": sets, **{key: compared[key] for key in keys}})
     lab.keep("temporal", {"size": "256x256", "keys": keys, "rows": rows})
 
@@ -208,17 +208,17 @@ def metrics(lab):
 def pictures(lab):
     """The same view by the renderer and by the path tracer, and where they differ."""
     for scene in ["cornell-box", "sponza", "conference"]:
-        drawn, expected = lab.folder / "drawn.exr", lab.folder / f"picture-{scene}.exr"
+        rendered, expected = lab.folder / "rendered.exr", lab.folder / f"picture-{scene}.exr"
         common = ["--size", "320x240", "--bounces", 2]
         shown = ["--exposure", {"cornell-box": 1.5, "sponza": -0.5, "conference": -1.5}[scene]]
-        lab.reference(scene, expected, "--spp", 512, *common)
-        lab.reference(scene, lab.figures / f"{scene}-reference.png", "--spp", 512, *common, *shown)
-        lab.render(scene, drawn, *common)
+        lab.trace(scene, expected, "--spp", 512, *common)
+        lab.trace(scene, lab.figures / f"{scene}-reference.png", "--spp", 512, *common, *shown)
+        lab.render(scene, rendered, *common)
         lab.render(scene, lab.figures / f"{scene}-render.png", *common, *shown)
-        lab.compare(drawn, expected, "--heatmap", lab.figures / f"{scene}-flip.png")
+        lab.compare(rendered, expected, "--heatmap", lab.figures / f"{scene}-flip.png")
 
 
-SECTIONS = [mitsuba, truth, clamp, convergence, temporal, speed, metrics, pictures]
+SECTIONS = [mitsuba, reference, clamp, convergence, temporal, speed, metrics, pictures]
 
 
 def main():

@@ -32,7 +32,7 @@ def mitsuba(figures, _):
 """
 
 
-def truth(figures, _):
+def reference(figures, _):
     rows = [[r["scene"], f"{r['mean_ratio']:.4f}", percent(r["within_5_percent"]), percent(r["p95_relative_error"], 2),
              f"{r['valid']:,}", f"{r['escaped']:,}"] for r in figures["rows"]]
     head = ["scene", "mean, renderer over path tracer", "blocks within 5 %", "95 % of blocks within", "valid VPLs", "escaped"]
@@ -43,7 +43,7 @@ The indirect part alone (irradiance), 65,536 VPLs in 64 temporal sets, 2 bounces
 
 {table(head, rows)}
 
-Sponza's blocks fall short of 95 %: two thirds of the paths of its lamp leave through the roof, and without a clamp single
+Sponza's blocks fall short of 95 %: two thirds of the paths of its light leave through the roof, and without a clamp single
 VPLs that lie near a visible corner outweigh the hundreds of others that light a block. By block the medians agree; what is
 left falls slowly with the number of VPLs, as such heavy tails do (interleave 1, means over several seeds): 72 to 87 % of the
 blocks with 65,536 VPLs, 88 % with twice, 91 % with three times as many.
@@ -57,7 +57,7 @@ def clamp(figures, _):
     return f"""## What the clamp costs
 
 Mean indirect light over the path tracer's, {figures['size']}, 2 bounces, with the default `--clamp` and without. What is
-missing lies in corners and where things touch. With few VPLs the mean without a clamp also depends on whether one
+missing lies in corners and where objects touch. With few VPLs the mean without a clamp also depends on whether one
 happens to lie next to something that is seen.
 
 {table(head, rows)}
@@ -84,7 +84,7 @@ def convergence(figures, folder):
 Error of the indirect light of the Cornell box against the number of VPLs, {figures['size']}, default settings but interleave 1,
 over {figures['seeds']} seeds: with the Owen-scrambled Sobol sequence, and with independent random numbers
 (`--sequence random`). The limit is the mean of {figures['limit_seeds']} pictures of 65,536 VPLs with other seeds; how far that is
-from the truth, the clamp table says.
+from the path tracer's, the clamp table says.
 
 ![RMSE against the number of VPLs, on logarithmic axes](results/convergence.svg)
 
@@ -99,7 +99,7 @@ def temporal(figures, _):
     rows = [[r["scene"], str(r["sets"]), *(shown(r, key) for key in figures["keys"])] for r in figures["rows"]]
     return f"""## With and without temporal sets
 
-The dissertation's figure 30: a still picture of 512 VPLs, {figures['size']}, default settings, against the path tracer, drawn
+The dissertation's figure 30: a still picture of 512 VPLs, {figures['size']}, default settings, against the path tracer, rendered
 in one frame and in 16.
 
 {table(["scene", "T", *figures["keys"]], rows)}
@@ -140,7 +140,7 @@ def pictures(folder):
     return f"## Pictures\n\n{table(head, rows)}\n"
 
 
-SECTIONS = [mitsuba, truth, clamp, convergence, temporal, speed, metrics]
+SECTIONS = [mitsuba, reference, clamp, convergence, temporal, speed, metrics]
 
 
 def write(root):
@@ -148,7 +148,7 @@ def write(root):
     folder = root / "docs" / "results"
     parts = ["""# Results
 
-How far the pictures are from the truth, measured by `scripts/results`; run it to have the same for your machine.
+How far the pictures are from the reference, measured by `scripts/results`; run it to have the same for your machine.
 The renderer is judged by the path tracer (`glowworm reference`), and the path tracer by
 [Mitsuba 3](https://www.mitsuba-renderer.org), a renderer that nobody here wrote.
 """, pictures(folder)]

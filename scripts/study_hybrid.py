@@ -16,12 +16,12 @@ import study_hybrid_page
 
 ROUGHNESS = [0, 0.1, 0.2, 0.3, 0.4, 0.6, 1]
 HALF_ANGLES = [0, 2, 4, 6, 10, 20, 40, 90]
-# Those of sequences; of sponza, whose truth takes longest, the chosen one alone.
+# Sizes of sequences; of sponza, whose reference takes longest, the chosen one alone.
 MOVING = [0, 0.2, 1, 4, 90]
 # Each extension by itself is measured at these values, still and under a moving camera.
 CHOSEN = {"boxes": [0, 0.2, 0.4], "icosphere": [0.2], "sponza": [0.2], "pillars": [4], "objects": [4, 20]}
 # A still picture after so many frames; one frame of a sequence, with its past.
-FRAMES = {"still": 32, "camera": 40, "things": 40, "light": 40}
+FRAMES = {"still": 32, "camera": 40, "objects": 40, "light": 40}
 NOISY_SAMPLES = 16
 
 # Keys of a report.
@@ -72,7 +72,7 @@ class Study:
         parts = [scene.read_text(), *map(str, what)]
         return self.cache / hashlib.sha256("\n".join(parts).encode()).hexdigest()[:24]
 
-    def truth(self, scene, name, frame, spp, seed=0):
+    def reference(self, scene, name, frame, spp, seed=0):
         """The path tracer's picture through pixel centres; rendered once."""
         bounces = 1 if layer_of(name) == "reflected" else 0
         options = ["--layers", "--pixel-filter", "center", "--bounces", bounces, "--size", self.options.size,
@@ -85,11 +85,11 @@ class Study:
         return picture
 
     def samples(self, value):
-        """A pixel, of the truth: sharp mirrors and shadows need few."""
+        """A pixel, of the reference: sharp mirrors and shadows need few."""
         return self.options.spp if value > 0 else NOISY_SAMPLES
 
-    def error(self, picture, truth, layer):
-        compared = self.run("compare", picture, truth, "--layer", layer)
+    def error(self, picture, reference, layer):
+        compared = self.run("compare", picture, reference, "--layer", layer)
         return {name: compared[name] for name in ["ssim", "flip", "mean_ratio"]}
 
     def measure(self, name, motion, value, variant):
@@ -100,25 +100,25 @@ class Study:
             "--size", self.options.size, "--frames", frames, "--layers"]
         kept = self.key(scene, self.build, self.options.spp, *options).with_suffix(".json")
         if not kept.exists():
-            drawn = self.cache / "drawn.exr"
-            report = self.run("render", scene, *options, "--out", drawn)
-            truth = self.truth(scene, name, frames - 1, self.samples(value))
-            kept.write_text(json.dumps([self.error(drawn, truth, layer_of(name)), *(report[key] for key in MACHINE)]))
+            rendered = self.cache / "rendered.exr"
+            report = self.run("render", scene, *options, "--out", rendered)
+            reference = self.reference(scene, name, frames - 1, self.samples(value))
+            kept.write_text(json.dumps([self.error(rendered, reference, layer_of(name)), *(report[key] for key in MACHINE)]))
         row, *self.machine = json.loads(kept.read_text())
         return {"scene": name, "motion": motion, "value": value, "variant": variant} | row
 
     def judged(self, name, motion, value):
-        """The same of the path tracer itself: with few samples, and another picture of as many, for the noise of the truth."""
+        """Rows of the path tracer itself: with few samples, and with another picture of as many, for the noise of the reference."""
         scene = hybrid_scenes.make(self.cache / "scenes", name, motion, value)
         frame, layer, spp = FRAMES[motion] - 1, layer_of(name), self.samples(value)
         kept = self.key(scene, "judged", frame, layer, self.options.size, spp).with_suffix(".json")
         if not kept.exists():
-            truth = self.truth(scene, name, frame, spp)
+            reference = self.reference(scene, name, frame, spp)
             rows = {}
             if value > 0:
-                rows[f"{NOISY_SAMPLES} samples"] = self.error(self.truth(scene, name, frame, NOISY_SAMPLES), truth, layer)
+                rows[f"{NOISY_SAMPLES} samples"] = self.error(self.reference(scene, name, frame, NOISY_SAMPLES), reference, layer)
             if value in CHOSEN[name] and motion == "still" and value > 0:
-                rows["truth again"] = self.error(self.truth(scene, name, frame, spp, 1), truth, layer)
+                rows["reference again"] = self.error(self.reference(scene, name, frame, spp, 1), reference, layer)
             kept.write_text(json.dumps(rows))
         rows = json.loads(kept.read_text())
         return [{"scene": name, "motion": motion, "value": value, "variant": variant} | row for variant, row in rows.items()]
@@ -187,7 +187,7 @@ def arguments(root):
     parser.add_argument("--scenes", default=",".join(names), metavar="A,B", help="names (%(default)s)")
     parser.add_argument("--size", default="320x180", metavar="WxH", help="size of the pictures (%(default)s)")
     parser.add_argument("--spp", type=int, default=512, metavar="N",
-                        help="samples a pixel of the truth (%(default)s)")
+                        help="samples a pixel of the reference (%(default)s)")
     parser.add_argument("--cache", type=Path, default=cache, metavar="DIR", help="keeps what was measured (%(default)s)")
     parser.add_argument("--out", type=Path, default=root / "docs", metavar="DIR",
                         help="folder of HYBRID.md and hybrid/ (%(default)s)")

@@ -20,7 +20,7 @@ THESIS_SPONZA = "0.791, 0.893, 0.899"
 # What stills and sequences are to reach.
 TARGETS = {"boxes": (0.97, 0.95), "icosphere": (0.97, 0.95), "sponza": (0.93, 0.90), "pillars": (0.98, 0.95), "objects": (0.98, 0.95)}
 WHAT = {"boxes": "roughness", "icosphere": "roughness", "sponza": "roughness", "pillars": "half angle", "objects": "half angle"}
-MOTIONS = {"still": "still", "camera": "the camera strafes", "things": "a thing crosses", "light": "the light turns"}
+MOTIONS = {"still": "still", "camera": "the camera strafes", "objects": "an object crosses", "light": "the light turns"}
 
 HEAD = """# Soft shadows and reflections
 
@@ -30,7 +30,7 @@ P. Granja, *Real Time Hybrid Rendering Techniques*, 2021, whose models are not p
 (`scripts/hybrid_scenes.py`). Compared is the light of the effect alone, in linear values: the layer `reflected` or `shadow` of
 `render --layers --antialiasing none --indirect none` with that of `reference --pixel-filter center` (`--bounces 1` and 0).
 
-{size}, commit {commit}, {device} ({driver}), {spp} samples a pixel of the truth (16 of
+{size}, commit {commit}, {device} ({driver}), {spp} samples a pixel of the reference (16 of
 sharp mirrors and shadows). Still: after 32 frames. In motion: the 40th frame, with motion since the first. To make this page, in about an hour:
 
 ```sh
@@ -42,7 +42,7 @@ EXTENSIONS = """## Each extension
 
 SSIM / HDR-FLIP. **SVGF** is the paper's alone (`--svgf-clamp 0 --svgf-firefly 0 --svgf-adaptive false`); **+** adds one extension to it;
 **default** has the clamp, the firefly filter and the adaptive blur; **all** also the separable blur and Reinhard's curve; the last two
-columns show what the path tracer has at {noisy} and how much of the error is noise of the truth itself.
+columns show what the path tracer has at {noisy} and how much of the error is noise of the reference itself.
 
 {table}
 
@@ -51,8 +51,8 @@ curve is inverted exactly; what it darkens is noise, whose mean lies below the c
 """
 
 LIMITS = """The path tracer at pixel centres looks textures and normal maps up at full size, the renderer in mip levels, so relief and stone of
-sponza differ where they are small (albedo by 0.02 in the mean): that, not noise, decides its rows at low roughness. "Truth again" says
-how much noise the truth itself has. The path tracer's samples of a light are stratified, so 16 of them are better than 32 frames of
+sponza differ where they are small (albedo by 0.02 in the mean): that, not noise, decides its rows at low roughness. "Reference again" says
+how much noise the reference itself has. The path tracer's samples of a light are stratified, so 16 of them are better than 32 frames of
 one ray; what the denoiser adds over its input is the step from "not denoised" to "default".
 """
 
@@ -72,8 +72,8 @@ TESTS = """## Where each claim is tested
 |---|---|
 | cone and area sampling: mean of rays against the path tracer, by blocks | `tests/renderer/soft_shadows.rs` |
 | GGX visible normals: mean at roughness 0, 0.2, 0.6, metal and dielectric; a mirror shows what is seen from the mirrored place | `tests/renderer/reflections.rs` |
-| light of VPLs, thin sheets and area lights in mirrors; blend above the roughness limit | `tests/renderer/mirrors.rs`, `soft_shadows.rs` |
-| hundred lamps, one ray a pixel | `tests/renderer/soft_shadows.rs` |
+| light of VPLs, thin surfaces and area lights in mirrors; blend above the roughness limit | `tests/renderer/mirrors.rs`, `soft_shadows.rs` |
+| hundred lights, one ray a pixel | `tests/renderer/soft_shadows.rs` |
 | spectrum of blue and white noise | `tests/noise.rs` |
 | each stage of SVGF against its CPU twin; impulse, edge, grazing plane, alpha, NaN | `tests/denoise/` |
 | disocclusion, reach of history, lights that go | `tests/denoise/`, `tests/renderer/soft_shadows.rs`, `reflections.rs` |
@@ -156,7 +156,7 @@ def cell(figures, scene, motion, value, variant):
 
 def extensions(figures):
     columns = ["SVGF", *(name for name in figures.variants() if name.startswith("+")), "default", "all", "white noise",
-               "not denoised", *(name for name in figures.variants() if name.endswith("samples")), "truth again"]
+               "not denoised", *(name for name in figures.variants() if name.endswith("samples")), "reference again"]
     rows = []
     for scene, motion, value, variant in figures.rows:
         if variant == "all":

@@ -38,20 +38,20 @@ def block_means(picture, side):
     return luminances[:height, :width].reshape(height // side, side, width // side, side).mean((1, 3))
 
 
-def brightest_block(drawn, reference, side=8):
+def brightest_block(rendered, reference, side=8):
     """The greatest ratio of the means of a block: bright spots and leaks."""
-    ours, theirs = block_means(drawn, side), block_means(reference, side)
+    ours, theirs = block_means(rendered, side), block_means(reference, side)
     counted = theirs > DARK * theirs.mean()
     return float((ours[counted] / theirs[counted]).max())
 
 
-def trimmed_relmse(drawn, reference):
+def trimmed_relmse(rendered, reference):
     """The relMSE of `glowworm compare` over all pixels but the worst 0.1 %: one pixel may outweigh all others."""
-    errors = ((drawn - reference) ** 2 / (reference ** 2 + 0.01)).mean(2).ravel()
+    errors = ((rendered - reference) ** 2 / (reference ** 2 + 0.01)).mean(2).ravel()
     return float(np.sort(errors)[:int(0.999 * errors.size)].mean())
 
 
-def pattern(drawn, reference, period=4):
+def pattern(rendered, reference, period=4):
     """How much a pattern of this period in pixels, as interleaving may leave it, stands out from the error around it.
 
     The power spectrum of the luminance of the error (after a Hann window, so that edges of the picture do not leak) is
@@ -60,7 +60,7 @@ def pattern(drawn, reference, period=4):
     vertical edges are, the neighbourhood is the strip of 3 bins along it. The result is the mean of the four: about 1 where
     there is no pattern (0.5 to 1.5: few bins tell).
     """
-    error = (drawn - reference) @ LUMINANCE
+    error = (rendered - reference) @ LUMINANCE
     height, width = (extent // period * period for extent in error.shape)
     window = np.outer(np.hanning(height + 1)[:-1], np.hanning(width + 1)[:-1])
     error = error[:height, :width]

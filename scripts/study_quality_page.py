@@ -1,40 +1,72 @@
 """Generates docs/QUALITY.md from the figures in docs/quality."""
 
 import json
-import math
 
 SCENES = ["cornell-box", "sponza", "sibenik", "conference", "classroom", "living-room",
           "corridor", "blinds", "uplight", "courtyard"]
-# Of the table of one second.
+# Most frames of the table of one second.
 MOST_FRAMES = 32
 
-COLUMNS = [
-    # Heading, figure, its format, whether the mean ratio over the scenes says something.
-    ("relMSE", "relmse", ".4f", True),
-    ("trimmed", "trimmed_relmse", ".4f", True),
-    ("HDR-FLIP", "flip", ".3f", True),
-    ("SSIM", "ssim", ".3f", False),
-    ("mean", "mean_ratio", ".3f", False),
-    ("brightest block", "brightest_block", ".2f", True),
-    ("pattern", "pattern", ".2f", False),
-]
-COSTS = [("ms", "ms", ".1f", True), ("rays a pixel", "rays", ".2f", True), ("efficiency", "efficiency", ".1f", True),
-         ("trimmed", "trimmed_efficiency", ".1f", True)]
+# Heading, figure and its format.
+ERRORS = [("relMSE", "relmse", ".4f"), ("trimmed", "trimmed_relmse", ".4f"), ("HDR-FLIP", "flip", ".3f"), ("SSIM", "ssim", ".3f"),
+          ("mean", "mean_ratio", ".3f"), ("brightest block", "brightest_block", ".2f"), ("pattern", "pattern", ".2f"),
+          ("noise", "noise", ".4f")]
+COSTS = [("ms", "ms", ".1f"), ("rays a pixel", "rays", ".2f"), ("efficiency", "efficiency", ".1f"),
+         ("trimmed", "trimmed_efficiency", ".1f")]
+STEADINESS = [("spread", "spread", ".3f"), ("deviation", "deviation", ".3f"), ("typical deviation", "typical_deviation", ".3f")]
+# Counters that are told elsewhere or that concern moving scenes.
+UNTOLD = ["slots", "stale", "invalidated", "shot"]
 
-COLUMN_NOTES = """- **relMSE, HDR-FLIP, SSIM, mean**: of the irradiance, as `glowworm compare` has them (SSIM at an exposure that brings 95 % of the
+HEAD = """# Quality of the indirect light
+
+The irradiance alone against the path tracer (`glowworm reference`, paths through pixel centres): default settings, 2 bounces,
+nothing moves; {size}, {device} ({driver}). These commands write this page:
+
+```sh
+scripts/study-quality               # --help lists the options, such as --seeds 8 for a table of other seeds
+scripts/equal-time                  # a table of pictures after one second, beside Mitsuba
+```
+
+The last four scenes are made by `scripts/study_scenes.py`: a corridor with its light far away, a room behind blinds, a light that
+shines at the ceiling, an open court with 24 lights.
+
+## Error
+
+{errors}
+
+- **relMSE, HDR-FLIP, SSIM, mean**: of the irradiance, as `glowworm compare` has them (SSIM at an exposure that brings 95 % of the
   pixels below 0.8); mean is the mean luminance over the reference's.
 - **trimmed**: relMSE without the worst 0.1 % of the pixels; one bright pixel where it is dark may outweigh all others.
 - **brightest block**: of the blocks of 8 x 8 pixels the greatest mean over the reference's (blocks above 2 % of the picture's mean).
 - **pattern**: power of the error at periods of 4 pixels over that at neighbouring periods; 0.5 to 1.5 where interleaving leaves none.
-- **noise**: the part of both relMSE that is due to noise of the reference, estimated with another one.
-"""
-COST_NOTES = """- **ms**: sum of the passes of a frame, median over the last 16 of 33 frames, the fastest of {turns} turns; the builds alternate.
+- **noise**: the part of the relMSE that is due to noise of the reference, estimated with another one.
+
+## Cost
+
+{costs}
+
+- **ms**: sum of the passes of a frame, median over the last 16 of 33 frames, the fastest of {turns} turns.
 - **rays a pixel**: shadow rays of the shaders for each pixel of a frame, mean over the same frames.
 - **efficiency**: 1 / (relMSE x seconds): how good a picture a second buys; trimmed, of the trimmed relMSE.
-- **VPLs**: slots that hold a VPL, slots whose path left the scene{more}, of all slots.
+- **VPLs**: slots by what they hold, of all slots.
 """
-SEED_NOTES = """Mean irradiance of blocks of 32 x 32 pixels over {seeds} seeds: **spread**, largest less smallest, and standard **deviation**, both over
+
+SEEDS = """## Other seeds
+
+Mean irradiance of blocks of 32 x 32 pixels over {seeds} seeds: **spread**, largest less smallest, and standard **deviation**, both over
 the block's mean and of the worst block; **typical deviation**, root mean square over the blocks.
+
+{table}
+"""
+
+ONE_SECOND = """## One second
+
+The whole picture after one second on {cores} cores: by Mitsuba {mitsuba} ({variant}), with as many samples a pixel, and by
+the renderer on {device}, with as many frames from the first on (at most {most}; after 16 a still picture stays as it is),
+{size}. Loading and compiling are left out, highlights too. Each is compared with the path tracer's picture of its own pixel filter;
+FLIP is of tone-mapped pictures (95 % of the pixels below 0.8, sRGB). Last: whose FLIP and whose HDR-FLIP is lower.
+
+{table}
 """
 
 
@@ -43,135 +75,61 @@ def table(head, rows):
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
-def with_efficiency(figures):
-    for build in ["before", "now"]:
-        row = figures[build]
-        for name in ["", "trimmed_"]:
-            row[f"{name}efficiency"] = 1000 / (row[f"{name}relmse"] * row["ms"])
-    return figures
+def read(file):
+    """The figures of a scene, with its efficiency."""
+    row = json.loads(file.read_text())
+    for name in ["", "trimmed_"]:
+        row[f"{name}efficiency"] = 1000 / (row[f"{name}relmse"] * row["ms"])
+    return row
 
 
-def pair(before, now, form, ratio=True):
-    """Both values and their ratio."""
-    quotient = f" ({now / before:.2f})" if ratio and before else ""
-    return f"{before:{form}} → {now:{form}}{quotient}"
-
-
-def line(scene, figures):
+def line(scene, file):
     """One line for the terminal."""
-    figures = with_efficiency(figures)
-    cells = [f"{head} {pair(figures['before'][key], figures['now'][key], form)}" for head, key, form, _ in COLUMNS + COSTS]
-    return f"{scene}: " + ", ".join(cells)
+    row = read(file)
+    return f"{scene}: " + ", ".join(f"{head} {row[key]:{form}}" for head, key, form in ERRORS + COSTS)
 
 
-def mean_ratio(rows, key):
-    """Geometric mean over the scenes of now over before."""
-    ratios = [row["now"][key] / row["before"][key] for row in rows]
-    return math.exp(sum(map(math.log, ratios)) / len(ratios))
-
-
-def compared(studies, columns, head, more):
-    """A table with a row for each scene and, last, the mean ratios; `more` gives a row's other cells."""
-    lines = [[scene, *(pair(row["before"][key], row["now"][key], form, ratio) for _, key, form, ratio in columns), *more(row)]
-             for scene, row in studies.items()]
-    means = [f"{mean_ratio(studies.values(), key):.2f}" if ratio else "" for _, key, _, ratio in columns]
-    lines.append(["all (geometric mean)", *means, *([""] * len(head))])
+def by_scene(rows, columns, head=(), more=lambda row: []):
+    """A table with a row for each scene; `more` gives a row's other cells."""
+    lines = [[scene, *(f"{row[key]:{form}}" for _, key, form in columns), *more(row)] for scene, row in rows.items()]
     return table(["scene", *(column[0] for column in columns), *head], lines)
 
 
 def vpls(row):
-    """Counters that both builds have, or only the later one; those of moving scenes are left out."""
-    shown = [name for name in row["now"]["vpls"] if name not in ["slots", "stale", "invalidated", "shot"]]
-    shown.sort(key=lambda name: ["valid", "escaped"].index(name) if name in ["valid", "escaped"] else 2)
-    return ["; ".join("{} {}".format(name, " → ".join(str(row[build]["vpls"].get(name, "?")) for build in ["before", "now"]))
-                      for name in shown) + f"; of {row['now']['vpls']['slots']}"]
-
-
-def others(studies):
-    """Names of the counters that are there beside the usual ones."""
-    usual = {"slots", "valid", "escaped", "stale", "invalidated", "shot"}
-    return sorted({name for row in studies.values() for name in row["now"]["vpls"]} - usual)
-
-
-def seeds(studies):
-    with_seeds = {scene: row for scene, row in studies.items() if row["seeds"] > 1}
-    if not with_seeds:
-        return ""
-    keys = ["spread", "deviation", "typical_deviation"]
-    rows = [[scene, *(pair(*(row[build]["seeds"][key] for build in ["before", "now"]), ".3f") for key in keys)]
-            for scene, row in with_seeds.items()]
-    count = max(row["seeds"] for row in with_seeds.values())
-    return f"""## Other seeds
-
-{SEED_NOTES.format(seeds=count)}
-{table(["scene", "spread", "deviation", "typical deviation"], rows)}
-"""
+    shown = [f"{name} {count}" for name, count in row["vpls"].items() if name not in UNTOLD]
+    return ["; ".join(sorted(shown, reverse=True)) + f"; of {row['vpls']['slots']}"]
 
 
 def equal_time(figures):
-    builds = [build for build in ["before", "now"] if build in figures["rows"][0]]
     rows = []
     for row in figures["rows"]:
-        cells = [row["scene"], f"{row['mitsuba']['samples']}", *(f"{row['mitsuba'][key]:.3f}" for key in ["flip", "hdr_flip"])]
-        for build in builds:
-            cells += [f"{row[build]['frames']}", *(f"{row[build][key]:.3f}" for key in ["flip", "hdr_flip"])]
-        cells += ["glowworm" if row[builds[-1]][key] < row["mitsuba"][key] else "Mitsuba" for key in ["flip", "hdr_flip"]]
-        rows.append(cells)
-    head = ["scene", "Mitsuba: samples a pixel", "FLIP", "HDR-FLIP"]
-    for build in builds:
-        head += [f"{build}: frames", "FLIP", "HDR-FLIP"]
-    device = figures["rows"][0][builds[-1]]["device"]
-    return f"""## One second
-
-The whole picture after one second on {figures['cores']} cores: by Mitsuba {figures['mitsuba']} ({figures['variant']}), with as many samples a pixel, and by
-the renderer on {device}, with as many frames from the first on (at most {MOST_FRAMES}; after 16 a still picture stays as it is),
-{figures['size']}. Loading and compiling are left out, highlights too. Each is compared with the path tracer's picture of its own pixel filter;
-FLIP is of tone-mapped pictures (95 % of the pixels below 0.8, sRGB). Last: whose FLIP and whose HDR-FLIP is lower.
-
-{table([*head, "closer: FLIP", "HDR-FLIP"], rows)}
-"""
+        ours, theirs = row["glowworm"], row["mitsuba"]
+        cells = [row["scene"], f"{theirs['samples']}", f"{theirs['flip']:.3f}", f"{theirs['hdr_flip']:.3f}"]
+        cells += [f"{ours['frames']}", f"{ours['flip']:.3f}", f"{ours['hdr_flip']:.3f}"]
+        rows.append(cells + ["glowworm" if ours[key] < theirs[key] else "Mitsuba" for key in ["flip", "hdr_flip"]])
+    head = ["scene", "Mitsuba: samples a pixel", "FLIP", "HDR-FLIP", "glowworm: frames", "FLIP", "HDR-FLIP", "closer: FLIP", "HDR-FLIP"]
+    return ONE_SECOND.format(**figures, most=MOST_FRAMES, device=figures["rows"][0]["glowworm"]["device"], table=table(head, rows))
 
 
-def strips(studies):
-    parts = [f"**{scene}**\n\n![{scene}: before, now, reference](quality/{scene}.jpg)\n" for scene in studies]
-    return "## Before, now, reference\n\nIndirect irradiance at one exposure.\n\n" + "\n".join(parts)
+def strips(rows):
+    parts = [f"**{scene}**\n\n![{scene}: glowworm, reference](quality/{scene}.jpg)\n" for scene in rows]
+    return "## Beside the reference\n\nIndirect irradiance at one exposure: the renderer, then the path tracer.\n\n" + "\n".join(parts)
 
 
 def write(docs):
     """Writes the page from the available figures."""
-    folder = docs / "quality"
-    files = {scene: folder / f"{scene}.json" for scene in SCENES}
-    studies = {scene: with_efficiency(json.loads(file.read_text())) for scene, file in files.items() if file.exists()}
-    if not studies:
+    files = {scene: docs / "quality" / f"{scene}.json" for scene in SCENES}
+    rows = {scene: read(file) for scene, file in files.items() if file.exists()}
+    if not rows:
         return
-    first = next(iter(studies.values()))
-    before, now = first["before"], first["now"]
-    more = "".join(f", {name}" for name in others(studies))
-    parts = [f"""# Quality of the indirect light
-
-Two builds against the path tracer (`glowworm reference`, paths through pixel centres): the irradiance alone, default settings, 2 bounces,
-nothing moves. Before is commit {before['commit']}, now {now['commit']}; {first['size']}, {now['device']} ({now['driver']}). To make this page:
-
-```sh
-scripts/study-quality --before BINARY --seeds 8     # a build of the earlier commit; --help lists the options
-scripts/equal-time --before BINARY                  # the last table
-```
-
-Cells read "before → now (now over before)". The last four scenes are made by `scripts/study_scenes.py`: a corridor with its lamp far
-away, a room behind blinds, a lamp that shines at the ceiling, an open court with 24 lamps.
-
-## Error
-
-{compared(studies, COLUMNS, ["noise"], lambda row: [f"{row['noise']:.4f}"])}
-
-{COLUMN_NOTES}
-## Cost
-
-{compared(studies, COSTS, ["VPLs"], vpls)}
-
-{COST_NOTES.format(turns=len(now['turns']), more=more)}""", seeds(studies)]
-    timed = folder / "equal-time.json"
+    first = next(iter(rows.values()))
+    parts = [HEAD.format(**{key: first[key] for key in ["size", "device", "driver"]}, turns=len(first["turns"]),
+                         errors=by_scene(rows, ERRORS), costs=by_scene(rows, COSTS, ["VPLs"], vpls))]
+    seeded = {scene: row for scene, row in rows.items() if "steadiness" in row}
+    if seeded:
+        steady = by_scene({scene: row["steadiness"] for scene, row in seeded.items()}, STEADINESS)
+        parts.append(SEEDS.format(seeds=max(row["seeds"] for row in seeded.values()), table=steady))
+    timed = docs / "quality" / "equal-time.json"
     if timed.exists():
         parts.append(equal_time(json.loads(timed.read_text())))
-    parts.append(strips(studies))
-    (docs / "QUALITY.md").write_text("\n".join(part for part in parts if part))
+    (docs / "QUALITY.md").write_text("\n".join([*parts, strips(rows)]))

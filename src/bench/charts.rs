@@ -6,7 +6,8 @@ use super::samples::{TOTAL, stages};
 use super::summary::{Noise, Summary};
 use super::tables::{Grid, GridRow, axes, grid, is_shown, single_set_time};
 use crate::estimators;
-use crate::plot::{self, Bar, BarPanel, Bars, Curves, Line, Look, Panel, PlotError, PlotFile, Scale};
+use crate::output::OutputError;
+use crate::plot::{self, Bar, BarPanel, Bars, Curves, Line, Look, Panel, PlotFile, Scale};
 use crate::statistics::percentile;
 
 /// Colour of the time between passes.
@@ -32,7 +33,7 @@ enum Drawing {
 
 impl Chart {
     /// Draws and writes it.
-    pub fn save(&self, file: &PlotFile) -> Result<(), PlotError> {
+    pub fn save(&self, file: &PlotFile) -> Result<(), OutputError> {
         match &self.drawing {
             Drawing::Curves(curves) => file.save(curves),
             Drawing::Bars(bars) => file.save(bars),

@@ -14,7 +14,6 @@ use super::report::Report;
 use super::summary::Noise;
 use super::tables::{Table, common_settings, milliseconds};
 use crate::output::OutputError;
-use crate::plot::PlotError;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -112,7 +111,7 @@ fn table_markup(table: &Table) -> Markup {
 }
 
 fn figure(chart: &Chart) -> Result<Markup, BenchError> {
-    let svg = chart.svg().map_err(|reason| PlotError::Draw { path: "report.html".into(), reason })?;
+    let svg = chart.svg().map_err(|reason| OutputError::Encode("report.html".into(), reason))?;
     Ok(html! { figure.plot role="img" aria-label=(chart.title) { (PreEscaped(svg)) } })
 }
 

@@ -51,7 +51,6 @@ use std::time::Instant;
 use crate::formats::{SceneError, load_scene};
 use crate::metrics::MetricsError;
 use crate::output::{OutputError, Picture};
-use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
 use crate::report::LoadTimes;
@@ -85,9 +84,6 @@ pub enum BenchError {
     /// Something cannot be written or read.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A plot cannot be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
     /// Pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),

@@ -11,7 +11,7 @@ use crate::metrics::{
     CompareOptions, Comparison, Encoding, Exposures, Image, MetricsError, PixelError, Sequence,
     SequenceMetrics, pixel_errors,
 };
-use crate::output::{NumberedPath, OutputFile};
+use crate::output::{NumberedPath, OutputError, OutputFile};
 use crate::plot::{Heatmap, PlotFile, round_limit, short};
 use crate::statistics::percentile;
 
@@ -309,7 +309,7 @@ fn given_frames(
 ) -> Result<RangeInclusive<u64>, MetricsError> {
     for path in frames.clone().flat_map(|frame| [image.path_of(frame), reference.path_of(frame)]) {
         if let Err(source) = std::fs::metadata(&path) {
-            return Err(MetricsError::Read { path, source });
+            return Err(OutputError::Read { path, source }.into());
         }
     }
     Ok(frames.clone())
@@ -319,7 +319,7 @@ fn given_frames(
 fn all_frames(image: &NumberedPath, reference: &NumberedPath) -> Result<RangeInclusive<u64>, MetricsError> {
     let on_disk = |name: &NumberedPath| {
         let frames = name.frames_on_disk();
-        frames.map_err(|source| MetricsError::Read { path: name.path().to_path_buf(), source })
+        frames.map_err(|source| OutputError::Read { path: name.path().to_path_buf(), source })
     };
     let frames = on_disk(image)?;
     let (Some(&first), Some(&last)) = (frames.first(), frames.last()) else {

@@ -11,7 +11,6 @@ use crate::export::ExportError;
 use crate::formats::SceneError;
 use crate::metrics::MetricsError;
 use crate::output::OutputError;
-use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
 use crate::settings::SettingsError;
@@ -34,15 +33,12 @@ pub enum CliError {
     /// The scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A picture or report cannot be written.
+    /// A picture, plot or report cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// Pictures cannot be compared.
     #[error(transparent)]
     Metrics(#[from] MetricsError),
-    /// A plot cannot be drawn or written.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
     /// Vulkan cannot be loaded, has no fitting device, or failed.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
@@ -117,7 +113,6 @@ impl From<BenchError> for CliError {
             BenchError::Settings { scene, error } => Self::Settings { scene, error },
             BenchError::Render(error) => error.into(),
             BenchError::Output(error) => error.into(),
-            BenchError::Plot(error) => error.into(),
             BenchError::Metrics(error) => error.into(),
             other => Self::Bench(other),
         }
@@ -152,7 +147,6 @@ impl CliError {
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
             Self::Metrics(error) => error.is_usage(),
-            Self::Plot(error) => error.is_usage(),
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)

@@ -10,11 +10,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use tempfile::TempDir;
 
-use super::{ExportReport, OWN_FILES};
+use super::exporter::{OWN_FILES, REPORT_FILE};
 use crate::output::{OutputError, OutputFile};
-
-/// The report of the export, within its folder.
-pub(super) const REPORT_FILE: &str = "glowworm-export.json";
 
 /// Name prefix of staging folders.
 const STAGING_PREFIX: &str = ".glowworm-export.";
@@ -132,18 +129,51 @@ impl ExportFolder {
         (listing.format == "mitsuba").then(|| listing.files.into_iter().filter(is_ours).collect())
     }
 
-    /// Starts an export.
-    pub(super) fn begin(&self) -> Result<Staging<'_>, ExportError> {
+    /// Replaces the earlier export by the files that `write` adds, all of them or none.
+    pub(super) fn replace(
+        &self,
+        write: impl FnOnce(&mut Staging<'_>) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
         if !self.exists {
             fs::create_dir(&self.path).map_err(|source| self.error("", source))?;
         }
-        let mut staging = Staging { folder: self, place: None, files: Vec::new(), complete: false };
-        let place = self.staging_in(&self.path)?;
-        for subfolder in SUBFOLDERS {
-            fs::create_dir(place.path().join(subfolder)).map_err(|source| self.error(subfolder, source))?;
+        let replaced = self.stage(write);
+        if replaced.is_err() && !self.exists {
+            // Fails unless it is empty, as intended.
+            let _ = fs::remove_dir(&self.path);
         }
-        staging.place = Some(place);
-        Ok(staging)
+        replaced
+    }
+
+    fn stage(
+        &self,
+        write: impl FnOnce(&mut Staging<'_>) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        let create = |within: &Path, subfolder: &str| {
+            fs::create_dir_all(within.join(subfolder)).map_err(|source| self.error(subfolder, source))
+        };
+        let place = self.staging_in(&self.path)?;
+        SUBFOLDERS.iter().try_for_each(|subfolder| create(place.path(), subfolder))?;
+        let mut staging = Staging { folder: self, place: place.path(), files: Vec::new() };
+        write(&mut staging)?;
+        let files = staging.files;
+        let foreign = |name: &&String| !self.earlier.contains(name) && self.path.join(name).exists();
+        if let Some(name) = files.iter().find(foreign) {
+            return Err(ExportError::InTheWay(self.path.join(name)));
+        }
+        SUBFOLDERS.iter().try_for_each(|subfolder| create(&self.path, subfolder))?;
+        for name in &files {
+            let moved = fs::rename(place.path().join(name), self.path.join(name));
+            moved.map_err(|source| self.error(name, source))?;
+        }
+        // Files and folders that cannot be removed do no harm; folders in use cannot, as intended.
+        for name in self.earlier.iter().filter(|name| !files.contains(name)) {
+            let _ = fs::remove_file(self.path.join(name));
+        }
+        for subfolder in SUBFOLDERS {
+            let _ = fs::remove_dir(self.path.join(subfolder));
+        }
+        Ok(())
     }
 
     fn staging_in(&self, folder: &Path) -> Result<TempDir, ExportError> {
@@ -157,13 +187,11 @@ impl ExportFolder {
     }
 }
 
-/// An export in progress. Dropping it removes its files unless it is complete.
+/// The files of an export in progress.
 pub(super) struct Staging<'a> {
     folder: &'a ExportFolder,
-    /// None before it is created and after it is removed.
-    place: Option<TempDir>,
+    place: &'a Path,
     files: Vec<String>,
-    complete: bool,
 }
 
 impl Staging<'_> {
@@ -179,59 +207,9 @@ impl Staging<'_> {
             // Some file systems report a full disk only on sync.
             output.into_inner()?.sync_all()
         };
-        write_to(&self.path_of(name)).map_err(|source| self.folder.error(name, source))?;
+        write_to(&self.place.join(name)).map_err(|source| self.folder.error(name, source))?;
         self.files.push(name.to_owned());
         Ok(())
-    }
-
-    /// Writes the report, moves all files to their names and removes the other files of the earlier export.
-    pub(super) fn complete(mut self, report: &ExportReport) -> Result<(), ExportError> {
-        self.write(REPORT_FILE, |output| {
-            serde_json::to_writer_pretty(&mut *output, report)?;
-            writeln!(output)
-        })?;
-        let folder = self.folder;
-        let foreign = |name: &&String| !folder.earlier.contains(name) && folder.path.join(name).exists();
-        if let Some(name) = self.files.iter().find(foreign) {
-            return Err(ExportError::InTheWay(folder.path.join(name)));
-        }
-        for subfolder in SUBFOLDERS {
-            let path = folder.path.join(subfolder);
-            if !path.is_dir() {
-                fs::create_dir(&path).map_err(|source| folder.error(subfolder, source))?;
-            }
-        }
-        for name in &self.files {
-            let moved = fs::rename(self.path_of(name), folder.path.join(name));
-            moved.map_err(|source| folder.error(name, source))?;
-        }
-        self.complete = true;
-        for name in folder.earlier.iter().filter(|name| !self.files.contains(name)) {
-            // A file that cannot be removed does no harm.
-            let _ = fs::remove_file(folder.path.join(name));
-        }
-        for subfolder in SUBFOLDERS {
-            // Fails unless it is empty, as intended.
-            let _ = fs::remove_dir(folder.path.join(subfolder));
-        }
-        Ok(())
-    }
-
-    fn path_of(&self, name: &str) -> PathBuf {
-        self.place
-            .as_ref()
-            .map_or_else(|| self.folder.path.clone(), |place| place.path().to_path_buf())
-            .join(name)
-    }
-}
-
-impl Drop for Staging<'_> {
-    fn drop(&mut self) {
-        self.place = None;
-        if !self.complete && !self.folder.exists {
-            // Fails unless it is empty, as intended.
-            let _ = fs::remove_dir(&self.folder.path);
-        }
     }
 }
 

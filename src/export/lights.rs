@@ -13,10 +13,11 @@ use std::io::{self, Write};
 
 use glam::{Affine3A, Mat3, Vec3};
 
+use super::exporter::{Content, Export, named};
 use super::materials::write_environment;
+use super::remarks;
 use super::spot::ramps;
 use super::xml::Element;
-use super::{Content, Export, Remark, named};
 use crate::scene::{Light, LightKind};
 
 impl Export<'_> {
@@ -32,9 +33,9 @@ impl Export<'_> {
                 }
                 LightKind::Spot { intensity, inner_angle, outer_angle } => {
                     self.lights.spot += 1;
-                    self.remarks.insert(Remark::SpotFalloff);
+                    self.remarks.insert(remarks::SPOT_FALLOFF);
                     if light.radius > 0.0 {
-                        self.remarks.insert(Remark::SpotRadius);
+                        self.remarks.insert(remarks::SPOT_RADIUS);
                     }
                     emitters.extend(spot(light, &id, *intensity, [*inner_angle, *outer_angle]));
                 }
@@ -58,7 +59,7 @@ impl Export<'_> {
                 .coordinates("point", "position", light.position)
                 .rgb("intensity", intensity);
         }
-        self.remarks.extend([Remark::MirroredLights, Remark::WithinSpheres]);
+        self.remarks.extend([remarks::MIRRORED_LIGHTS, remarks::WITHIN_SPHERES]);
         let sphere = Element::plugin("shape", "sphere")
             .attribute("id", id)
             .coordinates("point", "center", light.position)
@@ -73,7 +74,7 @@ impl Export<'_> {
                 .coordinates("vector", "direction", light.direction)
                 .rgb("irradiance", irradiance);
         }
-        self.remarks.extend([Remark::MirroredLights, Remark::FarDiscs]);
+        self.remarks.extend([remarks::MIRRORED_LIGHTS, remarks::FAR_DISCS]);
         let bounds = self.scene.bounding_sphere(self.pose);
         let distance = FAR * bounds.radius;
         let (sine, cosine) = light.half_angle.min(WIDEST).sin_cos();
@@ -88,7 +89,7 @@ impl Export<'_> {
     pub(super) fn environment(&mut self) -> Option<Element> {
         let environment = self.scene.environment.as_ref()?;
         if self.hides_emitters {
-            self.remarks.insert(Remark::HiddenEnvironment);
+            self.remarks.insert(remarks::HIDDEN_ENVIRONMENT);
         }
         if environment.map.is_none() {
             return Some(Element::plugin("emitter", "constant").rgb("radiance", environment.radiance));

@@ -3,7 +3,7 @@
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
 //! A Lambertian surface is `twosided` `diffuse`. Others are `glowworm`, the BSDF of glowworm_bsdf.py; for those who render
-//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin sheet,
+//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin surface,
 //! is a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
 //! product of a colour and a texture; metallic and roughness likewise.
 
@@ -14,23 +14,15 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
+use super::exporter::{Content, Export, Reader, named};
+use super::remarks;
 use super::xml::Element;
-use super::{Content, Export, Remark, named};
 use crate::scene::{
     Alpha, AlphaMask, EnvironmentMap, Material, Texture, TextureUse, Wrap, luminance, srgb_to_linear,
 };
 
 /// Largest reflectance at normal incidence of a plain material: its index of refraction must be finite.
 const MAX_PLAIN_F0: f32 = 0.9;
-
-/// What a BSDF is made for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Reader {
-    /// Mitsuba with glowworm_bsdf.py.
-    Exact,
-    /// Mitsuba alone.
-    Plain,
-}
 
 impl Export<'_> {
     /// Name of a material's BSDF.
@@ -61,7 +53,7 @@ impl Export<'_> {
         self.cut(surface, material).attribute("id", self.bsdf_id(index))
     }
 
-    /// The surface where it is there.
+    /// Adds the mask or coverage of a material to its surface.
     fn cut(&mut self, surface: Element, material: &Material) -> Element {
         let masked = |opacity: Element| Element::plugin("bsdf", "mask").child(opacity);
         if material.alpha == Alpha::Blend {
@@ -78,7 +70,7 @@ impl Export<'_> {
         }
     }
 
-    /// How much of a thin sheet is there.
+    /// The coverage of a thin surface.
     fn coverage(&mut self, material: &Material) -> Element {
         let has_alpha = |image: &TextureUse| {
             self.scene.textures[image.texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255)
@@ -89,7 +81,7 @@ impl Export<'_> {
         }
     }
 
-    /// What this program computes.
+    /// The BSDF of glowworm_bsdf.py.
     fn glowworm(&mut self, index: u32) -> Element {
         let material = &self.scene.materials[index as usize];
         let surface = self.coloured(Element::plugin("bsdf", "glowworm"), "base_color", material);
@@ -186,7 +178,7 @@ impl Export<'_> {
     /// Mitsuba's name of a wrap mode; it has one for both axes.
     fn wrap_mode(&mut self, [u, v]: [Wrap; 2]) -> &'static str {
         if u != v {
-            self.remarks.insert(Remark::WrapModes);
+            self.remarks.insert(remarks::WRAP_MODES);
         }
         match u {
             Wrap::Repeat => "repeat",
@@ -196,7 +188,7 @@ impl Export<'_> {
     }
 }
 
-/// Share of the base colour that passes as through a thin sheet. Metals let nothing pass.
+/// Share of the base colour that passes as through a thin surface. Metals let nothing pass.
 fn passed_share(material: &Material) -> f32 {
     material.transmission * (1.0 - material.metallic)
 }
@@ -209,7 +201,7 @@ fn float(name: &str, value: f32) -> Element {
     Element::new("float").attribute("name", name).attribute("value", format!("{value:?}"))
 }
 
-/// What vertices have beside positions, normals and texture coordinates.
+/// A vertex attribute beside positions, normals and texture coordinates.
 fn attribute(name: &str) -> Element {
     Element::plugin("texture", "mesh_attribute").attribute("name", name).string("name", name)
 }

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use bytemuck::cast_slice;
 use glam::{Vec2, Vec3, Vec4};
 
 /// An indexed triangle mesh to write.
@@ -14,7 +15,7 @@ pub(super) struct PlyMesh {
     pub(super) uvs: Vec<Vec2>,
     /// Linear; one a vertex, or empty.
     pub(super) colours: Vec<Vec3>,
-    /// With the side of the bitangent; one a vertex, or empty.
+    /// Tangent and side of the bitangent; one a vertex, or empty.
     pub(super) tangents: Vec<Vec4>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
@@ -22,36 +23,25 @@ pub(super) struct PlyMesh {
 impl PlyMesh {
     /// Writes the file.
     pub(super) fn write(&self, output: &mut dyn Write) -> io::Result<()> {
-        let properties = |names: &[&str], present: bool| {
-            let line = |name: &&str| format!("property float {name}\n");
-            if present { names.iter().map(line).collect() } else { String::new() }
-        };
-        write!(
-            output,
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\n{}{}{}{}{}element face {}\n\
-             property list uchar int vertex_indices\nend_header\n",
-            self.positions.len(),
-            properties(&["x", "y", "z"], true),
-            properties(&["nx", "ny", "nz"], !self.normals.is_empty()),
-            properties(&["u", "v"], !self.uvs.is_empty()),
+        let lanes: [(&[&str], &[f32]); 5] = [
+            (&["x", "y", "z"], cast_slice(&self.positions)),
+            (&["nx", "ny", "nz"], cast_slice(&self.normals)),
+            (&["u", "v"], cast_slice(&self.uvs)),
             // Mitsuba names these vertex_color, vertex_tangent and vertex_side.
-            properties(&["r", "g", "b"], !self.colours.is_empty()),
-            properties(&["tangent_x", "tangent_y", "tangent_z", "side_x"], !self.tangents.is_empty()),
-            self.triangles.len(),
-        )?;
-        for (vertex, position) in self.positions.iter().enumerate() {
-            let normal = self.normals.get(vertex).map(Vec3::to_array);
-            let uv = self.uvs.get(vertex).map(Vec2::to_array);
-            let colour = self.colours.get(vertex).map(Vec3::to_array);
-            let tangent = self.tangents.get(vertex).map(Vec4::to_array);
-            let floats = position
-                .to_array()
-                .into_iter()
-                .chain(normal.into_iter().flatten())
-                .chain(uv.into_iter().flatten())
-                .chain(colour.into_iter().flatten())
-                .chain(tangent.into_iter().flatten());
-            for float in floats {
+            (&["r", "g", "b"], cast_slice(&self.colours)),
+            (&["tangent_x", "tangent_y", "tangent_z", "side_x"], cast_slice(&self.tangents)),
+        ];
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        writeln!(output, "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}")?;
+        let present = || lanes.iter().filter(|(_, floats)| !floats.is_empty());
+        for name in present().flat_map(|(names, _)| *names) {
+            writeln!(output, "property float {name}")?;
+        }
+        let indices = "property list uchar int vertex_indices";
+        writeln!(output, "element face {triangles}\n{indices}\nend_header")?;
+        for vertex in 0..vertices {
+            for float in present().flat_map(|(names, floats)| &floats[names.len() * vertex..][..names.len()])
+            {
                 output.write_all(&float.to_le_bytes())?;
             }
         }

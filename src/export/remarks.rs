@@ -4,97 +4,43 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 
-use super::{Export, PLUGIN_FILE};
+use super::exporter::{Export, PLUGIN_FILE};
 
 /// In scenes of a smaller radius Mitsuba's ray offsets lose shadows.
 pub(super) const SMALL_RADIUS: f32 = 0.1;
 
-/// A feature of the scene that Mitsuba does not reproduce exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Remark {
-    /// The ray offset is large relative to a small scene.
-    RayOffset,
-    /// Shading normals that face away from the camera are flipped.
-    FlippedNormals,
-    /// The falloff of spot lights is piecewise linear.
-    SpotFalloff,
-    /// Spot lights have no radius.
-    SpotRadius,
-    /// Mirrors show the spheres and discs of point and directional lights.
-    MirroredLights,
-    /// Within its sphere a point light shines on nothing.
-    WithinSpheres,
-    /// The disc of a directional light is at some distance.
-    FarDiscs,
-    /// Emissive surfaces are taken to emit from the side of their smooth normals.
-    SmoothEmitters,
-    /// Emissive surfaces that the camera sees as copies show no reflected light.
-    EmittersWithoutReflection,
-    /// Masked parts of emissive surfaces emit.
-    MaskedEmission,
-    /// The camera does not see the environment.
-    HiddenEnvironment,
-    /// A texture has one wrap mode.
-    WrapModes,
-    /// A surface has one set of texture coordinates.
-    Coordinates,
-    /// Alpha of vertices is lost.
-    VertexAlpha,
-}
-
-impl Remark {
-    fn text(self) -> &'static str {
-        match self {
-            Self::RayOffset => {
-                "Mitsuba offsets rays from surfaces by 9e-5 units and more, which loses shadows in a scene this small; \
-                 scale it up."
-            }
-            Self::FlippedNormals => {
-                "Where the shading normal of a smooth surface faces away from the camera at grazing angles, Mitsuba \
-                 flips that normal; glowworm does not."
-            }
-            Self::SpotFalloff => {
-                "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity."
-            }
-            Self::SpotRadius => "Spot lights with a radius are points here, so their shadows are hard.",
-            Self::MirroredLights => {
-                "Lights with a radius or an angle are spheres and discs, which perfect mirrors show; in glowworm these do \
-                 not."
-            }
-            Self::WithinSpheres => {
-                "Surfaces within the sphere of a point light get nothing of its light, but in glowworm all of it."
-            }
-            Self::FarDiscs => {
-                "A directional light with an angle is a far disc, of 89 degrees at most; a camera whose far plane is \
-                 beyond shows it."
-            }
-            Self::SmoothEmitters => {
-                "What smooth surfaces emit follows their smooth normals in Mitsuba, their triangles in glowworm."
-            }
-            Self::EmittersWithoutReflection => {
-                "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
-                 hide_emitters hides them with the portals and the spheres of lights."
-            }
-            Self::MaskedEmission => {
-                "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless."
-            }
-            Self::WrapModes => "Textures go on beyond their borders alike on both axes, as on the first.",
-            Self::Coordinates => {
-                "Textures of one material with different coordinates have those of its first texture."
-            }
-            Self::VertexAlpha => "The alpha of vertices is left out.",
-            Self::HiddenEnvironment => {
-                "The camera does not see the environment, since hide_emitters hides it with the portals and the spheres \
-                 of lights."
-            }
-        }
-    }
-}
+// Features of the scene that Mitsuba does not reproduce exactly, a sentence each.
+pub(super) const RAY_OFFSET: &str = "Mitsuba offsets rays from surfaces by 9e-5 units and more, which loses shadows in a scene this small; \
+     scale it up.";
+pub(super) const FLIPPED_NORMALS: &str = "Where the shading normal of a smooth surface faces away from the camera at grazing angles, Mitsuba flips \
+     that normal; glowworm does not.";
+pub(super) const SPOT_FALLOFF: &str =
+    "The falloff of a spot light is a sum of Mitsuba's spots, within 0.1 % of its intensity.";
+pub(super) const SPOT_RADIUS: &str = "Spot lights with a radius are points here, so their shadows are hard.";
+pub(super) const MIRRORED_LIGHTS: &str = "Lights with a radius or an angle are spheres and discs, which perfect mirrors show; in glowworm these do \
+     not.";
+pub(super) const WITHIN_SPHERES: &str =
+    "Surfaces within the sphere of a point light get nothing of its light, but in glowworm all of it.";
+pub(super) const FAR_DISCS: &str = "A directional light with an angle is a far disc, of 89 degrees at most; a camera whose far plane is \
+     beyond shows it.";
+pub(super) const SMOOTH_EMITTERS: &str =
+    "What smooth surfaces emit follows their smooth normals in Mitsuba, their triangles in glowworm.";
+pub(super) const EMITTERS_WITHOUT_REFLECTION: &str = "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
+     hide_emitters hides them with the portals and the spheres of lights.";
+pub(super) const MASKED_EMISSION: &str =
+    "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless.";
+pub(super) const HIDDEN_ENVIRONMENT: &str = "The camera does not see the environment, since hide_emitters hides it with the portals and the spheres \
+     of lights.";
+pub(super) const WRAP_MODES: &str =
+    "Textures go on beyond their borders alike on both axes, as on the first.";
+pub(super) const COORDINATES: &str =
+    "Textures of one material with different coordinates have those of its first texture.";
+pub(super) const VERTEX_ALPHA: &str = "The alpha of vertices is left out.";
 
 impl Export<'_> {
     /// Every difference, a sentence each.
     pub(super) fn inexact(&self) -> Vec<String> {
-        let mut inexact: Vec<String> = self.remarks.iter().map(|remark| remark.text().to_owned()).collect();
+        let mut inexact: Vec<String> = self.remarks.iter().map(|&remark| remark.to_owned()).collect();
         inexact.extend(self.remark_special());
         let background = self.background();
         if background != Vec3::ZERO {
@@ -107,7 +53,7 @@ impl Export<'_> {
         inexact
     }
 
-    /// What camera rays see beyond the scene that is not an emitter.
+    /// The radiance that camera rays see beyond the scene and that is not an emitter.
     pub(super) fn background(&self) -> Vec3 {
         if self.scene.environment.is_some() { Vec3::ZERO } else { self.scene.background }
     }
@@ -125,7 +71,7 @@ impl Export<'_> {
             count => format!("{count} materials"),
         };
         Some(format!(
-            "Mitsuba's own materials only come near {of}, which reflect by glTF's model or are thin sheets. For the same \
+            "Mitsuba's own materials only come near {of}, which reflect by glTF's model or are thin surfaces. For the same \
              picture render with python {PLUGIN_FILE}, which brings that model."
         ))
     }

@@ -5,42 +5,25 @@
 //!
 //! - Surfaces that do not emit are in object space, with a transform. A mesh with several instances becomes a
 //!   `shapegroup` with an `instance` each.
-//! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat unless they reflect by
-//!   smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
-//! - A portal, an invisible emitter, is a `null` surface with an emitter, as are the spheres and discs of lights. `volpath` lets light pass through it, and
-//!   `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light gets a copy right
-//!   behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as scattered, and
-//!   sees the copy. Other rays do not reach the copy, and it is never sampled as a light.
+//! - Emissive surfaces and those with normal maps are in world space, since mirroring does not change the front side; and flat
+//!   unless they reflect by smooth normals, since Mitsuba derives the emitting side and the projected area from the shading normal.
+//! - A portal, an invisible emitter, is a `null` surface with an emitter, as are the spheres and discs of lights. `volpath` lets
+//!   light pass through it, and `hide_emitters` hides it from the camera, but with it all area lights. So each visible area light
+//!   gets a copy right behind it, and between the two a pane of glass with index 1: behind the pane a camera ray counts as
+//!   scattered, and sees the copy. Other rays do not reach the copy, and it is never sampled as a light.
 
 use std::collections::BTreeMap;
 
 use glam::{Affine3A, Vec3, Vec4};
 
+use super::exporter::{Content, Export, Owner, Part, named};
 use super::ply::PlyMesh;
+use super::remarks;
 use super::xml::Element;
-use super::{Content, Export, Remark, named};
 use crate::scene::{Alpha, Material, Mesh, SurfaceTransform};
 
 /// Distance of pane and copy, relative to 1 + |p|. Must exceed Mitsuba's ray offset of 9e-5 * (1 + |p|).
 const BEHIND: f32 = 2e-4;
-
-/// The triangles of one material, in one file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    /// The mesh, or for an emissive surface the instance.
-    pub(super) owner: Owner,
-    /// Index of the material.
-    pub(super) material: u32,
-}
-
-/// The owner of the triangles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Owner {
-    /// A mesh, in object space.
-    Mesh(usize),
-    /// An instance, in world space, offset backwards by this many steps of [`BEHIND`]; flat unless `smooth`.
-    Instance { index: usize, steps: u32, smooth: bool },
-}
 
 impl Part {
     /// The mesh of the file.
@@ -84,7 +67,7 @@ impl Export<'_> {
                 match (instance.visible, emits(material)) {
                     (true, false) if has_normal_map(material) => shapes.push(self.mapped(index, material)),
                     (true, false) => surfaces.push(material),
-                    (true, true) => shapes.extend(self.lamp(index, material)),
+                    (true, true) => shapes.extend(self.emissive(index, material)),
                     (false, true) => shapes.push(self.portal(index, material)),
                     (false, false) => continue,
                 }
@@ -127,9 +110,9 @@ impl Export<'_> {
 
     /// A part of a mesh that does not emit.
     fn surface(&mut self, mesh: usize, material: u32) -> Element {
-        let flips = !self.remarks.contains(&Remark::FlippedNormals) && !self.is_special(material);
+        let flips = !self.remarks.contains(remarks::FLIPPED_NORMALS) && !self.is_special(material);
         if flips && has_smooth(&self.scene.meshes[mesh], material) {
-            self.remarks.insert(Remark::FlippedNormals);
+            self.remarks.insert(remarks::FLIPPED_NORMALS);
         }
         let shape = self.shape(Part { owner: Owner::Mesh(mesh), material });
         self.with_bsdf(shape, material)
@@ -143,7 +126,7 @@ impl Export<'_> {
     }
 
     /// An emissive shape and, if `hide_emitters` hides it, pane and copy for the camera.
-    fn lamp(&mut self, index: usize, material: u32) -> Vec<Element> {
+    fn emissive(&mut self, index: usize, material: u32) -> Vec<Element> {
         let smooth = self.keeps_normals(index, material);
         let shape = self.world_shape(Part { owner: Owner::Instance { index, steps: 0, smooth }, material });
         let mut shapes = vec![self.with_bsdf(shape, material).child(self.emitter(material))];
@@ -180,10 +163,10 @@ impl Export<'_> {
         let mut places = surface.textures().map(|image| (image.set, image.matrix, image.offset));
         let first = places.next();
         if places.any(|place| Some(place) != first) {
-            self.remarks.insert(Remark::Coordinates);
+            self.remarks.insert(remarks::COORDINATES);
         }
         if surface.alpha == Alpha::Blend && self.coloured.contains(&material) {
-            self.remarks.insert(Remark::VertexAlpha);
+            self.remarks.insert(remarks::VERTEX_ALPHA);
         }
     }
 
@@ -222,12 +205,12 @@ impl Export<'_> {
         let has_normals = glow.normal_texture.is_some() || has_smooth(mesh, material);
         let smooth = reflects && !self.hides_emitters && has_normals;
         if reflects && self.hides_emitters {
-            self.remarks.insert(Remark::EmittersWithoutReflection);
+            self.remarks.insert(remarks::EMITTERS_WITHOUT_REFLECTION);
         } else if smooth {
-            self.remarks.insert(Remark::SmoothEmitters);
+            self.remarks.insert(remarks::SMOOTH_EMITTERS);
         }
         if glow.alpha_mask.is_some() {
-            self.remarks.insert(Remark::MaskedEmission);
+            self.remarks.insert(remarks::MASKED_EMISSION);
         }
         smooth
     }
@@ -256,14 +239,14 @@ fn has_smooth(mesh: &Mesh, material: u32) -> bool {
     })
 }
 
-/// What a material needs of vertices besides positions and normals.
+/// The vertex data that a material needs besides positions and normals.
 struct Details<'a> {
     material: &'a Material,
     is_coloured: bool,
 }
 
 impl Details<'_> {
-    /// Adds those of a vertex. `turned` transforms a tangent.
+    /// Adds the data of a vertex. `turned` transforms a tangent.
     fn add(&self, mesh: &Mesh, vertex: usize, part: &mut PlyMesh, turned: impl Fn(Vec4) -> Vec4) {
         let first = mesh.uvs[vertex];
         let uvs = [first, mesh.second_uvs.get(vertex).copied().unwrap_or(first)];

@@ -79,7 +79,7 @@ mod tests {
     use super::*;
     use crate::scene::spot_falloff;
 
-    /// As in Mitsuba's `spot` plugin.
+    /// The sum of the ramps at an angle, as Mitsuba's `spot` plugin computes it.
     fn mitsuba(ramps: &[Ramp], angle: f64) -> f64 {
         let of = |ramp: &Ramp| ((ramp.cutoff - angle) / (ramp.cutoff - ramp.beam)).clamp(0.0, 1.0);
         ramps.iter().map(|ramp| ramp.share * of(ramp)).sum()

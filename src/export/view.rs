@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Export;
+use super::exporter::Export;
 use super::xml::{Element, numbers};
 
 impl Export<'_> {
@@ -19,7 +19,7 @@ impl Export<'_> {
         self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
     }
 
-    /// `path`; or `volpath` with portals, lights with an extent, masks or thin sheets, which does not count passing through
+    /// `path`; or `volpath` with portals, lights with an extent, masks or thin surfaces, which does not count passing through
     /// them as a bounce.
     pub(super) fn integrator_name(&self) -> &'static str {
         let used = |&material: &u32| {

@@ -1,8 +1,9 @@
 //! Per-pixel errors: mean errors, and relative errors of luminance.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
-use super::{Blocks, Image};
+use super::image::Image;
 use crate::statistics::{mean, percentile};
 
 /// Keeps the relative squared error of black pixels finite (Rousselle et al. 2011).
@@ -12,6 +13,24 @@ const RELMSE_EPSILON: f64 = 0.01;
 /// in black regions are relative to a visible luminance.
 const MIN_DENOMINATOR: f64 = 0.01;
 
+/// The relative errors of the mean luminance of square blocks of pixels, against max(b, 1 % of the mean of b)
+/// as for pixels. Blocks at the right and lower border may be smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Blocks {
+    /// Side of a block in pixels.
+    pub side: usize,
+    /// Number of blocks.
+    pub count: usize,
+    /// Their mean.
+    pub mean_relative_error: f64,
+    /// Their 95th percentile.
+    pub p95_relative_error: f64,
+    /// The fraction of blocks with an error of at most 0.03.
+    pub within_3_percent: f64,
+    /// The fraction of blocks with an error of at most 0.05.
+    pub within_5_percent: f64,
+}
+
 /// Mean errors over all channels and pixels.
 pub(super) struct MeanErrors {
     pub mae: f64,
@@ -20,37 +39,25 @@ pub(super) struct MeanErrors {
 }
 
 impl MeanErrors {
+    /// The order of summation is independent of the number of cores.
     pub(super) fn of(image: &[[f32; 3]], reference: &[[f32; 3]]) -> Self {
-        let sums = mean_of(image, reference, |a, b| {
-            let difference = a - b;
-            let square = difference * difference;
-            [difference.abs(), square, square / (b * b + RELMSE_EPSILON)]
-        });
-        Self { mae: sums[0], mse: sums[1], relmse: sums[2] }
+        const CHUNK: usize = 4096;
+        let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let chunks = image.par_chunks(CHUNK).zip(reference.par_chunks(CHUNK));
+        let chunk_sums: Vec<[f64; 3]> = chunks
+            .map(|(image, reference)| {
+                let pairs = image.as_flattened().iter().zip(reference.as_flattened());
+                pairs.fold([0.0; 3], |sums, (&a, &b)| {
+                    let (difference, b) = (f64::from(a) - f64::from(b), f64::from(b));
+                    let square = difference * difference;
+                    add(sums, [difference.abs(), square, square / (b * b + RELMSE_EPSILON)])
+                })
+            })
+            .collect();
+        let sums = chunk_sums.into_iter().fold([0.0; 3], add);
+        let [mae, mse, relmse] = sums.map(|sum| sum / (3 * image.len()) as f64);
+        Self { mae, mse, relmse }
     }
-}
-
-/// Means of N values computed from each channel of each pixel. The order of summation is independent of the number of
-/// cores.
-fn mean_of<const N: usize>(
-    image: &[[f32; 3]],
-    reference: &[[f32; 3]],
-    values: impl Fn(f64, f64) -> [f64; N] + Sync,
-) -> [f64; N] {
-    const CHUNK: usize = 4096;
-    let chunk_sums: Vec<[f64; N]> = image
-        .par_chunks(CHUNK)
-        .zip(reference.par_chunks(CHUNK))
-        .map(|(image, reference)| {
-            let pairs = image.as_flattened().iter().zip(reference.as_flattened());
-            pairs.fold([0.0; N], |sums, (&a, &b)| add(sums, values(f64::from(a), f64::from(b))))
-        })
-        .collect();
-    chunk_sums.into_iter().fold([0.0; N], add).map(|sum| sum / (3 * image.len()) as f64)
-}
-
-fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| a[i] + b[i])
 }
 
 /// The luminances of a picture and its reference, and metrics of them.

@@ -1,6 +1,5 @@
 //! Why pictures cannot be compared.
 
-use std::io;
 use std::path::PathBuf;
 
 use crate::output::OutputError;
@@ -8,76 +7,27 @@ use crate::output::OutputError;
 /// Why pictures cannot be compared; each names the file and, if known, the pixel.
 #[derive(Debug, thiserror::Error)]
 pub enum MetricsError {
-    /// The file cannot be read.
-    #[error("{path}: cannot be read: {source}")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: io::Error,
-    },
     /// Not a supported file format.
     #[error("{0}: neither a PNG nor an OpenEXR file")]
     Foreign(PathBuf),
-    /// Corrupt, truncated or an unsupported variant.
-    #[error("{path}: cannot be decoded: {reason}")]
-    Decode {
-        /// The file.
-        path: PathBuf,
-        /// The decoder's error.
-        reason: String,
-    },
-    /// Too large, probably corrupt.
-    #[error("{path}: {width}x{height} pixels; at most {most}x{most} can be compared")]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Its width in pixels.
-        width: usize,
-        /// Its height in pixels.
-        height: usize,
-        /// The largest side.
-        most: usize,
-    },
-    /// No colour channels.
-    #[error("{path}: has no layer{layer} with channels R, G and B, or Y; it has {there}")]
-    NoColours {
-        /// The file.
-        path: PathBuf,
-        /// The requested layer, with a leading space; empty for any.
-        layer: String,
-        /// The parts and channels of the file.
-        there: String,
-    },
+    /// Corrupt, truncated or an unsupported variant, for the decoder's reason.
+    #[error("{0}: cannot be decoded: {1}")]
+    Decode(PathBuf, String),
+    /// Too large, probably corrupt: its width and height, and the largest side.
+    #[error("{0}: {1}x{2} pixels; at most {3}x{3} can be compared")]
+    TooLarge(PathBuf, usize, usize, usize),
+    /// No colour channels in the layer (with a leading space; empty for any), but these parts and channels.
+    #[error("{0}: has no layer{1} with channels R, G and B, or Y; it has {2}")]
+    NoColours(PathBuf, String, String),
     /// A layer requested of a format without layers.
     #[error("{0}: a PNG has no layers; leave --layer and --reference-layer out")]
     LayerOfPng(PathBuf),
-    /// A non-finite value.
-    #[error("{name}: pixel ({x}, {y}) has a {channel} of {value}; only finite values can be compared")]
-    NotFinite {
-        /// The picture.
-        name: String,
-        /// Column, from the left.
-        x: usize,
-        /// Row, from the top.
-        y: usize,
-        /// Red, green or blue.
-        channel: &'static str,
-        /// The value: NaN or infinite.
-        value: f32,
-    },
+    /// A non-finite value: the pixel, its channel and the value.
+    #[error("{0} has a {1} of {2}; only finite values can be compared")]
+    NotFinite(String, &'static str, f32),
     /// The number of pixels is not width times height.
-    #[error("{name}: has {pixels} pixels, but its size is {width}x{height}")]
-    PixelCount {
-        /// The picture.
-        name: String,
-        /// Number of pixels.
-        pixels: usize,
-        /// Width in pixels.
-        width: usize,
-        /// Height in pixels.
-        height: usize,
-    },
+    #[error("{0}: has {1} pixels, but its size is {2}x{3}")]
+    PixelCount(String, usize, usize, usize),
     /// Two pictures of different size.
     #[error(
         "{image} has {}x{} pixels, {reference} {}x{}: pixel ({}, {}) is in one only",
@@ -94,16 +44,9 @@ pub enum MetricsError {
         /// Its width and height in pixels.
         reference_size: [usize; 2],
     },
-    /// Display values against linear ones.
-    #[error(
-        "{display} (PNG) holds display values, {linear} (EXR) linear ones; compare PNG with PNG or EXR with EXR"
-    )]
-    Encoding {
-        /// The picture of display values.
-        display: String,
-        /// The picture of linear values.
-        linear: String,
-    },
+    /// A picture of display values against one of linear values.
+    #[error("{0} (PNG) holds display values, {1} (EXR) linear ones; compare PNG with PNG or EXR with EXR")]
+    Encoding(String, String),
     /// A sequence without pictures.
     #[error("{0}: there is no picture of this sequence; check the name")]
     NoFrames(PathBuf),
@@ -117,9 +60,9 @@ pub enum MetricsError {
         /// The picture that needs it.
         there: PathBuf,
     },
-    /// The name of a sequence is wrong.
+    /// A file cannot be read, or the name of a sequence is wrong.
     #[error(transparent)]
-    Name(#[from] OutputError),
+    Output(#[from] OutputError),
 }
 
 impl MetricsError {
@@ -127,7 +70,7 @@ impl MetricsError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::LayerOfPng(_) => true,
-            Self::Name(error) => error.is_usage(),
+            Self::Output(error) => error.is_usage(),
             _ => false,
         }
     }

@@ -1,7 +1,7 @@
 //! A picture to compare.
 
-use super::MetricsError;
 use super::colour::{linear_to_srgb, luminance, srgb_to_linear};
+use super::error::MetricsError;
 
 /// The encoding of a picture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -13,13 +13,16 @@ pub enum Encoding {
     Display,
 }
 
+/// RGB, in rows from the top left.
+type Pixels = Vec<[f32; 3]>;
+
 /// A picture of finite RGB values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     name: String,
     size: [usize; 2],
     encoding: Encoding,
-    pixels: Vec<[f32; 3]>,
+    pixels: Pixels,
 }
 
 impl Image {
@@ -31,7 +34,7 @@ impl Image {
     pub fn from_linear(
         name: impl Into<String>,
         size: [usize; 2],
-        pixels: Vec<[f32; 3]>,
+        pixels: Pixels,
     ) -> Result<Self, MetricsError> {
         Self::new(name.into(), size, Encoding::Linear, pixels)
     }
@@ -39,30 +42,26 @@ impl Image {
     /// A picture of display values, sRGB in [0, 1]; otherwise like [`Self::from_linear`].
     ///
     /// # Errors
-    /// As for [`Self::from_linear`].
+    /// The same as those of [`Self::from_linear`].
     pub fn from_display(
         name: impl Into<String>,
         size: [usize; 2],
-        pixels: Vec<[f32; 3]>,
+        pixels: Pixels,
     ) -> Result<Self, MetricsError> {
         Self::new(name.into(), size, Encoding::Display, pixels)
     }
 
-    fn new(
-        name: String,
-        size: [usize; 2],
-        encoding: Encoding,
-        pixels: Vec<[f32; 3]>,
-    ) -> Result<Self, MetricsError> {
+    fn new(name: String, size: [usize; 2], encoding: Encoding, pixels: Pixels) -> Result<Self, MetricsError> {
         let [width, height] = size;
         if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
-            return Err(MetricsError::PixelCount { name, pixels: pixels.len(), width, height });
+            return Err(MetricsError::PixelCount(name, pixels.len(), width, height));
         }
         let channels = pixels.iter().flatten();
         if let Some(at) = channels.clone().position(|value| !value.is_finite()) {
             let (pixel, channel) = (at / 3, ["red", "green", "blue"][at % 3]);
-            let value = pixels[pixel][at % 3];
-            return Err(MetricsError::NotFinite { name, x: pixel % width, y: pixel / width, channel, value });
+            let (x, y, value) = (pixel % width, pixel / width, pixels[pixel][at % 3]);
+            let place = format!("{name}: pixel ({x}, {y})");
+            return Err(MetricsError::NotFinite(place, channel, value));
         }
         Ok(Self { name, size, encoding, pixels })
     }
@@ -122,10 +121,7 @@ impl Image {
                 Encoding::Display => (self, reference),
                 Encoding::Linear => (reference, self),
             };
-            return Err(MetricsError::Encoding {
-                display: display.name.clone(),
-                linear: linear.name.clone(),
-            });
+            return Err(MetricsError::Encoding(display.name.clone(), linear.name.clone()));
         }
         if self.size != reference.size {
             return Err(MetricsError::Size {

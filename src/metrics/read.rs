@@ -7,11 +7,10 @@ use std::path::Path;
 
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::read_exr::read_exr;
-use super::{Image, MetricsError};
-
-/// The largest side of a picture, pixels; the same as for `--size`.
-const MAX_SIDE: usize = 16_384;
+use super::error::MetricsError;
+use super::image::Image;
+use super::read_exr::{check_size, read_exr};
+use crate::output::OutputError;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
@@ -25,14 +24,14 @@ impl Image {
     /// that is not finite.
     pub fn read(path: &Path, layer: Option<&str>) -> Result<Self, MetricsError> {
         let bytes =
-            std::fs::read(path).map_err(|source| MetricsError::Read { path: path.to_path_buf(), source })?;
+            std::fs::read(path).map_err(|source| OutputError::Read { path: path.to_path_buf(), source })?;
         Self::decode(path, &bytes, layer)
     }
 
-    /// Like [`Self::read`], for the content `bytes` of the file `path`.
+    /// Reads, like [`Self::read`], the content `bytes` of the file `path`.
     ///
     /// # Errors
-    /// As for [`Self::read`].
+    /// The same as those of [`Self::read`].
     pub fn decode(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Self, MetricsError> {
         let name = path.display().to_string();
         if bytes.starts_with(EXR_MAGIC) {
@@ -53,32 +52,13 @@ impl Image {
 
 /// Width and height, and pixels in [0, 1].
 fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
-    let decode_error = |error: image::ImageError| MetricsError::Decode {
-        path: path.to_path_buf(),
-        reason: error.to_string(),
-    };
+    let decode_error = |error: image::ImageError| MetricsError::Decode(path.to_path_buf(), error.to_string());
     let reader = || ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let (width, height) = reader().into_dimensions().map_err(decode_error)?;
     let size = [width as usize, height as usize];
     check_size(path, size)?;
     let mut reader = reader();
     reader.limits(Limits::no_limits());
-    let decoded = reader.decode().map_err(decode_error)?;
-    let is_16_bits = decoded.color().bits_per_pixel() / u16::from(decoded.color().channel_count()) == 16;
-    let pixels = if is_16_bits {
-        let scaled = |value: u16| f32::from(value) / f32::from(u16::MAX);
-        decoded.into_rgb16().pixels().map(|pixel| pixel.0.map(scaled)).collect()
-    } else {
-        let scaled = |value: u8| f32::from(value) / f32::from(u8::MAX);
-        decoded.into_rgb8().pixels().map(|pixel| pixel.0.map(scaled)).collect()
-    };
-    Ok((size, pixels))
-}
-
-/// Checks the size before allocating, since a corrupt file may claim any.
-pub(super) fn check_size(path: &Path, [width, height]: [usize; 2]) -> Result<(), MetricsError> {
-    if width.max(height) > MAX_SIDE {
-        return Err(MetricsError::TooLarge { path: path.to_path_buf(), width, height, most: MAX_SIDE });
-    }
-    Ok(())
+    let decoded = reader.decode().map_err(decode_error)?.into_rgb32f();
+    Ok((size, decoded.pixels().map(|pixel| pixel.0).collect()))
 }

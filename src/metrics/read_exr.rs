@@ -11,8 +11,10 @@ use exr::image::read::samples::ReadFlatSamples;
 use exr::meta::header::Header;
 use exr::prelude::*;
 
-use super::MetricsError;
-use super::read::check_size;
+use super::error::MetricsError;
+
+/// The largest side of a picture, pixels; the same as for `--size`.
+const MAX_SIDE: usize = 16_384;
 
 /// Location of the colours: a part, and its channels for red, green and blue.
 struct Place {
@@ -44,15 +46,12 @@ pub(super) fn read_exr(
     bytes: &[u8],
     layer: Option<&str>,
 ) -> std::result::Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
-    let decode_error =
-        |error: Error| MetricsError::Decode { path: path.to_path_buf(), reason: error.to_string() };
+    let decode_error = |error: Error| MetricsError::Decode(path.to_path_buf(), error.to_string());
     let chunks = exr::block::read(Cursor::new(bytes), false).map_err(decode_error)?;
-    let Place { header, channels } =
-        find(chunks.headers(), layer).ok_or_else(|| MetricsError::NoColours {
-            path: path.to_path_buf(),
-            layer: layer.map(|layer| format!(" {layer}")).unwrap_or_default(),
-            there: describe(chunks.headers()),
-        })?;
+    let Place { header, channels } = find(chunks.headers(), layer).ok_or_else(|| {
+        let layer = layer.map(|layer| format!(" {layer}")).unwrap_or_default();
+        MetricsError::NoColours(path.to_path_buf(), layer, describe(chunks.headers()))
+    })?;
     let window = header.shared_attributes.display_window;
     for Vec2(width, height) in [window.size, header.layer_size] {
         check_size(path, [width, height])?;
@@ -63,6 +62,14 @@ pub(super) fn read_exr(
     let pixels = placed(&image.layer_data, &channels, window)
         .ok_or_else(|| decode_error(Error::NotSupported("subsampled channels".into())))?;
     Ok(([window.size.0, window.size.1], pixels))
+}
+
+/// Checks the size before allocating, since a corrupt file may claim any.
+pub(super) fn check_size(path: &Path, [width, height]: [usize; 2]) -> std::result::Result<(), MetricsError> {
+    if width.max(height) > MAX_SIDE {
+        return Err(MetricsError::TooLarge(path.to_path_buf(), width, height, MAX_SIDE));
+    }
+    Ok(())
 }
 
 /// Finds R, G and B, or else Y.

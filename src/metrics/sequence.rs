@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
-use super::differences::mean_change;
-use super::{Blocks, CompareOptions, Comparison, Image, Metrics, MetricsError, compare};
+use super::compare::{CompareOptions, Comparison, Metrics, compare};
+use super::differences::{Blocks, mean_change};
+use super::error::MetricsError;
+use super::image::Image;
 use crate::statistics::mean;
 
 /// One frame of a sequence.
@@ -17,7 +19,7 @@ pub struct FrameMetrics {
     /// Mean absolute change of luminance since the frame before; none for the first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temporal_error: Option<f64>,
-    /// The same of the reference, if it is a sequence.
+    /// Mean absolute change of the reference's luminance, if it is a sequence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_temporal_error: Option<f64>,
 }
@@ -31,7 +33,7 @@ pub struct SequenceMetrics {
     /// The mean of all changes from frame to frame (Schied et al. 2017); none for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temporal_error: Option<f64>,
-    /// The same of the reference, if it is a sequence.
+    /// The mean of all changes of the reference, if it is a sequence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_temporal_error: Option<f64>,
     /// Every frame, in order.
@@ -45,17 +47,11 @@ pub struct Sequence {
     options: CompareOptions,
     still_reference: bool,
     frames: Vec<FrameMetrics>,
-    last: Option<Last>,
+    /// The last picture and its reference: name, size, luminances.
+    last: Option<[Seen; 2]>,
 }
 
-/// The state of the previous frame.
-#[derive(Clone, Debug)]
-struct Last {
-    name: String,
-    size: [usize; 2],
-    luminances: Vec<f64>,
-    reference_luminances: Vec<f64>,
-}
+type Seen = (String, [usize; 2], Vec<f64>);
 
 impl Sequence {
     /// An empty sequence. With a `still_reference` every frame is compared with the same picture.
@@ -69,20 +65,23 @@ impl Sequence {
     /// If size or encoding differ, or the size is not that of the previous frame.
     pub fn push(&mut self, frame: u64, image: &Image, reference: &Image) -> Result<Comparison, MetricsError> {
         let comparison = compare(image, reference, &self.options)?;
-        let now = Last {
-            name: image.name().to_owned(),
-            size: image.size(),
-            luminances: image.luminances(),
-            reference_luminances: reference.luminances(),
+        let now = [image, reference]
+            .map(|picture| (picture.name().to_owned(), picture.size(), picture.luminances()));
+        let change = |index: usize| {
+            let Some(before) = &self.last else { return Ok(None) };
+            let ((image, size, after), (reference, reference_size, before)) = (&now[index], &before[index]);
+            let (size, reference_size) = (*size, *reference_size);
+            if size != reference_size {
+                let (image, reference) = (image.clone(), reference.clone());
+                return Err(MetricsError::Size { image, size, reference, reference_size });
+            }
+            Ok(Some(mean_change(before, after)))
         };
-        let before = self.last.as_ref();
-        let change = before.map(|before| now.change_since(before)).transpose()?;
-        let reference_change =
-            before.map(|b| mean_change(&b.reference_luminances, &now.reference_luminances));
+        let (temporal_error, reference_change) = (change(0)?, change(1)?);
         self.frames.push(FrameMetrics {
             frame,
             metrics: comparison.metrics,
-            temporal_error: change,
+            temporal_error,
             reference_temporal_error: reference_change.filter(|_| !self.still_reference),
         });
         self.last = Some(now);
@@ -101,20 +100,6 @@ impl Sequence {
             reference_temporal_error: mean_change(|frame| frame.reference_temporal_error),
             frames: self.frames,
         })
-    }
-}
-
-impl Last {
-    fn change_since(&self, before: &Self) -> Result<f64, MetricsError> {
-        if self.size != before.size {
-            return Err(MetricsError::Size {
-                image: self.name.clone(),
-                size: self.size,
-                reference: before.name.clone(),
-                reference_size: before.size,
-            });
-        }
-        Ok(mean_change(&before.luminances, &self.luminances))
     }
 }
 

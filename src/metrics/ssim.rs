@@ -4,7 +4,7 @@
 //! In: two pictures of display values in [0, 1]. Out: the mean of the index over pixels and channels, with a
 //! Gaussian window of 11 x 11 pixels and sigma 1.5. The border is mirrored, and the outer 5 pixels, whose
 //! windows cross the border, do not count, except along a side shorter than the window.
-//! The same convention as scikit-image's `structural_similarity(channel_axis=-1, data_range=1,
+//! The convention is that of scikit-image's `structural_similarity(channel_axis=-1, data_range=1,
 //! gaussian_weights=True, sigma=1.5, use_sample_covariance=False)`.
 
 use std::ops::Range;

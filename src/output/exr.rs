@@ -1,11 +1,15 @@
 //! OpenEXR: linear radiance and layers, 32-bit float, lossless.
 
-use std::io::{Read, Seek, Write};
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, Write};
+use std::path::Path;
 
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::*;
 
-use super::{Layer, OutputError, OutputFile, Picture};
+use super::error::OutputError;
+use super::file::OutputFile;
+use super::picture::{Layer, Picture};
 
 impl OutputFile {
     /// Writes `picture.colour` as the first part of the file, and each layer as a further part with its name.
@@ -13,25 +17,31 @@ impl OutputFile {
         self.save(|writer| {
             encode(picture, writer).map_err(|error| match error {
                 Error::Io(source) => self.error(source),
-                other => OutputError::Encode { path: self.path().to_path_buf(), reason: other.to_string() },
+                other => OutputError::Encode(self.path().to_path_buf(), other.to_string()),
             })
         })
     }
 }
 
-fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
-    let colour = ["R", "G", "B"].into_iter().enumerate().map(|(index, name)| {
-        let samples = picture.colour.iter().map(|pixel| pixel[index]).collect();
-        AnyChannel::new(name, FlatSamples::F32(samples))
-    });
-    let mut layers = vec![layer(picture, "colour", colour.collect())];
-    for part in &picture.layers {
-        let channels = part
-            .channels
-            .iter()
-            .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
-        layers.push(layer(picture, &part.name, channels.collect()));
+impl Picture {
+    /// Reads an `.exr` that glowworm wrote: colour, layers and notes, but no display values.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not a valid OpenEXR picture.
+    pub fn read_exr(path: &Path) -> std::result::Result<Self, OutputError> {
+        let read_error = |source| OutputError::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(read_error)?;
+        read_picture(BufReader::new(file)).map_err(|error| match error {
+            Error::Io(source) => read_error(source),
+            other => OutputError::Decode(path.to_owned(), other.to_string()),
+        })
     }
+}
+
+fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResult {
+    let colour = Layer::colour("colour", &picture.colour);
+    let parts = std::iter::once(&colour).chain(&picture.layers);
+    let mut layers: Vec<_> = parts.map(|part| layer(picture, part)).collect();
     let notes = picture
         .notes
         .iter()
@@ -41,21 +51,21 @@ fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResul
     Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
 }
 
-fn layer(
-    picture: &Picture,
-    name: &str,
-    channels: SmallVec<[AnyChannel<FlatSamples>; 4]>,
-) -> exr::image::Layer<AnyChannels<FlatSamples>> {
+fn layer(picture: &Picture, part: &Layer) -> exr::image::Layer<AnyChannels<FlatSamples>> {
+    let channels = part
+        .channels
+        .iter()
+        .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
     exr::image::Layer::new(
         (picture.width, picture.height),
-        LayerAttributes::named(name),
+        LayerAttributes::named(part.name.as_str()),
         Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels),
+        AnyChannels::sort(channels.collect()),
     )
 }
 
 /// Reads a file of [`OutputFile::save_exr`]; it does not contain `display`.
-pub(super) fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
+fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
     let image = read()
         .no_deep_data()
         .largest_resolution_level()

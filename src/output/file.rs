@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::OutputError;
+use super::error::OutputError;
 
 /// An output file: checked to be writable first, written to a temporary file in the same folder, then renamed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,9 +19,9 @@ impl OutputFile {
     /// Checks that `path` is writable, without leaving a file behind.
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let file = Self { path: path.into() };
-        let folder = file.folder();
+        let folder = folder_of(&file.path);
         if !folder.is_dir() {
-            return Err(OutputError::NoFolder { folder, file: file.path });
+            return Err(OutputError::NoFolder(file.path, folder));
         }
         if file.path.file_name().is_none() || (file.path.exists() && !file.path.is_file()) {
             return Err(OutputError::NotAFile(file.path));
@@ -73,12 +73,8 @@ impl OutputFile {
 
     /// Writes `value` as JSON.
     pub fn save_json(&self, value: &impl serde::Serialize) -> Result<(), OutputError> {
-        self.save(|writer| {
-            serde_json::to_writer_pretty(&mut *writer, value)
-                .map_err(io::Error::from)
-                .and_then(|()| writeln!(writer))
-                .map_err(|source| self.error(source))
-        })
+        let text = serde_json::to_string_pretty(value).map_err(|error| self.error(error.into()))?;
+        self.save_text(&(text + "\n"))
     }
 
     pub(super) fn error(&self, source: io::Error) -> OutputError {
@@ -97,10 +93,6 @@ impl OutputFile {
         #[cfg(unix)]
         builder.permissions(permissions);
         builder.tempfile_in(folder_of(&target)).map_err(|source| self.error(source))
-    }
-
-    fn folder(&self) -> PathBuf {
-        folder_of(&self.path)
     }
 
     /// The target of symbolic links, so that a link's target is replaced, not the link.

@@ -4,8 +4,8 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::file::folder_of;
-use super::{OutputError, OutputFile};
+use super::error::OutputError;
+use super::file::{OutputFile, folder_of};
 
 /// The name of a picture, or of a sequence: then the frame number replaces `{frame}` or, with leading zeros,
 /// `{frame:04}`.
@@ -84,10 +84,7 @@ impl FramePlace {
 /// Finds the `{frame}` or `{frame:04}` in the name of the file.
 fn frame_place(path: &Path) -> Result<Option<FramePlace>, OutputError> {
     const OPENING: &str = "{frame";
-    let error = |placeholder: &str| OutputError::Placeholder {
-        path: path.to_path_buf(),
-        placeholder: placeholder.to_owned(),
-    };
+    let error = |placeholder: &str| OutputError::Placeholder(path.to_path_buf(), placeholder.to_owned());
     if path.parent().is_some_and(|folder| folder.to_string_lossy().contains(OPENING)) {
         return Err(error("a {frame} in the folder's name"));
     }

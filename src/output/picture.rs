@@ -1,11 +1,6 @@
 //! A rendered frame in memory.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
-
-use super::{OutputError, exr};
 
 /// A rendered frame. Pixels are in rows from the top left; every buffer has `width * height` of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,21 +26,6 @@ pub struct Layer {
     pub name: String,
     /// Its channels by name (`R`, `G`, `B` for colours, `X`, `Y`, `Z` for vectors, `Z` for depth).
     pub channels: Vec<(String, Vec<f32>)>,
-}
-
-impl Picture {
-    /// Reads an `.exr` that glowworm wrote: colour, layers and notes, but no display values.
-    ///
-    /// # Errors
-    /// If the file cannot be read or is not a valid OpenEXR picture.
-    pub fn read_exr(path: &Path) -> Result<Self, OutputError> {
-        let read_error = |source| OutputError::Read { path: path.to_owned(), source };
-        let file = File::open(path).map_err(read_error)?;
-        exr::read_picture(BufReader::new(file)).map_err(|error| match error {
-            ::exr::error::Error::Io(source) => read_error(source),
-            other => OutputError::Decode { path: path.to_owned(), reason: other.to_string() },
-        })
-    }
 }
 
 impl Layer {

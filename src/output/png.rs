@@ -3,7 +3,9 @@
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
-use super::{OutputError, OutputFile, Picture};
+use super::error::OutputError;
+use super::file::OutputFile;
+use super::picture::Picture;
 
 impl OutputFile {
     /// Writes a PNG of 8-bit RGB pixels, in rows from the top left. `size` is width and height.
@@ -16,7 +18,7 @@ impl OutputFile {
                 PngEncoder::new(writer).write_image(pixels, size[0], size[1], ExtendedColorType::Rgb8);
             encoded.map_err(|error| match error {
                 ImageError::IoError(source) => self.error(source),
-                other => OutputError::Encode { path: self.path().to_path_buf(), reason: other.to_string() },
+                other => OutputError::Encode(self.path().to_path_buf(), other.to_string()),
             })
         })
     }
@@ -25,13 +27,13 @@ impl OutputFile {
     pub fn save_picture(&self, picture: &Picture) -> Result<(), OutputError> {
         // Without the unused fourth channel.
         let pixels: Vec<u8> = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-        let size = [picture.width, picture.height].map(u32::try_from);
-        match size {
+        let (width, height) = (picture.width, picture.height);
+        match [width, height].map(u32::try_from) {
             [Ok(width), Ok(height)] => self.save_png([width, height], &pixels),
-            _ => Err(OutputError::Encode {
-                path: self.path().to_path_buf(),
-                reason: format!("{}x{} pixels are too many", picture.width, picture.height),
-            }),
+            _ => {
+                let reason = format!("{width}x{height} pixels are too many");
+                Err(OutputError::Encode(self.path().to_path_buf(), reason))
+            }
         }
     }
 }

@@ -2,19 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{NumberedPath, OutputError, OutputFile, Picture};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Png,
-    Exr,
-}
+use super::error::OutputError;
+use super::file::OutputFile;
+use super::numbered::NumberedPath;
+use super::picture::Picture;
 
 /// The `--out` of a run: file name, format, and whether layers are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureTarget {
     name: NumberedPath,
-    format: Format,
+    is_exr: bool,
     layers: bool,
 }
 
@@ -22,17 +19,17 @@ impl PictureTarget {
     /// Parses a target such as `a.png` or `frames/{frame:04}.exr` and checks that it is writable, with `layers` or
     /// without.
     pub fn new(path: &Path, layers: bool) -> Result<Self, OutputError> {
-        let format = match path.extension().and_then(|extension| extension.to_str()) {
-            Some(extension) if extension.eq_ignore_ascii_case("png") => Format::Png,
-            Some(extension) if extension.eq_ignore_ascii_case("exr") => Format::Exr,
-            _ => return Err(OutputError::UnknownExtension(path.to_path_buf())),
-        };
-        if layers && format == Format::Png {
+        let is = |kind: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(kind));
+        let is_exr = is("exr");
+        if !is_exr && !is("png") {
+            return Err(OutputError::UnknownExtension(path.to_path_buf()));
+        }
+        if layers && !is_exr {
             return Err(OutputError::LayersInPng(path.to_path_buf()));
         }
         let name = NumberedPath::new(path)?;
         OutputFile::new(name.path_of(0))?;
-        Ok(Self { name, format, layers })
+        Ok(Self { name, is_exr, layers })
     }
 
     /// Whether frame `frame` of `frames` is to be written: every one of a sequence, else the last.
@@ -54,16 +51,17 @@ impl PictureTarget {
     pub fn write(&self, picture: &Picture, frame: u64) -> Result<PathBuf, OutputError> {
         let path = self.name.path_of(frame);
         let file = OutputFile::new(&path)?;
-        match self.format {
-            Format::Png => file.save_picture(picture)?,
-            Format::Exr => file.save_exr(picture)?,
+        if self.is_exr {
+            file.save_exr(picture)?
+        } else {
+            file.save_picture(picture)?
         }
         Ok(path)
     }
 
     /// Whether the format stores linear radiance.
     pub fn is_linear(&self) -> bool {
-        self.format == Format::Exr
+        self.is_exr
     }
 
     /// Name of the picture of frame `frame`.

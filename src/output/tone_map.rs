@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::Picture;
+use super::picture::Picture;
 use crate::scene::luminance;
 
 /// Target of the log-average luminance.

@@ -5,8 +5,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Scale};
-use super::page::{LegendEntry, Page, Panels, Sample};
-use super::{Drawn, FONT};
+use super::page::{Drawn, Page, Plot, Sample, chart};
+use super::text::FONT;
 
 /// Width of a bar, relative to their distance.
 const BAR_WIDTH: f64 = 0.68;
@@ -44,22 +44,21 @@ pub struct BarPanel {
 pub struct Bar {
     /// Label below the bar.
     pub label: String,
-    /// What stands above it.
+    /// Text above the bar.
     pub total: String,
     /// Length of each part, at least 0.
     pub parts: Vec<f64>,
 }
 
-impl Panels for Bars {
+impl Plot for Bars {
     fn page(&self) -> Page<'_> {
-        let entry = |(name, colour): &(String, [u8; 3])| LegendEntry {
-            name: name.clone(),
-            colour: rgb(*colour),
-            sample: Sample::Area,
-        };
         Page {
             title: &self.title,
-            key: self.parts.iter().map(entry).collect(),
+            key: self
+                .parts
+                .iter()
+                .map(|(name, colour)| (name.as_str(), rgb(*colour), Sample::Area))
+                .collect(),
             panels: self.panels.len(),
             columns: self.columns,
             panel_size: self.panel_size,
@@ -75,22 +74,8 @@ impl Panels for Bars {
         let x = Axis::side_by_side(panel.bars.iter().map(|bar| bar.label.as_str()));
         let y = Axis { scale: Scale::FromZero, ..Axis::default() };
         let y = y.layout(panel.bars.iter().map(|bar| bar.parts.iter().sum()).chain([0.0]), 0.05);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&panel.title, (FONT, 16))
-            .margin(10)
-            .x_label_area_size(40)
-            .y_label_area_size(70)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .disable_x_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
-            .x_desc(&panel.x_label)
-            .y_desc(&panel.y_label)
-            .label_style((FONT, 12))
-            .axis_desc_style((FONT, 13))
-            .draw()?;
+        let axes = ((x, panel.x_label.as_str()), (y, panel.y_label.as_str()));
+        let mut chart = chart(area, &panel.title, axes.0, axes.1, false)?;
         let total = (FONT, 12).into_font().into_text_style(area).pos(Pos::new(HPos::Center, VPos::Bottom));
         for (index, bar) in panel.bars.iter().enumerate() {
             let (left, right) = (index as f64 - BAR_WIDTH / 2.0, index as f64 + BAR_WIDTH / 2.0);

@@ -1,12 +1,13 @@
 //! Line charts over a common x axis, such as metrics over the frames of a sequence: one panel for each quantity.
 
+use indexmap::IndexSet;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::{Axis, Layout, Scale};
-use super::page::{LegendEntry, Page, Panels, Sample};
-use super::{Drawn, FONT};
+use super::page::{Drawn, Page, Plot, Sample, chart};
+use super::text::FONT;
 
 /// A page of panels over one x axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,20 +68,17 @@ pub enum Look {
     Broken,
 }
 
-impl Panels for Curves {
+impl Plot for Curves {
     fn page(&self) -> Page<'_> {
         let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
-        let entry = |name: &str| {
+        let entry = |name| {
             let broken = lines().any(|line| line.name == name && line.look == Look::Broken);
-            LegendEntry {
-                name: name.to_owned(),
-                colour: self.colour(name, broken),
-                sample: if broken { Sample::DashedLine } else { Sample::Line },
-            }
+            let sample = if broken { Sample::DashedLine } else { Sample::Line };
+            (name, self.colour(name, broken), sample)
         };
         Page {
             title: &self.title,
-            key: self.names().into_iter().filter(|name| !name.is_empty()).map(entry).collect(),
+            key: self.names().into_iter().map(entry).collect(),
             panels: self.panels.len(),
             columns: self.columns,
             panel_size: self.panel_size,
@@ -97,21 +95,8 @@ impl Panels for Curves {
         let has_marks = panel.lines.iter().any(|line| line.look != Look::Plain);
         let x = self.x.layout(points().map(|(x, _)| x), if has_marks { 0.04 } else { 0.0 });
         let y = panel.y.layout(points().map(|(_, y)| y), 0.05);
-        let mut chart = ChartBuilder::on(area)
-            .caption(&panel.title, (FONT, 16))
-            .margin(10)
-            .x_label_area_size(40)
-            .y_label_area_size(if panel.y.label.is_empty() { 60 } else { 74 })
-            .build_cartesian_2d(x.clone(), y.clone())?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
-            .x_desc(&self.x.label)
-            .y_desc(&panel.y.label)
-            .label_style((FONT, 12))
-            .axis_desc_style((FONT, 13))
-            .draw()?;
+        let axes = ((x.clone(), self.x.label.as_str()), (y.clone(), panel.y.label.as_str()));
+        let mut chart = chart(area, &panel.title, axes.0, axes.1, true)?;
         // Lines of labels alternate above and below their points.
         let mut labelled = 0;
         for line in &panel.lines {
@@ -139,7 +124,7 @@ impl Panels for Curves {
                 let below = labelled % 2 == 1;
                 labelled += 1;
                 chart.draw_series(shown.map(|(point, text)| {
-                    // On the side with more room.
+                    // The text stands on the side with more room.
                     let is_right = point.0 > 0.5 * (x.range().start + x.range().end);
                     let across = if is_right { HPos::Right } else { HPos::Left };
                     let place = (if is_right { -7 } else { 7 }, if below { 4 } else { -13 });
@@ -153,23 +138,17 @@ impl Panels for Curves {
 }
 
 impl Curves {
-    /// The names of all lines, each once.
-    fn names(&self) -> Vec<&str> {
-        let mut names = Vec::new();
-        for line in self.panels.iter().flat_map(|panel| &panel.lines) {
-            if !names.contains(&line.name.as_str()) {
-                names.push(line.name.as_str());
-            }
-        }
-        names
+    /// The names of all lines that have one, each once.
+    fn names(&self) -> IndexSet<&str> {
+        let lines = self.panels.iter().flat_map(|panel| &panel.lines);
+        lines.map(|line| line.name.as_str()).filter(|name| !name.is_empty()).collect()
     }
 
     fn colour(&self, name: &str, broken: bool) -> RGBColor {
         if broken {
             return RGBColor(130, 130, 130);
         }
-        let names = self.names().into_iter().filter(|name| !name.is_empty());
-        line_colour(names.into_iter().position(|known| known == name).unwrap_or(0))
+        line_colour(self.names().get_index_of(name).unwrap_or(0))
     }
 }
 

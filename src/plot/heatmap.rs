@@ -1,10 +1,11 @@
 //! A heat map: one value a pixel in the magma colour map, with a title and a colour bar.
 
+use image::{Rgb, RgbImage};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{FONT, PlotError, prepare_font, short};
-use crate::output::OutputFile;
+use super::text::{FONT, prepare_font, round_limit, short};
+use crate::output::{OutputError, OutputFile};
 
 const MARGIN: usize = 12;
 const TITLE_HEIGHT: usize = 34;
@@ -29,25 +30,18 @@ pub struct Heatmap<'a> {
     pub limit: f64,
 }
 
-/// The canvas of a heat map: 8-bit RGB.
-struct Canvas {
-    size: [usize; 2],
-    pixels: Vec<u8>,
-}
-
 impl Heatmap<'_> {
     /// Draws and writes it as a PNG.
     ///
     /// # Errors
     /// If it cannot be drawn or written.
-    pub fn save(&self, file: &OutputFile) -> Result<(), PlotError> {
-        let canvas =
-            self.draw().map_err(|reason| PlotError::Draw { path: file.path().to_path_buf(), reason })?;
-        let size = canvas.size.map(|side| side as u32);
-        Ok(file.save_png(size, &canvas.pixels)?)
+    pub fn save(&self, file: &OutputFile) -> Result<(), OutputError> {
+        let error = |reason| OutputError::Encode(file.path().to_path_buf(), reason);
+        let canvas = self.draw().map_err(error)?;
+        file.save_png(canvas.dimensions().into(), &canvas)
     }
 
-    fn draw(&self) -> Result<Canvas, String> {
+    fn draw(&self) -> Result<RgbImage, String> {
         let [width, height] = self.size;
         let zoom = (TARGET_SIDE / width.max(height)).max(1);
         let [map_width, map_height] = [width * zoom, height * zoom];
@@ -56,17 +50,18 @@ impl Heatmap<'_> {
         let bar_height = map_height.max(TARGET_SIDE / 4);
         // Widen the canvas to the title if the picture is narrower.
         let drawn_width = (bar_left + BAR_WIDTH + LABEL_WIDTH).max(2 * MARGIN + title_width(&self.title)?);
-        let size = [drawn_width, top + bar_height + MARGIN];
-        let mut canvas = Canvas { size, pixels: vec![u8::MAX; 3 * size[0] * size[1]] };
-        for y in 0..map_height {
-            for x in 0..map_width {
-                canvas.set(left + x, top + y, self.colour(self.values[y / zoom * width + x / zoom].into()));
-            }
-        }
-        for y in 0..bar_height {
-            let value = self.limit * (bar_height - 1 - y) as f64 / (bar_height - 1) as f64;
-            (0..BAR_WIDTH).for_each(|x| canvas.set(bar_left + x, top + y, self.colour(value)));
-        }
+        let drawn_height = top + bar_height + MARGIN;
+        let mut canvas = RgbImage::from_fn(drawn_width as u32, drawn_height as u32, |x, y| {
+            let (x, y) = (x as usize, (y as usize).wrapping_sub(top));
+            let (map_x, bar_x) = (x.wrapping_sub(left), x.wrapping_sub(bar_left));
+            Rgb(if map_x < map_width && y < map_height {
+                self.colour(self.values[y / zoom * width + map_x / zoom].into())
+            } else if bar_x < BAR_WIDTH && y < bar_height {
+                self.colour(self.limit * (bar_height - 1 - y) as f64 / (bar_height - 1) as f64)
+            } else {
+                [u8::MAX; 3]
+            })
+        });
         self.draw_text(&mut canvas, [bar_left + BAR_WIDTH, top], bar_height)
             .map_err(|error| error.to_string())?;
         Ok(canvas)
@@ -74,13 +69,13 @@ impl Heatmap<'_> {
 
     fn draw_text(
         &self,
-        canvas: &mut Canvas,
+        canvas: &mut RgbImage,
         [bar_right, bar_top]: [usize; 2],
         bar_height: usize,
     ) -> Result<(), DrawingAreaErrorKind<<BitMapBackend<'static> as DrawingBackend>::ErrorType>> {
         prepare_font();
-        let size = (canvas.size[0] as u32, canvas.size[1] as u32);
-        let area = BitMapBackend::with_buffer(&mut canvas.pixels, size).into_drawing_area();
+        let size = canvas.dimensions();
+        let area = BitMapBackend::with_buffer(canvas, size).into_drawing_area();
         area.draw(&Text::new(self.title.as_str(), (MARGIN as i32, MARGIN as i32), (FONT, TITLE_SIZE)))?;
         let style = (FONT, LABEL_SIZE).into_text_style(&area).pos(Pos::new(HPos::Left, VPos::Center));
         let clipped = self.values.iter().any(|&value| f64::from(value) > self.limit);
@@ -106,27 +101,11 @@ pub fn magma(share: f64) -> [u8; 3] {
     [colour.r, colour.g, colour.b]
 }
 
-impl Canvas {
-    fn set(&mut self, x: usize, y: usize, colour: [u8; 3]) {
-        let at = 3 * (y * self.size[0] + x);
-        self.pixels[at..at + 3].copy_from_slice(&colour);
-    }
-}
-
 fn title_width(title: &str) -> Result<usize, String> {
     prepare_font();
     let ((left, _), (right, _)) =
         (FONT, TITLE_SIZE).into_font().layout_box(title).map_err(|error| error.to_string())?;
     Ok(usize::try_from(right - left).unwrap_or(0))
-}
-
-/// Rounds `value` up to 1, 2 or 5 times a power of ten; 1 if it is not a positive number.
-pub fn round_limit(value: f64) -> f64 {
-    if !(value > 0.0 && value.is_finite()) {
-        return 1.0;
-    }
-    let power = 10.0_f64.powf(value.log10().floor());
-    [1.0, 2.0, 5.0].map(|step| step * power).into_iter().find(|&step| step >= value).unwrap_or(10.0 * power)
 }
 
 /// Round ticks from 0 to `limit`, inclusive.
@@ -181,6 +160,6 @@ mod tests {
         let title = "A title that is wider than all of its picture, which is a single pixel and its scale";
         let heatmap = Heatmap { title: title.to_owned(), size: [1, 1], values: &[0.3], limit: 0.5 };
         let canvas = heatmap.draw().unwrap();
-        assert!(canvas.size[0] >= title_width(title).unwrap() + 2 * MARGIN);
+        assert!(canvas.width() as usize >= title_width(title).unwrap() + 2 * MARGIN);
     }
 }

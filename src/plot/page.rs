@@ -4,7 +4,10 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Drawn, FONT, Plot};
+use super::axis::Layout;
+use super::text::{FONT, prepare_font};
+
+pub(super) type Drawn<Canvas> = Result<(), DrawingAreaErrorKind<<Canvas as DrawingBackend>::ErrorType>>;
 
 const TITLE_SIZE: u32 = 20;
 const TITLE_HEIGHT: u32 = 40;
@@ -16,20 +19,14 @@ const GAP: i32 = 18;
 const MARGIN: i32 = 16;
 
 /// Title, legend and layout of a page.
-pub(super) struct Page<'a> {
-    pub title: &'a str,
-    pub key: Vec<LegendEntry>,
-    pub panels: usize,
-    pub columns: usize,
-    pub panel_size: (u32, u32),
-}
-
-/// An entry of the legend.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LegendEntry {
-    pub name: String,
-    pub colour: RGBColor,
-    pub sample: Sample,
+#[derive(Clone, Debug)]
+pub struct Page<'a> {
+    pub(super) title: &'a str,
+    /// Name, colour and sample of each entry of the legend.
+    pub(super) key: Vec<(&'a str, RGBColor, Sample)>,
+    pub(super) panels: usize,
+    pub(super) columns: usize,
+    pub(super) panel_size: (u32, u32),
 }
 
 /// The sample beside a name.
@@ -40,29 +37,65 @@ pub(super) enum Sample {
     Area,
 }
 
-/// A plot of panels on a page.
-pub(super) trait Panels {
+/// A page of panels, independent of the format.
+pub trait Plot {
     /// Title, legend and layout.
     fn page(&self) -> Page<'_>;
 
     /// Draws one panel.
+    ///
+    /// # Errors
+    /// If the canvas fails.
     fn draw_panel<Canvas: DrawingBackend>(
         &self,
         index: usize,
         area: &DrawingArea<Canvas, Shift>,
     ) -> Drawn<Canvas>;
-}
 
-impl<P: Panels> Plot for P {
+    /// Width and height in pixels.
     fn size(&self) -> (u32, u32) {
         self.page().size()
     }
 
+    /// Draws it on a canvas of that size.
+    ///
+    /// # Errors
+    /// If the canvas fails.
     fn draw<Canvas: DrawingBackend>(&self, canvas: &DrawingArea<Canvas, Shift>) -> Drawn<Canvas> {
         let page = self.page();
         let areas = page.draw(canvas)?;
         areas.iter().take(page.panels).enumerate().try_for_each(|(index, area)| self.draw_panel(index, area))
     }
+}
+
+/// A chart with its title, on an area: the axes with their labels, and lines at the ticks of y and, if `has_x_lines`, of x.
+pub(super) fn chart<'a, Canvas: DrawingBackend>(
+    area: &'a DrawingArea<Canvas, Shift>,
+    title: &str,
+    (x, x_label): (Layout, &str),
+    (y, y_label): (Layout, &str),
+    has_x_lines: bool,
+) -> Result<ChartContext<'a, Canvas, Cartesian2d<Layout, Layout>>, DrawingAreaErrorKind<Canvas::ErrorType>> {
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, (FONT, 16))
+        .margin(10)
+        .x_label_area_size(40)
+        .y_label_area_size(if y_label.is_empty() { 60 } else { 74 })
+        .build_cartesian_2d(x, y)?;
+    {
+        let mut mesh = chart.configure_mesh();
+        if !has_x_lines {
+            mesh.disable_x_mesh();
+        }
+        mesh.light_line_style(TRANSPARENT)
+            .bold_line_style(BLACK.mix(0.12))
+            .x_desc(x_label)
+            .y_desc(y_label)
+            .label_style((FONT, 12))
+            .axis_desc_style((FONT, 13))
+            .draw()?;
+    }
+    Ok(chart)
 }
 
 impl Page<'_> {
@@ -93,8 +126,8 @@ impl Page<'_> {
     fn places(&self) -> Vec<(i32, usize)> {
         let (mut x, mut line) = (MARGIN, 0);
         let mut places = Vec::new();
-        for entry in &self.key {
-            let width = SAMPLE + text_width(&entry.name) + GAP;
+        for (name, ..) in &self.key {
+            let width = SAMPLE + text_width(name) + GAP;
             if x + width > self.width() as i32 && x > MARGIN {
                 (x, line) = (MARGIN, line + 1);
             }
@@ -112,41 +145,28 @@ impl Page<'_> {
         canvas.fill(&WHITE)?;
         let title = (FONT, TITLE_SIZE).into_text_style(canvas).pos(Pos::new(HPos::Center, VPos::Top));
         canvas.draw(&Text::new(self.title, (self.width() as i32 / 2, 10), title))?;
-        for (entry, (x, line)) in self.key.iter().zip(self.places()) {
+        let label = (FONT, KEY_SIZE).into_text_style(canvas).pos(Pos::new(HPos::Left, VPos::Center));
+        for ((name, colour, sample), (x, line)) in self.key.iter().zip(self.places()) {
             let y = (TITLE_HEIGHT + line as u32 * KEY_LINE + KEY_LINE / 2) as i32;
-            entry.draw(canvas, x, y)?;
+            let stroke = |from: i32, to: i32| {
+                canvas.draw(&PathElement::new([(x + from, y), (x + to, y)], colour.stroke_width(3)))
+            };
+            match sample {
+                Sample::Line => stroke(0, SAMPLE - 6)?,
+                Sample::DashedLine => [(0, 6), (10, 16)].into_iter().try_for_each(|(a, b)| stroke(a, b))?,
+                Sample::Area => {
+                    canvas.draw(&Rectangle::new([(x + 2, y - 6), (x + 14, y + 6)], colour.filled()))?;
+                }
+            }
+            canvas.draw(&Text::new(*name, (x + SAMPLE, y), label.clone()))?;
         }
         let (_, panels) = canvas.split_vertically(self.head());
         Ok(panels.split_evenly((self.rows(), self.columns())))
     }
 }
 
-impl LegendEntry {
-    fn draw<Canvas: DrawingBackend>(
-        &self,
-        canvas: &DrawingArea<Canvas, Shift>,
-        x: i32,
-        y: i32,
-    ) -> Drawn<Canvas> {
-        let line =
-            |from: i32, to: i32| PathElement::new([(x + from, y), (x + to, y)], self.colour.stroke_width(3));
-        match self.sample {
-            Sample::Line => canvas.draw(&line(0, SAMPLE - 6))?,
-            Sample::DashedLine => {
-                canvas.draw(&line(0, 6))?;
-                canvas.draw(&line(10, 16))?;
-            }
-            Sample::Area => {
-                canvas.draw(&Rectangle::new([(x + 2, y - 6), (x + 14, y + 6)], self.colour.filled()))?;
-            }
-        }
-        let style = (FONT, KEY_SIZE).into_text_style(canvas).pos(Pos::new(HPos::Left, VPos::Center));
-        canvas.draw(&Text::new(self.name.as_str(), (x + SAMPLE, y), style))
-    }
-}
-
 fn text_width(text: &str) -> i32 {
-    super::prepare_font();
+    prepare_font();
     let measured = (FONT, KEY_SIZE).into_font().layout_box(text);
     measured.map_or(0, |((left, _), (right, _))| right - left)
 }
@@ -157,10 +177,9 @@ mod tests {
 
     #[test]
     fn the_legend_wraps() {
-        let entry = |name: &str| LegendEntry { name: name.to_owned(), colour: BLACK, sample: Sample::Area };
         let page = |names: usize| Page {
             title: "",
-            key: vec![entry("indirect_reprojection"); names],
+            key: vec![("indirect_reprojection", BLACK, Sample::Area); names],
             panels: 3,
             columns: 2,
             panel_size: (300, 100),

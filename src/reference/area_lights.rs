@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::lights::{LightSample, ShadowEnd};
+use super::light_sample::{LightSample, ShadowEnd};
 use crate::sampling;
 use crate::scene::{AlphaMask, AreaTriangle, BoundingSphere, Mesh, Pose, Scene, luminance, ray_offset};
 

@@ -2,12 +2,62 @@
 //!
 //! In: passes of one sample a pixel. Out: the mean picture, its layers, and an estimate of its error.
 
+use std::f32::consts::PI;
+
 use glam::{DVec3, Vec3};
 
-use super::ReferenceError;
-use super::path::{PixelSample, VisibleSurface};
 use crate::output::{Layer, Picture};
 use crate::scene::luminance;
+
+/// Why a reference cannot be rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReferenceError {
+    /// The sums of all pixels do not fit into memory.
+    #[error("--size: a picture of this size does not fit into memory; make it smaller or leave --layers out")]
+    OutOfMemory,
+    /// The picture cannot be resumed by this run.
+    #[error("cannot be resumed: it has another size or lacks layers")]
+    CannotResume,
+}
+
+/// One sample of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PixelSample {
+    /// Direct radiance of point, spot and directional lights, with emission and background, W/m^2/sr.
+    pub(super) direct: Vec3,
+    /// The part of the direct radiance that comes from lights, W/m^2/sr.
+    pub(super) lit: Vec3,
+    /// Direct radiance that lights would give if they were unoccluded, W/m^2/sr.
+    pub(super) unshadowed: Vec3,
+    /// Irradiance at the visible surface by area lights, the environment and indirect light, W/m^2: the part that VPLs
+    /// estimate.
+    pub(super) irradiance: Vec3,
+    /// Radiance that the visible surface's GGX lobe makes of the same light, W/m^2/sr.
+    pub(super) reflected: Vec3,
+    /// The visible surface; none if the camera ray missed.
+    pub(super) visible: Option<VisibleSurface>,
+}
+
+/// Features of the visible surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VisibleSurface {
+    /// Radiance that it scatters over its irradiance, times pi, as far as thin surfaces before it let that pass.
+    pub(super) albedo: Vec3,
+    /// Unit shading normal, world space.
+    pub(super) normal: Vec3,
+    /// World position.
+    pub(super) position: Vec3,
+    /// View depth: distance along the view axis.
+    pub(super) depth: f32,
+}
+
+impl PixelSample {
+    /// Radiance of the pixel: direct + albedo/pi * irradiance + reflected.
+    pub(super) fn radiance(&self) -> Vec3 {
+        let albedo = self.visible.map_or(Vec3::ZERO, |visible| visible.albedo);
+        self.direct + albedo / PI * self.irradiance + self.reflected
+    }
+}
 
 /// Sums over the samples of each pixel, in rows from the top left.
 #[derive(Clone, Debug)]
@@ -247,7 +297,7 @@ impl LayerSums {
         self.hits += 1;
     }
 
-    /// What arrives of the lights' light over what would without shadows, by channel; 1 where none would.
+    /// Shadowed over unshadowed light of the lights, by channel; 1 where there is no light.
     fn shadow(&self) -> [f32; 3] {
         let share = |channel: usize| match self.unshadowed[channel] {
             unshadowed if unshadowed > 0.0 => (self.lit[channel] / unshadowed) as f32,

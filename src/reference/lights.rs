@@ -10,6 +10,7 @@ use std::ops::Range;
 use glam::{Vec2, Vec3};
 
 use super::area_lights::AreaLight;
+use super::light_sample::{LightSample, ShadowEnd};
 use crate::bvh::Ray;
 use crate::scene::{
     AlphaMask, Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff,
@@ -29,36 +30,6 @@ pub(super) enum LightSubset {
     All,
 }
 
-/// A light sample at a point, before the visibility test.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LightSample {
-    /// Unit direction to the light.
-    pub(super) direction: Vec3,
-    /// End of the shadow ray.
-    pub(super) end: ShadowEnd,
-    /// Irradiance perpendicular to the direction over the probability of the light, W/m^2, and over the pdf of the
-    /// direction where it is one of many.
-    pub(super) irradiance: Vec3,
-    /// Pdf of the direction over solid angle, 1/sr; none if no scattered ray can hit the light.
-    pub(super) pdf: Option<f32>,
-}
-
-/// Where a shadow ray ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ShadowEnd {
-    /// At a point, offset from the light's surface if it has one.
-    Point(Vec3),
-    /// After this distance along the direction; infinite where nothing is behind the light.
-    Distance(f32),
-}
-
-impl LightSample {
-    /// Its weight beside scattered rays that have this density in its direction: 1 if none can hit the light.
-    pub(super) fn share(&self, density: f32) -> f32 {
-        self.pdf.map_or(1.0, |pdf| power_heuristic(pdf, density))
-    }
-}
-
 /// The lights with non-zero emission.
 #[derive(Clone, Debug)]
 pub(super) struct Lights {
@@ -75,26 +46,10 @@ pub(super) struct Lights {
 
 #[derive(Clone, Debug)]
 enum PosedLight {
-    Point {
-        position: Vec3,
-        radius: f32,
-        intensity: Vec3,
-    },
-    Spot {
-        position: Vec3,
-        radius: f32,
-        axis: Vec3,
-        intensity: Vec3,
-        inner_angle: f32,
-        outer_angle: f32,
-    },
-    Directional {
-        to_light: Vec3,
-        half_angle: f32,
-        irradiance: Vec3,
-    },
+    /// A point, spot or directional light.
+    Direct(Light),
     Area(AreaLight),
-    /// One with a map; a constant one is left to scattered rays.
+    /// An environment with a map; a constant one is left to scattered rays.
     Environment {
         environment: Environment,
         weight: f32,
@@ -111,7 +66,7 @@ impl Lights {
                     let posed = AreaLight::new(scene, pose, *instance, triangles);
                     area.extend(posed.map(|posed| (*instance, AreaLight { scene_radius, ..posed })));
                 }
-                _ => direct.extend(posed_light(light)),
+                _ => direct.push(PosedLight::Direct(light.clone())),
             }
         }
         let mut of_instance = vec![Vec::new(); scene.instances.len()];
@@ -261,21 +216,6 @@ pub(super) struct ScatteredHit {
     pub(super) at: Vec3,
 }
 
-fn posed_light(light: &Light) -> Option<PosedLight> {
-    let (position, radius) = (light.position, light.radius);
-    let posed = match light.kind {
-        LightKind::Point { intensity } => PosedLight::Point { position, radius, intensity },
-        LightKind::Spot { intensity, inner_angle, outer_angle } => {
-            PosedLight::Spot { position, radius, axis: light.direction, intensity, inner_angle, outer_angle }
-        }
-        LightKind::Directional { irradiance } => {
-            PosedLight::Directional { to_light: -light.direction, half_angle: light.half_angle, irradiance }
-        }
-        LightKind::Area { .. } => return None,
-    };
-    Some(posed)
-}
-
 impl PosedLight {
     /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. Of a light with an
     /// extent, what it would be if all of it lay where it is highest.
@@ -287,74 +227,55 @@ impl PosedLight {
                 area.power / squared.max(area.bounds.radius * area.bounds.radius)
             }
             Self::Environment { weight, .. } => *weight,
-            _ => self
-                .unshadowed(p)
+            Self::Direct(light) => unshadowed(light, p)
                 .map_or(0.0, |(irradiance, cone)| luminance(irradiance) * cone.largest_cosine(n).max(0.0)),
         }
     }
 
-    /// Unshadowed irradiance perpendicular to the direction to the light's centre, and the directions to the light; none
-    /// for area lights.
-    #[inline]
-    fn unshadowed(&self, p: Vec3) -> Option<(Vec3, LightCone)> {
-        let (position, radius, intensity) = match self {
-            Self::Point { position, radius, intensity } | Self::Spot { position, radius, intensity, .. } => {
-                (*position, *radius, *intensity)
-            }
-            Self::Directional { to_light, half_angle, irradiance } => {
-                return Some((*irradiance, LightCone::to_disc(*to_light, *half_angle)));
-            }
-            Self::Area(_) | Self::Environment { .. } => return None,
-        };
-        let to_light = position - p;
-        let squared = to_light.length_squared().max(1e-30);
-        let distance = squared.sqrt();
-        let direction = to_light / distance;
-        let falloff = match self {
-            Self::Spot { axis, inner_angle, outer_angle, .. } => {
-                spot_falloff(-direction.dot(*axis), *inner_angle, *outer_angle)
-            }
-            _ => 1.0,
-        };
-        Some((intensity * (falloff / squared), LightCone::to_sphere(direction, distance, radius)))
-    }
-
     fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
         match self {
-            Self::Area(area) => return area.sample(p, u, alpha_masks),
+            Self::Area(area) => area.sample(p, u, alpha_masks),
             Self::Environment { environment, .. } => {
                 let (direction, pdf) = environment.sample(u)?;
-                let (irradiance, end) =
-                    (environment.radiance(direction) / pdf, ShadowEnd::Distance(f32::INFINITY));
-                return Some(LightSample { direction, end, irradiance, pdf: Some(pdf) });
+                let irradiance = environment.radiance(direction) / pdf;
+                let end = ShadowEnd::Distance(f32::INFINITY);
+                Some(LightSample { direction, end, irradiance, pdf: Some(pdf) })
             }
-            _ => {}
+            Self::Direct(light) => {
+                let (irradiance, cone) = unshadowed(light, p)?;
+                let sample = cone.sample(u);
+                let is_directional = matches!(light.kind, LightKind::Directional { .. });
+                let end = match light.radius {
+                    0.0 if !is_directional => ShadowEnd::Point(light.position),
+                    _ => ShadowEnd::Distance(sample.distance),
+                };
+                let irradiance = irradiance * cone.gain();
+                Some(LightSample { direction: sample.direction, end, irradiance, pdf: None })
+            }
         }
-        let (irradiance, cone) = self.unshadowed(p)?;
-        let sample = cone.sample(u);
-        let end = match self {
-            Self::Point { position, radius: 0.0, .. } | Self::Spot { position, radius: 0.0, .. } => {
-                ShadowEnd::Point(*position)
-            }
-            _ => ShadowEnd::Distance(sample.distance),
-        };
-        Some(LightSample {
-            direction: sample.direction,
-            end,
-            irradiance: irradiance * cone.gain(),
-            pdf: None,
-        })
     }
 }
 
-/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample drawn with pdf `own` where
-/// the other technique has pdf `other`.
-pub(super) fn power_heuristic(own: f32, other: f32) -> f32 {
-    let ratio = other / own;
-    1.0 / (1.0 + ratio * ratio)
-}
-
-/// Pdf of a cosine-weighted direction, 1/sr.
-pub(super) fn cosine_pdf(cosine: f32) -> f32 {
-    cosine / PI
+/// Unshadowed irradiance perpendicular to the direction to a light's centre, and the directions to the light; none for area
+/// lights.
+#[inline]
+fn unshadowed(light: &Light, p: Vec3) -> Option<(Vec3, LightCone)> {
+    let (intensity, cone_angles) = match light.kind {
+        LightKind::Point { intensity } => (intensity, None),
+        LightKind::Spot { intensity, inner_angle, outer_angle } => {
+            (intensity, Some((inner_angle, outer_angle)))
+        }
+        LightKind::Directional { irradiance } => {
+            return Some((irradiance, LightCone::to_disc(-light.direction, light.half_angle)));
+        }
+        LightKind::Area { .. } => return None,
+    };
+    let to_light = light.position - p;
+    let squared = to_light.length_squared().max(1e-30);
+    let distance = squared.sqrt();
+    let direction = to_light / distance;
+    let falloff =
+        cone_angles.map_or(1.0, |(inner, outer)| spot_falloff(-direction.dot(light.direction), inner, outer));
+    let cone = LightCone::to_sphere(direction, distance, light.radius);
+    Some((intensity * (falloff / squared), cone))
 }

@@ -19,8 +19,10 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::Reference;
-use super::lights::{LightSample, LightSubset, ScatteredHit, ShadowEnd, cosine_pdf, power_heuristic};
+use super::film::{PixelSample, VisibleSurface};
+use super::light_sample::{LightSample, ShadowEnd, cosine_pdf, power_heuristic};
+use super::lights::{LightSubset, ScatteredHit};
+use super::path_tracer::Reference;
 use super::sampler::Sampler;
 use crate::bsdf::{Reflection, Sampled};
 use crate::bvh::{Hit, Ray};
@@ -33,61 +35,13 @@ const MIN_BOUNCES: u32 = 3;
 /// Highest survival probability of Russian roulette: paths between surfaces of albedo 1 must terminate too.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// One sample of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PixelSample {
-    /// Direct radiance of point, spot and directional lights, with emission and background, W/m^2/sr.
-    pub(super) direct: Vec3,
-    /// The part of it that comes from lights, W/m^2/sr.
-    pub(super) lit: Vec3,
-    /// The same, were nothing between the lights and the visible surface, W/m^2/sr.
-    pub(super) unshadowed: Vec3,
-    /// Irradiance at the visible surface by area lights, the environment and indirect light, W/m^2: the part that VPLs
-    /// estimate.
-    pub(super) irradiance: Vec3,
-    /// Radiance that the visible surface's GGX lobe makes of the same light, W/m^2/sr.
-    pub(super) reflected: Vec3,
-    /// The visible surface; none if the camera ray missed.
-    pub(super) visible: Option<VisibleSurface>,
-}
-
-/// Features of the visible surface.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct VisibleSurface {
-    /// What it makes of irradiance, times pi, as far as sheets before it let that pass.
-    pub(super) albedo: Vec3,
-    /// Unit shading normal, world space.
-    pub(super) normal: Vec3,
-    /// World position.
-    pub(super) position: Vec3,
-    /// View depth: distance along the view axis.
-    pub(super) depth: f32,
-}
-
-impl PixelSample {
-    /// Radiance of the pixel: direct + albedo/pi * irradiance + reflected.
-    pub(super) fn radiance(&self) -> Vec3 {
-        let albedo = self.visible.map_or(Vec3::ZERO, |visible| visible.albedo);
-        self.direct + albedo / PI * self.irradiance + self.reflected
-    }
-}
-
-/// The visible surface of a pixel.
-struct Seen<'a> {
-    pixel: usize,
-    sampler: Sampler,
-    vertex: Interaction<'a>,
-    reflection: Reflection,
-    /// What sheets before it leave of its light.
-    weight: Vec3,
-}
-
 /// A path in progress.
+#[derive(Clone)]
 struct Path<'a> {
     sampler: Sampler,
     /// Its pixel.
     pixel: usize,
-    /// What it estimates.
+    /// The integral that it estimates.
     estimates: Estimates,
     /// Its latest vertex.
     vertex: Interaction<'a>,
@@ -98,11 +52,11 @@ struct Path<'a> {
     density: Option<f32>,
     /// Weight of the radiance along the next ray.
     throughput: Vec3,
-    /// What it has gathered so far.
+    /// The estimate so far.
     gathered: Vec3,
 }
 
-/// What a path estimates.
+/// The integral that a path estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Estimates {
     /// Irradiance at the visible surface, W/m^2.
@@ -136,6 +90,7 @@ impl Reference<'_> {
     pub(super) fn trace(&self, mut camera_samples: Vec<(Vec2, Sampler)>, samples: &mut [PixelSample]) {
         let rays: Vec<Ray> = camera_samples.iter().map(|&(point, _)| self.camera_ray(point)).collect();
         let hits = self.intersect(&rays, |ray| camera_samples[ray].1.next().x);
+        // Look up all surfaces before any texel is read.
         let mut visible = Vec::with_capacity(rays.len());
         for (pixel, ((_, sampler), (hit, weight))) in camera_samples.into_iter().zip(hits).enumerate() {
             let direction = rays[pixel].direction;
@@ -144,29 +99,33 @@ impl Reference<'_> {
                 None => self.scene.background,
             };
             samples[pixel] = PixelSample { direct: behind * weight, ..Default::default() };
-            let Some(hit) = hit else { continue };
-            let vertex = self.interaction(&hit, direction);
-            visible.push((pixel, sampler, vertex, direction, weight, hit.t));
+            if let Some(hit) = hit {
+                visible.push((pixel, sampler, self.interaction(&hit, direction), direction, weight, hit.t));
+            }
         }
-        let visible: Vec<Seen<'_>> = visible
-            .into_iter()
-            .map(|(pixel, sampler, vertex, direction, weight, depth)| {
-                let reflection = self.seen(&vertex, direction);
-                let emitted = if vertex.front {
-                    vertex.material.emission_at(self.scene, vertex.attributes)
-                } else {
-                    Vec3::ZERO
-                };
-                samples[pixel].direct = emitted * weight;
-                samples[pixel].visible = Some(VisibleSurface {
-                    albedo: reflection.diffuse_albedo() * weight,
-                    normal: vertex.surface.normal,
-                    position: vertex.surface.position,
-                    depth,
-                });
-                Seen { pixel, sampler, vertex, reflection, weight }
-            })
-            .collect();
+        let visible = visible.into_iter().map(|(pixel, sampler, vertex, direction, weight, depth)| {
+            let reflection = self.reflection(&vertex, direction);
+            let emission = vertex.material.emission_at(self.scene, vertex.attributes);
+            samples[pixel].direct = if vertex.front { emission * weight } else { Vec3::ZERO };
+            samples[pixel].visible = Some(VisibleSurface {
+                albedo: reflection.diffuse_albedo() * weight,
+                normal: vertex.surface.normal,
+                position: vertex.surface.position,
+                depth,
+            });
+            Path {
+                sampler,
+                pixel,
+                estimates: Estimates::Reflected,
+                vertex,
+                reflection,
+                direction,
+                density: None,
+                throughput: weight,
+                gathered: Vec3::ZERO,
+            }
+        });
+        let visible = visible.collect();
 
         let mut paths = self.shade_visible(visible, samples);
         self.trace_scattered(&mut paths);
@@ -179,15 +138,15 @@ impl Reference<'_> {
         }
     }
 
-    /// Adds one light sample each of shadow-mapped and area lights to the visible surfaces; returns the paths that go on
-    /// from there.
-    fn shade_visible<'a>(&'a self, visible: Vec<Seen<'a>>, samples: &mut [PixelSample]) -> Vec<Path<'a>> {
-        let [mut direct, mut area, mut reflected]: [ShadowRays; 3] =
-            std::array::from_fn(|_| ShadowRays::default());
+    /// Adds a light sample of the direct lights, and one of area lights, to each visible surface, at which a path has begun;
+    /// returns the paths that go on from there.
+    fn shade_visible<'a>(&'a self, visible: Vec<Path<'a>>, samples: &mut [PixelSample]) -> Vec<Path<'a>> {
+        let [mut direct, mut area, mut reflected]: [ShadowRays; 3] = Default::default();
         let mut paths = Vec::with_capacity(visible.len());
-        for Seen { pixel, mut sampler, vertex, reflection, weight } in visible {
-            let (picks, u_light) = (sampler.next(), sampler.next());
-            let surface = &vertex.surface;
+        for mut path in visible {
+            let (picks, u_light) = (path.sampler.next(), path.sampler.next());
+            let (pixel, reflection, weight) = (path.pixel, path.reflection, path.throughput);
+            let surface = &path.vertex.surface;
             if let Some(light) = self.sample_light(surface, LightSubset::Direct, picks.x, u_light) {
                 let lobes = reflection.evaluate(light.direction);
                 let radiance = (lobes.diffuse + lobes.reflected) * weight * light.irradiance;
@@ -204,23 +163,13 @@ impl Reference<'_> {
                     reflected.push(ray, pixel, lobe * weight * light.irradiance * share);
                 }
             }
-            let path = Path {
-                sampler,
-                pixel,
-                estimates: Estimates::Irradiance,
-                vertex,
-                reflection,
-                direction: Vec3::ZERO,
-                density: None,
-                throughput: Vec3::splat(PI),
-                gathered: Vec3::ZERO,
-            };
+            let mut scattered = path.clone();
+            (scattered.estimates, scattered.throughput) = (Estimates::Irradiance, Vec3::splat(PI));
             if reflection.reflects() {
-                let sampler = path.sampler.fork();
-                let estimates = Estimates::Reflected;
-                paths.push(Path { sampler, estimates, throughput: weight, ..path });
+                path.sampler = path.sampler.fork();
+                paths.push(path);
             }
-            paths.push(path);
+            paths.push(scattered);
         }
         direct.trace(self, |pixel, radiance| {
             samples[pixel].lit = radiance;
@@ -231,7 +180,7 @@ impl Reference<'_> {
         paths
     }
 
-    /// Adds what scattered rays from the visible surfaces bring: emission that they hit, and light scattered at one to
+    /// Adds the light that scattered rays bring to the visible surfaces: emission that they hit, and light scattered at one to
     /// `bounces` surfaces.
     fn trace_scattered<'a>(&'a self, paths: &mut [Path<'a>]) {
         let mut active: Vec<usize> = (0..paths.len()).collect();
@@ -281,7 +230,7 @@ impl Reference<'_> {
                     continue;
                 }
                 let path = &mut paths[index];
-                path.reflection = self.seen(&path.vertex, path.direction);
+                path.reflection = self.reflection(&path.vertex, path.direction);
                 let surface = path.vertex.surface;
                 if let Some(light) = self.sample_light(&surface, subset, u_choice.x, u_light) {
                     let lobes = path.reflection.evaluate(light.direction);
@@ -300,7 +249,7 @@ impl Reference<'_> {
     }
 
     /// The surface where the light along each ray stops, if any, and its weight. `number` gives a random number in [0, 1) for
-    /// a ray at each thin sheet.
+    /// a ray at each thin surface.
     fn intersect(&self, rays: &[Ray], mut number: impl FnMut(usize) -> f32) -> Vec<(Option<Hit>, Vec3)> {
         let hits = self.bvh.intersect_all(rays);
         hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
@@ -417,7 +366,7 @@ impl Reference<'_> {
     }
 
     /// How a surface reflects light along a ray of `direction` backwards.
-    fn seen(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
+    fn reflection(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
         let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
         let bsdf = vertex.material.bsdf(self.scene, texel, &vertex.attributes);
         bsdf.seen(vertex.surface.normal, -direction.normalize())

@@ -40,7 +40,7 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// For sample `sample` of the pixel `pixel`, counted by rows.
+    /// Begins sample `sample` of the pixel `pixel`, counted by rows.
     pub(super) fn new(seed: u32, pixel: u32, sample: u64) -> Self {
         let (half, place) = ((sample & 1) as u32, sample >> 1);
         let round = (place / SEQUENCE_LENGTH) as u32;

@@ -146,7 +146,7 @@ fn an_environment_is_an_emitter_and_no_background() {
     assert_eq!(exported.report.background, [0.0; 3]);
 }
 
-/// What Mitsuba shows in a direction: rows from pole to pole, and the left edge towards -z.
+/// The radiance that Mitsuba shows in a direction: rows from pole to pole, and the left edge towards -z.
 #[test]
 fn mitsuba_sees_an_environment_map_where_it_is() {
     let texels: Vec<Vec3> =

@@ -203,9 +203,9 @@ fn thin_sheets_have_coverage_and_pass_their_colour() {
         assert_eq!(value(only(bsdf, "bsdf"), "transmission"), "0.75");
     });
     with_shiny(&exported, "materials.xml", |bsdf| {
-        let sheet = only(bsdf, "bsdf");
-        assert_eq!(kind(sheet), "mask");
-        let opacity: f32 = value(sheet, "opacity").parse().unwrap();
+        let surface = only(bsdf, "bsdf");
+        assert_eq!(kind(surface), "mask");
+        let opacity: f32 = value(surface, "opacity").parse().unwrap();
         assert!((0.4..0.7).contains(&opacity), "{opacity}");
     });
 }

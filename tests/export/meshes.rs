@@ -41,7 +41,7 @@ fn every_triangle_is_there_once_bit_by_bit() {
 #[test]
 fn lamps_shine_on_their_front_side_and_are_flat_unless_they_reflect() {
     for base in [0.0, 0.5] {
-        let mut scene = Scene::new("lamps");
+        let mut scene = Scene::new("emitters");
         scene
             .materials
             .push(Material { base_colour: Vec3::splat(base), ..Material::emitter("glow", Vec3::ONE) });

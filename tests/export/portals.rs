@@ -18,21 +18,21 @@ fn light_passes_through_portals() {
 }
 
 #[test]
-fn lamps_beside_portals_have_a_copy_for_the_camera() {
+fn emitters_beside_portals_have_a_copy_for_the_camera() {
     let exported = export(&all_kinds());
     let document = roxmltree::Document::parse(&exported.text).unwrap();
-    let lamps: Vec<_> = elements(document.root_element(), "shape")
+    let shapes: Vec<_> = elements(document.root_element(), "shape")
         .into_iter()
         .filter(|shape| shape.attribute("id").unwrap().starts_with("instance-5-lamp"))
         .collect();
-    let [lamp, pane, copy] = lamps[..] else { panic!("{} shapes", lamps.len()) };
-    assert!(elements(lamp, "emitter").len() == 1 && elements(pane, "emitter").is_empty());
+    let [shape, pane, copy] = shapes[..] else { panic!("{} shapes", shapes.len()) };
+    assert!(elements(shape, "emitter").len() == 1 && elements(pane, "emitter").is_empty());
     assert_eq!(value(only(copy, "emitter"), "sampling_weight"), "0.0");
     let glass = only(pane, "bsdf");
     assert_eq!((value(glass, "int_ior"), value(glass, "ext_ior")), ("1.0", "1.0"));
 
     // Each is behind the one before it, by more than Mitsuba's ray offset.
-    let meshes = [lamp, pane, copy].map(|shape| exported.mesh(shape));
+    let meshes = [shape, pane, copy].map(|shape| exported.mesh(shape));
     for pair in meshes.windows(2) {
         for triangle in 0..2 {
             let front = pair[0].front(triangle);

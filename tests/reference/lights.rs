@@ -94,7 +94,7 @@ fn a_directional_light_shines_along_its_direction_with_a_highlight() {
         let d = (alpha / (half.y * half.y * (alpha * alpha - 1.0) + 1.0)).powi(2) / PI;
         let v = 0.5 / (to_light.y * long(to_eye.y) + to_eye.y * long(to_light.y));
         let fresnel = 0.3 + 0.7 * (1.0 - half.dot(to_eye)).powi(5);
-        // What is scattered twice adds little here: the floor is seen from above.
+        // Light that is scattered twice adds little here: the floor is seen from above.
         let bsdf =
             Bsdf { base: Vec3::splat(0.5), metallic: 0.0, roughness: 0.6, f0: Vec3::splat(0.3), f90: 1.0 };
         let seen = bsdf.seen(Vec3::Y, to_eye);
@@ -105,7 +105,7 @@ fn a_directional_light_shines_along_its_direction_with_a_highlight() {
     assert_floor(&rendered, &colour(&rendered), expected, 0.01);
 }
 
-const LAMP: &str = "[[lights]]\ntype = \"area\"\nradiance = [5, 5, 5]\n\
+const EMITTER: &str = "[[lights]]\ntype = \"area\"\nradiance = [5, 5, 5]\n\
                     polygon = [[-1, 2, -1], [1, 2, -1], [1, 2, 1], [-1, 2, 1]]";
 
 #[test]
@@ -114,8 +114,8 @@ fn an_area_light_lights_by_its_form_factor_seen_or_not() {
     let slant = (1.0f32 + 4.0).sqrt();
     let below = 5.0 * 4.0 / slant * (1.0 / slant).atan();
     for visible in [true, false] {
-        let mut scene = floor(&format!("{LAMP}\nvisible = {visible}"));
-        // From the side, below the lamp.
+        let mut scene = floor(&format!("{EMITTER}\nvisible = {visible}"));
+        // From the side, below the light.
         scene.camera.eye = Vec3::new(0.0, 0.5, 3.0);
         scene.camera.up = Vec3::Y;
         scene.camera.vertical_fov = 0.02;
@@ -127,7 +127,7 @@ fn an_area_light_lights_by_its_form_factor_seen_or_not() {
 #[test]
 fn an_area_light_shines_from_its_front_only() {
     // The polygon above faces down: from above it is black, and surfaces above it stay dark.
-    let scene = floor(LAMP);
+    let scene = floor(EMITTER);
     let rendered = picture(&scene, &settings(16, Some(0)), 16);
     let positions = layer(&rendered, "position");
     let on_lamp: Vec<Vec3> = colour(&rendered)
@@ -158,7 +158,7 @@ fn lights_of_all_kinds_add_up() {
         "[[lights]]\ntype = \"spot\"\nposition = [-1, 2, 0]\ndirection = [0.2, -1, 0]\nintensity = [0.3, 3, 3]\nouter_deg = 40",
         "[[lights]]\ntype = \"directional\"\ndirection = [1, -1, 0.3]\nirradiance = [0.2, 0.2, 2]",
         // If visible, it would occlude the others.
-        &format!("{LAMP}\nvisible = false"),
+        &format!("{EMITTER}\nvisible = false"),
     ];
     let wall = "[[models]]\nname = \"wall\"\nprimitive = \"box\"\nsize = [0.2, 3, 8]\n\
                 material = { albedo = [0.8, 0.8, 0.8] }\n\

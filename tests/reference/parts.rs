@@ -33,7 +33,7 @@ fn direct_and_indirect_light_make_up_the_picture() {
     assert!(seen > 24 * 24 * 8 / 10);
 }
 
-/// A floor seen from above, with a long wall of height 1 across the light of a wide red sun; a blue lamp shines straight down.
+/// A floor seen from above, with a long wall of height 1 across the light of a wide red sun; a blue light shines straight down.
 fn shaded_floor(half_angle_deg: f32) -> Scene {
     scene(&format!(
         r#"
@@ -143,15 +143,15 @@ fn the_background_is_seen_and_lights_nothing() {
 #[test]
 fn the_estimated_error_is_about_the_true_one() {
     let scene = cornell();
-    let truth = colour(&picture(&scene, &settings(16, Some(1)), 8192));
+    let expected = colour(&picture(&scene, &settings(16, Some(1)), 8192));
     for spp in [8u64, 65] {
         let seeded = ReferenceSettings { seed: 7, ..settings(16, Some(1)) };
         let film = film(&scene, &seeded, spp);
         let squares = colour(&film.picture())
             .into_iter()
-            .zip(&truth)
-            .map(|(found, truth)| f64::from(luminance(found - *truth)).powi(2));
-        let actual = (squares.sum::<f64>() / truth.len() as f64).sqrt();
+            .zip(&expected)
+            .map(|(found, expected)| f64::from(luminance(found - *expected)).powi(2));
+        let actual = (squares.sum::<f64>() / expected.len() as f64).sqrt();
         let estimated = film.standard_error().unwrap();
         assert!((0.5..2.0).contains(&(estimated / actual)), "{spp}: {estimated} for {actual}");
     }

@@ -121,18 +121,18 @@ fn the_penumbra_of_a_bulb_is_the_visible_part_of_its_sphere() {
 #[test]
 fn what_is_in_the_sphere_casts_no_shadow() {
     let at = Vec3::new(0.0, 2.0, 0.0);
-    let lamp = "[[models]]\nname = \"lamp\"\nprimitive = \"box\"\nsize = [0.2, 0.2, 0.2]\n\
-                [[instances]]\nmodel = \"lamp\"\ntranslation = [0, 2, 0]\n";
+    let bulb_shape = "[[models]]\nname = \"bulb\"\nprimitive = \"box\"\nsize = [0.2, 0.2, 0.2]\n\
+                [[instances]]\nmodel = \"bulb\"\ntranslation = [0, 2, 0]\n";
     let shadow = |radius: f32, more: &str| {
         let mut scene = floor(&format!("{}{more}", bulb(at, radius)));
-        // From below the lamp.
+        // From below the light.
         scene.camera.eye = Vec3::new(0.0, 1.0, 0.0);
         mean(&layer(&picture(&scene, &settings(12, Some(0)), 16), "shadow")).x
     };
-    assert_eq!(shadow(0.0, lamp), 0.0);
-    assert_eq!(shadow(0.2, lamp), 1.0);
-    // What stands before it does, and the floor within a sphere has no shadow either.
-    let before = lamp.replace("2, 0]", "1.5, 0]");
+    assert_eq!(shadow(0.0, bulb_shape), 0.0);
+    assert_eq!(shadow(0.2, bulb_shape), 1.0);
+    // An object between light and floor casts a shadow, but not on a floor within the sphere of the light.
+    let before = bulb_shape.replace("2, 0]", "1.5, 0]");
     assert!((0.5..0.98).contains(&shadow(0.2, &before)), "{}", shadow(0.2, &before));
     assert_eq!(shadow(40.0, &before), 1.0);
 }

@@ -1,4 +1,4 @@
-//! What surfaces reflect and let pass: white furnaces, mirrors, thin sheets.
+//! What surfaces reflect and let pass: white furnaces, mirrors, thin surfaces.
 
 use glam::{Affine3A, Vec3};
 use glowworm::scene::{
@@ -48,7 +48,7 @@ fn a_white_sphere_in_a_white_environment_cannot_be_seen() {
     }
 }
 
-/// A floor of `material` under a lamp, seen from above.
+/// A floor of `material` under a light, seen from above.
 fn lit_floor(material: Material) -> Scene {
     let mut scene = Scene::new("floor");
     scene.materials.push(material);
@@ -69,7 +69,7 @@ fn lit_floor(material: Material) -> Scene {
     scene
 }
 
-/// Adds a horizontal sheet of `material` at height `y`.
+/// Adds a horizontal thin surface of `material` at height `y`.
 fn add_sheet(scene: &mut Scene, material: Material, y: f32) {
     scene.materials.push(material);
     let material = scene.materials.len() as u32 - 1;
@@ -87,7 +87,7 @@ fn a_mirror_shows_what_it_faces() {
         ..Material::lambertian("mirror", Vec3::new(0.9, 0.6, 0.3))
     };
     let mut scene = lit_floor(mirror);
-    // A glowing ceiling; the lamp, which has no size, is not seen in a mirror.
+    // A glowing ceiling; the light, which has no size, is not seen in a mirror.
     scene.materials.push(Material::emitter("glow", Vec3::splat(2.0)));
     let corners =
         [[-99.0, -99.0], [99.0, -99.0], [99.0, 99.0], [-99.0, 99.0]].map(|[x, z]| Vec3::new(x, 5.0, z));
@@ -128,7 +128,7 @@ fn glossy_surfaces_reflect_glossy_surfaces() {
 fn light_passes_a_sheet_tinted() {
     let floor = || lit_floor(Material::lambertian("floor", Vec3::splat(0.5)));
     let bare = mean(&colour(&picture(&floor(), &settings(4, Some(0)), 16)));
-    // A tinted pane without reflection between lamp and floor, above the eye.
+    // A tinted pane without reflection between light and floor, above the eye.
     let tint = Vec3::new(0.8, 0.5, 0.1);
     let pane = Material { transmission: 1.0, ..Material::lambertian("pane", tint) };
     let mut scene = floor();

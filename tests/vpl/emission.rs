@@ -126,8 +126,8 @@ fn sun_finds_a_house_on_a_wide_plain() {
 fn area_light_starts_evenly_and_shines_by_the_cosine() {
     // A small light at the centre of a large sphere, so that the start on the light hardly matters.
     let stage = sphere_scene(|scene| {
-        let lamp = place(scene, square(0.02), Vec3::ZERO, false);
-        area(scene, lamp, 1.0)
+        let emitter = place(scene, square(0.02), Vec3::ZERO, false);
+        area(scene, emitter, 1.0)
     });
     let mut counts = [0u32; 16];
     for p in positions(&stage, 40_000, 1, 0) {
@@ -151,13 +151,13 @@ fn area_light_starts_evenly_and_shines_by_the_cosine() {
 fn area_light_weighs_its_triangles() {
     let mut scene = grey_scene(0.5);
     let bright = place(&mut scene, square(1.0), Vec3::ZERO, false);
-    let mut lamp = area(&scene, bright, 1.0);
-    let glowworm::scene::LightKind::Area { triangles, .. } = &mut lamp.kind else {
+    let mut emitter = area(&scene, bright, 1.0);
+    let glowworm::scene::LightKind::Area { triangles, .. } = &mut emitter.kind else {
         panic!("not an area light")
     };
     triangles[0].radiance = Vec3::new(3.0, 0.0, 0.0);
     triangles[1].radiance = Vec3::new(0.0, 0.0, 1.0);
-    scene.lights.push(lamp);
+    scene.lights.push(emitter);
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &without_choice(settings(4000, 1)));
     let flux: Vec3 = manager.slots().filter(|slot| slot.bounce == 0).map(|slot| slot.flux).sum();
@@ -165,7 +165,7 @@ fn area_light_weighs_its_triangles() {
     assert!(flux.distance(expected) < 0.01 * expected.length(), "{flux} {expected}");
 }
 
-/// An alpha mask cuts half of the lamp away: half of its paths carry no flux, the rest carry half of it.
+/// An alpha mask cuts half of the light away: half of its paths carry no flux, the rest carry half of it.
 #[test]
 fn holes_in_an_area_light_emit_nothing() {
     let mut scene = grey_scene(0.5);
@@ -175,8 +175,8 @@ fn holes_in_an_area_light_emit_nothing() {
     mesh.uvs = mesh.positions.iter().map(|position| glam::Vec2::new(0.5 * (position.x + 1.0), 0.5)).collect();
     // Up to the edge, where coordinates wrap around.
     mesh.uvs.iter_mut().for_each(|uv| uv.x = uv.x.clamp(0.0, 0.999));
-    let lamp = place(&mut scene, mesh, Vec3::ZERO, false);
-    let light = area(&scene, lamp, 1.0);
+    let emitter = place(&mut scene, mesh, Vec3::ZERO, false);
+    let light = area(&scene, emitter, 1.0);
     scene.lights.push(light);
     let stage = Stage::new(scene);
     let manager = VplManager::new(stage.world(), &without_choice(settings(4096, 1)));

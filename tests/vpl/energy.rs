@@ -38,7 +38,7 @@ fn sets_add_up_to_the_total() {
     let sets = all_sets(&manager, &stage, &settings);
     let flux = manager.set_flux();
     let sum: f32 = flux.iter().sum();
-    let total = manager.total_flux(stage.world());
+    let total = total_flux(&manager);
     assert!(total > 0.0 && (sum / total - 1.0).abs() < 1e-5, "{sum} {total}");
     // Sets hold the flux that they report.
     let mut seen = vec![false; 333];
@@ -94,11 +94,11 @@ fn integrating_sphere_is_evenly_lit() {
 fn four_lights() -> Stage {
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
-    let lamp = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.9, 0.0), false);
+    let emitter = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.9, 0.0), false);
     scene.lights.push(point(0.02, Vec3::new(1.0, 0.0, 1.0)));
     scene.lights.push(spot(40.0, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.2, -1.0, 0.1)));
     scene.lights.push(directional(2.0, Vec3::new(0.0, -1.0, 0.0)));
-    scene.lights.push(area(&scene, lamp, 5.0));
+    scene.lights.push(area(&scene, emitter, 5.0));
     Stage::new(scene)
 }
 

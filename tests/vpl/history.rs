@@ -8,10 +8,10 @@ use glowworm::settings::{Settings, VplSettings};
 use crate::support::*;
 
 const BOX: usize = 1;
-const LAMP: usize = 2;
+const EMITTER: usize = 2;
 const PILLAR: usize = 3;
 
-/// A room without its ceiling: a moving box and lamp, a pillar, and lights of all four kinds.
+/// A room without its ceiling: a moving box and light, a pillar, and lights of all four kinds.
 pub fn open_room() -> Stage {
     let mut scene = grey_scene(0.7);
     let mut walls = square(6.0);
@@ -29,7 +29,7 @@ pub fn open_room() -> Stage {
     scene.lights.push(point(3.0, Vec3::new(0.3, 2.5, 0.2)));
     scene.lights.push(spot(30.0, Vec3::new(2.0, 3.0, 1.0), Vec3::new(-0.5, -1.0, -0.3)));
     scene.lights.push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
-    scene.lights.push(area(&scene, LAMP, 4.0));
+    scene.lights.push(area(&scene, EMITTER, 4.0));
     Stage::new(scene)
 }
 
@@ -104,9 +104,9 @@ fn moved_object() {
 }
 
 #[test]
-fn moved_lamp() {
+fn moved_light() {
     assert_forgets(open_room(), |frame, stage| {
-        stage.move_instance(LAMP, Vec3::new(0.05, 0.0, -0.05) * frame as f32);
+        stage.move_instance(EMITTER, Vec3::new(0.05, 0.0, -0.05) * frame as f32);
     });
 }
 
@@ -175,7 +175,7 @@ fn everything_at_once() {
     assert_forgets(open_room(), |frame, stage| {
         let t = frame as f32 / 20.0;
         stage.move_instance(BOX, Vec3::new(-2.0 * t, 0.5 * t, t));
-        stage.move_instance(LAMP, Vec3::new(2.0 * t, -t, 0.0));
+        stage.move_instance(EMITTER, Vec3::new(2.0 * t, -t, 0.0));
         stage.pose.lights[0].position = Vec3::new(0.3 - t, 2.5, 0.2 + t);
         stage.pose.lights[1].direction = Vec3::new(-0.5 + t, -1.0, -0.3).normalize();
         stage.pose.lights[2].direction = Vec3::new(0.3, -1.0, -0.4 + t).normalize();

@@ -21,8 +21,7 @@ fn room_with_plate() -> Stage {
 /// Plays one frame and returns its counters and the slots; checks that counts by reason add up.
 fn frame(stage: &mut Stage, manager: &mut VplManager) -> (VplCounters, Vec<SlotView>) {
     let counters = stage.frame(manager);
-    let by_reason: u32 =
-        InvalidationReason::ALL.iter().map(|&reason| counters.invalidated_by.count(reason)).sum();
+    let by_reason: u32 = InvalidationReason::ALL.iter().map(|&reason| counters.invalidated_by[reason]).sum();
     assert_eq!(by_reason, counters.invalidated, "every invalidation has one reason");
     (counters, manager.slots().collect())
 }
@@ -49,8 +48,8 @@ fn a_spot_that_turns_away_is_the_reason() {
     let (counters, _) = frame(&mut stage, &mut manager);
     let lost = became_invalid(&manager, InvalidationReason::LightTurnedAway);
     assert_eq!(lost.len(), 128, "all first bounces");
-    assert_eq!(counters.invalidated_by.light_turned_away, 128);
-    assert_eq!(counters.invalidated_by.parent_invalid, 128);
+    assert_eq!(counters.invalidated_by[InvalidationReason::LightTurnedAway], 128);
+    assert_eq!(counters.invalidated_by[InvalidationReason::ParentInvalid], 128);
     for slot in lost {
         let last = last_invalidation(&manager, &slot).unwrap();
         assert_eq!(last.position, before[slot.slot as usize].position);
@@ -65,7 +64,7 @@ fn what_comes_between_is_the_reason() {
     let mut manager = VplManager::new(stage.world(), &settings);
     stage.move_instance(1, Vec3::new(-1.7, 0.0, 0.0));
     let (counters, _) = frame(&mut stage, &mut manager);
-    assert!(counters.invalidated_by.occluded > 20, "{counters:?}");
+    assert!(counters.invalidated_by[InvalidationReason::Occluded] > 20, "{counters:?}");
     for slot in became_invalid(&manager, InvalidationReason::Occluded).iter().filter(|slot| slot.bounce == 1)
     {
         // Its path crosses the plate, which lies at height 1.
@@ -139,7 +138,7 @@ fn the_other_lights_keep_their_vpls_when_one_goes() {
     let after = positions(&manager, 0);
     let kept = before.iter().filter(|position| after.contains(position)).count();
     assert!(kept + 16 >= before.len(), "{kept} of {} are left, {counters:?}", before.len());
-    assert_eq!(counters.invalidated_by.no_slot, 128, "those of the light that went");
+    assert_eq!(counters.invalidated_by[InvalidationReason::NoSlot], 128, "those of the light that went");
 }
 
 #[test]

@@ -105,12 +105,12 @@ fn scaled(scale: f32) -> Stage {
     place(&mut scene, square(6.0 * scale), Vec3::ZERO, false);
     place(&mut scene, Mesh::cuboid("wall", at(6.0, 3.0, 0.1), 0), at(0.0, 1.5, -3.0), false);
     place(&mut scene, Mesh::sphere("ball", 0.5 * scale, 3, 0), at(1.0, 0.6, 0.0), true);
-    let lamp = place(&mut scene, square(-0.8 * scale), at(-1.0, 3.0, 0.5), true);
+    let emitter = place(&mut scene, square(-0.8 * scale), at(-1.0, 3.0, 0.5), true);
     let power = scale * scale;
     scene.lights.push(point(3.0 * power, at(0.3, 2.5, 0.2)));
     scene.lights.push(spot(30.0 * power, at(2.0, 3.0, 1.0), Vec3::new(-0.5, -1.0, -0.3)));
     scene.lights.push(directional(1.0, Vec3::new(0.3, -1.0, -0.4)));
-    scene.lights.push(area(&scene, lamp, 4.0));
+    scene.lights.push(area(&scene, emitter, 4.0));
     scene.camera = Camera::looking(at(2.5, 2.0, 4.0), at(0.0, 0.5, 0.0));
     Stage::new(scene)
 }

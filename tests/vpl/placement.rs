@@ -26,7 +26,7 @@ fn court() -> Stage {
     Stage::new(scene)
 }
 
-/// The same under a grey sky.
+/// The scene under a grey sky.
 fn court_under_a_sky() -> Stage {
     let mut scene = court().scene;
     scene.lights.clear();

@@ -122,7 +122,7 @@ fn descendants_go_in_the_same_frame() {
     stage.move_instance(lid, Vec3::splat(-1.5));
     assert_eq!(stage.invalidate(&mut manager), 512);
     assert_eq!(manager.counters().valid, 0);
-    assert_eq!(manager.total_flux(stage.world()), 0.0);
+    assert_eq!(total_flux(&manager), 0.0);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn spot_turned_away_loses_its_vpls_at_once() {
 
 #[test]
 fn same_slot_same_spot() {
-    // A plate passes through the light of a stationary lamp; afterwards all slots are as before.
+    // A plate passes through the light of a stationary light; afterwards all slots are as before.
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
     let plate = place(&mut scene, square(1.0), Vec3::new(0.0, -1.9, 0.0), true);
@@ -194,9 +194,9 @@ fn same_slot_same_spot() {
 fn change_of_power_alone_shoots_nothing() {
     let mut stage = sphere_with(point(1.0, Vec3::ZERO));
     let mut manager = VplManager::new(stage.world(), &settings(64, 2));
-    let before = manager.total_flux(stage.world());
+    let before = total_flux(&manager);
     stage.pose.lights[0] = point(2.5, Vec3::ZERO);
     let counters = stage.frame(&mut manager);
     assert_eq!((counters.shot, counters.invalidated), (0, 0));
-    assert!((manager.total_flux(stage.world()) / before - 2.5).abs() < 1e-5);
+    assert!((total_flux(&manager) / before - 2.5).abs() < 1e-5);
 }

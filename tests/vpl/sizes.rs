@@ -10,12 +10,12 @@ use crate::support::*;
 fn lit_room(mix: u32) -> Stage {
     let mut scene = grey_scene(0.5);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
-    let lamp = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.5, 0.0), true);
+    let emitter = place(&mut scene, square(-1.0), Vec3::new(0.0, 1.5, 0.0), true);
     let all = [
         point(1.0, Vec3::ZERO),
         spot(40.0, Vec3::Y, Vec3::NEG_Y),
         directional(0.5, Vec3::NEG_Y),
-        area(&scene, lamp, 5.0),
+        area(&scene, emitter, 5.0),
     ];
     for (bit, light) in all.into_iter().enumerate() {
         if mix >> bit & 1 == 1 {
@@ -106,7 +106,7 @@ fn without_light_there_is_nothing() {
         for _ in 0..3 {
             let counters = stage.frame(&mut manager);
             assert_eq!((counters.valid, counters.escaped, counters.shot), (0, 0, 0));
-            assert_eq!(manager.total_flux(stage.world()), 0.0);
+            assert_eq!(total_flux(&manager), 0.0);
             let sets = all_sets(&manager, &stage, &settings);
             assert!(sets.iter().all(Vec::is_empty));
         }

@@ -4,7 +4,9 @@ use glam::{Affine3A, Vec3};
 use glowworm::bvh::TwoLevelBvh;
 use glowworm::estimators::World;
 use glowworm::estimators::vpls::{GpuVpl, SlotState, SlotView, VplCounters, VplManager};
-use glowworm::scene::{Alpha, AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene};
+use glowworm::scene::{
+    Alpha, AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene, luminance,
+};
 use glowworm::settings::{Settings, VplSettings};
 
 /// A scene with its current pose.
@@ -69,7 +71,7 @@ pub fn settings(vpls: u32, bounces: u32) -> Settings {
     }
 }
 
-/// The same settings, but VPLs lie as the lights throw them.
+/// The same settings with one candidate a slot, so that VPLs lie where the lights shoot them.
 pub fn without_choice(settings: Settings) -> Settings {
     Settings { vpl: VplSettings { candidates: 1, ..settings.vpl }, ..settings }
 }
@@ -159,6 +161,11 @@ pub fn all_sets(manager: &VplManager, stage: &Stage, settings: &Settings) -> Vec
 /// Total red flux of the slots that pass `filter`.
 pub fn flux_of(manager: &VplManager, filter: impl Fn(&SlotView) -> bool) -> f64 {
     manager.slots().filter(filter).map(|slot| f64::from(slot.flux.x)).sum()
+}
+
+/// Total luminous flux of all VPLs.
+pub fn total_flux(manager: &VplManager) -> f32 {
+    manager.slots().map(|slot| f64::from(luminance(slot.flux))).sum::<f64>() as f32
 }
 
 /// Asserts that no slot outlives its parent.

@@ -1,6 +1,6 @@
-//! Other settings while it runs, without a flash.
+//! Changes settings while the renderer runs, without a flash.
 //!
-//! What the change does not concern is kept. Where the number of sets or the size changes, the old set buffers stay in the
+//! Everything that the change does not concern is kept. Where the number of sets or the size changes, the old set buffers stay in the
 //! picture, reprojected like any others, until every new set has been drawn.
 
 use super::indirect_reprojection::IndirectReprojectionPass;
@@ -27,7 +27,7 @@ impl Vpls {
             || new.vpl.temporal_sets != old.vpl.temporal_sets
             || set_step(&new.vpl) != set_step(&old.vpl);
 
-        // Make what is to be another one; what fails leaves everything as it was.
+        // Make the new parts first, so that a failure leaves everything as it was.
         let shadows = made_if(retraced || resized || new.vpl != old.vpl, || {
             IndirectShadowsPass::new(device, tracer, new)
         })?;
@@ -35,7 +35,7 @@ impl Vpls {
         let shading = made_if(refiltered, || IndirectShadingPass::new(device, &new.vpl))?;
         let reprojection = made_if(resized, || IndirectReprojectionPass::new(device, new.size))?;
         let sets = made_if(other_sets, || SetBuffers::new(device, new.size, &new.vpl, self.instances))?;
-        let vpls = made_if(dealt(new) != dealt(old), || VplBuffer::new(device, &new.vpl))?;
+        let vpls = made_if(buffer_key(new) != buffer_key(old), || VplBuffer::new(device, &new.vpl))?;
         let shows_light = self.views.vpl_light.is_some() && (retraced || resized);
         let vpl_light = made_if(shows_light, || VplLightPass::new(device, tracer, new.size))?;
 
@@ -55,10 +55,10 @@ impl Vpls {
         if vpl_light.is_some() {
             self.views.vpl_light = vpl_light;
         }
-        if new.vpl.temporal_sets != old.vpl.temporal_sets || shot(new) != shot(old) {
+        if new.vpl.temporal_sets != old.vpl.temporal_sets || path_key(new) != path_key(old) {
             self.staleness = Staleness::new(new.vpl.temporal_sets);
         }
-        if shot(new) == shot(old) {
+        if path_key(new) == path_key(old) {
             self.manager.set_budget(new.vpl.budget);
             self.manager.set_size(new.size);
         } else {
@@ -70,7 +70,7 @@ impl Vpls {
 }
 
 impl Passes {
-    /// Goes on with other sets.
+    /// Continues with other sets.
     fn begin_sets(&mut self, sets: SetBuffers) {
         let last = std::mem::replace(&mut self.sets, sets);
         if self.settled.is_none() && last.is_complete() {
@@ -80,12 +80,12 @@ impl Passes {
 }
 
 /// The settings that decide how much room VPLs need on the device.
-fn dealt(settings: &Settings) -> [u32; 2] {
+fn buffer_key(settings: &Settings) -> [u32; 2] {
     [settings.vpl.pool_size(), settings.vpl.temporal_sets]
 }
 
-/// The settings that decide which VPLs there are and how they are dealt, all others at their defaults.
-fn shot(settings: &Settings) -> Settings {
+/// The settings that decide which VPLs there are and how they are assigned to sets, all others at their defaults.
+fn path_key(settings: &Settings) -> Settings {
     let Settings { direct, bounces, seed, vpl, .. } = *settings;
     let VplSettings { slots, pool, candidates, temporal_sets, sequence, .. } = vpl;
     let vpl = VplSettings { slots, pool, candidates, temporal_sets, sequence, ..VplSettings::default() };

@@ -1,7 +1,7 @@
-//! Clusters of VPLs, which texels draw from.
+//! Clusters of VPLs, which texels sample from.
 //!
 //! In: the VPLs of a set, sorted so that neighbours in the list are neighbours in space, those at infinity last. Out: [`CLUSTERS`]
-//! runs of the list, with what tells about how much each brings to a point.
+//! runs of the list, with figures that tell about how much each run contributes to a point.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub const CLUSTERS: usize = 64;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct VplCluster {
-    /// World position, the mean by flux; at infinity that of the directions.
+    /// Mean world position by flux; at infinity the mean direction.
     pub position: Vec3,
     /// Root mean square of the distance from there, by flux.
     pub radius: f32,
@@ -25,9 +25,9 @@ pub struct VplCluster {
     pub normal: Vec3,
     /// Luminous flux; at infinity luminous irradiance.
     pub flux: f32,
-    /// VPL, counted from the set's first.
+    /// Index of its first VPL, counted from the set's first.
     pub first: u32,
-    /// VPLs.
+    /// Number of VPLs.
     pub count: u32,
     /// 1: its VPLs lie at infinity.
     pub at_infinity: u32,
@@ -35,7 +35,7 @@ pub struct VplCluster {
     pub pad: u32,
 }
 
-/// Deals a sorted list out to clusters of as equal sizes as may be. No cluster has VPLs on surfaces and at infinity both.
+/// Divides a sorted list into clusters of sizes as equal as possible. No cluster holds both VPLs on surfaces and VPLs at infinity.
 pub fn clusters_of(vpls: &[GpuVpl]) -> Vec<VplCluster> {
     let near = vpls.partition_point(|vpl| vpl.at_infinity == 0);
     let far = vpls.len() - near;

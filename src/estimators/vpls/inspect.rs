@@ -1,7 +1,7 @@
 //! Asking the renderer about VPLs, where they are its estimator.
 
 use super::manager::{Gathering, VplContribution, VplManager};
-use super::{VplSettings, Vpls, geometry_bound, transport_length};
+use super::{VplSettings, Vpls, geometry_bound, median_segment_length};
 use crate::estimators::World;
 use crate::renderer::{RenderError, Renderer};
 use crate::scene::{Pose, WorldSurface};
@@ -31,5 +31,5 @@ impl Renderer {
 
 /// Bound c of the geometry term of a renderer of this world, 1/m^2; 0: none.
 pub(crate) fn geometry_bound_of(world: World<'_>, settings: &VplSettings, scene_radius: f32) -> f32 {
-    geometry_bound(settings, transport_length(world).unwrap_or(scene_radius))
+    geometry_bound(settings, median_segment_length(world).unwrap_or(scene_radius))
 }

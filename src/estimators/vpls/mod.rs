@@ -99,13 +99,13 @@ pub struct Vpls {
     manager: VplManager,
     settings: Settings,
     /// A typical distance between surfaces that light each other, world units.
-    transport: f32,
+    median_segment_length: f32,
     scene_radius: f32,
     instances: usize,
     /// What has changed since each set was drawn.
     staleness: Staleness,
     /// What the frame is to draw.
-    turn: Turn,
+    frame_set: FrameSet,
     passes: Passes,
     /// The VPLs of the frame's set on the device; none before the first frame.
     uploaded: Option<UploadedSet>,
@@ -131,7 +131,7 @@ struct Passes {
 
 /// The set whose turn it is.
 #[derive(Default)]
-struct Turn {
+struct FrameSet {
     set: u32,
     /// The VPLs of that set, and of those to redraw before their turn.
     drawn: Vec<(u32, Vec<GpuVpl>)>,
@@ -158,11 +158,11 @@ impl Vpls {
         Ok(Self {
             manager: VplManager::new(context.world, context.settings),
             settings: context.settings.clone(),
-            transport: transport_length(context.world).unwrap_or(context.scene_radius),
+            median_segment_length: median_segment_length(context.world).unwrap_or(context.scene_radius),
             scene_radius: context.scene_radius,
             instances,
             staleness: Staleness::new(context.settings.vpl.temporal_sets),
-            turn: Turn::default(),
+            frame_set: FrameSet::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
             look: VplLook::default(),
@@ -180,14 +180,14 @@ impl Vpls {
 
     /// Bound c of the geometry term, 1/m^2; 0: none.
     fn geometry_bound(&self) -> f32 {
-        geometry_bound(&self.settings.vpl, self.transport)
+        geometry_bound(&self.settings.vpl, self.median_segment_length)
     }
 
     /// The irradiance of all VPLs, spread over surfaces a typical distance apart. Scaled by the power of two that brings it
     /// near 1, half floats neither overflow nor lose digits, whatever the scene's units.
     fn irradiance_scale(&self) -> f32 {
-        let flux: f32 = self.turn.flux.iter().sum();
-        power_of_two_near(flux / (6.0 * self.transport * self.transport)).recip()
+        let flux: f32 = self.frame_set.flux.iter().sum();
+        power_of_two_near(flux / (6.0 * self.median_segment_length * self.median_segment_length)).recip()
     }
 }
 
@@ -234,14 +234,14 @@ impl Estimator for Vpls {
         let invalidated = Instant::now();
         self.manager.replace(world);
         let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
-        self.staleness.advance(&self.manager, self.transport);
+        self.staleness.advance(&self.manager, self.median_segment_length);
         let redrawn = self.staleness.stalest(set, self.settings.vpl.refresh);
         let drawn: Vec<_> =
             redrawn.into_iter().chain([set]).map(|set| (set, self.manager.set_vpls(world, set))).collect();
         for (set, _) in &drawn {
             self.staleness.draw(*set);
         }
-        self.turn = Turn {
+        self.frame_set = FrameSet {
             set,
             drawn,
             flux: self.manager.set_flux(),
@@ -268,7 +268,7 @@ impl Estimator for Vpls {
             set_weights: self.staleness.weights(),
             ..VplUniforms::zeroed()
         };
-        let Turn { drawn, flux, .. } = &self.turn;
+        let FrameSet { drawn, flux, .. } = &self.frame_set;
         let passes = &mut self.passes;
         passes.vpls.begin_counting(frame);
         let hit_share = self.manager.hit_share();
@@ -321,7 +321,7 @@ impl Estimator for Vpls {
     ) -> Result<(), VulkanError> {
         let Some(uploaded) = &self.uploaded else { return Ok(()) };
         let shown = self.passes.shown();
-        let push = shown.push(self.settings.vpl.missing_sets, &self.turn.flux);
+        let push = shown.push(self.settings.vpl.missing_sets, &self.frame_set.flux);
         self.passes.indirect_reprojection.upsample(frame, inputs, uploaded, (shown, &push), denoised)
     }
 
@@ -356,7 +356,7 @@ impl Estimator for Vpls {
     }
 
     fn change_scene(&mut self, world: World<'_>) {
-        self.transport = transport_length(world).unwrap_or(self.scene_radius);
+        self.median_segment_length = median_segment_length(world).unwrap_or(self.scene_radius);
         self.manager.change_scene();
     }
 
@@ -385,7 +385,7 @@ impl Estimator for Vpls {
         if self.look.single_vpl.is_none() {
             return Ok(None);
         }
-        pass.record(frame, inputs, set, self.turn.single)?;
+        pass.record(frame, inputs, set, self.frame_set.single)?;
         Ok(Some(pass.output()))
     }
 
@@ -401,7 +401,7 @@ impl Estimator for Vpls {
             vpls,
             sampled_irradiance: self.passes.indirect_shadows.output(),
             irradiance: single.unwrap_or(self.passes.indirect_reprojection.output()),
-            drawn: (&self.passes.sets, self.turn.set),
+            drawn: (&self.passes.sets, self.frame_set.set),
             shown: (self.passes.shown(), self.look.set),
         };
         pass.record(frame, inputs, &sources, view)
@@ -427,7 +427,7 @@ fn power_of_two_near(value: f32) -> f32 {
 
 /// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
 /// large ground plane does not change. None where no VPL has a parent on a surface.
-fn transport_length(world: World<'_>) -> Option<f32> {
+fn median_segment_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
     let mut bvh = Cow::Borrowed(world.bvh);
     if pose.instances != world.pose.instances {

@@ -1,39 +1,39 @@
-//! How much has changed since each temporal set was drawn.
+//! How much has changed since each temporal set was rendered.
 //!
-//! In: the VPLs of each frame. Out: a weight for each set, by which its light counts, so that a light that moves drags no tail of T
-//! frames; and which sets to redraw before their turn. In a stationary world all weights are 1.
+//! In: the VPLs of each frame. Out: a weight for each set, by which its light counts, so that a light that moves leaves no trail of T
+//! frames; and which sets to render before their turn. In a stationary world all weights are 1.
 
 use glam::Vec3;
 
 use super::manager::{SlotView, VplManager};
 use crate::scene::luminance;
 
-/// Change since a set was drawn, above which it is redrawn before its turn.
+/// Change since a set was rendered, above which it is rendered before its turn.
 const REDRAWN: f32 = 0.25;
 /// Change from which on a set counts for [`LEAST_WEIGHT`].
 const FORGOTTEN: f32 = 0.5;
-/// Of a set drawn before everything changed: it still tells something where newer ones have not seen the surface.
+/// Weight of a set rendered before everything changed: it still helps where newer sets have not seen the surface.
 const LEAST_WEIGHT: f32 = 0.01;
 /// A VPL that has moved this far, in typical distances between surfaces that light each other, lights something else.
 const FAR: f32 = 0.25;
 
-/// The changes since each set was drawn.
+/// The changes since each set was rendered.
 #[derive(Clone, Debug)]
 pub struct Staleness {
-    /// Of each set, the sum of the shares of all flux that has changed in each frame.
+    /// For each set the sum, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
 }
 
 impl Staleness {
-    /// Nothing was drawn yet.
+    /// The state before anything is rendered.
     pub fn new(sets: u32) -> Self {
         Self { changes: vec![0.0; sets as usize], last: Vec::new() }
     }
 
     /// Compares the VPLs with those of the last frame.
-    pub fn advance(&mut self, manager: &VplManager, transport: f32) {
+    pub fn advance(&mut self, manager: &VplManager, median_segment_length: f32) {
         if manager.counters().is_quiet() && !self.last.is_empty() && !manager.flux_changed() {
             return;
         }
@@ -43,7 +43,7 @@ impl Staleness {
         if self.last.len() == now.len() && manager.is_settling() {
             let (mut changed, mut all) = (0.0, 0.0);
             for ((from, before), (to, after)) in self.last.iter().zip(&now) {
-                let moved = (from.distance(*to) / (FAR * transport)).min(1.0);
+                let moved = (from.distance(*to) / (FAR * median_segment_length)).min(1.0);
                 changed += (after - before).abs() + moved * after.min(*before);
                 all += after.max(*before);
             }
@@ -54,7 +54,7 @@ impl Staleness {
         self.last = now;
     }
 
-    /// The sets to redraw before their turn, at most so many, the stalest first.
+    /// The sets to render before their turn, at most `most`, the stalest first.
     pub fn stalest(&self, turn: u32, most: u32) -> Vec<u32> {
         let mut stale: Vec<u32> = (0..self.changes.len() as u32)
             .filter(|&set| set != turn && self.changes[set as usize] > REDRAWN)
@@ -64,12 +64,12 @@ impl Staleness {
         stale
     }
 
-    /// Notes that a set is drawn.
+    /// Notes that a set is rendered.
     pub fn draw(&mut self, set: u32) {
         self.changes[set as usize] = 0.0;
     }
 
-    /// By which the light of each set counts.
+    /// The weight by which the light of each set counts.
     pub fn weights(&self) -> [f32; 64] {
         let mut weights = [1.0; 64];
         for (weight, change) in weights.iter_mut().zip(&self.changes) {

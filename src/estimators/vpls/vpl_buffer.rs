@@ -1,6 +1,6 @@
 //! The VPLs of all temporal sets in device memory.
 //!
-//! In: the VPLs of a set. Out: what shaders/estimators/vpls/vpls.glsl reads.
+//! In: the VPLs of a set. Out: the buffers that shaders/estimators/vpls/vpls.glsl reads.
 
 use std::sync::Arc;
 
@@ -21,13 +21,13 @@ pub fn rays_of(counters: &[u8]) -> u64 {
     words.iter().take(RAY_COUNTERS as usize).map(|word| u64::from_le_bytes(*word)).sum()
 }
 
-/// What every pass of the method may want to know; `VplUniforms` in shaders/estimators/vpls/vpls.glsl.
+/// The constants that every pass of the method may read; `VplUniforms` in shaders/estimators/vpls/vpls.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct VplUniforms {
     /// Bound c of the geometry term, 1/m^2; 0: none.
     pub geometry_bound: f32,
-    /// Images hold irradiance times this.
+    /// Scale of the irradiance that images hold.
     pub irradiance_scale: f32,
     /// Fraction of view depth.
     pub position_cutoff: f32,
@@ -39,7 +39,7 @@ pub struct VplUniforms {
     pub layer: u32,
     /// The pixel that a texel of the set buffer stands for, counted from its first.
     pub representative: [u32; 2],
-    /// Of a path, at most.
+    /// Bounce limit of a path.
     pub bounces: u32,
     /// Unused.
     pub pad0: u32,
@@ -47,7 +47,7 @@ pub struct VplUniforms {
     pub pad1: u32,
     /// Unused.
     pub pad2: u32,
-    /// Of each temporal set: the less, the more has changed since it was drawn.
+    /// Weight of each temporal set: the less, the more has changed since it was rendered.
     pub set_weights: [f32; 64],
 }
 
@@ -66,13 +66,13 @@ pub struct UploadedSet {
 }
 
 impl UploadedSet {
-    /// Binds what vpls.glsl names.
+    /// Binds the buffers that vpls.glsl declares.
     pub fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         pass.read("vpl_uniforms", &self.uniforms).read("vpls", &*self.vpls)
     }
 }
 
-/// The VPLs of all sets in device memory: what a set has had since its last turn is not uploaded again.
+/// The VPLs of all sets in device memory. VPLs that a set has kept since its last turn are not uploaded again.
 pub struct VplBuffer {
     vpls: Mirror,
     clusters: Mirror,
@@ -104,7 +104,7 @@ impl VplBuffer {
         frame.clear(&self.ray_counters);
     }
 
-    /// Uploads what has changed of set `index`. `uniforms` lacks what is known here.
+    /// Uploads the VPLs of set `index` that have changed. The first VPL and their number are added to `uniforms` here.
     pub fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -116,11 +116,8 @@ impl VplBuffer {
         assert!(count <= self.vpl_room, "set {index} has {count} VPLs, more than its share");
         let first_vpl = index as usize * self.vpl_room;
         self.vpls.update(frame, first_vpl * size_of::<GpuVpl>(), vpls)?;
-        self.clusters.update(
-            frame,
-            index as usize * CLUSTERS * size_of::<VplCluster>(),
-            &clusters_of(vpls),
-        )?;
+        let first_cluster = index as usize * CLUSTERS;
+        self.clusters.update(frame, first_cluster * size_of::<VplCluster>(), &clusters_of(vpls))?;
         let uniforms = VplUniforms { first_vpl: to_u32(first_vpl), vpl_count: to_u32(count), ..*uniforms };
         Ok(UploadedSet {
             uniforms: frame.upload(&[uniforms])?,

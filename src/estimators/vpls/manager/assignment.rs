@@ -6,28 +6,12 @@
 
 use glam::Vec2;
 
-use super::MAX_BOUNCES;
-use super::quota::{Quota, SlotBudget};
+use super::quota::{Layout, MAX_BOUNCES, Quota};
 use crate::sampling::{self, hash};
 use crate::settings::Sequence;
 
 /// Sentinel: no light or no parent slot.
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Slot counts, and the mapping from slots to temporal sets.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Layout {
-    /// Number of slots.
-    pub(super) slots: u32,
-    /// Bounce limit.
-    pub(super) bounces: u32,
-    /// Temporal sets T.
-    pub(super) sets: u32,
-    /// Seed of the sample sequences.
-    pub(super) seed: u32,
-    /// Sample sequence.
-    pub(super) sequence: Sequence,
-}
 
 impl Layout {
     /// Number of rows; slot s is in row s mod rows. Each row belongs to one temporal set.
@@ -46,11 +30,6 @@ impl Layout {
         slots.step_by(self.sets as usize)
     }
 
-    /// The slots that the quota distributes among the lights.
-    pub(super) fn slot_budget(&self) -> SlotBudget {
-        SlotBudget { slots: self.slots, bounces: self.bounces, seed: self.seed }
-    }
-
     /// Sample in [0, 1)^2 for the `step`-th ray, or point on a light, of a slot's path: that of one of its candidates. Each
     /// candidate has a sequence of its own.
     pub(super) fn point(&self, address: &Address, step: u32, candidate: u32) -> Vec2 {
@@ -61,12 +40,12 @@ impl Layout {
         }
     }
 
-    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `sheet`-th thin sheet on its way: for
-    /// the first one a further dimension of the sequence.
-    pub(super) fn sheet_number(&self, address: &Address, candidate: u32, sheet: u32) -> f32 {
+    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `nth` thin surface on its way. For
+    /// the first surface it is a further dimension of the sequence.
+    pub(super) fn passage_number(&self, address: &Address, candidate: u32, nth: u32) -> f32 {
         // Rays have the first dimensions.
-        let step = (MAX_BOUNCES as u32 + 1) * (sheet + 1) + address.bounce;
-        match sheet {
+        let step = (MAX_BOUNCES as u32 + 1) * (nth + 1) + address.bounce;
+        match nth {
             0 => self.point(address, step, candidate).x,
             _ => {
                 let seed = self.sequence_seed(address, candidate);
@@ -103,6 +82,23 @@ pub(super) struct Address {
 }
 
 const UNUSED: Address = Address { light: NONE, path: 0, bounce: 0, sequence: 0, parent: NONE };
+
+/// Slots `start..end` of a path, counted from its first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PathRange {
+    pub(super) path: usize,
+    pub(super) start: usize,
+    pub(super) end: usize,
+}
+
+/// State of one round robin over the paths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Cursor {
+    /// The next path.
+    pub(super) path: usize,
+    /// First slot of that path that was not shot, if the budget ran out within it.
+    pub(super) resume: Option<usize>,
+}
 
 /// The assignment of all slots.
 #[derive(Clone, Debug, Default)]
@@ -250,13 +246,8 @@ mod tests {
         let sizes = [(512, 2), (513, 3), (100, 16), (37, 1), (1000, 5), (4096, 16)];
         let sets = [1, 2, 3, 7, 16, 32, 64];
         sizes.into_iter().flat_map(move |(slots, bounces)| {
-            sets.into_iter().map(move |sets| Layout {
-                slots,
-                bounces,
-                sets,
-                seed: 3,
-                sequence: Sequence::Sobol,
-            })
+            let sequence = Sequence::Sobol;
+            sets.into_iter().map(move |sets| Layout { slots, bounces, sets, seed: 3, sequence })
         })
     }
 
@@ -264,7 +255,7 @@ mod tests {
     fn for_all_assignments(check: impl Fn(&Assignment, &Layout)) {
         for layout in layouts() {
             for kind in 0..5 {
-                let (quota, _) = allocate_paths(&claims(kind), layout.slot_budget());
+                let (quota, _) = allocate_paths(&claims(kind), &layout);
                 check(&Assignment::new(quota, &layout), &layout);
             }
         }
@@ -317,7 +308,7 @@ mod tests {
     #[test]
     fn a_sets_bounces_come_from_different_lights() {
         let layout = Layout { slots: 64, bounces: 4, sets: 16, seed: 0, sequence: Sequence::Sobol };
-        let (quota, _) = allocate_paths(&claims(4), layout.slot_budget());
+        let (quota, _) = allocate_paths(&claims(4), &layout);
         let assignment = Assignment::new(quota, &layout);
         for set in 0..16 {
             let mut lights: Vec<u32> =

@@ -5,11 +5,11 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::World;
 use super::assignment::NONE;
-use super::emitter::{Emitter, Source};
+use super::emitter::Emitter;
 use super::focus::{FocusedDisc, focus_at_rest};
 use super::quota::Claim;
+use crate::bvh::World;
 use crate::scene::{BoundingSphere, Environment, Light, LightKind, Scene};
 
 /// Whether two lights have the same emission; names and extents are ignored, as paths start at the centre.
@@ -46,33 +46,27 @@ pub(super) struct SceneChanges {
 }
 
 impl SceneChanges {
-    /// Records the first world; nothing counts as changed.
+    /// Records the first world.
     pub(super) fn new(world: World<'_>) -> Self {
         let rest_bounds = BoundingSphere::around(bounds_at_rest(world.scene));
-        let bounds = quantized_bounds(&rest_bounds, world.bvh.bounds());
-        let focus = focus_at_rest(world.scene);
-        let disc = FocusedDisc::new(&bounds, focus.as_ref());
-        let lights = world.pose.lights.clone();
-        let environment = world.pose.environment.clone();
-        let of_environment = environment.iter().map(|found| Emitter::of_environment(found, &disc));
-        let of_lights = lights.iter().map(|light| Emitter::new(world, light, &disc));
-        let emitters: Vec<_> = of_lights.chain(of_environment).collect();
-        Self {
-            light_changed: vec![false; emitters.len()],
-            moved: vec![false; world.pose.instances.len()],
+        let mut changes = Self {
+            emitters: Vec::new(),
+            bounds: rest_bounds,
+            light_changed: Vec::new(),
+            moved: Vec::new(),
             geometry_moved: false,
             static_moved: false,
             bounds_changed: false,
             flux_changed: false,
-            previous_index: (0..emitters.len() as u32).map(Some).collect(),
-            transforms: world.pose.instances.clone(),
-            emitters,
-            bounds,
+            previous_index: Vec::new(),
             rest_bounds,
-            focus,
-            lights,
-            environment,
-        }
+            focus: focus_at_rest(world.scene),
+            lights: Vec::new(),
+            environment: None,
+            transforms: Vec::new(),
+        };
+        changes.update(world);
+        changes
     }
 
     /// Compares the world with the last one and records it.
@@ -81,7 +75,7 @@ impl SceneChanges {
         let bounds = quantized_bounds(&self.rest_bounds, world.bvh.bounds());
         self.bounds_changed = bounds != self.bounds;
         self.bounds = bounds;
-        self.compare_lights(world);
+        self.compare_emitters(world);
     }
 
     /// Whether anything that VPLs depend on changed since the last frame.
@@ -128,55 +122,49 @@ impl SceneChanges {
         }
     }
 
-    fn compare_lights(&mut self, world: World<'_>) {
-        let now = &world.pose.lights;
+    /// Compares the lights, then the environment, which is the last emitter.
+    fn compare_emitters(&mut self, world: World<'_>) {
+        let (lights, environment) = (&world.pose.lights, &world.pose.environment);
         let disc = FocusedDisc::new(&self.bounds, self.focus.as_ref());
-        self.flux_changed = self.lights.len() != now.len();
-        self.previous_index = previous_index(&self.lights, now);
-        let environment_index = self.lights.len() as u32;
-        let last_environment = self.emitters.split_off(self.lights.len()).pop();
-        let mut known: Vec<_> = self.lights.drain(..).zip(self.emitters.drain(..)).map(Some).collect();
+        self.flux_changed =
+            self.lights.len() != lights.len() || self.environment.is_some() != environment.is_some();
+        self.previous_index = previous_index(&self.lights, lights);
         self.light_changed.clear();
-        for (index, light) in now.iter().enumerate() {
-            let surface_changed = match &light.kind {
-                LightKind::Area { instance, .. } => self.moved[*instance],
-                LightKind::Directional { .. } => self.bounds_changed,
-                _ => false,
-            };
-            let known = self.previous_index[index].and_then(|last| known[last as usize].take());
-            let (emitter, changed) = match known {
-                Some((last, emitter)) if same_emission(&last, light) && !surface_changed => (emitter, false),
-                known => {
-                    let emitter = Emitter::new(world, light, &disc);
-                    let changed = known.is_none_or(|(_, last)| {
-                        let on_moved = matches!(last.source, Source::Area(_)) && surface_changed;
-                        self.flux_changed |= last.flux != emitter.flux;
-                        on_moved || last.source != emitter.source
-                    });
-                    (emitter, changed)
-                }
-            };
-            self.emitters.push(emitter);
-            self.light_changed.push(changed);
+        let last_lights = std::mem::replace(&mut self.lights, lights.clone());
+        let mut last: Vec<_> = self.emitters.drain(..).map(Some).collect();
+        for (index, light) in lights.iter().enumerate() {
+            let on_moved = matches!(&light.kind, LightKind::Area { instance, .. } if self.moved[*instance]);
+            let directional = matches!(light.kind, LightKind::Directional { .. });
+            let previous = self.previous_index[index].map(|previous| previous as usize);
+            let same = previous.is_some_and(|previous| same_emission(&last_lights[previous], light));
+            let same = same && !on_moved && !(directional && self.bounds_changed);
+            let known = previous.and_then(|previous| last[previous].take());
+            self.add_emitter(known, same, on_moved, || Emitter::new(world, light, &disc));
         }
-        self.compare_environment(world, &disc, last_environment.map(|last| (last, environment_index)));
-        self.lights.clone_from(now);
+        if let Some(environment) = environment {
+            let known = last.get_mut(last_lights.len()).and_then(Option::take);
+            self.previous_index.push(known.is_some().then_some(last_lights.len() as u32));
+            let same = self.environment.as_ref() == Some(environment) && !self.bounds_changed;
+            self.add_emitter(known, same, false, || Emitter::of_environment(environment, &disc));
+        }
+        self.environment.clone_from(environment);
     }
 
-    /// Adds the environment to the emitters; `last`: what it was as one of them, and where.
-    fn compare_environment(&mut self, world: World<'_>, disc: &FocusedDisc, last: Option<(Emitter, u32)>) {
-        let now = &world.pose.environment;
-        let known = self.environment == *now && !self.bounds_changed;
-        self.environment.clone_from(now);
-        self.flux_changed |= last.is_some() != now.is_some();
-        let Some(environment) = now else { return };
-        self.previous_index.push(last.as_ref().map(|(_, index)| *index));
-        let (emitter, changed) = match last {
-            Some((last, _)) if known => (last, false),
-            last => {
-                let emitter = Emitter::of_environment(environment, disc);
-                self.flux_changed |= last.as_ref().is_some_and(|(last, _)| last.flux != emitter.flux);
-                let changed = last.is_none_or(|(last, _)| last.source != emitter.source);
+    /// Adds an emitter: the `known` one of the last frame if it is the `same`, else what `make` gives.
+    fn add_emitter(
+        &mut self,
+        known: Option<Emitter>,
+        same: bool,
+        on_moved: bool,
+        make: impl FnOnce() -> Emitter,
+    ) {
+        let (emitter, changed) = match known {
+            Some(known) if same => (known, false),
+            known => {
+                let emitter = make();
+                let flux_changed = known.as_ref().is_some_and(|known| known.flux != emitter.flux);
+                self.flux_changed |= flux_changed;
+                let changed = known.is_none_or(|known| on_moved || known.source != emitter.source);
                 (emitter, changed)
             }
         };

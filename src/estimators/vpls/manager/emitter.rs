@@ -7,9 +7,8 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::World;
 use super::focus::FocusedDisc;
-use crate::bvh::Ray;
+use crate::bvh::{Ray, World};
 use crate::sampling::{self, Frame, SpotCone};
 use crate::scene::{
     AreaTriangle, BoundingSphere, Environment, Light, LightKind, Side, SurfacePoint, WorldSurface, luminance,
@@ -48,7 +47,7 @@ pub(super) enum Source {
 /// The directions that light comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sky {
-    /// Of which only the colour of the radiance matters.
+    /// The environment, with its radiance scaled so that only the colour is left.
     environment: Environment,
     disc: FocusedDisc,
 }
@@ -126,6 +125,12 @@ impl Emitter {
             _ => WorldSurface::default(),
         }
     }
+}
+
+/// A ray from a surface, cosine-distributed about its shading normal. It may point below the triangle, where no light goes.
+pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2, scene_radius: f32) -> Ray {
+    let direction = Frame::around(surface.normal).to_world(sampling::cosine_hemisphere(u));
+    Ray { origin: surface.offset_position(scene_radius), direction, t_min: 0.0, t_max: f32::INFINITY }
 }
 
 /// A ray along the normal of `frame` through a disc that covers the scene, with its weight.

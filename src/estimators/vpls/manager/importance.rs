@@ -1,17 +1,16 @@
 //! How much a VPL on a surface brings to the picture.
 //!
-//! In: a camera and the BVH. Out: an importance for each place and, at infinity, each direction. A cosine-distributed ray from a visible point hits a surface with the
-//! very density with which a VPL there, per unit of flux and unoccluded, lights that point. So rays from a few dozen visible points,
-//! counted in a grid over position and direction, give the VPLs' importance with visibility: paths from the camera backwards
-//! (Segovia et al. 2006, "Bidirectional Instant Radiosity").
+//! In: a camera and the BVH. Out: an importance for each place and, at infinity, each direction. A cosine-distributed ray from a
+//! visible point hits a surface with the very density with which a VPL there, per unit of flux and unoccluded, lights that point. So
+//! rays from a few dozen visible points, counted in a grid over position and direction, give the VPLs' importance with visibility:
+//! paths from the camera backwards (Segovia et al. 2006, "Bidirectional Instant Radiosity").
 
 use std::collections::HashMap;
 
 use glam::{IVec3, Vec2, Vec3};
 
-use super::World;
-use super::shoot::diffuse_ray;
-use crate::bvh::Ray;
+use super::emitter::diffuse_ray;
+use crate::bvh::{Ray, World};
 use crate::sampling;
 use crate::scene::{BoundingSphere, Camera, Side, SurfacePoint, WorldSurface};
 use crate::statistics::percentile;
@@ -45,12 +44,12 @@ pub(super) struct Importance {
 }
 
 impl Importance {
-    /// That for a picture of the given width over height.
+    /// Measures the importance for a picture of the given width over height.
     pub(super) fn new(world: World<'_>, aspect: f32, bounds: &BoundingSphere) -> Self {
-        let seen = visible_points(world, aspect);
-        let rays: Vec<Ray> = (0..RAYS * seen.len() as u32)
+        let visible = visible_points(world, aspect);
+        let rays: Vec<Ray> = (0..RAYS * visible.len() as u32)
             .map(|index| {
-                let surface = &seen[(index / RAYS) as usize];
+                let surface = &visible[(index / RAYS) as usize];
                 diffuse_ray(surface, sampling::sequence_point(index, 1, 0), bounds.radius)
             })
             .collect();
@@ -128,11 +127,11 @@ pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> 
     hits(world, rays).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
-/// Where each ray stops, passing thin sheets at random, with its distance.
+/// Where each ray stops, passing thin surfaces at random, with its distance.
 fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
     hits.map(|((hit, ray), index)| {
-        let numbers = (0..).map(|sheet| sampling::random_point(index, sheet, 0).x);
+        let numbers = (0..).map(|nth| sampling::random_point(index, nth, 0).x);
         let hit = world.pass_sheets(ray, hit, numbers).0?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);

@@ -1,4 +1,4 @@
-//! The contribution of each VPL to a surface point, on the CPU.
+//! The contribution of each VPL to a surface point, on the CPU; and a warning if most slots carry no light.
 //!
 //! In: a surface point. Out: irradiance and visibility of each VPL, E = phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V.
 //! Twin of shaders/estimators/vpls/gather.glsl.
@@ -8,8 +8,11 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{GpuVpl, VplManager, World};
-use crate::bvh::Ray;
+use super::assignment::NONE;
+use super::counters::VplCounters;
+use super::upload::GpuVpl;
+use super::vpl_manager::VplManager;
+use crate::bvh::{Ray, World};
 use crate::scene::{WorldSurface, luminance, ray_offset};
 
 /// Parameters of gathering.
@@ -28,7 +31,7 @@ pub struct VplContribution {
     pub slot: u32,
     /// World position of the VPL, the end of its visibility ray.
     pub position: Vec3,
-    /// Irradiance if it is visible, W/m^2, as far as thin sheets between let it pass.
+    /// Irradiance if it is visible, W/m^2, as far as thin surfaces between let it pass.
     pub irradiance: Vec3,
     /// Whether it is unoccluded.
     pub visible: bool,
@@ -70,11 +73,35 @@ impl VplManager {
     pub fn path_to(&self, slot: u32) -> Vec<u32> {
         let parent = |&slot: &u32| {
             let address = self.assignment.addresses.get(slot as usize)?;
-            (address.parent != super::NONE).then_some(address.parent)
+            (address.parent != NONE).then_some(address.parent)
         };
         let mut path: Vec<u32> = std::iter::successors(Some(slot), parent).collect();
         path.reverse();
         path
+    }
+
+    /// A warning if over half of all slots have no flux, with what to do about it. None in scenes without lights.
+    pub fn wasted_slots_warning(&self) -> Option<String> {
+        let VplCounters { slots, escaped, .. } = self.counters();
+        let dark = self.slots().filter(|slot| slot.light.is_some() && slot.flux == Vec3::ZERO).count();
+        let dark = dark as u32 / self.vpls_per_slot;
+        if self.changes.emitters.is_empty() || 2 * dark <= slots {
+            return None;
+        }
+        let mut reasons = Vec::new();
+        if escaped > 0 {
+            reasons.push(format!("{escaped} of {slots} VPL slots hold paths that left the scene"));
+        }
+        if dark > escaped {
+            reasons.push(format!(
+                "{} of {slots} VPL slots hold paths that end on black surfaces",
+                dark - escaped
+            ));
+        }
+        let reasons = reasons.join(", ");
+        Some(format!(
+            "{reasons}; for less noise aim the lights at surfaces, or give fewer --bounces or more --vpls"
+        ))
     }
 }
 

@@ -5,21 +5,20 @@
 //!
 //! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
 //! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
-//! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was unoccluded in the last
-//! frame is tested against moving instances only. What thin sheets do to a ray may change, too: then a fresh slot is stale, or, where
-//! much more or less light passes, invalid.
+//! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was
+//! unoccluded in the last frame is tested against moving instances only. The effect of thin surfaces on a ray may change, too: then
+//! a fresh slot is stale, or, where much more or less light passes, invalid.
 
 use rayon::prelude::*;
 
-use super::assignment::{Address, Assignment, NONE};
-use super::emitter::{Emitter, Source};
-use super::invalidation::{Invalidation, InvalidationReason};
+use super::assignment::{Assignment, NONE};
+use super::counters::{Invalidation, InvalidationReason};
 use super::quota::allocate_paths;
 use super::shoot::SLOTS_PER_TASK;
-use super::slot_test::TestResult;
+use super::slot_test::Passed;
 use super::slots::{Slot, SlotState};
-use super::{VplManager, World};
-use crate::scene::{Side, WorldSurface};
+use super::vpl_manager::VplManager;
+use crate::bvh::World;
 
 /// Minimum number of tests per task.
 const TESTS_PER_TASK: usize = 64;
@@ -33,13 +32,13 @@ impl VplManager {
         }
         let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
         let light_changed = |light: usize| renewed || self.changes.light_changed[light];
-        self.placement.try_lights(world, &self.changes, light_changed);
+        self.placement.estimate_candidates(world, &self.changes, light_changed);
         let mut invalidated = 0;
         if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
             invalidated += self.reassign_slots();
         }
         if renewed {
-            self.choose_anew();
+            self.resample_all();
         }
         if self.changes.anything_changed() || self.any_pending() {
             // Enter the thread pool once: each entry costs as much as testing many slots.
@@ -53,8 +52,8 @@ impl VplManager {
         invalidated
     }
 
-    /// Marks slots stale that may now choose another candidate, and asks of all whether they are still useful.
-    fn choose_anew(&mut self) {
+    /// Marks slots stale that may now choose another candidate, and updates which slots are useful.
+    fn resample_all(&mut self) {
         for index in 0..self.slots.len() {
             let has_choice = self.slots[index].candidates > 1 || self.candidates(index as u32) > 1;
             let slot = &mut self.slots[index];
@@ -66,7 +65,7 @@ impl VplManager {
     /// Reassigns slots if the lights' quotas changed; a path in both assignments keeps its VPLs. Returns the
     /// number of usable slots that were dropped.
     fn reassign_slots(&mut self) -> u32 {
-        let (quota, flux_corrections) = allocate_paths(&self.changes.claims(), self.layout.slot_budget());
+        let (quota, flux_corrections) = allocate_paths(&self.changes.claims(), &self.layout);
         self.flux_corrections = flux_corrections;
         if quota == self.assignment.quota {
             return 0;
@@ -76,24 +75,21 @@ impl VplManager {
         let (slots, surfaces) = (self.slots.clone(), self.surfaces.clone());
         let mut invalidated = slots.iter().filter(|slot| slot.state != SlotState::Invalid).count();
         for (index, address) in self.assignment.addresses.iter().enumerate() {
-            let before = match address.light {
-                NONE => None,
-                light => self.changes.previous_index[light as usize]
-                    .and_then(|light| old.slot_at(light, address.path, address.bounce)),
-            };
+            let light = self.changes.previous_index.get(address.light as usize).copied().flatten();
+            let before = light.and_then(|light| old.slot_at(light, address.path, address.bounce));
             self.slots[index] = Slot::INVALID;
             let Some(before) = before.map(|slot| slot as usize) else {
                 continue;
             };
             invalidated -= usize::from(slots[before].state != SlotState::Invalid);
             self.slots[index] = slots[before];
-            let (old, new) = (&old.addresses[before], address);
-            self.slots[index].fresh &= old.sequence == new.sequence && old.light == new.light;
+            let old = &old.addresses[before];
+            self.slots[index].fresh &= old.sequence == address.sequence && old.light == address.light;
             self.surfaces[index] = surfaces[before];
         }
         self.cursors = Default::default();
         self.invalidations.fill(None);
-        *self.counters.invalidated_by.count_mut(InvalidationReason::NoSlot) += invalidated as u32;
+        self.counters.invalidated_by[InvalidationReason::NoSlot] += invalidated as u32;
         invalidated as u32
     }
 
@@ -107,7 +103,7 @@ impl VplManager {
             .into_par_iter()
             .with_min_len(SLOTS_PER_TASK)
             .filter(|(slot, _, _)| slot.state == SlotState::Valid && changes.has_moved(slot.instance))
-            .for_each(|(slot, surface, address)| *surface = locate(world, slot, address, &changes.emitters));
+            .for_each(|(slot, surface, address)| *surface = slot.surface(world, address, &changes.emitters));
     }
 
     fn mark_stale(&mut self) {
@@ -115,7 +111,7 @@ impl VplManager {
             if address.light == NONE {
                 continue;
             }
-            let parent_fresh = address.parent == NONE || self.slots[address.parent as usize].fresh;
+            let parent_fresh = self.slots.get(address.parent as usize).is_none_or(|parent| parent.fresh);
             let slot = &mut self.slots[index];
             let on_moved = slot.state == SlotState::Valid && self.changes.has_moved(slot.instance);
             let light_changed = self.changes.light_changed[address.light as usize];
@@ -132,41 +128,33 @@ impl VplManager {
     fn test_slots(&mut self, world: World<'_>) -> u32 {
         // Test all slots in parallel, ignoring their parents' outcome.
         let this = &*self;
-        let results: Vec<TestResult> = (0..this.slots.len())
+        let results: Vec<_> = (0..this.slots.len())
             .into_par_iter()
             .with_min_len(TESTS_PER_TASK)
             .map(|index| this.test(world, index))
             .collect();
         // Apply the results in slot order, so that invalidation propagates from parents to children.
-        let mut invalidated = 0;
-        for (index, test) in results.into_iter().enumerate() {
-            invalidated += u32::from(self.apply_result(index, test));
-        }
-        invalidated
+        let apply = |(index, result)| u32::from(self.apply_result(index, result));
+        results.into_iter().enumerate().map(apply).sum()
     }
 
     /// Applies the result of one slot, after that of its parent. Returns whether the slot became invalid.
-    fn apply_result(&mut self, index: usize, result: TestResult) -> bool {
-        let TestResult { failure, changed, unoccluded } = result;
-        let parent = self.assignment.addresses[index].parent;
+    fn apply_result(&mut self, index: usize, result: Result<Passed, InvalidationReason>) -> bool {
+        let parent = self.slots.get(self.assignment.addresses[index].parent as usize);
+        let (parent_state, parent_fresh) =
+            parent.map_or((SlotState::Valid, true), |parent| (parent.state, parent.fresh));
         let has_choice = self.candidates(index as u32) > 1;
-        let (parent_state, parent_fresh) = match parent {
-            NONE => (SlotState::Valid, true),
-            _ => {
-                let parent = &self.slots[parent as usize];
-                (parent.state, parent.fresh)
-            }
-        };
         let slot = &mut self.slots[index];
         let (before, shot) = (slot.state, slot.shot);
         if before == SlotState::Invalid {
             return false;
         }
+        let Passed { changed, unoccluded } = result.unwrap_or_default();
         slot.unoccluded = unoccluded;
-        let failure = match (parent_state, failure) {
-            (SlotState::Invalid, _) => Some(InvalidationReason::ParentInvalid),
-            (SlotState::Valid, failure) => failure,
-            (SlotState::Escaped, _) => {
+        let failure = match parent_state {
+            SlotState::Invalid => Some(InvalidationReason::ParentInvalid),
+            SlotState::Valid => result.err(),
+            SlotState::Escaped => {
                 *slot = Slot::escaped(parent_fresh, shot);
                 return false;
             }
@@ -182,29 +170,13 @@ impl VplManager {
 
     /// Invalidates a slot and records the reason.
     fn invalidate_slot(&mut self, index: usize, reason: InvalidationReason) {
-        *self.counters.invalidated_by.count_mut(reason) += 1;
+        self.counters.invalidated_by[reason] += 1;
         if self.slots[index].state == SlotState::Valid {
             let (position, origin) = (self.surfaces[index].position, self.origin(index));
             self.invalidations[index] = Some(Invalidation { reason, frame: self.frame, position, origin });
         }
         self.slots[index] = Slot::INVALID;
     }
-}
-
-/// Current surface of a valid slot's VPL, world space.
-pub(super) fn locate(world: World<'_>, slot: &Slot, address: &Address, emitters: &[Emitter]) -> WorldSurface {
-    if let (true, Source::Environment(sky)) =
-        (slot.is_at_infinity(), &emitters[address.light as usize].source)
-    {
-        return sky.surface(slot.point.barycentrics);
-    }
-    let side = Side::Front(slot.front);
-    let mut surface = world.scene.surface_at(world.pose, slot.instance, slot.point, side).surface;
-    if address.bounce == 0 {
-        // A light's own surface emits about the flat triangle's normal.
-        surface.normal = surface.geometric_normal;
-    }
-    surface
 }
 
 #[cfg(test)]
@@ -239,7 +211,7 @@ mod tests {
             let world = World { scene: &scene, pose: &pose, bvh: &bvh };
             manager.invalidate(world);
             occluded_by[usize::from(manager.changes.static_moved)] +=
-                manager.counters().invalidated_by.occluded;
+                manager.counters().invalidated_by[InvalidationReason::Occluded];
             assert_unoccluded(&manager, &bvh, frame);
             manager.replace(world);
             assert_unoccluded(&manager, &bvh, frame);

@@ -1,27 +1,25 @@
 //! Puts VPLs where they matter to the picture.
 //!
-//! In: several candidates for each slot, as the light shoots them, and the camera. Out: one of them, drawn in proportion to its flux
+//! In: several candidates for each slot, as the light shoots them, and the camera. Out: one of them, chosen in proportion to its flux
 //! times its importance, with its flux over the probability: resampled importance sampling (Talbot et al. 2005; for VPLs Segovia et
-//! al. 2006, Georgiev and Slusallek 2010), so that the mean is that of all light paths. What leaves the scene is seldom drawn.
+//! al. 2006, Georgiev and Slusallek 2010), so that the mean is that of all light paths. Paths that leave the scene are seldom chosen.
 //!
-//! Candidates and the random number of the draw belong to the slot, so most slots keep their VPL where the camera turns a little.
+//! Candidates and the random number of the choice belong to the slot, so most slots keep their VPL where the camera turns a little.
 
-use super::World;
 use super::changes::SceneChanges;
-use super::emitter::{Emitter, Source};
+use super::emitter::{Emitter, Source, diffuse_ray};
 use super::importance::{Importance, surfaces_hit};
-use super::shoot::diffuse_ray;
 use super::slots::{Slot, SlotState};
-use crate::bvh::Ray;
+use crate::bvh::{Ray, World};
 use crate::sampling;
 use crate::scene::{BoundingSphere, Camera, WorldSurface, luminance};
 
-/// Frames after which the importance follows a camera that keeps moving; things that move change little of it.
+/// Frames after which the importance follows a camera that keeps moving; objects that move change little of it.
 const RENEWED_EVERY: u32 = 32;
-/// Rays that try a light, and of all lights together, where there are many.
+/// Test rays for each light, and for all lights together where there are many.
 const TRIALS: u32 = 256;
 const ALL_TRIALS: u32 = 16_384;
-/// Of a slot's candidates, so many are expected to be useful.
+/// Expected number of useful candidates of a slot.
 const USEFUL: f32 = 2.0;
 /// Where this share of a light's rays is useful there is no choice: the light's own sequence is the better stratified.
 const GOOD: f32 = 0.75;
@@ -40,8 +38,8 @@ pub(super) struct Placement {
     importance: Importance,
     /// The camera of the last frame.
     camera: Camera,
-    /// Whether the importance is of an earlier world.
-    outdated: bool,
+    /// Whether the importance belongs to an earlier world.
+    dirty: bool,
     /// Whether something moved in the last frame.
     moving: bool,
     /// Frames since the importance was renewed.
@@ -56,7 +54,7 @@ impl Placement {
             aspect,
             importance: Importance::new(world, aspect, bounds),
             camera: world.pose.camera,
-            outdated: false,
+            dirty: false,
             moving: false,
             age: 0,
         }
@@ -64,36 +62,36 @@ impl Placement {
 
     /// Changes the width over height of the picture.
     pub(super) fn set_aspect(&mut self, aspect: f32) {
-        self.outdated |= aspect != self.aspect;
+        self.dirty |= aspect != self.aspect;
         self.aspect = aspect;
     }
 
-    /// The importance is of an earlier world.
-    pub(super) fn outdate(&mut self) {
-        self.outdated = true;
+    /// Notes that the importance belongs to an earlier world.
+    pub(super) fn mark_dirty(&mut self) {
+        self.dirty = true;
     }
 
-    /// Follows the world: at once where a motion begins or has ended, now and then while the camera's lasts. Returns whether the
-    /// importance is another one.
+    /// Renews the importance: at once where a motion begins or has ended, now and then while the camera keeps moving. Returns
+    /// whether it was renewed.
     pub(super) fn follow(&mut self, world: World<'_>, geometry_moved: bool, bounds: &BoundingSphere) -> bool {
         let turned = world.pose.camera != self.camera;
         let moving = geometry_moved || turned;
         self.camera = world.pose.camera;
-        self.outdated |= moving;
+        self.dirty |= moving;
         self.age += 1;
         let due = !moving || !self.moving || (turned && self.age >= RENEWED_EVERY);
         self.moving = moving;
-        if !self.outdated || !due {
+        if !self.dirty || !due {
             return false;
         }
         self.importance = Importance::new(world, self.aspect, bounds);
-        self.outdated = false;
+        self.dirty = false;
         self.age = 0;
         true
     }
 
-    /// Tries the lights for which `changed` says so: the fewer of its rays are useful, the more candidates it needs.
-    pub(super) fn try_lights(
+    /// Estimates how many candidates each light for which `changed` says so needs: the fewer of its rays are useful, the more.
+    pub(super) fn estimate_candidates(
         &mut self,
         world: World<'_>,
         changes: &SceneChanges,
@@ -109,12 +107,12 @@ impl Placement {
         for light in (0..emitters.len()).filter(|&light| others || changed(light)) {
             let (light, emitter) = (light as u32, &emitters[light]);
             self.of_lights[light as usize] =
-                self.try_light(world, (light, emitter), trials, changes.bounds.radius);
+                self.candidates_of(world, (light, emitter), trials, changes.bounds.radius);
         }
     }
 
-    /// Candidates of a light's slots, from so many paths.
-    fn try_light(&self, world: World<'_>, light: (u32, &Emitter), paths: u32, radius: f32) -> [u32; 3] {
+    /// Number of candidates of a light's slots, estimated from so many paths.
+    fn candidates_of(&self, world: World<'_>, light: (u32, &Emitter), paths: u32, radius: f32) -> [u32; 3] {
         let (index, light) = light;
         let point = |path, step| sampling::sequence_point(path, step, index);
         let primary: Vec<WorldSurface> = match light.first_bounce() {
@@ -133,7 +131,7 @@ impl Placement {
                 surfaces_hit(world, &(0..paths).filter_map(first).collect::<Vec<_>>())
             }
         };
-        // And those after them.
+        // Find the surfaces that are reached from there.
         let diffuse = |(surface, path)| diffuse_ray(surface, point(path, 2), radius);
         let rays: Vec<Ray> = lit.iter().zip(0..).map(diffuse).collect();
         let later = surfaces_hit(world, &rays);
@@ -156,7 +154,7 @@ impl Placement {
         self.of_lights[light as usize][step.min(2) as usize]
     }
 
-    /// Draws one of a slot's candidates by `u` in [0, 1).
+    /// Chooses one of a slot's candidates by `u` in [0, 1).
     pub(super) fn choose(&self, candidates: &[(Slot, WorldSurface)], u: f32) -> (Slot, WorldSurface) {
         let worth = |(slot, surface): &(Slot, WorldSurface)| match slot.state {
             SlotState::Valid => {
@@ -208,7 +206,7 @@ mod tests {
     use crate::bvh::TwoLevelBvh;
     use crate::formats::load_scene;
 
-    /// With the bounds of the box, and the height of its floor.
+    /// A placement in the Cornell box, with the bounds of the box and the height of its floor.
     fn in_cornell_box(candidates: u32) -> (Placement, BoundingSphere, f32) {
         let scene = load_scene("cornell-box", None).unwrap();
         let pose = scene.pose(0.0);
@@ -221,7 +219,7 @@ mod tests {
     #[test]
     fn the_mean_of_what_is_chosen_is_that_of_the_candidates() {
         let (placement, bounds, floor) = in_cornell_box(8);
-        // On the floor, outside under the floor, escaped.
+        // The candidates lie on the floor, outside under the floor, or have escaped.
         let at = |height: f32, up: f32| WorldSurface {
             position: Vec3::new(bounds.center.x, height, bounds.center.z),
             geometric_normal: Vec3::Y * up,
@@ -235,20 +233,20 @@ mod tests {
             (Slot::escaped(true, 0), WorldSurface::default()),
             (valid(0.0), at(floor, 1.0)),
         ];
-        const DRAWS: u32 = 10_000;
+        const CHOICES: u32 = 10_000;
         let mut sums = [0.0; 2];
-        let mut draws = [0; 2];
-        for draw in 0..DRAWS {
-            let (slot, surface) = placement.choose(&candidates, (draw as f32 + 0.5) / DRAWS as f32);
+        let mut counts = [0; 2];
+        for choice in 0..CHOICES {
+            let (slot, surface) = placement.choose(&candidates, (choice as f32 + 0.5) / CHOICES as f32);
             assert_eq!(slot.state, SlotState::Valid);
             assert_eq!((slot.candidates, slot.hits), (4, 3));
             let below = usize::from(surface.normal.y < 0.0);
             assert_eq!(slot.useful, below == 0);
-            sums[below] += slot.throughput.x / DRAWS as f32;
-            draws[below] += 1;
+            sums[below] += slot.throughput.x / CHOICES as f32;
+            counts[below] += 1;
         }
         assert!((sums[0] - 1.0 / 4.0).abs() < 1e-3 && (sums[1] - 2.0 / 4.0).abs() < 1e-3, "{sums:?}");
-        assert!(draws[0] > 5 * draws[1], "{draws:?} times on the floor and below");
+        assert!(counts[0] > 5 * counts[1], "{counts:?} times on the floor and below");
     }
 
     #[test]

@@ -4,8 +4,26 @@
 //! each light, and a correction of its flux. Proportional to flux by largest remainder, with at least one path
 //! each; if there are too few slots for that, systematic sampling of the lights by flux.
 
-use super::MAX_BOUNCES;
 use crate::sampling::hash;
+use crate::settings::Sequence;
+
+/// Upper limit of the bounces of a path.
+pub(super) const MAX_BOUNCES: usize = 16;
+
+/// Slot counts, and the mapping from slots to temporal sets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Number of slots.
+    pub(super) slots: u32,
+    /// Bounce limit.
+    pub(super) bounces: u32,
+    /// Temporal sets T.
+    pub(super) sets: u32,
+    /// Seed of the sample sequences, and for sampling lights when there are too few slots for all.
+    pub(super) seed: u32,
+    /// Sample sequence.
+    pub(super) sequence: Sequence,
+}
 
 /// Input of the quota for one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,20 +45,9 @@ pub(super) struct Quota {
     pub(super) truncated: Vec<(u32, u32)>,
 }
 
-/// Factor on a light's flux, by light and bounce: paths drawn / paths expected; 1 unless the lights were
+/// Factor on a light's flux, by light and bounce: paths sampled / paths expected; 1 unless the lights were
 /// sampled.
 pub(super) type FluxCorrections = Vec<[f32; MAX_BOUNCES + 1]>;
-
-/// The slots to allocate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SlotBudget {
-    /// Number of slots.
-    pub(super) slots: u32,
-    /// Bounce limit.
-    pub(super) bounces: u32,
-    /// Seed for sampling lights when there are too few slots for all.
-    pub(super) seed: u32,
-}
 
 impl Quota {
     /// Slots of a full path of `light`.
@@ -62,7 +69,7 @@ impl Quota {
 }
 
 /// Allocates paths to lights.
-pub(super) fn allocate_paths(claims: &[Claim], budget: SlotBudget) -> (Quota, FluxCorrections) {
+pub(super) fn allocate_paths(claims: &[Claim], layout: &Layout) -> (Quota, FluxCorrections) {
     let mut quota = Quota {
         first_bounce: claims.iter().map(|claim| claim.first_bounce).collect(),
         full: vec![0; claims.len()],
@@ -71,16 +78,16 @@ pub(super) fn allocate_paths(claims: &[Claim], budget: SlotBudget) -> (Quota, Fl
     let mut corrections = vec![[1.0; MAX_BOUNCES + 1]; claims.len()];
     let weights = weights(claims);
     let chosen: Vec<usize> = (0..claims.len()).filter(|&l| weights[l] > 0.0).collect();
-    if chosen.is_empty() || budget.slots == 0 {
+    if chosen.is_empty() || layout.slots == 0 {
         return (quota, corrections);
     }
-    let least: u32 = chosen.iter().map(|&light| quota.full_length(light, budget.bounces)).sum();
-    if least <= budget.slots {
-        apportion(&mut quota, &weights, budget);
+    let least: u32 = chosen.iter().map(|&light| quota.full_length(light, layout.bounces)).sum();
+    if least <= layout.slots {
+        apportion(&mut quota, &weights, layout);
     } else {
-        sample_lights(&mut quota, &mut corrections, &weights, budget);
+        sample_lights(&mut quota, &mut corrections, &weights, layout);
     }
-    assign_remaining(&mut quota, &weights, budget);
+    assign_remaining(&mut quota, &weights, layout);
     (quota, corrections)
 }
 
@@ -99,13 +106,13 @@ fn weights(claims: &[Claim]) -> Vec<f64> {
 }
 
 /// At least one path each, the rest in proportion to the weights by largest remainder.
-fn apportion(quota: &mut Quota, weights: &[f64], budget: SlotBudget) {
+fn apportion(quota: &mut Quota, weights: &[f64], layout: &Layout) {
     let lights = weights.len();
     let length: Vec<f64> =
-        (0..lights).map(|light| f64::from(quota.full_length(light, budget.bounces))).collect();
+        (0..lights).map(|light| f64::from(quota.full_length(light, layout.bounces))).collect();
     // Give one path to each light whose proportional share is less than one; repeat until none is.
     let mut open: Vec<usize> = (0..lights).filter(|&l| weights[l] > 0.0).collect();
-    let mut slots_left = f64::from(budget.slots);
+    let mut slots_left = f64::from(layout.slots);
     let paths_per_weight = loop {
         let per_path: f64 = open.iter().map(|&l| weights[l] * length[l]).sum();
         let scale = slots_left / per_path;
@@ -138,17 +145,17 @@ fn apportion(quota: &mut Quota, weights: &[f64], budget: SlotBudget) {
 }
 
 /// Too few slots for all lights: systematic sampling over the cumulative weights. The expected number of
-/// paths of a light is `weight * paths`; drawn / expected corrects its flux.
-fn sample_lights(quota: &mut Quota, corrections: &mut FluxCorrections, weights: &[f64], budget: SlotBudget) {
+/// paths of a light is `weight * paths`; sampled / expected corrects its flux.
+fn sample_lights(quota: &mut Quota, corrections: &mut FluxCorrections, weights: &[f64], layout: &Layout) {
     let longest = (0..weights.len()).filter(|&light| weights[light] > 0.0);
-    let longest = longest.map(|light| quota.full_length(light, budget.bounces));
+    let longest = longest.map(|light| quota.full_length(light, layout.bounces));
     let longest = longest.max().unwrap_or(1);
-    let paths = budget.slots.div_ceil(longest);
-    let offset = f64::from(hash(budget.seed, 0x5157)) / 2f64.powi(32);
-    // One path, also drawn at random, is truncated to the remaining slots.
-    let cut = hash(budget.seed, 0xc07) % paths;
-    let cut_length = budget.slots - (paths - 1) * longest;
-    // Draw.
+    let paths = layout.slots.div_ceil(longest);
+    let offset = f64::from(hash(layout.seed, 0x5157)) / 2f64.powi(32);
+    // One path, also chosen at random, is truncated to the remaining slots.
+    let cut = hash(layout.seed, 0xc07) % paths;
+    let cut_length = layout.slots - (paths - 1) * longest;
+    // Sample the lights.
     let total: f64 = weights.iter().sum();
     let (mut light, mut sum) = (0, weights[0]);
     for path in 0..paths {
@@ -157,33 +164,33 @@ fn sample_lights(quota: &mut Quota, corrections: &mut FluxCorrections, weights: 
             light += 1;
             sum += weights[light];
         }
-        if path == cut && cut_length < quota.full_length(light, budget.bounces) {
+        if path == cut && cut_length < quota.full_length(light, layout.bounces) {
             quota.truncated.push((light as u32, cut_length));
         } else {
             quota.full[light] += 1;
         }
     }
-    // Correct the flux by drawn / expected, bounce by bounce.
+    // Correct the flux by sampled / expected, bounce by bounce.
     for (light, corrections) in corrections.iter_mut().enumerate() {
         let first = quota.first_bounce[light];
-        for bounce in first..=budget.bounces {
+        for bounce in first..=layout.bounces {
             let reached = |length: u32| f64::from(u8::from(length > bounce - first));
             let expected = weights[light] / total * (f64::from(paths - 1) + reached(cut_length));
-            let drawn: f64 = quota.lengths(light, budget.bounces).map(reached).sum();
-            corrections[bounce as usize] = if expected > 0.0 { (drawn / expected) as f32 } else { 0.0 };
+            let sampled: f64 = quota.lengths(light, layout.bounces).map(reached).sum();
+            corrections[bounce as usize] = if expected > 0.0 { (sampled / expected) as f32 } else { 0.0 };
         }
     }
 }
 
 /// Assigns remaining slots to the lights that have paths, brightest first.
-fn assign_remaining(quota: &mut Quota, weights: &[f64], budget: SlotBudget) {
-    let mut slots_left = budget.slots - quota.used(budget.bounces);
+fn assign_remaining(quota: &mut Quota, weights: &[f64], layout: &Layout) {
+    let mut slots_left = layout.slots - quota.used(layout.bounces);
     let has_paths =
         |light: usize| quota.full[light] > 0 || quota.truncated.iter().any(|cut| cut.0 == light as u32);
     let mut order: Vec<usize> = (0..weights.len()).filter(|&l| has_paths(l)).collect();
     order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
     for light in order.into_iter().cycle() {
-        let full = quota.full_length(light, budget.bounces);
+        let full = quota.full_length(light, layout.bounces);
         if slots_left == 0 {
             return;
         }
@@ -207,8 +214,8 @@ mod tests {
     }
 
     fn allocate(list: &[(f32, u32)], slots: u32, bounces: u32, seed: u32) -> (Quota, FluxCorrections) {
-        let budget = SlotBudget { slots, bounces, seed };
-        let (quota, corrections) = allocate_paths(&claims(list), budget);
+        let layout = Layout { slots, bounces, seed, sets: 1, sequence: Sequence::Sobol };
+        let (quota, corrections) = allocate_paths(&claims(list), &layout);
         assert_eq!(quota.used(bounces), slots);
         (quota, corrections)
     }

@@ -4,34 +4,13 @@
 //! budget. Paths with an invalid slot come first, then stale ones, each round robin (Laine et al. 2007;
 //! Tonna 2019).
 
-use super::shoot::PathRange;
+use super::assignment::{Cursor, PathRange};
 use super::slots::{Slot, SlotState};
-use super::{VplManager, World};
+use super::vpl_manager::VplManager;
+use crate::bvh::World;
 
-/// State of one round robin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Cursor {
-    /// The next path.
-    path: usize,
-    /// First slot of that path that was not shot, if the budget ran out within it.
-    resume: Option<usize>,
-}
-
-/// The slots that a round robin selects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Criterion {
-    Invalid,
-    Stale,
-}
-
-impl Criterion {
-    fn matches(self, slot: &Slot) -> bool {
-        match self {
-            Self::Invalid => slot.state == SlotState::Invalid,
-            Self::Stale => !slot.fresh,
-        }
-    }
-}
+/// The slots that each round robin selects: invalid ones, then stale ones.
+const CRITERIA: [fn(&Slot) -> bool; 2] = [|slot| slot.state == SlotState::Invalid, |slot| !slot.fresh];
 
 impl VplManager {
     /// Shoots up to the budget; returns how many slots were shot.
@@ -49,7 +28,7 @@ impl VplManager {
         let mut ranges = Vec::new();
         let mut left = self.budget.saturating_mul(self.vpls_per_slot) as usize;
         let mut planned = vec![false; self.assignment.paths()];
-        for (turn, criterion) in [Criterion::Invalid, Criterion::Stale].into_iter().enumerate() {
+        for (turn, criterion) in CRITERIA.into_iter().enumerate() {
             let mut cursor = self.cursors[turn];
             let first = cursor.path;
             // Visit the first path twice: on the first visit it may have yielded to the others.
@@ -82,9 +61,14 @@ impl VplManager {
     /// First slot of a path to shoot: the first that is not fresh. A path that the budget cut resumes where it
     /// stopped, even if its beginning is stale again: otherwise a light that keeps moving would starve the ends
     /// of all paths. In a stationary world it starts over, so that no slot stays stale.
-    fn first_to_shoot(&self, path: usize, criterion: Criterion, resume: Option<usize>) -> Option<usize> {
+    fn first_to_shoot(
+        &self,
+        path: usize,
+        criterion: fn(&Slot) -> bool,
+        resume: Option<usize>,
+    ) -> Option<usize> {
         let slots = || self.assignment.path(path).iter().map(|&slot| &self.slots[slot as usize]);
-        if !slots().any(|slot| criterion.matches(slot)) {
+        if !slots().any(criterion) {
             return None;
         }
         let first = slots().position(|slot| !slot.fresh)?;

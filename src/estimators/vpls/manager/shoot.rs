@@ -1,18 +1,16 @@
 //! Traces light paths through the scene, all rays of one bounce in one batch.
 //!
-//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths"). Rays pass thin sheets or
-//! stop there at random, in proportion to what passes.
+//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths"). Rays pass thin
+//! surfaces or stop there at random, in proportion to what passes.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::assignment::NONE;
-use super::emitter::Source;
-use super::invalidate::locate;
+use super::assignment::{NONE, PathRange};
+use super::emitter::{Source, diffuse_ray};
 use super::slots::{Slot, SlotState};
-use super::{VplManager, World};
-use crate::bvh::{Hit, Passage, Ray};
-use crate::sampling::{self, Frame};
+use super::vpl_manager::VplManager;
+use crate::bvh::{Hit, Passage, Ray, World};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// Minimum number of slots per task.
@@ -20,14 +18,6 @@ pub(super) const SLOTS_PER_TASK: usize = 256;
 
 /// Fraction of the hit distance up to which nothing opaque occludes a shot ray; excludes the hit itself.
 const HIT_MARGIN: f32 = 1.0 - 1e-5;
-
-/// Slots `start..end` of a path, counted from its first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PathRange {
-    pub(super) path: usize,
-    pub(super) start: usize,
-    pub(super) end: usize,
-}
 
 /// How the shot of a slot starts.
 enum Start {
@@ -86,15 +76,12 @@ impl VplManager {
             .map(|(&candidate, start, hit)| this.store_hit(world, candidate, start, *hit))
             .collect();
         let mut rest = &shots[..];
-        let mut filled = Vec::with_capacity(slots.len());
         for &slot in slots {
-            let (of_slot, others) = rest.split_at(this.candidates(slot) as usize);
+            let (candidates, others) = rest.split_at(self.candidates(slot) as usize);
             rest = others;
-            let choice = this.layout.choice(&this.assignment.addresses[slot as usize]);
-            filled.push(this.placement.choose(of_slot, choice));
-        }
-        for (&slot, (filled, surface)) in slots.iter().zip(filled) {
-            self.slots[slot as usize] = filled;
+            let choice = self.layout.choice(&self.assignment.addresses[slot as usize]);
+            let (chosen, surface) = self.placement.choose(candidates, choice);
+            self.slots[slot as usize] = chosen;
             self.surfaces[slot as usize] = surface;
         }
     }
@@ -113,22 +100,20 @@ impl VplManager {
 
     fn start(&self, slot: u32, candidate: u32) -> Start {
         let address = &self.assignment.addresses[slot as usize];
-        let emitter = &self.changes.emitters[address.light as usize];
         let u = || self.layout.point(address, 0, candidate);
-        match (address.parent, &emitter.source) {
+        match (address.parent, &self.changes.emitters[address.light as usize].source) {
             (NONE, Source::Area(table)) => {
                 let (point, weight) = table.sample(u());
-                return Start::OnLight(table.instance, point, weight);
+                Start::OnLight(table.instance, point, weight)
             }
             (NONE, Source::Environment(sky)) => {
                 let (uv, weight) = sky.sample(u());
-                return Start::AtInfinity(uv, weight);
+                Start::AtInfinity(uv, weight)
             }
-            _ => {}
-        }
-        match self.sample_ray(slot, candidate) {
-            Some((ray, weight)) => Start::Trace(ray, weight),
-            None => Start::Escape,
+            _ => {
+                let traced = self.sample_ray(slot, candidate);
+                traced.map_or(Start::Escape, |(ray, weight)| Start::Trace(ray, weight))
+            }
         }
     }
 
@@ -154,7 +139,7 @@ impl VplManager {
     }
 
     /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
-    /// the candidate, so the same ray stops at the same sheet again.
+    /// the candidate, so the same ray stops at the same thin surface again.
     pub(super) fn pass_sheets(
         &self,
         world: World<'_>,
@@ -163,7 +148,7 @@ impl VplManager {
         hit: Option<Hit>,
     ) -> (Option<Hit>, Passage) {
         let address = &self.assignment.addresses[slot as usize];
-        world.pass_sheets(ray, hit, (0..).map(|sheet| self.layout.sheet_number(address, candidate, sheet)))
+        world.pass_sheets(ray, hit, (0..).map(|nth| self.layout.passage_number(address, candidate, nth)))
     }
 
     /// The slot as one of its candidates fills it, whose ray first hits `hit`.
@@ -175,75 +160,54 @@ impl VplManager {
         hit: Option<Hit>,
     ) -> (Slot, WorldSurface) {
         let address = &self.assignment.addresses[slot as usize];
-        let (fresh, throughput) = match address.parent {
-            NONE => (true, Vec3::ONE),
-            _ => {
-                let parent = &self.slots[address.parent as usize];
-                (parent.fresh, parent.throughput)
-            }
+        let parent = self.slots.get(address.parent as usize);
+        let (fresh, throughput) =
+            parent.map_or((true, Vec3::ONE), |parent| (parent.fresh, parent.throughput));
+        let escaped = Slot::escaped(fresh, self.frame);
+        let valid = Slot { state: SlotState::Valid, ..escaped };
+        let surface_at = |instance: u32, point: SurfacePoint, side| {
+            let mesh = &world.scene.meshes[world.scene.instances[instance as usize].mesh];
+            let material = mesh.triangle_materials[point.triangle as usize];
+            (world.scene.surface_at(world.pose, instance, point, side), material)
         };
-        let (hit, passage) = match start {
-            Start::Trace(ray, _) => self.pass_sheets(world, (slot, candidate), ray, hit),
-            _ => (None, Passage::CLEAR),
-        };
-        let found_at = |instance, point, side| world.scene.surface_at(world.pose, instance, point, side);
-        let (instance, point, found, throughput, unoccluded) = match (start, hit) {
-            (&Start::OnLight(instance, point, weight), _) => {
-                let mut found = found_at(instance, point, Side::Front(true));
-                let mesh = &world.scene.meshes[world.scene.instances[instance as usize].mesh];
-                let material = mesh.triangle_materials[point.triangle as usize];
+        match *start {
+            Start::Escape => (escaped, WorldSurface::default()),
+            Start::OnLight(instance, point, weight) => {
+                let (found, material) = surface_at(instance, point, Side::Front(true));
                 if !world.scene.opaque_at(material, found.attributes) {
                     // The alpha mask cuts this point out of the light.
-                    return (Slot::escaped(fresh, self.frame), WorldSurface::default());
+                    return (escaped, WorldSurface::default());
                 }
                 // Emission follows the geometric normal.
-                found.surface.normal = found.surface.geometric_normal;
-                (instance, point, found, weight, None)
+                let surface = WorldSurface { normal: found.surface.geometric_normal, ..found.surface };
+                (Slot { front: found.front, instance, point, throughput: weight, ..valid }, surface)
             }
-            (&Start::AtInfinity(uv, weight), _) => {
-                let filled = Slot {
-                    state: SlotState::Valid,
-                    fresh,
-                    instance: NONE,
-                    point: SurfacePoint { triangle: 0, barycentrics: uv },
-                    throughput: weight,
-                    shot: self.frame,
-                    ..Slot::INVALID
+            Start::AtInfinity(uv, weight) => {
+                let point = SurfacePoint { triangle: 0, barycentrics: uv };
+                let filled = Slot { instance: NONE, point, throughput: weight, ..valid };
+                (filled, filled.surface(world, address, &self.changes.emitters))
+            }
+            Start::Trace(ray, weight) => {
+                let (hit, passage) = self.pass_sheets(world, (slot, candidate), &ray, hit);
+                let Some(hit) = hit else {
+                    return (Slot { unoccluded: Some(ray), passage, ..escaped }, WorldSurface::default());
                 };
-                return (filled, locate(world, &filled, address, &self.changes.emitters));
-            }
-            (&Start::Trace(ray, weight), Some(hit)) => {
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
-                let found = found_at(hit.instance, point, Side::Facing(ray.direction));
-                let mesh = &world.scene.meshes[world.scene.instances[hit.instance as usize].mesh];
-                let material = mesh.triangle_materials[hit.triangle as usize];
-                let albedo =
-                    world.scene.materials[material as usize].albedo_at(world.scene, found.attributes);
-                let unoccluded = Ray { t_max: hit.t * HIT_MARGIN, ..ray };
-                (hit.instance, point, found, throughput * weight * passage.weight * albedo, Some(unoccluded))
+                let (found, material) = surface_at(hit.instance, point, Side::Facing(ray.direction));
+                let material = &world.scene.materials[material as usize];
+                let albedo = material.albedo_at(world.scene, found.attributes);
+                let filled = Slot {
+                    front: found.front,
+                    instance: hit.instance,
+                    point,
+                    throughput: throughput * weight * passage.weight * albedo,
+                    passage,
+                    unoccluded: Some(Ray { t_max: hit.t * HIT_MARGIN, ..ray }),
+                    ..valid
+                };
+                (filled, found.surface)
             }
-            (Start::Trace(..) | Start::Escape, _) => {
-                let unoccluded = if let Start::Trace(ray, _) = start { Some(*ray) } else { None };
-                let escaped = Slot { unoccluded, passage, ..Slot::escaped(fresh, self.frame) };
-                return (escaped, WorldSurface::default());
-            }
-        };
-        let filled = Slot {
-            state: SlotState::Valid,
-            fresh,
-            front: found.front,
-            useful: false,
-            candidates: 1,
-            hits: 1,
-            candidate,
-            instance,
-            point,
-            throughput,
-            passage,
-            shot: self.frame,
-            unoccluded,
-        };
-        (filled, found.surface)
+        }
     }
 
     /// Marks all descendants of an escaped slot as escaped, also those beyond the range.
@@ -258,10 +222,4 @@ impl VplManager {
             }
         }
     }
-}
-
-/// A ray from a surface, cosine-distributed about its shading normal. It may point below the triangle, where no light goes.
-pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2, scene_radius: f32) -> Ray {
-    let direction = Frame::around(surface.normal).to_world(sampling::cosine_hemisphere(u));
-    Ray { origin: surface.offset_position(scene_radius), direction, t_min: 0.0, t_max: f32::INFINITY }
 }

@@ -1,74 +1,62 @@
 //! The test of one slot: whether its VPL still stands, by at most one ray through the current world.
 //!
-//! In: a slot and the world. Out: why it is invalid, if it is; else whether thin sheets treat its ray as when it was shot.
+//! In: a slot and the world. Out: why it is invalid, if it is; else whether thin surfaces treat its ray as when it was shot.
 
 use glam::Vec3;
 
 use super::assignment::{Address, NONE};
+use super::counters::InvalidationReason::{self, FacesAway, LightChanged, LightTurnedAway, Occluded};
 use super::emitter::Source;
-use super::invalidation::InvalidationReason;
 use super::slots::{Slot, SlotState};
-use super::{VplManager, World};
-use crate::bvh::{Hit, Occlusion, Passage, Ray};
+use super::vpl_manager::VplManager;
+use crate::bvh::{Hit, Occlusion, Passage, Ray, World};
 use crate::scene::{SurfacePoint, WorldSurface};
 
 /// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
-/// would be too many or too few until they are shot again. So would those to which sheets let pass this much more or less.
+/// would be too many or too few until they are shot again. So would VPLs to which thin surfaces let pass this much more or less.
 const MOST_CHANGE: f32 = 2.0;
 
-/// The test that a slot needs.
-enum Test {
-    /// None: it stays as it is.
-    Keep,
-    /// None: it is invalid for this reason.
-    Fail(InvalidationReason),
-    /// It stays valid if nothing opaque occludes this ray, and sheets let about as much pass as before.
-    Trace(Ray),
-}
+/// The ray that a slot's test traces: the slot stays valid if nothing opaque occludes it and thin surfaces let about as much pass as
+/// before. Without a ray it stays as it is.
+type Test = Result<Option<Ray>, InvalidationReason>;
 
-/// Outcome of a slot's test.
-pub(super) struct TestResult {
-    /// Why it is invalid; none if it passed.
-    pub(super) failure: Option<InvalidationReason>,
-    /// Whether a passed ray fares otherwise among sheets than when it was shot.
+/// Outcome of a test that a slot passed.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Passed {
+    /// Whether thin surfaces treat its ray otherwise than when it was shot.
     pub(super) changed: bool,
-    /// The ray that was traced, if it passed.
+    /// The ray that was traced.
     pub(super) unoccluded: Option<Ray>,
 }
 
-impl TestResult {
-    const KEPT: Self = Self { failure: None, changed: false, unoccluded: None };
-
-    fn failed(reason: InvalidationReason) -> Self {
-        Self { failure: Some(reason), ..Self::KEPT }
-    }
-}
-
 impl VplManager {
-    pub(super) fn test(&self, world: World<'_>, index: usize) -> TestResult {
-        let ray = match self.select_test(index) {
-            Test::Keep => return TestResult::KEPT,
-            Test::Fail(reason) => return TestResult::failed(reason),
-            Test::Trace(ray) => ray,
-        };
+    /// Tests a slot against the current world.
+    pub(super) fn test(&self, world: World<'_>, index: usize) -> Result<Passed, InvalidationReason> {
+        let Some(ray) = self.select_test(index)? else { return Ok(Passed::default()) };
         let slot = &self.slots[index];
-        let passed = TestResult { unoccluded: Some(ray), ..TestResult::KEPT };
+        let passed = Passed { unoccluded: Some(ray), changed: false };
         let occlusion = if self.changes.static_moved || slot.unoccluded != Some(ray) {
             world.bvh.occlusion(&ray)
         } else if self.changes.geometry_moved {
             world.bvh.occlusion_by_dynamic(&ray)
         } else {
-            return passed;
+            return Ok(passed);
         };
         match occlusion {
-            Occlusion::Opaque => TestResult::failed(InvalidationReason::Occluded),
-            Occlusion::Clear if slot.passage == Passage::CLEAR => passed,
-            _ => self.test_sheets(world, index, passed, &ray),
+            Occlusion::Opaque => Err(Occluded),
+            Occlusion::Clear if slot.passage == Passage::CLEAR => Ok(passed),
+            _ => self.test_passage(world, index, passed, &ray),
         }
     }
 
-    /// Test of a ray that meets sheets, or met some when it was shot; `passed` is what it gives where nothing has changed.
-    fn test_sheets(&self, world: World<'_>, index: usize, passed: TestResult, ray: &Ray) -> TestResult {
+    /// Test of a ray that meets thin surfaces, or met some when it was shot; `passed` is the result where nothing has changed.
+    fn test_passage(
+        &self,
+        world: World<'_>,
+        index: usize,
+        passed: Passed,
+        ray: &Ray,
+    ) -> Result<Passed, InvalidationReason> {
         let slot = &self.slots[index];
         if slot.fresh || slot.state == SlotState::Escaped {
             // Shoot it again.
@@ -80,35 +68,27 @@ impl VplManager {
                 (hit.instance, point) == (slot.instance, slot.point)
             };
             match (slot.state, hit) {
-                (SlotState::Escaped, None) => return passed,
-                (SlotState::Escaped, Some(_)) => return TestResult::failed(InvalidationReason::Occluded),
-                (_, Some(hit)) if same_place(hit) && passage == slot.passage => return passed,
+                (SlotState::Escaped, None) => return Ok(passed),
+                (SlotState::Escaped, Some(_)) => return Err(Occluded),
+                (_, Some(hit)) if same_place(hit) && passage == slot.passage => return Ok(passed),
                 _ => {}
             }
         }
         let (now, then) = (world.transmittance(ray), slot.passage.transmittance);
         let jumped = now.cmpgt(then * MOST_CHANGE) | then.cmpgt(now * MOST_CHANGE);
-        match jumped.any() {
-            true => TestResult::failed(InvalidationReason::Occluded),
-            false => TestResult { changed: true, ..passed },
-        }
+        if jumped.any() { Err(Occluded) } else { Ok(Passed { changed: true, ..passed }) }
     }
 
     fn select_test(&self, index: usize) -> Test {
         let (slot, address) = (&self.slots[index], &self.assignment.addresses[index]);
-        if slot.state == SlotState::Invalid {
-            return Test::Keep;
-        }
-        if address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid {
-            // It takes the state of its parent.
-            return Test::Keep;
-        }
+        let takes_parents_state =
+            address.parent != NONE && self.slots[address.parent as usize].state != SlotState::Valid;
         match slot.state {
-            _ if slot.fresh => slot.unoccluded.map_or(Test::Keep, Test::Trace),
-            SlotState::Escaped => {
-                self.sample_ray(index as u32, 0).map_or(Test::Keep, |(ray, _)| Test::Trace(ray))
-            }
-            _ if slot.is_at_infinity() => Test::Keep,
+            SlotState::Invalid => Ok(None),
+            _ if takes_parents_state => Ok(None),
+            _ if slot.fresh => Ok(slot.unoccluded),
+            SlotState::Escaped => Ok(self.sample_ray(index as u32, 0).map(|(ray, _)| ray)),
+            _ if slot.is_at_infinity() => Ok(None),
             _ if address.bounce == 0 => self.test_primary(slot, address),
             _ => self.test_segment(&self.surfaces[index], address, slot.unoccluded),
         }
@@ -117,9 +97,9 @@ impl VplManager {
     fn test_primary(&self, slot: &Slot, address: &Address) -> Test {
         match &self.changes.emitters[address.light as usize].source {
             Source::Area(table) if table.instance == slot.instance && table.contains(slot.point.triangle) => {
-                Test::Keep
+                Ok(None)
             }
-            _ => Test::Fail(InvalidationReason::LightChanged),
+            _ => Err(LightChanged),
         }
     }
 
@@ -137,41 +117,33 @@ impl VplManager {
             let along = surface.position - parent.position;
             let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
             let arrives = surface.geometric_normal.dot(along) < 0.0;
-            return match leaves && arrives {
-                true => Test::Trace(towards(parent.offset_position(radius))),
-                false => Test::Fail(InvalidationReason::FacesAway),
-            };
+            let faces = leaves && arrives;
+            return if faces { Ok(Some(towards(parent.offset_position(radius)))) } else { Err(FacesAway) };
         }
         let source = &self.changes.emitters[address.light as usize].source;
-        let ray = match source {
-            Source::Point { position } | Source::Spot { position, .. } => towards(*position),
+        let position = match source {
+            Source::Point { position } | Source::Spot { position, .. } => *position,
             Source::Directional { frame, .. } => return test_towards_infinity(surface, end, frame.normal),
-            Source::Area(_) | Source::Environment(_) => return Test::Fail(InvalidationReason::LightChanged),
+            Source::Area(_) | Source::Environment(_) => return Err(LightChanged),
         };
-        let jumped = match (source, last) {
-            (Source::Point { position } | Source::Spot { position, .. }, Some(last)) => {
-                !(1.0 / MOST_CHANGE..=MOST_CHANGE).contains(&density_change(surface, last.origin, *position))
+        let few_to_many = 1.0 / MOST_CHANGE..=MOST_CHANGE;
+        let arrives = surface.geometric_normal.dot(surface.position - position) < 0.0;
+        match last {
+            Some(last) if !few_to_many.contains(&density_change(surface, last.origin, position)) => {
+                Err(LightChanged)
             }
-            _ => false,
-        };
-        if jumped {
-            return Test::Fail(InvalidationReason::LightChanged);
-        }
-        let arrives = surface.geometric_normal.dot(surface.position - ray.origin) < 0.0;
-        match (arrives, source.emits_towards(surface.position)) {
-            (true, true) => Test::Trace(ray),
-            (false, _) => Test::Fail(InvalidationReason::FacesAway),
-            (true, false) => Test::Fail(InvalidationReason::LightTurnedAway),
+            _ if !arrives => Err(FacesAway),
+            _ if !source.emits_towards(surface.position) => Err(LightTurnedAway),
+            _ => Ok(Some(towards(position))),
         }
     }
 }
 
 /// Test of the ray from a surface, which starts at `origin`, against the direction in which its light travels.
 fn test_towards_infinity(surface: &WorldSurface, origin: Vec3, direction: Vec3) -> Test {
-    match surface.geometric_normal.dot(direction) < 0.0 {
-        true => Test::Trace(Ray { origin, direction: -direction, t_min: 0.0, t_max: f32::INFINITY }),
-        false => Test::Fail(InvalidationReason::FacesAway),
-    }
+    let arrives = surface.geometric_normal.dot(direction) < 0.0;
+    let ray = Ray { origin, direction: -direction, t_min: 0.0, t_max: f32::INFINITY };
+    if arrives { Ok(Some(ray)) } else { Err(FacesAway) }
 }
 
 /// How much more densely a point light at `to` shoots at a surface than one at `from`.

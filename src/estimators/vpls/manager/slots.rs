@@ -2,10 +2,11 @@
 
 use glam::{Vec2, Vec3};
 
-use super::assignment::NONE;
-use super::invalidation::Invalidation;
-use crate::bvh::{Passage, Ray};
-use crate::scene::SurfacePoint;
+use super::assignment::{Address, NONE};
+use super::counters::Invalidation;
+use super::emitter::{Emitter, Source};
+use crate::bvh::{Passage, Ray, World};
+use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// State of a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,18 +31,19 @@ pub(super) struct Slot {
     pub(super) front: bool,
     /// Whether it lights something that the camera saw when it was shot.
     pub(super) useful: bool,
-    /// Candidates that it was chosen from, and how many of these hit something.
+    /// Number of candidates that it was chosen from.
     pub(super) candidates: u32,
+    /// Number of candidates that hit something.
     pub(super) hits: u32,
-    /// Which of them it is.
+    /// Index of the chosen candidate.
     pub(super) candidate: u32,
     /// Index into `Scene::instances`; [`NONE`] at infinity.
     pub(super) instance: u32,
     /// Point on the instance's mesh; at infinity the place in the environment's map.
     pub(super) point: SurfacePoint,
-    /// Product of the albedos along the path, the weight of its start and those of its passages.
+    /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
-    /// What thin sheets made of the ray that shot it.
+    /// The effect of thin surfaces on the ray that shot it.
     pub(super) passage: Passage,
     /// Frame in which it was shot.
     pub(super) shot: u32,
@@ -76,6 +78,21 @@ impl Slot {
     pub(super) fn escaped(fresh: bool, shot: u32) -> Self {
         Self { state: SlotState::Escaped, fresh, shot, ..Self::INVALID }
     }
+
+    /// Current surface of a valid slot's VPL, world space.
+    pub(super) fn surface(&self, world: World<'_>, address: &Address, emitters: &[Emitter]) -> WorldSurface {
+        let emitter = &emitters[address.light as usize];
+        if let (true, Source::Environment(sky)) = (self.is_at_infinity(), &emitter.source) {
+            return sky.surface(self.point.barycentrics);
+        }
+        let side = Side::Front(self.front);
+        let mut surface = world.scene.surface_at(world.pose, self.instance, self.point, side).surface;
+        if address.bounce == 0 {
+            // A light's own surface emits about the flat triangle's normal.
+            surface.normal = surface.geometric_normal;
+        }
+        surface
+    }
 }
 
 /// A slot as tests and debug views see it.
@@ -83,7 +100,7 @@ impl Slot {
 pub struct SlotView {
     /// Index of the slot.
     pub slot: u32,
-    /// What it holds.
+    /// Its state.
     pub state: SlotState,
     /// Index of its light; none if the slot is unassigned.
     pub light: Option<u32>,

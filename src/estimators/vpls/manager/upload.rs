@@ -4,14 +4,33 @@
 //! VPL is that of its light, over the number of slots of its light and bounce that are not invalid, times its
 //! throughput, so the others compensate for invalid slots (docs/VPLS.md, "Energy").
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::assignment::NONE;
 use super::emitter::{Sky, Source};
-use super::invalidate::locate;
 use super::slots::{SlotHistory, SlotState, SlotView};
-use super::{GpuVpl, VplManager, World};
-use crate::scene::{BoundingSphere, luminance};
+use super::vpl_manager::VplManager;
+use crate::bvh::World;
+use crate::scene::{BoundingSphere, WorldSurface, luminance};
+
+/// A VPL as the shaders see it (std430, 48 bytes).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuVpl {
+    /// World position, on the surface; at infinity the unit direction towards it.
+    pub position: Vec3,
+    /// Slot index.
+    pub slot: u32,
+    /// Unit normal of the emitting side.
+    pub normal: Vec3,
+    /// Bounce, 0 for a primary VPL of an area light or environment.
+    pub bounce: u32,
+    /// Flux phi, W; at infinity the irradiance across its direction, W/m^2.
+    pub flux: Vec3,
+    /// 1: a direction instead of a place.
+    pub at_infinity: u32,
+}
 
 impl VplManager {
     /// The valid VPLs with non-zero flux of temporal set `set`, at their current positions, sorted along a curve through space:
@@ -21,7 +40,7 @@ impl VplManager {
             self.layout.set_slots(set).filter_map(|slot| self.gpu_vpl(world, slot)).collect();
         let BoundingSphere { center, radius } = self.changes.bounds;
         let place = |vpl: &GpuVpl| (vpl.position - center) / (2.0 * radius) + 0.5;
-        // Those at infinity come last, sorted by their direction.
+        // VPLs at infinity come last, sorted by their direction.
         let code = |vpl: &GpuVpl| match vpl.at_infinity {
             0 => morton_code(place(vpl)),
             _ => morton_code(0.5 * vpl.position + 0.5),
@@ -45,12 +64,6 @@ impl VplManager {
             Source::Environment(sky) if self.slots[index].is_at_infinity() => Some(sky),
             _ => None,
         }
-    }
-
-    /// Luminous flux of all valid VPLs, the sum over all temporal sets.
-    pub fn total_flux(&self, _world: World<'_>) -> f32 {
-        let flux = (0..self.slots.len()).map(|slot| f64::from(luminance(self.flux(slot))));
-        flux.sum::<f64>() as f32
     }
 
     /// All slots, for tests and debug views.
@@ -100,31 +113,19 @@ impl VplManager {
     /// The VPL of a slot at its current position; none if it has no flux or there is no such slot.
     pub fn gpu_vpl(&self, world: World<'_>, slot: u32) -> Option<GpuVpl> {
         let index = slot as usize;
-        if index >= self.slots.len() {
-            return None;
-        }
+        let stored = self.slots.get(index)?;
         let flux = self.flux(index);
         if flux == Vec3::ZERO {
             return None;
         }
         let address = &self.assignment.addresses[index];
-        let emitters = &self.changes.emitters;
-        let surface = locate(world, &self.slots[index], address, emitters);
-        let vpl = GpuVpl {
-            position: surface.position,
-            slot,
-            normal: surface.normal,
-            bounce: address.bounce,
-            flux,
-            at_infinity: 0,
-        };
+        let WorldSurface { position, normal, .. } = stored.surface(world, address, &self.changes.emitters);
+        let vpl = GpuVpl { position, slot, normal, bounce: address.bounce, flux, at_infinity: 0 };
         Some(match self.sky_of(index) {
-            Some(sky) => GpuVpl {
-                position: -surface.normal,
-                flux: flux * sky.irradiance_of_flux(),
-                at_infinity: 1,
-                ..vpl
-            },
+            Some(sky) => {
+                let flux = flux * sky.irradiance_of_flux();
+                GpuVpl { position: -normal, flux, at_infinity: 1, ..vpl }
+            }
             None => vpl,
         })
     }

@@ -1,13 +1,13 @@
-//! Sheets that move: which VPLs are invalid or stale, and that none remembers.
+//! Thin surfaces that move: which VPLs are invalid or stale, and that none remembers.
 
 use glam::{Quat, Vec3};
-use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
+use glowworm::estimators::vpls::{InvalidationReason, SlotState, SlotView, VplManager};
 use glowworm::scene::{Material, Mesh};
 
 use crate::history::{assert_forgets, open_room};
 use crate::support::*;
 
-/// A closed room with a lamp, and a pane of this material that stands outside.
+/// A closed room with a light, and a pane of this material that stands outside.
 fn pane_outside(material: Material) -> (Stage, usize) {
     let mut scene = grey_scene(0.7);
     scene.materials.push(material);
@@ -29,7 +29,7 @@ fn what_a_dark_pane_covers_is_invalid_and_behind_a_light_one_stale() {
         stage.invalidate(&mut manager);
         let shade = |slot: &SlotView| slot.position.normalize().dot(Vec3::NEG_Y) > 0.8;
         let counters = manager.counters();
-        assert_eq!(counters.invalidated_by.occluded, counters.invalidated);
+        assert_eq!(counters.invalidated_by[InvalidationReason::Occluded], counters.invalidated);
         if invalidates {
             assert!(counters.invalidated > 80, "{counters:?}");
             assert!(manager.slots().all(|slot| slot.state == SlotState::Invalid || !shade(&slot)));
@@ -53,7 +53,7 @@ fn a_pane_that_moves_elsewhere_changes_nothing() {
 
 #[test]
 fn a_pane_that_cannot_be_seen_changes_nothing() {
-    // It comes between the lamp and a veil, which still stops the same paths.
+    // It comes between the light and a veil, which still stops the same paths.
     let (stage, moved) = pane_outside(veil(0.0, 0.5));
     let mut scene = stage.scene;
     scene.materials.push(veil(0.5, 0.5));
@@ -82,11 +82,11 @@ fn glazed_room() -> Stage {
         (Vec3::new(1.4, 2.0, 0.0), true),
         (Vec3::new(1.6, 2.0, 0.0), true),
     ]) {
-        let mut sheet = square(1.5);
-        sheet.triangle_materials.fill(material);
+        let mut pane = square(1.5);
+        pane.triangle_materials.fill(material);
         let turn = Quat::from_rotation_z(if material > 2 { 1.5 } else { 0.2 });
-        sheet.positions.iter_mut().chain(&mut sheet.normals).for_each(|v| *v = turn * *v);
-        place(scene, sheet, at, dynamic);
+        pane.positions.iter_mut().chain(&mut pane.normals).for_each(|v| *v = turn * *v);
+        place(scene, pane, at, dynamic);
     }
     Stage::new(stage.scene)
 }
@@ -134,7 +134,7 @@ fn panes_that_change_places_are_forgotten() {
 }
 
 #[test]
-fn lamp_that_moves_behind_panes_is_forgotten() {
+fn light_that_moves_behind_panes_is_forgotten() {
     assert_forgets(glazed_room(), |frame, stage| {
         stage.pose.lights[0].position.x += 0.05;
         stage.move_instance(PANE, Vec3::X * -0.02 * frame as f32);

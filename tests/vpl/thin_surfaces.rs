@@ -1,4 +1,4 @@
-//! Light paths through thin sheets: energy, tint, and the path tracer's answer.
+//! Light paths through thin surfaces: energy, tint, and the path tracer's answer.
 
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
@@ -12,7 +12,7 @@ use glowworm::settings::Settings;
 
 use crate::support::*;
 
-/// A closed room with a lamp in its middle, which boxes of these materials enclose, one around the other.
+/// A closed room with a light in its middle, which boxes of these materials enclose, one around the other.
 fn lamp_in_boxes(boxes: &[Material]) -> Stage {
     let mut scene = grey_scene(0.7);
     place(&mut scene, room(4.0), Vec3::ZERO, false);
@@ -111,7 +111,7 @@ fn sun_and_sky_shine_through_a_pane() {
     }
 }
 
-/// A room that a tinted, half-covering pane divides, with a lamp on one side and the camera on the other.
+/// A room that a tinted, half-covering pane divides, with a light on one side and the camera on the other.
 fn divided_room() -> Stage {
     let mut scene = Scene::new("divided room");
     scene.materials.push(Material::lambertian("grey", Vec3::new(0.8, 0.7, 0.6)));
