@@ -144,7 +144,7 @@ impl Renderer {
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
-        let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_sheets() };
+        let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_thin_surfaces() };
         let estimator = make(&EstimatorContext {
             device,
             tracer: variant,

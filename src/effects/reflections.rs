@@ -88,7 +88,7 @@ pub fn is_mirrored(scene: &Scene, settings: &Settings) -> bool {
             let smooth = limit >= 1.0
                 || material.roughness < limit + MIRRORED_BLEND
                 || material.metallic_roughness_texture.is_some();
-            reflects && smooth && !material.is_sheet()
+            reflects && smooth && !material.is_thin_surface()
         }),
     }
 }

@@ -3,7 +3,7 @@
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
 //! A Lambertian surface is `twosided` `diffuse`. Others are `glowworm`, the BSDF of glowworm_bsdf.py; for those who render
-//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin sheet,
+//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin surface,
 //! is a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
 //! product of a colour and a texture; metallic and roughness likewise.
 
@@ -68,7 +68,7 @@ impl Export<'_> {
             return masked(self.coverage(material)).child(surface);
         }
         match material.alpha_mask {
-            Some(mask) if !material.is_sheet() => {
+            Some(mask) if !material.is_thin_surface() => {
                 let file = format!("textures/{}.png", named("mask", mask, ""));
                 self.add_file(&file, Content::Mask(mask));
                 let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);
@@ -78,7 +78,7 @@ impl Export<'_> {
         }
     }
 
-    /// How much of a thin sheet is there.
+    /// How much of a thin surface is there.
     fn coverage(&mut self, material: &Material) -> Element {
         let has_alpha = |image: &TextureUse| {
             self.scene.textures[image.texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255)
@@ -196,7 +196,7 @@ impl Export<'_> {
     }
 }
 
-/// Share of the base colour that passes as through a thin sheet. Metals let nothing pass.
+/// Share of the base colour that passes as through a thin surface. Metals let nothing pass.
 fn passed_share(material: &Material) -> f32 {
     material.transmission * (1.0 - material.metallic)
 }

@@ -125,7 +125,7 @@ impl Export<'_> {
             count => format!("{count} materials"),
         };
         Some(format!(
-            "Mitsuba's own materials only come near {of}, which reflect by glTF's model or are thin sheets. For the same \
+            "Mitsuba's own materials only come near {of}, which reflect by glTF's model or are thin surfaces. For the same \
              picture render with python {PLUGIN_FILE}, which brings that model."
         ))
     }

@@ -19,12 +19,12 @@ impl Export<'_> {
         self.settings.bounces.map_or(-1, |bounces| i64::from(bounces) + 2)
     }
 
-    /// `path`; or `volpath` with portals, lights with an extent, masks or thin sheets, which does not count passing through
+    /// `path`; or `volpath` with portals, lights with an extent, masks or thin surfaces, which does not count passing through
     /// them as a bounce.
     pub(super) fn integrator_name(&self) -> &'static str {
         let used = |&material: &u32| {
             let material = &self.scene.materials[material as usize];
-            material.alpha_mask.is_some() || material.is_sheet()
+            material.alpha_mask.is_some() || material.is_thin_surface()
         };
         let has_discs = self.pose.lights.iter().any(|light| light.half_angle > 0.0);
         if self.hides_emitters || has_discs || self.used_materials.iter().any(used) {

@@ -68,7 +68,7 @@ impl SceneBuffers {
     pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
         let geometry = Geometry::of(scene);
         let mut draws = geometry.draws(scene);
-        draws.retain(|draw| !scene.materials[draw.material as usize].is_sheet());
+        draws.retain(|draw| !scene.materials[draw.material as usize].is_thin_surface());
         draws.sort_by_key(|draw| (draw.material, draw.instance));
         let colours = vertex_colours(scene);
         let mut textures = scene
@@ -106,7 +106,7 @@ impl SceneBuffers {
         })
     }
 
-    /// What differs for a scene that [is built like](Scene::is_built_like) this one: the materials, and the environment if its map
+    /// What differs for a scene that [is built like](Scene::same_geometry_and_bindings) this one: the materials, and the environment if its map
     /// is another one.
     pub fn for_scene(
         &self,

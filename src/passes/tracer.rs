@@ -8,7 +8,7 @@ use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuAlphaMasks;
-use crate::bvh::sheets::GpuSheets;
+use crate::bvh::thin_surfaces::GpuThinSurfaces;
 use crate::vulkan::shaders::PerTracer;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Pass, VulkanError};
 
@@ -72,7 +72,7 @@ pub struct Tracer {
     sheet_triangles: Buffer,
     sheets: Buffer,
     sheet_texels: Buffer,
-    has_sheets: bool,
+    has_thin_surfaces: bool,
 }
 
 enum Structure {
@@ -86,15 +86,23 @@ impl Tracer {
         let (structure, alpha, sheets) = match tracer {
             RayTracer::Software => {
                 let layout = bvh.gpu_layout();
-                (Structure::Software(SoftwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
+                (
+                    Structure::Software(SoftwareTracer::new(device, bvh, &layout)?),
+                    layout.alpha,
+                    layout.thin_surfaces,
+                )
             }
             RayTracer::Hardware => {
                 let layout = bvh.hardware_layout();
-                (Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
+                (
+                    Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?),
+                    layout.alpha,
+                    layout.thin_surfaces,
+                )
             }
         };
         let GpuAlphaMasks { triangle_uvs, masks, mask_bits } = alpha;
-        let GpuSheets { triangles: sheet_triangles, sheets, texels } = &*sheets;
+        let GpuThinSurfaces { triangles: sheet_triangles, thin_surfaces: sheets, texels } = &*sheets;
         Ok(Self {
             structure,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &triangle_uvs)?,
@@ -103,19 +111,23 @@ impl Tracer {
             sheet_triangles: Buffer::with_data(device, "bvh_sheet_triangles", sheet_triangles)?,
             sheets: Buffer::with_data(device, "bvh_sheets", sheets)?,
             sheet_texels: Buffer::with_data(device, "bvh_sheet_texels", texels)?,
-            has_sheets: bvh.has_sheets(),
+            has_thin_surfaces: bvh.has_thin_surfaces(),
         })
     }
 
     /// Goes on with sheets of other materials. No frame is on its way.
-    pub fn replace_sheets(&mut self, device: &Arc<Device>, sheets: &GpuSheets) -> Result<(), VulkanError> {
-        self.sheets = Buffer::with_data(device, "bvh_sheets", &sheets.sheets)?;
+    pub fn replace_thin_surfaces(
+        &mut self,
+        device: &Arc<Device>,
+        sheets: &GpuThinSurfaces,
+    ) -> Result<(), VulkanError> {
+        self.sheets = Buffer::with_data(device, "bvh_sheets", &sheets.thin_surfaces)?;
         Ok(())
     }
 
     /// Which shaders it is for: pipelines must be made of them.
     pub fn variant(&self) -> TracerVariant {
-        TracerVariant { tracer: self.kind(), sheets: self.has_sheets }
+        TracerVariant { tracer: self.kind(), sheets: self.has_thin_surfaces }
     }
 
     /// Which tracer it is.

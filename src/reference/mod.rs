@@ -10,7 +10,7 @@
 //!
 //! - `path`: path tracing with next-event estimation and multiple importance sampling.
 //! - `lights`, `area_lights`: light sampling.
-//! - `sheets`: rays through thin sheets.
+//! - `thin surfaces`: rays through thin surfaces.
 //! - `sampler`: random numbers.
 //! - `surfaces`: surface data at a hit.
 //! - `film`: sums, means and errors.

@@ -54,7 +54,7 @@ pub(super) struct PixelSample {
 /// Features of the visible surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VisibleSurface {
-    /// What it makes of irradiance, times pi, as far as sheets before it let that pass.
+    /// What it makes of irradiance, times pi, as far as thin surfaces before it let that pass.
     pub(super) albedo: Vec3,
     /// Unit shading normal, world space.
     pub(super) normal: Vec3,
@@ -78,7 +78,7 @@ struct Seen<'a> {
     sampler: Sampler,
     vertex: Interaction<'a>,
     reflection: Reflection,
-    /// What sheets before it leave of its light.
+    /// What thin surfaces before it leave of its light.
     weight: Vec3,
 }
 
@@ -300,14 +300,14 @@ impl Reference<'_> {
     }
 
     /// The surface where the light along each ray stops, if any, and its weight. `number` gives a random number in [0, 1) for
-    /// a ray at each thin sheet.
+    /// a ray at each thin surface.
     fn intersect(&self, rays: &[Ray], mut number: impl FnMut(usize) -> f32) -> Vec<(Option<Hit>, Vec3)> {
         let hits = self.bvh.intersect_all(rays);
         hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
         let pass = |(index, hit): (usize, Option<Hit>)| {
-            let (hit, passage) =
-                self.world().pass_sheets(&rays[index], hit, std::iter::repeat_with(|| number(index)));
-            (hit, passage.weight)
+            let (hit, transmission) =
+                self.world().pass_thin_surfaces(&rays[index], hit, std::iter::repeat_with(|| number(index)));
+            (hit, transmission.weight)
         };
         hits.into_iter().enumerate().map(pass).collect()
     }

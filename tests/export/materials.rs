@@ -176,7 +176,7 @@ fn metallic_and_roughness_are_grey_images_times_their_factors() {
 }
 
 #[test]
-fn thin_sheets_have_coverage_and_pass_their_colour() {
+fn thin_surfaces_have_coverage_and_pass_their_colour() {
     let leaf = Texture::from_rgba8("leaf", 2, 1, vec![255, 255, 255, 255, 255, 255, 255, 51]);
     let material = Material {
         alpha: Alpha::Blend,
@@ -203,9 +203,9 @@ fn thin_sheets_have_coverage_and_pass_their_colour() {
         assert_eq!(value(only(bsdf, "bsdf"), "transmission"), "0.75");
     });
     with_shiny(&exported, "materials.xml", |bsdf| {
-        let sheet = only(bsdf, "bsdf");
-        assert_eq!(kind(sheet), "mask");
-        let opacity: f32 = value(sheet, "opacity").parse().unwrap();
+        let thin_surface = only(bsdf, "bsdf");
+        assert_eq!(kind(thin_surface), "mask");
+        let opacity: f32 = value(thin_surface, "opacity").parse().unwrap();
         assert!((0.4..0.7).contains(&opacity), "{opacity}");
     });
 }

@@ -61,12 +61,12 @@ impl Layout {
         }
     }
 
-    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `sheet`-th thin sheet on its way: for
+    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `thin surface`-th thin surface on its way: for
     /// the first one a further dimension of the sequence.
-    pub(super) fn sheet_number(&self, address: &Address, candidate: u32, sheet: u32) -> f32 {
+    pub(super) fn thin_number(&self, address: &Address, candidate: u32, thin_surface: u32) -> f32 {
         // Rays have the first dimensions.
-        let step = (MAX_BOUNCES as u32 + 1) * (sheet + 1) + address.bounce;
-        match sheet {
+        let step = (MAX_BOUNCES as u32 + 1) * (thin_surface + 1) + address.bounce;
+        match thin_surface {
             0 => self.point(address, step, candidate).x,
             _ => {
                 let seed = self.sequence_seed(address, candidate);

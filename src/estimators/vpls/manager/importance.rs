@@ -128,12 +128,12 @@ pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> 
     hits(world, rays).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
-/// Where each ray stops, passing thin sheets at random, with its distance.
+/// Where each ray stops, passing thin surfaces at random, with its distance.
 fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
     hits.map(|((hit, ray), index)| {
-        let numbers = (0..).map(|sheet| sampling::random_point(index, sheet, 0).x);
-        let hit = world.pass_sheets(ray, hit, numbers).0?;
+        let numbers = (0..).map(|thin_surface| sampling::random_point(index, thin_surface, 0).x);
+        let hit = world.pass_thin_surfaces(ray, hit, numbers).0?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
         Some((hit.t, world.scene.surface_at(world.pose, hit.instance, point, side).surface))

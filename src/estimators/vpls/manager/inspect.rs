@@ -28,7 +28,7 @@ pub struct VplContribution {
     pub slot: u32,
     /// World position of the VPL, the end of its visibility ray.
     pub position: Vec3,
-    /// Irradiance if it is visible, W/m^2, as far as thin sheets between let it pass.
+    /// Irradiance if it is visible, W/m^2, as far as thin surfaces between let it pass.
     pub irradiance: Vec3,
     /// Whether it is unoccluded.
     pub visible: bool,

@@ -6,7 +6,7 @@
 //! A slot is *fresh* if shooting it again would change nothing, else *stale*. A fresh slot is tested with the
 //! ray that shot it, up to its hit, so only an occluder that moved in can block it. A stale one is tested along
 //! the segment between the current positions of its parent and itself. A VPL at infinity turns with its environment. A ray that was unoccluded in the last
-//! frame is tested against moving instances only. What thin sheets do to a ray may change, too: then a fresh slot is stale, or, where
+//! frame is tested against moving instances only. What thin surfaces do to a ray may change, too: then a fresh slot is stale, or, where
 //! much more or less light passes, invalid.
 
 use rayon::prelude::*;

@@ -11,7 +11,7 @@ pub enum InvalidationReason {
     LightTurnedAway,
     /// Its surface and its parent's no longer face each other.
     FacesAway,
-    /// An occluder moved between it and its parent, or into the ray of an escaped path, or sheets there let much more or less pass.
+    /// An occluder moved between it and its parent, or into the ray of an escaped path, or thin surfaces there let much more or less pass.
     Occluded,
     /// An ancestor on its path became invalid.
     ParentInvalid,

@@ -1,6 +1,6 @@
 //! Traces light paths through the scene, all rays of one bounce in one batch.
 //!
-//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths"). Rays pass thin sheets or
+//! In: ranges of light paths, and the world. Out: their slots filled (Keller 1997; docs/VPLS.md, "Paths"). Rays pass thin surfaces or
 //! stop there at random, in proportion to what passes.
 
 use glam::{Vec2, Vec3};
@@ -11,7 +11,7 @@ use super::emitter::Source;
 use super::invalidate::locate;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Hit, Passage, Ray};
+use crate::bvh::{Hit, Ray, Transmission};
 use crate::sampling::{self, Frame};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
@@ -154,16 +154,20 @@ impl VplManager {
     }
 
     /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
-    /// the candidate, so the same ray stops at the same sheet again.
-    pub(super) fn pass_sheets(
+    /// the candidate, so the same ray stops at the same thin surface again.
+    pub(super) fn pass_thin_surfaces(
         &self,
         world: World<'_>,
         (slot, candidate): (u32, u32),
         ray: &Ray,
         hit: Option<Hit>,
-    ) -> (Option<Hit>, Passage) {
+    ) -> (Option<Hit>, Transmission) {
         let address = &self.assignment.addresses[slot as usize];
-        world.pass_sheets(ray, hit, (0..).map(|sheet| self.layout.sheet_number(address, candidate, sheet)))
+        world.pass_thin_surfaces(
+            ray,
+            hit,
+            (0..).map(|thin_surface| self.layout.thin_number(address, candidate, thin_surface)),
+        )
     }
 
     /// The slot as one of its candidates fills it, whose ray first hits `hit`.
@@ -182,9 +186,9 @@ impl VplManager {
                 (parent.fresh, parent.throughput)
             }
         };
-        let (hit, passage) = match start {
-            Start::Trace(ray, _) => self.pass_sheets(world, (slot, candidate), ray, hit),
-            _ => (None, Passage::CLEAR),
+        let (hit, transmission) = match start {
+            Start::Trace(ray, _) => self.pass_thin_surfaces(world, (slot, candidate), ray, hit),
+            _ => (None, Transmission::CLEAR),
         };
         let found_at = |instance, point, side| world.scene.surface_at(world.pose, instance, point, side);
         let (instance, point, found, throughput, unoccluded) = match (start, hit) {
@@ -220,11 +224,17 @@ impl VplManager {
                 let albedo =
                     world.scene.materials[material as usize].albedo_at(world.scene, found.attributes);
                 let unoccluded = Ray { t_max: hit.t * HIT_MARGIN, ..ray };
-                (hit.instance, point, found, throughput * weight * passage.weight * albedo, Some(unoccluded))
+                (
+                    hit.instance,
+                    point,
+                    found,
+                    throughput * weight * transmission.weight * albedo,
+                    Some(unoccluded),
+                )
             }
             (Start::Trace(..) | Start::Escape, _) => {
                 let unoccluded = if let Start::Trace(ray, _) = start { Some(*ray) } else { None };
-                let escaped = Slot { unoccluded, passage, ..Slot::escaped(fresh, self.frame) };
+                let escaped = Slot { unoccluded, transmission, ..Slot::escaped(fresh, self.frame) };
                 return (escaped, WorldSurface::default());
             }
         };
@@ -239,7 +249,7 @@ impl VplManager {
             instance,
             point,
             throughput,
-            passage,
+            transmission,
             shot: self.frame,
             unoccluded,
         };

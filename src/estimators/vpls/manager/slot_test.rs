@@ -1,6 +1,6 @@
 //! The test of one slot: whether its VPL still stands, by at most one ray through the current world.
 //!
-//! In: a slot and the world. Out: why it is invalid, if it is; else whether thin sheets treat its ray as when it was shot.
+//! In: a slot and the world. Out: why it is invalid, if it is; else whether thin surfaces treat its ray as when it was shot.
 
 use glam::Vec3;
 
@@ -9,11 +9,11 @@ use super::emitter::Source;
 use super::invalidation::InvalidationReason;
 use super::slots::{Slot, SlotState};
 use super::{VplManager, World};
-use crate::bvh::{Hit, Occlusion, Passage, Ray};
+use crate::bvh::{Hit, Occlusion, Ray, Transmission};
 use crate::scene::{SurfacePoint, WorldSurface};
 
 /// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
-/// would be too many or too few until they are shot again. So would those to which sheets let pass this much more or less.
+/// would be too many or too few until they are shot again. So would those to which thin surfaces let pass this much more or less.
 const MOST_CHANGE: f32 = 2.0;
 
 /// The test that a slot needs.
@@ -22,7 +22,7 @@ enum Test {
     Keep,
     /// None: it is invalid for this reason.
     Fail(InvalidationReason),
-    /// It stays valid if nothing opaque occludes this ray, and sheets let about as much pass as before.
+    /// It stays valid if nothing opaque occludes this ray, and thin surfaces let about as much pass as before.
     Trace(Ray),
 }
 
@@ -30,7 +30,7 @@ enum Test {
 pub(super) struct TestResult {
     /// Why it is invalid; none if it passed.
     pub(super) failure: Option<InvalidationReason>,
-    /// Whether a passed ray fares otherwise among sheets than when it was shot.
+    /// Whether a passed ray fares otherwise among thin surfaces than when it was shot.
     pub(super) changed: bool,
     /// The ray that was traced, if it passed.
     pub(super) unoccluded: Option<Ray>,
@@ -62,19 +62,26 @@ impl VplManager {
         };
         match occlusion {
             Occlusion::Opaque => TestResult::failed(InvalidationReason::Occluded),
-            Occlusion::Clear if slot.passage == Passage::CLEAR => passed,
-            _ => self.test_sheets(world, index, passed, &ray),
+            Occlusion::Clear if slot.transmission == Transmission::CLEAR => passed,
+            _ => self.test_thin_surfaces(world, index, passed, &ray),
         }
     }
 
-    /// Test of a ray that meets sheets, or met some when it was shot; `passed` is what it gives where nothing has changed.
-    fn test_sheets(&self, world: World<'_>, index: usize, passed: TestResult, ray: &Ray) -> TestResult {
+    /// Test of a ray that meets thin surfaces, or met some when it was shot; `passed` is what it gives where nothing has changed.
+    fn test_thin_surfaces(
+        &self,
+        world: World<'_>,
+        index: usize,
+        passed: TestResult,
+        ray: &Ray,
+    ) -> TestResult {
         let slot = &self.slots[index];
         if slot.fresh || slot.state == SlotState::Escaped {
             // Shoot it again.
             let ray = Ray { t_max: f32::INFINITY, ..*ray };
             let candidate = (index as u32, slot.candidate);
-            let (hit, passage) = self.pass_sheets(world, candidate, &ray, world.bvh.intersect(&ray));
+            let (hit, transmission) =
+                self.pass_thin_surfaces(world, candidate, &ray, world.bvh.intersect(&ray));
             let same_place = |hit: Hit| {
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
                 (hit.instance, point) == (slot.instance, slot.point)
@@ -82,11 +89,11 @@ impl VplManager {
             match (slot.state, hit) {
                 (SlotState::Escaped, None) => return passed,
                 (SlotState::Escaped, Some(_)) => return TestResult::failed(InvalidationReason::Occluded),
-                (_, Some(hit)) if same_place(hit) && passage == slot.passage => return passed,
+                (_, Some(hit)) if same_place(hit) && transmission == slot.transmission => return passed,
                 _ => {}
             }
         }
-        let (now, then) = (world.transmittance(ray), slot.passage.transmittance);
+        let (now, then) = (world.transmittance(ray), slot.transmission.transmittance);
         let jumped = now.cmpgt(then * MOST_CHANGE) | then.cmpgt(now * MOST_CHANGE);
         match jumped.any() {
             true => TestResult::failed(InvalidationReason::Occluded),

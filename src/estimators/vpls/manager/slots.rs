@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::assignment::NONE;
 use super::invalidation::Invalidation;
-use crate::bvh::{Passage, Ray};
+use crate::bvh::{Ray, Transmission};
 use crate::scene::SurfacePoint;
 
 /// State of a slot.
@@ -41,8 +41,8 @@ pub(super) struct Slot {
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path, the weight of its start and those of its passages.
     pub(super) throughput: Vec3,
-    /// What thin sheets made of the ray that shot it.
-    pub(super) passage: Passage,
+    /// What thin surfaces made of the ray that shot it.
+    pub(super) transmission: Transmission,
     /// Frame in which it was shot.
     pub(super) shot: u32,
     /// The ray to it that nothing opaque occluded in the last frame; none if unknown.
@@ -62,7 +62,7 @@ impl Slot {
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
-        passage: Passage::CLEAR,
+        transmission: Transmission::CLEAR,
         shot: 0,
         unoccluded: None,
     };

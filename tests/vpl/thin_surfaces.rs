@@ -1,4 +1,4 @@
-//! Light paths through thin sheets: energy, tint, and the path tracer's answer.
+//! Light paths through thin surfaces: energy, tint, and the path tracer's answer.
 
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;

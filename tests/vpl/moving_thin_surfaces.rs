@@ -1,4 +1,4 @@
-//! Sheets that move: which VPLs are invalid or stale, and that none remembers.
+//! Thin surfaces that move: which VPLs are invalid or stale, and that none remembers.
 
 use glam::{Quat, Vec3};
 use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
@@ -82,11 +82,11 @@ fn glazed_room() -> Stage {
         (Vec3::new(1.4, 2.0, 0.0), true),
         (Vec3::new(1.6, 2.0, 0.0), true),
     ]) {
-        let mut sheet = square(1.5);
-        sheet.triangle_materials.fill(material);
+        let mut thin_surface = square(1.5);
+        thin_surface.triangle_materials.fill(material);
         let turn = Quat::from_rotation_z(if material > 2 { 1.5 } else { 0.2 });
-        sheet.positions.iter_mut().chain(&mut sheet.normals).for_each(|v| *v = turn * *v);
-        place(scene, sheet, at, dynamic);
+        thin_surface.positions.iter_mut().chain(&mut thin_surface.normals).for_each(|v| *v = turn * *v);
+        place(scene, thin_surface, at, dynamic);
     }
     Stage::new(stage.scene)
 }
