@@ -41,7 +41,7 @@ use crate::passes::combine::CombineInputs;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::reprojection::ReprojectionInputs;
-use crate::passes::sheets::SheetsPass;
+use crate::passes::thin_surfaces::ThinSurfacesPass;
 use crate::report::FrameReport;
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
@@ -140,7 +140,7 @@ impl Renderer {
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
-        let variant = TracerVariant { tracer, sheets: bvh.has_sheets() };
+        let variant = TracerVariant { tracer, thin_surfaces: bvh.has_thin_surfaces() };
         let estimator = make(&EstimatorContext {
             device,
             tracer: variant,
@@ -237,7 +237,7 @@ impl Renderer {
             irradiance: irradiance(estimator, denoiser),
             albedo: &gbuffer.albedo,
             specular_albedo: shading.specular_albedo(),
-            sheets: self.passes.direct.sheets.as_ref().map(SheetsPass::output),
+            thin_surfaces: self.passes.direct.thin_surfaces.as_ref().map(ThinSurfacesPass::output),
             reflection: reflections.map(Reflections::output),
         };
         let passes = (&self.passes.combine, self.passes.taa.as_mut());

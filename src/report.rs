@@ -29,7 +29,7 @@ pub const SHARED_PASSES: [PassInfo; 9] = [
     PassInfo { name: "svgf_atrous", colour: [180, 70, 90] },
     PassInfo { name: "direct_shadows", colour: [182, 153, 45] },
     PassInfo { name: "direct_shading", colour: [89, 161, 79] },
-    PassInfo { name: "sheets", colour: [118, 183, 178] },
+    PassInfo { name: "thin_surfaces", colour: [118, 183, 178] },
 ];
 /// The same after those of the method.
 pub const LAST_PASSES: [PassInfo; 3] = [

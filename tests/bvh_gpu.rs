@@ -23,7 +23,7 @@ fn check(bvh: &TwoLevelBvh, layout: &GpuBvh, random: &mut Random, count: usize) 
             hit.map(|h| (h.t, h.instance, h.triangle, h.barycentrics)),
             expected.map(|h| (h.t, h.instance, h.triangle, h.barycentrics)),
         );
-        assert_eq!(tracer.trace_any(&ray, |_| panic!("there are no sheets")), bvh.occluded(&ray));
+        assert_eq!(tracer.trace_any(&ray, |_| panic!("there are no thin surfaces")), bvh.occluded(&ray));
         hits += usize::from(hit.is_some());
     }
     hits
@@ -87,7 +87,7 @@ fn twin_agrees_on_flat_boxes_and_deep_trees() {
 
 /// A grid of squares of glass, whose triangles share edges and are large, before an opaque wall, and other glass.
 #[test]
-fn twin_meets_each_sheet_once() {
+fn twin_meets_each_thin_surface_once() {
     let mut random = Random::new(9);
     let mut world = World::new(vec![grid(2, 8), soup(&mut random, 40), grid(2, 8)]);
     world.scene.materials.push(Material { transmission: 1.0, ..Material::lambertian("glass", Vec3::ONE) });
@@ -111,14 +111,14 @@ fn twin_meets_each_sheet_once() {
         assert_eq!(met, 1, "at {x}, {y}");
     }
 
-    // Random rays meet the same sheets one by one and all at once, and the wall behind them.
+    // Random rays meet the same thin surfaces one by one and all at once, and the wall behind them.
     let (min, max) = bvh.bounds();
-    let mut sheets = 0;
+    let mut thin_surfaces = 0;
     for _ in 0..3000 {
         let ray = random.ray(min, max);
         let mut met = Vec::new();
         let mut open = ray;
-        while let Some(hit) = tracer.trace_sheet(&open) {
+        while let Some(hit) = tracer.trace_thin_surface(&open) {
             met.push((hit.t, hit.instance, hit.triangle));
             open.t_min = hit.t;
         }
@@ -132,9 +132,9 @@ fn twin_meets_each_sheet_once() {
         // The CPU meets the closest of all.
         let first = met.first().map(|hit| hit.0).into_iter().chain(wall.map(|hit| hit.t)).reduce(f32::min);
         assert_eq!(bvh.intersect(&ray).map(|hit| hit.t), first);
-        sheets += met.len();
+        thin_surfaces += met.len();
     }
-    assert!(sheets > 300, "{sheets}");
+    assert!(thin_surfaces > 300, "{thin_surfaces}");
 }
 
 #[test]

@@ -317,7 +317,7 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
         let met = scene.surface_at(pose, crossing.instance, point, Side::Facing(ray.direction));
         let mesh = &scene.meshes[scene.instances[crossing.instance as usize].mesh];
         let material = &scene.materials[mesh.triangle_materials[crossing.triangle as usize] as usize];
-        if !material.is_sheet() {
+        if !material.is_thin_surface() {
             let is_there = material
                 .alpha_mask
                 .is_none_or(|mask| scene.alpha_masks[mask].opaque_at(met.attributes.uvs[0]));
@@ -326,8 +326,9 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
         }
         let to_eye = -ray.direction.normalize();
         let coat = material.mean_bsdf(scene).seen(met.surface.geometric_normal, to_eye);
-        passed *=
-            material.sheet_at(scene, met.attributes).transmittance(coat.reflected_albedo().max_element());
+        passed *= material
+            .thin_surface_at(scene, met.attributes)
+            .transmittance(coat.reflected_albedo().max_element());
     }
     Some(passed)
 }

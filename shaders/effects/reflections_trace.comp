@@ -146,7 +146,7 @@ Path trace_path(ivec2 pixel, ShadingPoint visible, out FirstHit first) {
         vec3 origin = ray_origin(at.surface);
         TracerHit hit;
         bool met = trace_closest(origin, sampled.direction, 0.0, FAR, hit);
-        if (HAS_SHEETS) path.throughput *= trace_transmittance(origin, sampled.direction, 0.0, met ? just_before(hit.t) : FAR);
+        if (HAS_THIN_SURFACES) path.throughput *= trace_transmittance(origin, sampled.direction, 0.0, met ? just_before(hit.t) : FAR);
         if (!met) {
             if (push.has_environment == 1u) path.radiance += path.throughput * environment_radiance(sampled.direction);
             break;

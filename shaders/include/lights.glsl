@@ -1,5 +1,5 @@
 // Point, spot and directional lights. Twin: LightData in src/gpu_scene/structs.rs. Needs frame.glsl and surface.glsl.
-#include "has_sheets.glsl"
+#include "has_thin_surfaces.glsl"
 
 // Beyond every scene, for rays to lights that are infinitely far away.
 const float FAR = 1e30;
@@ -32,18 +32,18 @@ vec3 unshadowed_irradiance(LightData light, Surface surface, out vec3 to_light) 
     return faces ? irradiance * cosine : vec3(0.0);
 }
 
-// Lights of which a texel of a layer of `direct_shadows` tells what arrives: a bit each or, where sheets tint it, the colour of
+// Lights of which a texel of a layer of `direct_shadows` tells what arrives: a bit each or, where thin surfaces tint it, the colour of
 // one with 11, 11 and 10 bits. Twin: `lights_per_layer` in src/passes/direct_shadows.rs.
-const uint LIGHTS_PER_LAYER = HAS_SHEETS ? 1u : 32u;
+const uint LIGHTS_PER_LAYER = HAS_THIN_SURFACES ? 1u : 32u;
 
 // What arrives of a light, 0 to 1, at its place in a texel.
 uint pack_transmittance(vec3 share, uint light) {
-    if (!HAS_SHEETS) return uint(share != vec3(0.0)) << (light % LIGHTS_PER_LAYER);
+    if (!HAS_THIN_SURFACES) return uint(share != vec3(0.0)) << (light % LIGHTS_PER_LAYER);
     uvec3 steps = uvec3(round(clamp(share, 0.0, 1.0) * vec3(2047.0, 2047.0, 1023.0)));
     return steps.r | steps.g << 11 | steps.b << 22;
 }
 
 vec3 unpack_transmittance(uint texel, uint light) {
-    if (!HAS_SHEETS) return vec3(texel >> (light % LIGHTS_PER_LAYER) & 1u);
+    if (!HAS_THIN_SURFACES) return vec3(texel >> (light % LIGHTS_PER_LAYER) & 1u);
     return vec3(uvec3(texel, texel >> 11, texel >> 22) & uvec3(2047u, 2047u, 1023u)) / vec3(2047.0, 2047.0, 1023.0);
 }

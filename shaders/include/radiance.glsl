@@ -1,17 +1,17 @@
 // What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance + specular albedo * reflection. Where no reflection rays
 // are traced, the GGX lobe gets the mean of the light above the surface, irradiance/pi: exact under uniform light, and no picture of
-// it. Sheets before it let their share of that pass and add what they reflect. Needs frame.glsl. Twin: `Light` in
+// it. Thin surfaces before it let their share of that pass and add what they reflect. Needs frame.glsl. Twin: `Light` in
 // src/renderer/picture.rs.
-#include "has_sheets.glsl"
+#include "has_thin_surfaces.glsl"
 #include "reflection_weight.glsl"
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D direct;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform readonly image2D specular_albedo;
-layout(set = 0, binding = 7, rgba16f) uniform readonly image2D sheet_light;
-layout(set = 0, binding = 8, rgba16f) uniform readonly image2D sheet_albedo;
-layout(set = 0, binding = 9, rgba16f) uniform readonly image2D sheet_transmittance;
+layout(set = 0, binding = 7, rgba16f) uniform readonly image2D thin_light;
+layout(set = 0, binding = 8, rgba16f) uniform readonly image2D thin_albedo;
+layout(set = 0, binding = 9, rgba16f) uniform readonly image2D thin_transmittance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;
 
 // a: 0 where no surface is.
@@ -22,10 +22,10 @@ vec4 radiance_at(ivec2 pixel) {
     float mirrored = reflection_weight(albedo_roughness.a);
     vec3 albedo = albedo_roughness.rgb + specular * (1.0 - mirrored);
     if (mirrored > 0.0 && specular != vec3(0.0)) light.rgb += specular * mirrored * imageLoad(reflection, pixel).rgb;
-    if (HAS_SHEETS) {
-        vec3 transmittance = imageLoad(sheet_transmittance, pixel).rgb;
-        light.rgb = light.rgb * transmittance + imageLoad(sheet_light, pixel).rgb;
-        albedo = albedo * transmittance + imageLoad(sheet_albedo, pixel).rgb;
+    if (HAS_THIN_SURFACES) {
+        vec3 transmittance = imageLoad(thin_transmittance, pixel).rgb;
+        light.rgb = light.rgb * transmittance + imageLoad(thin_light, pixel).rgb;
+        albedo = albedo * transmittance + imageLoad(thin_albedo, pixel).rgb;
     }
     return vec4(light.rgb + albedo / PI * imageLoad(irradiance, pixel).rgb, light.a);
 }

@@ -91,28 +91,28 @@ struct TextureData {
     uint linear; // 1: its colour is; otherwise sRGB-encoded
 };
 
-// The corners of a sheet's triangle. Twins of this and the next: src/bvh/sheets.rs.
-struct GpuSheetTriangle {
+// The corners of a thin surface's triangle. Twins of this and the next: src/bvh/thin_surfaces.rs.
+struct GpuThinTriangle {
     vec2 uvs[3];     // on the texture of the base colour
     uint colours[3]; // linear, and alpha, 8 bits each
     uint pad;
 };
 
-// The material of a thin sheet.
-struct GpuSheet {
+// The material of a thin surface.
+struct GpuThinSurface {
     vec4 passed;      // rgb: what it lets pass where its coat reflects nothing; w: opacity
     vec4 base;        // rgb: base colour, w: metallic, of its coat, mean over textures
     vec4 reflectance; // rgb: F0, w: F90
     float roughness;  // mean likewise
     uint first;       // texel of its texture
     uint size;        // of that, width in the lower 16 bits, height above; 0: there is none
-    uint modes;       // wrap modes: see wrap.glsl; SHEET_LINEAR, SHEET_BLENDS
+    uint modes;       // wrap modes: see wrap.glsl; THIN_LINEAR, THIN_BLENDS
 };
 
 // The texture's colour is linear.
-const uint SHEET_LINEAR = 16u;
+const uint THIN_LINEAR = 16u;
 // Alpha is the share of the surface that is there; otherwise all is.
-const uint SHEET_BLENDS = 32u;
+const uint THIN_BLENDS = 32u;
 
 
 #define SCENE_BUFFER(place) layout(set = 1, binding = place, std430) restrict readonly buffer
@@ -144,11 +144,11 @@ SCENE_BUFFER(14) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
 // (first word of bits, width, height, wrap modes).
 SCENE_BUFFER(15) bvh_masks_block { uvec4 masks[]; } bvh_masks;
 SCENE_BUFFER(16) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
-SCENE_BUFFER(17) bvh_sheet_triangles_block { GpuSheetTriangle data[]; } bvh_sheet_triangles;
+SCENE_BUFFER(17) bvh_thin_triangles_block { GpuThinTriangle data[]; } bvh_thin_triangles;
 // One for each material.
-SCENE_BUFFER(18) bvh_sheets_block { GpuSheet data[]; } bvh_sheets;
-// RGBA8, level 0 of the textures of sheets.
-SCENE_BUFFER(19) bvh_sheet_texels_block { uint words[]; } bvh_sheet_texels;
+SCENE_BUFFER(18) bvh_thin_surfaces_block { GpuThinSurface data[]; } bvh_thin_surfaces;
+// RGBA8, level 0 of the textures of thin surfaces.
+SCENE_BUFFER(19) bvh_thin_texels_block { uint words[]; } bvh_thin_texels;
 #ifdef TRACER_HARDWARE
 layout(set = 1, binding = 20) uniform accelerationStructureEXT bvh_top_level;
 // First triangle of run r (opaque, masked) of mesh m, at 2m + r.

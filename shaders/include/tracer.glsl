@@ -1,8 +1,8 @@
-// The tracer that shaders use: trace_transmittance, trace_closest and trace_sheet, at the end. Whichever it is, it offers
+// The tracer that shaders use: trace_transmittance, trace_closest and trace_thin_surface, at the end. Whichever it is, it offers
 //   bool tracer_find(
 //       vec3 origin, vec3 direction, float t_min, float t_max, uint wanted, out TracerHit hit, out vec3 transmittance)
 // which finds what is wanted of the segment t_min < t < t_max, t in units of the direction, which may have any length; where
-// any hit is wanted and there is none, `transmittance` is what the sheets on the segment let pass.
+// any hit is wanted and there is none, `transmittance` is what the thin surfaces on the segment let pass.
 //
 // The build compiles what includes this file twice, once with TRACER_HARDWARE.
 
@@ -12,17 +12,17 @@
 #include "scene_set.glsl"
 #include "bilinear.glsl"
 #include "bsdf.glsl"
-#include "has_sheets.glsl"
+#include "has_thin_surfaces.glsl"
 #include "wrap.glsl"
 
 const uint TRACER_NONE = 0xffffffffu;
-// In `masked`: the triangle is one of a sheet, and the rest is its index.
-const uint TRACER_SHEET = 0x80000000u;
+// In `masked`: the triangle is one of a thin surface, and the rest is its index.
+const uint TRACER_THIN = 0x80000000u;
 
-// What is wanted of a segment. Sheets count as not there unless one is wanted.
+// What is wanted of a segment. Thin surfaces count as not there unless one is wanted.
 const uint TRACER_CLOSEST = 0u;
 const uint TRACER_ANY = 1u;
-const uint TRACER_CLOSEST_SHEET = 2u;
+const uint TRACER_CLOSEST_THIN = 2u;
 
 // The closest surface along a ray.
 struct TracerHit {
@@ -56,57 +56,57 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     return tracer_mask_bit(third.z, uv);
 }
 
-bool tracer_is_sheet(uint masked) { return HAS_SHEETS && (masked & TRACER_SHEET) != 0u; }
+bool tracer_is_thin(uint masked) { return HAS_THIN_SURFACES && (masked & TRACER_THIN) != 0u; }
 
-// A point of a sheet. Twin: `Sheet` in src/scene/material.rs.
-struct SheetPoint {
+// A point of a thin surface. Twin: `ThinSurface` in src/scene/material.rs.
+struct ThinPoint {
     float coverage; // the share of the surface that is there
     vec3 passed;    // what that part lets pass of the light that its coat does not reflect
 };
 
 // `colour`: that of texture and vertices.
-SheetPoint sheet_point(uint material, vec4 colour) {
-    GpuSheet sheet = bvh_sheets.data[material];
-    float coverage = (sheet.modes & SHEET_BLENDS) != 0u ? sheet.passed.w * colour.a : 1.0;
-    return SheetPoint(coverage, sheet.passed.rgb * colour.rgb);
+ThinPoint thin_point(uint material, vec4 colour) {
+    GpuThinSurface thin = bvh_thin_surfaces.data[material];
+    float coverage = (thin.modes & THIN_BLENDS) != 0u ? thin.passed.w * colour.a : 1.0;
+    return ThinPoint(coverage, thin.passed.rgb * colour.rgb);
 }
 
-// What the sheet lets pass where its coat reflects this share at most.
-vec3 transmittance_of(SheetPoint sheet, vec3 reflected) {
+// What the thin surface lets pass where its coat reflects this share at most.
+vec3 transmittance_of(ThinPoint thin, vec3 reflected) {
     float most = max(reflected.r, max(reflected.g, reflected.b));
-    return (1.0 - sheet.coverage) + sheet.passed * (sheet.coverage * (1.0 - most));
+    return (1.0 - thin.coverage) + thin.passed * (thin.coverage * (1.0 - most));
 }
 
-vec4 tracer_sheet_texel(GpuSheet sheet, uint texel) {
-    return decoded(unpackUnorm4x8(bvh_sheet_texels.words[sheet.first + texel]), (sheet.modes & SHEET_LINEAR) != 0u);
+vec4 tracer_thin_texel(GpuThinSurface thin, uint texel) {
+    return decoded(unpackUnorm4x8(bvh_thin_texels.words[thin.first + texel]), (thin.modes & THIN_LINEAR) != 0u);
 }
 
-// What a triangle of a sheet lets pass: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
+// What a triangle of a thin surface lets pass: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
 vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object, vec3 direction) {
     uvec4 a = texelFetch(bvh_triangles, int(triangle * 3u));
     uvec4 b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
     uvec4 c = texelFetch(bvh_triangles, int(triangle * 3u + 2u));
-    GpuSheetTriangle corners = bvh_sheet_triangles.data[b.w & ~TRACER_SHEET];
-    GpuSheet sheet = bvh_sheets.data[c.w];
+    GpuThinTriangle corners = bvh_thin_triangles.data[b.w & ~TRACER_THIN];
+    GpuThinSurface thin = bvh_thin_surfaces.data[c.w];
 
     // Colour of vertices and texture.
     vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
     vec4 colour = mat3x4(unpackUnorm4x8(corners.colours[0]), unpackUnorm4x8(corners.colours[1]),
         unpackUnorm4x8(corners.colours[2])) * weights;
-    if (sheet.size != 0u) {
+    if (thin.size != 0u) {
         vec2 uv = mat3x2(corners.uvs[0], corners.uvs[1], corners.uvs[2]) * weights;
-        Footprint at = footprint_at(wrapped(uv, sheet.modes), uvec2(sheet.size & 0xffffu, sheet.size >> 16), sheet.modes);
-        colour *= interpolated(vec4[4](tracer_sheet_texel(sheet, at.texels.x), tracer_sheet_texel(sheet, at.texels.y),
-            tracer_sheet_texel(sheet, at.texels.z), tracer_sheet_texel(sheet, at.texels.w)), at.part);
+        Footprint at = footprint_at(wrapped(uv, thin.modes), uvec2(thin.size & 0xffffu, thin.size >> 16), thin.modes);
+        colour *= interpolated(vec4[4](tracer_thin_texel(thin, at.texels.x), tracer_thin_texel(thin, at.texels.y),
+            tracer_thin_texel(thin, at.texels.z), tracer_thin_texel(thin, at.texels.w)), at.part);
     }
 
     // Reflection of the coat.
     vec3 normal = cross(uintBitsToFloat(b.xyz) - uintBitsToFloat(a.xyz), uintBitsToFloat(c.xyz) - uintBitsToFloat(a.xyz));
     normal = normalize(world_to_object * normal);
-    Bsdf coat = Bsdf(sheet.base.rgb, sheet.base.w, sheet.reflectance.rgb, sheet.reflectance.w, sheet.roughness);
+    Bsdf coat = Bsdf(thin.base.rgb, thin.base.w, thin.reflectance.rgb, thin.reflectance.w, thin.roughness);
     vec3 to_eye = -normalize(direction);
     vec3 reflected = prepare_bsdf(coat, dot(normal, to_eye) < 0.0 ? -normal : normal, to_eye).reflected;
-    return transmittance_of(sheet_point(c.w, colour), reflected);
+    return transmittance_of(thin_point(c.w, colour), reflected);
 }
 
 #ifdef TRACER_HARDWARE
@@ -119,23 +119,23 @@ vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object
 float just_before(float t) { return uintBitsToFloat(floatBitsToUint(t) - 1u); }
 float just_behind(float t) { return uintBitsToFloat(floatBitsToUint(t) + 1u); }
 
-// What of the light along the segment arrives: 0 where something opaque lies on it, else what all sheets there let pass.
+// What of the light along the segment arrives: 0 where something opaque lies on it, else what all thin surfaces there let pass.
 vec3 trace_transmittance(vec3 origin, vec3 direction, float t_min, float t_max) {
     TracerHit hit;
     vec3 transmittance;
     return tracer_find(origin, direction, t_min, t_max, TRACER_ANY, hit, transmittance) ? vec3(0.0) : transmittance;
 }
 
-// The closest hit on the segment behind any sheets, whose tint is trace_transmittance up to there.
+// The closest hit on the segment behind any thin surfaces, whose tint is trace_transmittance up to there.
 bool trace_closest(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
     vec3 transmittance;
     return tracer_find(origin, direction, t_min, t_max, TRACER_CLOSEST, hit, transmittance);
 }
 
-// The closest sheet on the segment, opaque surfaces before it or not.
-bool trace_sheet(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
+// The closest thin surface on the segment, opaque surfaces before it or not.
+bool trace_thin_surface(vec3 origin, vec3 direction, float t_min, float t_max, out TracerHit hit) {
     vec3 transmittance;
-    return tracer_find(origin, direction, t_min, t_max, TRACER_CLOSEST_SHEET, hit, transmittance);
+    return tracer_find(origin, direction, t_min, t_max, TRACER_CLOSEST_THIN, hit, transmittance);
 }
 
 #endif

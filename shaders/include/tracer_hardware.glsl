@@ -17,19 +17,19 @@ bool tracer_find(
     hit = TracerHit(t_max, TRACER_NONE, TRACER_NONE, 0u, 0u, vec2(0.0));
     transmittance = vec3(1.0);
     uint flags = wanted == TRACER_ANY ? gl_RayFlagsTerminateOnFirstHitEXT
-        : (wanted == TRACER_CLOSEST_SHEET ? gl_RayFlagsCullOpaqueEXT : gl_RayFlagsNoneEXT);
+        : (wanted == TRACER_CLOSEST_THIN ? gl_RayFlagsCullOpaqueEXT : gl_RayFlagsNoneEXT);
     rayQueryEXT query;
     rayQueryInitializeEXT(query, bvh_top_level, flags, 0xffu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query)) {
-        // Only triangles with an alpha mask and sheets ask.
+        // Only triangles with an alpha mask and thin surfaces ask.
         uint triangle = tracer_triangle(
             int(rayQueryGetIntersectionInstanceShaderBindingTableRecordOffsetEXT(query, false)),
             rayQueryGetIntersectionGeometryIndexEXT(query, false),
             rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
         uint masked = texelFetch(bvh_triangles, int(triangle * 3u + 1u)).w;
         vec2 barycentrics = rayQueryGetIntersectionBarycentricsEXT(query, false);
-        bool is_wanted = wanted == TRACER_CLOSEST_SHEET;
-        if (!tracer_is_sheet(masked)) {
+        bool is_wanted = wanted == TRACER_CLOSEST_THIN;
+        if (!tracer_is_thin(masked)) {
             is_wanted = !is_wanted && tracer_is_opaque(masked, barycentrics);
         } else if (wanted == TRACER_ANY) {
             mat3 world_to_object = transpose(mat3(rayQueryGetIntersectionWorldToObjectEXT(query, false)));

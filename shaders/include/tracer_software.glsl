@@ -144,7 +144,7 @@ bool tracer_test_triangle(
     return inside && t > t_min && nearer;
 }
 
-// Whether rays on an edge of the triangle are its own: where two triangles of a sheet share one, the sheet counts once, for
+// Whether rays on an edge of the triangle are its own: where two triangles of a thin surface share one, the thin surface counts once, for
 // one of the two (raster's top-left rule).
 bool tracer_owns_edges(uint triangle, TracerRay ray) {
     TracerCrossing crossing = tracer_cross(texelFetch(bvh_triangles, int(triangle * 3u)),
@@ -239,7 +239,7 @@ bool tracer_find(
             }
         }
 
-        // Hit on a triangle with a mask, or of a sheet.
+        // Hit on a triangle with a mask, or of a thin surface.
         TracerHit met;
         uint masked = 0u;
         do {
@@ -280,7 +280,7 @@ bool tracer_find(
                         uint mask;
                         if (tracer_test_triangle(primitives.x + first, instance, ray, t_min, hit, met, mask)) {
                             masked = mask;
-                            if (mask == 0u && wanted != TRACER_CLOSEST_SHEET) {
+                            if (mask == 0u && wanted != TRACER_CLOSEST_THIN) {
                                 hit = met;
                                 if (wanted == TRACER_ANY) {
                                     primitives.y = 0u;
@@ -295,8 +295,8 @@ bool tracer_find(
             }
         } while (masked == 0u && primitives.y == 0u && (group.y != 0u || height != base));
 
-        if (tracer_is_sheet(masked)) {
-            if (wanted == TRACER_CLOSEST_SHEET && tracer_owns_edges(met.place, ray)) {
+        if (tracer_is_thin(masked)) {
+            if (wanted == TRACER_CLOSEST_THIN && tracer_owns_edges(met.place, ray)) {
                 hit = met;
             }
             if (wanted == TRACER_ANY && tracer_owns_edges(met.place, ray)) {
@@ -307,7 +307,7 @@ bool tracer_find(
                     return true;
                 }
             }
-        } else if (masked != 0u && wanted != TRACER_CLOSEST_SHEET && tracer_is_opaque(masked, met.barycentrics)) {
+        } else if (masked != 0u && wanted != TRACER_CLOSEST_THIN && tracer_is_opaque(masked, met.barycentrics)) {
             hit = met;
             if (wanted == TRACER_ANY) {
                 return true;

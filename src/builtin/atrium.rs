@@ -2,96 +2,18 @@
 //!
 //! In: materials and the columns to use. Out: the building. x runs along the court, y up; metres.
 
-use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
+use glam::{Vec2, Vec3, vec2, vec3};
 
+use super::atrium_plan::{
+    BAY, DEPTH, HALF, HALF_WALL, Paints, SPRING, STEP, TOP, UPPER, bay_middles, column_places, ring, sides,
+};
 use super::atrium_upper;
 use super::columns::{Column, along};
-use super::palette::Palette;
 use super::part::Part;
-use super::paths::{arc, strip};
+use super::paths::{arc, points, strip};
 use super::shapes::{block, cuboid};
-use super::stone::{ASHLAR, BRICK, LIMESTONE, PAVING, PLASTER, ROOF_TILES, TERRACOTTA, WHITE_MARBLE};
 use super::vault::Vault;
 use super::walls::{Opening, Panel, cornice, pierced, straight};
-use super::wood::TIMBER;
-
-/// Width of a bay.
-pub(super) const BAY: f32 = 3.2;
-/// Bays along the long and the short sides.
-pub(super) const BAYS: [u32; 2] = [7, 3];
-/// Distance of the arcades' centre line from the centre of the court.
-pub(super) const HALF: Vec2 = Vec2::new(0.5 * BAY * BAYS[0] as f32, 0.5 * BAY * BAYS[1] as f32);
-/// Distance from the arcades' centre line to the outer walls.
-pub(super) const DEPTH: f32 = 3.6;
-/// Half thickness of the arcades.
-pub(super) const HALF_WALL: f32 = 0.32;
-/// Top of the columns below.
-pub(super) const SPRING: f32 = 2.9;
-/// Level of the upper floor.
-pub(super) const UPPER: f32 = 5.0;
-/// Top of the walls.
-pub(super) const TOP: f32 = 9.7;
-/// The floor of the galleries lies this high above the court.
-pub(super) const STEP: f32 = 0.16;
-
-/// Materials of the atrium.
-pub(super) struct Paints {
-    pub wall: u32,
-    pub brick: u32,
-    pub trim: u32,
-    pub column: u32,
-    pub plaster: u32,
-    pub court: u32,
-    pub tiles: u32,
-    pub roof: u32,
-    pub timber: u32,
-    pub door: u32,
-    pub bronze: u32,
-    pub water: u32,
-}
-
-impl Paints {
-    /// Adds them to a palette.
-    pub fn new(palette: &mut Palette) -> Self {
-        Self {
-            wall: palette.textured("ashlar", ASHLAR, [1.0; 3]),
-            brick: palette.textured("brick", BRICK, [1.0; 3]),
-            trim: palette.textured("trim", LIMESTONE, [1.0; 3]),
-            column: palette.textured("column", WHITE_MARBLE, [0.95, 0.9, 0.82]),
-            plaster: palette.textured("plaster", PLASTER, [1.0; 3]),
-            court: palette.textured("paving", PAVING, [1.0; 3]),
-            tiles: palette.textured("terracotta", TERRACOTTA, [1.0; 3]),
-            roof: palette.textured("roof tiles", ROOF_TILES, [1.0; 3]),
-            timber: palette.textured("timber", TIMBER, [0.8, 0.75, 0.7]),
-            door: palette.textured("door", TIMBER, [0.62, 0.5, 0.4]),
-            bronze: palette.glossy("bronze", [0.2, 0.13, 0.06], 0.25, 60.0),
-            water: palette.glossy("water", [0.06, 0.16, 0.17], 0.4, 200.0),
-        }
-    }
-}
-
-/// The four sides: transforms from a side along x at z = 0, facing the court at +z, and half the length of each side.
-pub(super) fn sides() -> [(Affine3A, u32); 4] {
-    let side = |degrees: f32, away: f32| {
-        Affine3A::from_rotation_y(degrees.to_radians()) * Affine3A::from_translation(vec3(0.0, 0.0, -away))
-    };
-    [
-        (side(0.0, HALF.y), BAYS[0]),
-        (side(180.0, HALF.y), BAYS[0]),
-        (side(90.0, HALF.x), BAYS[1]),
-        (side(-90.0, HALF.x), BAYS[1]),
-    ]
-}
-
-/// Centres of the bays of a side, along x.
-pub(super) fn bay_middles(bays: u32) -> impl Iterator<Item = f32> {
-    (0..bays).map(move |i| BAY * (i as f32 - 0.5 * (bays - 1) as f32))
-}
-
-/// Positions of columns along a side: between bays, not in the corners.
-pub(super) fn column_places(bays: u32) -> impl Iterator<Item = f32> {
-    (1..bays).map(move |i| BAY * (i as f32 - 0.5 * bays as f32))
-}
 
 /// The column of the lower arcade.
 pub(super) fn lower_column(paints: &Paints, segments: u32) -> Column {
@@ -114,16 +36,6 @@ pub(super) fn building(paints: &Paints, columns: [&Part; 2]) -> Part {
     all
 }
 
-/// A ring of four slabs around the court: from `inner` to `outer`, both half extents.
-pub(super) fn ring(inner: Vec2, outer: Vec2, [bottom, top]: [f32; 2], material: u32) -> Part {
-    let long = |z: [f32; 2]| cuboid(vec3(-outer.x, bottom, z[0]), vec3(outer.x, top, z[1]), material);
-    let short = |x: [f32; 2]| cuboid(vec3(x[0], bottom, -inner.y), vec3(x[1], top, inner.y), material);
-    long([-outer.y, -inner.y])
-        .and(long([inner.y, outer.y]))
-        .and(short([-outer.x, -inner.x]))
-        .and(short([inner.x, outer.x]))
-}
-
 fn floors(paints: &Paints) -> Part {
     let edge = HALF + HALF_WALL + 0.12;
     let wall = HALF + DEPTH + 0.05;
@@ -131,7 +43,7 @@ fn floors(paints: &Paints) -> Part {
     let curb = [[0.0, -0.1], [0.36, -0.1], [0.36, 0.1], [0.33, STEP + 0.005], [0.0, STEP + 0.005]];
     cuboid(vec3(-ground.x, -0.5, -ground.y), vec3(ground.x, 0.0, ground.y), paints.court)
         .and(ring(edge - 0.8, wall, [-0.05, STEP], paints.tiles))
-        .and(cornice(edge.x - 0.72, edge.y - 0.72, &curb.map(|p| vec2(p[0], p[1])), paints.trim))
+        .and(cornice(edge.x - 0.72, edge.y - 0.72, &points(&curb), paints.trim))
         .and(ring(HALF - 0.25, wall, [UPPER - 0.45, UPPER], paints.tiles))
 }
 
@@ -147,9 +59,8 @@ fn lower_side(paints: &Paints, column: &Part, bays: u32) -> Part {
         depth: [-HALF_WALL, HALF_WALL],
     };
     let bay = pierced(&panel, &opening, paints.wall);
-    let archivolt: Vec<Vec2> = [[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]
-        .map(|p| vec2(p[0], p[1]))
-        .to_vec();
+    let archivolt: Vec<Vec2> =
+        points(&[[-0.02, -0.05], [0.26, -0.05], [0.26, 0.05], [0.18, 0.075], [-0.02, 0.02]]);
     let arches = opening.moulding(&archivolt, HALF_WALL, paints.trim);
     let keystone = block(vec3(0.22, 0.5, 2.0 * HALF_WALL + 0.22), paints.trim).at(vec3(
         0.0,
@@ -185,9 +96,7 @@ fn lower_wall(paints: &Paints, bays: u32, half: f32) -> Part {
 fn door(paints: &Paints) -> Part {
     let opening = Opening { middle: 0.0, half: 0.72, sill: -0.02, spring: 2.15, rise: 0.0, steps: 2 };
     let profile: Vec<Vec2> =
-        [[0.0, -0.05], [0.22, -0.05], [0.22, 0.18], [0.14, 0.18], [0.1, 0.14], [0.0, 0.14]]
-            .map(|p| vec2(p[0], p[1]))
-            .to_vec();
+        points(&[[0.0, -0.05], [0.22, -0.05], [0.22, 0.18], [0.14, 0.18], [0.1, 0.14], [0.0, 0.14]]);
     let mut all = opening.moulding(&profile, 0.0, paints.trim);
     all.push(straight(-1.05, 1.05, &strip(vec2(-0.05, 2.4), vec2(0.26, 2.5)), paints.trim));
     for side in [-1.0, 1.0] {
@@ -270,7 +179,6 @@ fn outer_walls(paints: &Paints) -> Part {
     let inner = HALF + DEPTH;
     let plinth = [[-0.05, 0.0], [0.08, 0.0], [0.08, 0.42], [0.03, 0.48], [-0.05, 0.48]];
     let dado = [[-0.05, -0.02], [0.05, -0.02], [0.05, 0.9], [0.09, 0.94], [0.09, 1.0], [-0.05, 1.0]];
-    let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
     let feet = cornice(inner.x, inner.y, &points(&plinth), paints.trim)
         .and(cornice(inner.x, inner.y, &points(&dado), paints.plaster).at(Vec3::Y * UPPER));
     feet.and(ring(inner, inner + 0.5, [-0.1, UPPER - 0.2], paints.wall)).and(ring(
@@ -308,7 +216,6 @@ fn well(paints: &Paints) -> Part {
         [0.4, 1.34],
         [0.0, 1.3],
     ];
-    let points = |list: &[[f32; 2]]| list.iter().map(|p| vec2(p[0], p[1])).collect::<Vec<_>>();
     let surface = [[0.86, 0.31], [0.86, 0.62]];
     let step = block(vec3(2.9, 0.12, 2.9), paints.trim);
     let mut all = super::shapes::lathe(&points(&basin), 32, paints.trim)

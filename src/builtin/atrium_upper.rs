@@ -1,13 +1,13 @@
 //! The upper storey of the atrium and its roof.
 //!
-//! In: materials and a column. Out: one side of the gallery, in the frame of `atrium::sides`, and the roof.
+//! In: materials and a column. Out: one side of the gallery, in the frame of `atrium_plan::sides`, and the roof.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use super::atrium::{BAY, DEPTH, HALF, HALF_WALL, Paints, TOP, UPPER, bay_middles, column_places, ring};
+use super::atrium_plan::{BAY, DEPTH, HALF, HALF_WALL, Paints, TOP, UPPER, bay_middles, column_places, ring};
 use super::columns::{Column, along, baluster, pedestal};
 use super::part::Part;
-use super::paths::strip;
+use super::paths::{points, strip};
 use super::shapes::cuboid;
 use super::walls::{Opening, Panel, cornice, pierced, straight};
 
@@ -50,8 +50,7 @@ pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
         max: vec2(0.5 * half_bay, TOP - 0.02),
         depth: [-wall, wall],
     };
-    let profile: Vec<Vec2> =
-        [[-0.015, -0.04], [0.15, -0.04], [0.15, 0.05], [-0.015, 0.03]].map(|p| vec2(p[0], p[1])).to_vec();
+    let profile: Vec<Vec2> = points(&[[-0.015, -0.04], [0.15, -0.04], [0.15, 0.05], [-0.015, 0.03]]);
     let half_of_bay = pierced(&panel, &opening, paints.wall)
         .and(opening.moulding(&profile, wall, paints.trim))
         .and(parapet.at(Vec3::Y * UPPER));
@@ -65,9 +64,7 @@ pub(super) fn side(paints: &Paints, column: &Part, bays: u32) -> Part {
 fn back_wall(paints: &Paints, bays: u32) -> Part {
     let mut all = Part::default();
     let opening = Opening { middle: 0.0, half: 0.55, sill: 1.2, spring: 2.3, rise: 0.55, steps: 8 };
-    let profile: Vec<Vec2> = [[0.0, -0.05], [0.2, -0.05], [0.2, 0.05], [0.14, 0.09], [0.0, 0.09]]
-        .map(|p| vec2(p[0], p[1]))
-        .to_vec();
+    let profile: Vec<Vec2> = points(&[[0.0, -0.05], [0.2, -0.05], [0.2, 0.05], [0.14, 0.09], [0.0, 0.09]]);
     let mut window = opening
         .moulding(&profile, 0.0, paints.trim)
         .and(opening.filling(0.05, [-0.05, 0.02], paints.door))
@@ -88,8 +85,7 @@ fn back_wall(paints: &Paints, bays: u32) -> Part {
 pub(super) fn roof(paints: &Paints) -> Part {
     let outer = HALF + DEPTH + 0.6;
     let width = DEPTH + 0.6 + 0.75;
-    let slope =
-        [[0.0, 1.7], [0.0, 0.2], [width - 0.1, 0.1], [width, 0.14], [width, 0.24]].map(|p| vec2(p[0], p[1]));
+    let slope = points(&[[0.0, 1.7], [0.0, 0.2], [width - 0.1, 0.1], [width, 0.14], [width, 0.24]]);
     ring(HALF - 0.1, HALF + DEPTH + 0.05, [TOP - 0.1, TOP + 0.15], paints.plaster)
         .and(cornice(outer.x, outer.y, &slope, paints.roof).at(Vec3::Y * TOP))
 }

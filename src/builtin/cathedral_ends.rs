@@ -4,10 +4,11 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use super::cathedral::{AISLE, AISLE_TOP, HALF_LENGTH, NAVE, Paints, RISE, SPRING, TOP, points};
+use super::cathedral_plan::{AISLE, AISLE_TOP, HALF_LENGTH, NAVE, Paints, RISE, SPRING, TOP};
 use super::cathedral_windows::{lancet, rose};
 use super::columns::along;
 use super::part::Part;
+use super::paths::points;
 use super::shapes::{Ends, Frame, bevelled, block, cuboid, cushion, lathe, sweep};
 use super::walls::{Opening, Panel, pierced};
 

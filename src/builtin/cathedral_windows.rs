@@ -2,9 +2,9 @@
 
 use glam::{Vec2, Vec3, vec2, vec3};
 
-use super::cathedral::{BAY, HALF_WALL, Paints, TOP, points};
+use super::cathedral_plan::{BAY, HALF_WALL, Paints, TOP};
 use super::part::Part;
-use super::paths::{circle, way};
+use super::paths::{circle, points, way};
 use super::shapes::{Ends, cuboid, prism, sweep};
 use super::walls::{Opening, Panel, pierced, pierced_by_circle};
 

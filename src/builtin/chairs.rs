@@ -6,9 +6,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Vec3, vec2, vec3};
 
-use super::meeting_room::Paints;
+use super::meeting_paints::Paints;
 use super::part::Part;
-use super::shapes::{bevelled, cushion, lathe, loft_open, rod, sheet_solid};
+use super::paths::points;
+use super::shapes::{bevelled, curved_slab, cushion, lathe, loft_open, rod};
 
 /// A padded swivel chair on five castors.
 pub(super) fn swivel_chair(paints: &Paints) -> Part {
@@ -62,8 +63,8 @@ fn back(paints: &Paints) -> Part {
 /// Gas spring, five feet and their castors.
 fn base(paints: &Paints) -> Part {
     let column = [[0.035, 0.1], [0.035, 0.24], [0.028, 0.245], [0.028, 0.36], [0.05, 0.37], [0.08, 0.42]];
-    let mut all = lathe(&column.map(|[r, y]| vec2(r, y)), 20, paints.steel);
-    let hub = [[0.05, 0.07], [0.055, 0.09], [0.055, 0.13], [0.04, 0.15]].map(|[r, y]| vec2(r, y));
+    let mut all = lathe(&points(&column), 20, paints.steel);
+    let hub = points(&[[0.05, 0.07], [0.055, 0.09], [0.055, 0.13], [0.04, 0.15]]);
     all.push(lathe(&hub, 20, paints.steel));
     let leg = [vec3(0.03, 0.115, 0.0), vec3(0.15, 0.105, 0.0), vec3(0.3, 0.085, 0.0)];
     let wheel = lathe(
@@ -119,12 +120,12 @@ pub(super) fn visitor_chair(paints: &Paints) -> Part {
         let bow = 0.02 * (2.0 * u - 1.0).powi(2);
         vec3(0.46 * (u - 0.5), 0.445 + bow - 0.03 * v, 0.24 - 0.46 * v)
     };
-    all.push(sheet_solid([10, 12], 0.022, paints.fabric, |s| seat(s.x, s.y)));
+    all.push(curved_slab([10, 12], 0.022, paints.fabric, |s| seat(s.x, s.y)));
     let rest = |u: f32, v: f32| {
         let bow = 0.12 * (u - 0.5) * (u - 0.5);
         vec3(0.46 * (u - 0.5), 0.88 - 0.3 * v, -0.27 + 0.07 * v + bow)
     };
-    all.push(sheet_solid([10, 10], 0.022, paints.fabric, |s| rest(s.x, s.y)));
+    all.push(curved_slab([10, 10], 0.022, paints.fabric, |s| rest(s.x, s.y)));
     for x in [-0.2, 0.2] {
         let post = [vec3(x, 0.43, -0.2), vec3(x, 0.55, -0.225), vec3(x, 0.8, -0.27)];
         all.push(rod(&post, 0.0125, 8, paints.steel));

@@ -81,8 +81,8 @@ pub(super) fn solid(mesh: &Mesh) -> Result<(), String> {
     }
 }
 
-/// Checks that each edge of a sheet has at most two triangles, with consistent winding.
-pub(super) fn sheet(mesh: &Mesh) -> Result<(), String> {
+/// Checks that each edge of an open surface has at most two triangles, with consistent winding.
+pub(super) fn open_surface(mesh: &Mesh) -> Result<(), String> {
     let welded = Welded::of(mesh);
     let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
     for [a, b, c] in &welded.triangles {

@@ -1,4 +1,4 @@
-//! Cloth in folds: sheets without thickness.
+//! Cloth in folds: open surfaces without thickness.
 
 use std::f32::consts::TAU;
 
@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3, vec2, vec3};
 
 use super::noise::{chance, ramp};
 use super::part::Part;
-use super::shapes::sheet;
+use super::paths::points;
+use super::shapes::open_surface;
 
 /// A curtain that hangs from a rod along x at y = 0, from x = 0, where it is tied back, to x = `width`.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +50,7 @@ impl Curtain {
             let along = share.x + 0.014 * (2.0 * phase).sin();
             vec3(width * along, -self.drop * share.y + hem, depth * (phase.sin() + sway))
         };
-        sheet(quads, vec2(1.6 * self.width, self.drop), self.material, point)
+        open_surface(quads, vec2(1.6 * self.width, self.drop), self.material, point)
     }
 }
 
@@ -62,7 +63,7 @@ pub(super) fn banner(width: f32, drop: f32, seed: u32, material: u32) -> Part {
         let wave = 0.035 * share.y * phase.sin() + 0.03 * (3.0 * share.y + TAU * chance(seed, 2, 211)).sin();
         vec3(width * x * (1.0 - 0.05 * share.y), -pointed * share.y, wave)
     };
-    sheet([16, 24], vec2(width, drop), material, point)
+    open_surface([16, 24], vec2(width, drop), material, point)
 }
 
 /// The tie of a curtain: a closed ring around the y axis.
@@ -75,5 +76,5 @@ pub(super) fn tie(half: Vec2, material: u32) -> Part {
     };
     let way: Vec<Frame> = (0..20).map(frame).collect();
     let profile = [[-0.01, -0.05], [0.012, -0.05], [0.02, 0.0], [0.012, 0.05], [-0.01, 0.05]];
-    sweep(&profile.map(|p| vec2(p[0], p[1])), &way, Ends::Joined, material)
+    sweep(&points(&profile), &way, Ends::Joined, material)
 }

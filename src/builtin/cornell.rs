@@ -56,7 +56,7 @@ pub(crate) fn cornell_model() -> (Mesh, Vec<Material>) {
     }
     push(&LIGHT, EMITTER);
     mesh.sort_by_material();
-    // Linear RGB of the measured reflectances; the lamp's 17:12:4 is its warm spectrum at a brightness
+    // Linear RGB of the measured reflectances; the light's 17:12:4 is its warm spectrum at a brightness
     // that exposes the box well.
     let materials = vec![
         Material::lambertian("white", Vec3::new(0.740, 0.742, 0.734)),

@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
-use super::atrium::{
+use super::atrium;
+use super::atrium_plan::{
     self, BAY, HALF, HALF_WALL, Paints, SPRING, STEP, UPPER, bay_middles, column_places, sides,
 };
 use super::atrium_upper;
@@ -11,6 +12,7 @@ use super::cloth::{Curtain, banner, tie};
 use super::columns::{pedestal, vase};
 use super::palette::Palette;
 use super::part::Part;
+use super::paths::points;
 use super::plants::{Tuft, ivy};
 use super::shapes::{bar, cushion, lathe};
 use super::stone::TERRACOTTA;
@@ -55,9 +57,9 @@ pub(super) fn model(palette: &mut Palette) -> Part {
         let mut side = curtains(&paints, &finery, bays, i as u32);
         side.push(banners(&paints, &finery, bays, i as u32));
         side.push(greenery(&finery, bays, i as u32));
-        if bays == atrium::BAYS[1] {
+        if bays == atrium_plan::BAYS[1] {
             let lion = medallion(0.52, [96, 30], paints.trim);
-            side.push(lion.at(vec3(0.0, SPRING + 0.55, 0.35 - atrium::DEPTH)));
+            side.push(lion.at(vec3(0.0, SPRING + 0.55, 0.35 - atrium_plan::DEPTH)));
         }
         all.push(side.placed(&place));
     }
@@ -137,7 +139,7 @@ fn pots(paints: &Paints, finery: &Finery) -> Part {
         all.push(soil(0.2, finery.soil).at(place + Vec3::Y * 1.32));
     }
     let tub = [[0.3, -0.01], [0.34, 0.06], [0.42, 0.5], [0.47, 0.52], [0.47, 0.6], [0.4, 0.6], [0.37, 0.5]];
-    let tub = lathe(&tub.map(|p| vec2(p[0], p[1])), 36, finery.clay);
+    let tub = lathe(&points(&tub), 36, finery.clay);
     for (i, [x, z]) in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].into_iter().enumerate() {
         let place = vec3(x * (HALF.x - 1.35), 0.0, z * (HALF.y - 1.35));
         all.push(tub.at(place));

@@ -1,19 +1,16 @@
-//! Fittings of the meeting room's walls and ceiling: blinds, panels, lamps, doors, pictures.
+//! Fittings of the meeting room's walls and ceiling: blinds, panels, ceiling lights, doors, pictures.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
 use super::columns::along;
-use super::meeting_room::Paints;
+use super::meeting_paints::Paints;
 use super::part::Part;
+use super::paths::points;
 use super::shapes::{bar, bevelled, cuboid, lathe, prism, rod};
 use super::walls::frame;
 
 /// Side of a ceiling panel.
 pub(super) const PANEL: f32 = 0.6;
-
-fn points(list: &[[f32; 2]]) -> Vec<Vec2> {
-    list.iter().map(|p| vec2(p[0], p[1])).collect()
-}
 
 /// A venetian blind in front of an opening of `size`, hanging from its upper edge; z points into the room.
 pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
@@ -53,7 +50,7 @@ pub(super) fn blind(paints: &Paints, size: Vec2) -> Part {
     all
 }
 
-/// Panels under the ceiling `y` of a room of these half extents, except at `spared` for lamps, with a grid of bars
+/// Panels under the ceiling `y` of a room of these half extents, except at `spared` for ceiling lights, with a grid of bars
 /// between them.
 pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]) -> Part {
     let mut all = Part::default();
@@ -83,7 +80,7 @@ pub(super) fn ceiling(paints: &Paints, half: Vec2, y: f32, spared: &[(i32, i32)]
 }
 
 /// A ceiling light with louvres, switched off, in place of one panel.
-pub(super) fn louvred_lamp(paints: &Paints) -> Part {
+pub(super) fn louvred_light(paints: &Paints) -> Part {
     let mut all = cuboid(vec3(-0.285, 0.06, -0.285), vec3(0.285, 0.1, 0.285), paints.panel);
     all.push(
         frame(
@@ -180,7 +177,7 @@ pub(super) fn clock(paints: &Paints) -> Part {
 /// A projector that hangs from y = 0 and looks towards -x.
 pub(super) fn projector(paints: &Paints) -> Part {
     let body = bevelled(vec3(-0.17, -0.42, -0.2), vec3(0.17, -0.3, 0.2), 0.02, paints.china);
-    let lens = [[0.05, 0.0], [0.05, 0.04], [0.042, 0.05], [0.0, 0.042]].map(|[r, y]| vec2(r, y));
+    let lens = points(&[[0.05, 0.0], [0.05, 0.04], [0.042, 0.05], [0.0, 0.042]]);
     let turn = Affine3A::from_translation(vec3(-0.165, -0.36, 0.08))
         * Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_2);
     let mut all = body.and(lathe(&lens, 28, paints.plastic).placed(&turn));

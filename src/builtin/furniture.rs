@@ -5,9 +5,10 @@ use std::f32::consts::TAU;
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
 use super::columns::{along, vase};
-use super::meeting_room::Paints;
+use super::meeting_paints::Paints;
 use super::noise::chance;
 use super::part::Part;
+use super::paths::points;
 use super::plants::Tuft;
 use super::shapes::{Ends, bevelled, cuboid, lathe, loft, rod};
 
@@ -36,7 +37,7 @@ pub(super) fn table(paints: &Paints) -> Part {
     let inlay = TABLE_HALF - vec2(0.42, 0.42);
     all.push(loft(&[plan(inlay, TABLE - 0.01), plan(inlay, TABLE + 0.003)], Ends::Capped, paints.inlay));
     let drum = [[0.52, 0.0], [0.52, 0.03], [0.36, 0.06], [0.34, 0.1], [0.34, 0.6], [0.42, 0.66], [0.46, 0.7]];
-    let drum = lathe(&drum.map(|[r, y]| vec2(r, y)), 40, paints.veneer);
+    let drum = lathe(&points(&drum), 40, paints.veneer);
     all.push_at(&drum, [vec3(-1.7, 0.0, 0.0), vec3(1.7, 0.0, 0.0)]);
     all
 }
@@ -69,7 +70,7 @@ fn glass(paints: &Paints) -> Part {
         [0.027, 0.012],
         [0.0, 0.01],
     ];
-    lathe(&profile.map(|[r, y]| vec2(r, y)), 28, paints.glass)
+    lathe(&points(&profile), 28, paints.glass)
 }
 
 fn cup(paints: &Paints) -> Part {
@@ -85,9 +86,12 @@ fn cup(paints: &Paints) -> Part {
         [0.0, 0.014],
     ];
     let handle = [[0.036, 0.058], [0.056, 0.056], [0.062, 0.044], [0.054, 0.03], [0.034, 0.03]];
-    lathe(&saucer.map(|[r, y]| vec2(r, y)), 32, paints.china)
-        .and(lathe(&body.map(|[r, y]| vec2(r, y)), 32, paints.china))
-        .and(rod(&handle.map(|[x, y]| vec3(x, y, 0.0)), 0.005, 8, paints.china))
+    lathe(&points(&saucer), 32, paints.china).and(lathe(&points(&body), 32, paints.china)).and(rod(
+        &handle.map(|[x, y]| vec3(x, y, 0.0)),
+        0.005,
+        8,
+        paints.china,
+    ))
 }
 
 /// An open laptop for a person at z < 0.
@@ -139,7 +143,7 @@ pub(super) fn sideboard(paints: &Paints) -> Part {
         [0.06, 0.03],
         [0.0, 0.025],
     ];
-    all.push(lathe(&jug.map(|[r, y]| vec2(r, y)), 36, paints.steel).at(vec3(1.2, top, 0.22)));
+    all.push(lathe(&points(&jug), 36, paints.steel).at(vec3(1.2, top, 0.22)));
     all
 }
 
@@ -183,5 +187,5 @@ pub(super) fn bookcase(paints: &Paints) -> Part {
 pub(super) fn potted_plant(paints: &Paints) -> Part {
     let tub = [[0.2, 0.0], [0.22, 0.02], [0.26, 0.42], [0.24, 0.43], [0.23, 0.4], [0.0, 0.39]];
     let tuft = Tuft { leaves: 90, length: 1.25, width: 0.11, seed: 531, material: paints.leaf };
-    lathe(&tub.map(|[r, y]| vec2(r, y)), 40, paints.china).and(tuft.part().at(Vec3::Y * 0.4))
+    lathe(&points(&tub), 40, paints.china).and(tuft.part().at(Vec3::Y * 0.4))
 }

@@ -5,16 +5,14 @@
 use glam::{Vec2, Vec3, vec2, vec3};
 
 use super::chairs::{swivel_chair, visitor_chair};
-use super::fittings::{self, PANEL, blind, ceiling, louvred_lamp, projector, spot_can, white_board};
+use super::fittings::{self, PANEL, blind, ceiling, louvred_light, projector, spot_can, white_board};
 use super::furniture::{TABLE, TABLE_HALF, bookcase, place_setting, potted_plant, sideboard, table};
+use super::meeting_paints::Paints;
 use super::palette::Palette;
 use super::part::Part;
-use super::pictures::{HILLS, SQUARES};
+use super::paths::points;
 use super::shapes::{bar, cuboid};
-use super::stone::PLASTER;
-use super::textile::{LEAF, PILE, WEAVE};
 use super::walls::{cornice, straight};
-use super::wood::VENEER;
 
 /// Half of the room's extent in x and z.
 const HALF: Vec2 = Vec2::new(6.0, 4.2);
@@ -28,64 +26,6 @@ const WINDOW: [f32; 3] = [1.15, 0.92, 2.72];
 const WINDOWS: [f32; 4] = [-4.35, -1.45, 1.45, 4.35];
 /// Height of the torus's axis above the floor.
 const AXLE: f32 = 2.0;
-
-/// Materials of the meeting room.
-pub(super) struct Paints {
-    pub wall: u32,
-    pub carpet: u32,
-    pub panel: u32,
-    pub veneer: u32,
-    pub inlay: u32,
-    pub door: u32,
-    pub leather: u32,
-    pub fabric: u32,
-    pub plastic: u32,
-    pub steel: u32,
-    pub china: u32,
-    pub glass: u32,
-    pub night: u32,
-    pub screen: u32,
-    pub paper: u32,
-    pub blind: u32,
-    pub leaf: u32,
-    pub books: [u32; 5],
-    pub canvases: [u32; 2],
-}
-
-impl Paints {
-    fn new(palette: &mut Palette) -> Self {
-        Self {
-            wall: palette.textured("wall", PLASTER, [1.0, 1.06, 1.12].map(|c: f32| c.min(1.0))),
-            carpet: palette.textured("carpet tiles", PILE, [1.0; 3]),
-            panel: palette.plain("ceiling panel", [0.78, 0.77, 0.74]),
-            veneer: palette.polished("veneer", VENEER, 0.05, 90.0),
-            inlay: palette.glossy("inlay", [0.035, 0.045, 0.04], 0.04, 40.0),
-            door: palette.textured("door", VENEER, [0.85, 0.8, 0.75]),
-            leather: palette.glossy("leather", [0.30, 0.085, 0.045], 0.05, 30.0),
-            fabric: palette.textured("fabric", WEAVE, [0.16, 0.2, 0.3]),
-            plastic: palette.glossy("plastic", [0.035, 0.035, 0.04], 0.05, 40.0),
-            steel: palette.glossy("steel", [0.42, 0.42, 0.43], 0.3, 120.0),
-            china: palette.glossy("china", [0.76, 0.75, 0.72], 0.05, 100.0),
-            glass: palette.glossy("milky glass", [0.55, 0.62, 0.62], 0.1, 200.0),
-            night: palette.glossy("window pane", [0.05, 0.07, 0.11], 0.08, 200.0),
-            screen: palette.glossy("screen", [0.02, 0.025, 0.03], 0.06, 150.0),
-            paper: palette.plain("paper", [0.8, 0.79, 0.75]),
-            blind: palette.plain("blind", [0.62, 0.6, 0.55]),
-            leaf: palette.textured("leaf", LEAF, [1.0; 3]),
-            books: [
-                palette.plain("red book", [0.42, 0.06, 0.05]),
-                palette.plain("green book", [0.07, 0.22, 0.1]),
-                palette.plain("blue book", [0.06, 0.12, 0.34]),
-                palette.plain("ochre book", [0.5, 0.34, 0.1]),
-                palette.plain("grey book", [0.32, 0.31, 0.3]),
-            ],
-            canvases: [
-                palette.textured("picture of hills", HILLS, [1.0; 3]),
-                palette.textured("picture of squares", SQUARES, [1.0; 3]),
-            ],
-        }
-    }
-}
 
 /// The whole model.
 pub(super) fn model(palette: &mut Palette) -> Part {
@@ -127,9 +67,9 @@ fn shell(paints: &Paints) -> Part {
     }
     all.push(wall([from, low, -out.y], [x, high, -z]));
     let skirting = [[-0.02, -0.01], [0.02, -0.01], [0.02, 0.1], [0.012, 0.115], [-0.02, 0.115]];
-    all.push(cornice(x, z, &skirting.map(|p| vec2(p[0], p[1])), paints.veneer));
+    all.push(cornice(x, z, &points(&skirting), paints.veneer));
     let edge = [[-0.02, -0.03], [0.03, -0.03], [0.03, 0.005], [-0.02, 0.005]];
-    all.push(cornice(x, z, &edge.map(|p| vec2(p[0], p[1])), paints.steel).at(Vec3::Y * CEILING));
+    all.push(cornice(x, z, &points(&edge), paints.steel).at(Vec3::Y * CEILING));
     all
 }
 
@@ -138,7 +78,7 @@ fn windows(paints: &Paints) -> Part {
     let [half, low, high] = WINDOW;
     let size = vec2(2.0 * half, high - low);
     let profile = [[-0.03, -0.035], [0.06, -0.035], [0.06, 0.02], [0.05, 0.035], [-0.03, 0.035]];
-    let profile = profile.map(|p| vec2(p[0], p[1]));
+    let profile = points(&profile);
     let middle = Vec3::Y * (0.5 * (low + high));
     let mut window = super::walls::frame(0.5 * size, &profile, paints.steel).at(middle);
     window.push(cuboid(vec3(-0.03, low, -0.03), vec3(0.03, high, 0.03), paints.steel));
@@ -148,26 +88,23 @@ fn windows(paints: &Paints) -> Part {
         paints.night,
     ));
     let sill = [[-0.06, -0.035], [0.13, -0.035], [0.14, -0.02], [0.14, -0.01], [0.13, 0.005], [-0.06, 0.005]];
-    window.push(
-        straight(-half - 0.06, half + 0.06, &sill.map(|p| vec2(p[0], p[1])), paints.veneer)
-            .at(vec3(0.0, low, 0.14)),
-    );
+    window.push(straight(-half - 0.06, half + 0.06, &points(&sill), paints.veneer).at(vec3(0.0, low, 0.14)));
     window.push(blind(paints, size - vec2(0.04, 0.02)).at(vec3(0.0, high - 0.01, 0.1)));
     let mut all = Part::default();
     all.push_at(&window, WINDOWS.map(|x| vec3(x, 0.0, -HALF.y - 0.14)));
     all
 }
 
-/// Ceiling, lamps, projector, the spot light and the axle of the torus.
+/// Ceiling, ceiling lights, projector, the spot light and the axle of the torus.
 fn overhead(paints: &Paints) -> Part {
     // Panels by column and row from the corner at -x, -z.
-    let lamps: Vec<(i32, i32)> = [3, 7, 12, 16].into_iter().flat_map(|i| [(i, 3), (i, 10)]).collect();
-    let mut all = ceiling(paints, HALF, CEILING, &lamps);
+    let lights: Vec<(i32, i32)> = [3, 7, 12, 16].into_iter().flat_map(|i| [(i, 3), (i, 10)]).collect();
+    let mut all = ceiling(paints, HALF, CEILING, &lights);
     let place = |&(i, j): &(i32, i32)| {
         let flat = (vec2(i as f32, j as f32) + 0.5) * PANEL - HALF;
         vec3(flat.x, CEILING, flat.y)
     };
-    all.push_at(&louvred_lamp(paints), lamps.iter().map(place));
+    all.push_at(&louvred_light(paints), lights.iter().map(place));
     all.push(projector(paints).at(vec3(-3.0, CEILING, 0.3)));
     all.push(spot_can(paints).at(vec3(0.0, CEILING - 0.24, 0.0)));
     let reach = 0.86;

@@ -2,10 +2,12 @@
 //! and animate procedural or downloadable models.
 
 mod atrium;
+mod atrium_plan;
 mod atrium_upper;
 mod carving;
 mod cathedral;
 mod cathedral_ends;
+mod cathedral_plan;
 mod cathedral_windows;
 mod chairs;
 #[cfg(test)]
@@ -17,6 +19,7 @@ mod drapery;
 mod fittings;
 mod furniture;
 mod material_grid;
+mod meeting_paints;
 mod meeting_room;
 mod noise;
 mod palette;
@@ -133,11 +136,11 @@ pub(crate) fn model(name: &str) -> Option<Model> {
     })
 }
 
-/// The solids and sheets of a model.
+/// The solids and open surfaces of a model.
 fn assemble(name: &str, palette: &mut Palette) -> Option<Part> {
     match name {
         "atrium" => {
-            let paints = atrium::Paints::new(palette);
+            let paints = atrium_plan::Paints::new(palette);
             let lower = atrium::lower_column(&paints, 14).part();
             let upper = atrium_upper::column(&paints, 8).part();
             Some(atrium::building(&paints, [&lower, &upper]))

@@ -1,4 +1,4 @@
-//! Parts of the built-in models: meshes of solids and sheets.
+//! Parts of the built-in models: meshes of solids and open surfaces.
 //!
 //! In: vertices and triangles without normals. Out: placed meshes with normals, and finally one mesh of all. The
 //! models are single meshes like the scenes that they replace, not instances of columns and chairs; rays traverse
@@ -9,10 +9,10 @@ use glam::{Affine3A, Vec2, Vec3};
 use crate::scene::Mesh;
 use crate::scene::normals;
 
-/// A group of solids and sheets. Texture coordinates are in metres until [`Part::into_mesh`].
+/// A group of solids and open surfaces. Texture coordinates are in metres until [`Part::into_mesh`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
-    /// Each one closed solid, or one sheet.
+    /// Each one closed solid, or one open surface.
     pub pieces: Vec<Mesh>,
 }
 

@@ -85,3 +85,8 @@ pub(super) fn arc(middle: Vec2, radius: f32, [from, to]: [f32; 2], steps: u32) -
     };
     (0..=steps).map(point).collect()
 }
+
+/// Points from their coordinates, such as those of a profile.
+pub(super) fn points(list: &[[f32; 2]]) -> Vec<Vec2> {
+    list.iter().copied().map(Vec2::from).collect()
+}

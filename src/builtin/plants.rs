@@ -1,4 +1,4 @@
-//! Plants: leaves are sheets with alpha masks.
+//! Plants: leaves are open surfaces with alpha masks.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 

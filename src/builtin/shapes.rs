@@ -1,7 +1,7 @@
-//! Solids and sheets: boxes, extrusions, surfaces of revolution and sweeps.
+//! Solids and open surfaces: boxes, extrusions, surfaces of revolution and sweeps.
 //!
 //! In: sizes in metres and a material. Out: a [`Part`] of one closed solid that faces outwards, or of one
-//! sheet.
+//! open surface.
 
 use std::f32::consts::TAU;
 
@@ -209,9 +209,9 @@ fn lengths_around(rings: &[Vec<Vec3>]) -> Vec<f32> {
     all.max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or_default()
 }
 
-/// A sheet of `columns` x `rows` quads with positions `point(u, v)`, u and v from 0 to 1, v down. Its front faces
+/// An open surface of `columns` x `rows` quads with positions `point(u, v)`, u and v from 0 to 1, v down. Its front faces
 /// right x up. Texture coordinates are (u, v) times `extent`.
-pub(super) fn sheet(
+pub(super) fn open_surface(
     [columns, rows]: [u32; 2],
     extent: Vec2,
     material: u32,
@@ -236,7 +236,7 @@ pub(super) fn sheet(
 }
 
 /// A solid of that shape and `thickness`.
-pub(super) fn sheet_solid(
+pub(super) fn curved_slab(
     [columns, rows]: [u32; 2],
     thickness: f32,
     material: u32,

@@ -2,10 +2,10 @@
 
 use super::*;
 
-/// Materials of sheets without thickness: cloth and leaves.
-const SHEETS: [&str; 5] = ["red cloth", "green cloth", "blue cloth", "leaf", "ivy"];
+/// Materials of open surfaces without thickness: cloth and leaves.
+const OPEN: [&str; 5] = ["red cloth", "green cloth", "blue cloth", "leaf", "ivy"];
 
-/// Models of solids and sheets.
+/// Models of solids and open surfaces.
 const MADE: [&str; 5] = ["atrium", "atrium-drapery", "cathedral", "meeting-room", "two-coloured torus"];
 
 fn pieces(name: &str) -> (Part, Vec<Material>) {
@@ -15,12 +15,12 @@ fn pieces(name: &str) -> (Part, Vec<Material>) {
 }
 
 #[test]
-fn solids_are_closed_and_sheets_are_sheets() {
+fn solids_are_closed_and_the_rest_is_open() {
     for name in MADE {
         let (part, materials) = pieces(name);
         for (i, piece) in part.pieces.iter().enumerate() {
             let material = &materials[piece.triangle_materials[0] as usize].name;
-            let check = if SHEETS.contains(&material.as_str()) { checks::sheet } else { checks::solid };
+            let check = if OPEN.contains(&material.as_str()) { checks::open_surface } else { checks::solid };
             let checked = check(piece).and_then(|()| checks::surface(piece));
             assert!(
                 checked.is_ok(),

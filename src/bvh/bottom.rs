@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::{
     gpu::{GpuMaskedTriangle, GpuTriangle},
     nodes::{Child, LeafCost, Node, WideTree, collapse},
-    sheets::{GpuSheetTriangle, SHEET, sheet_triangle},
+    thin_surfaces::{GpuThinTriangle, THIN_SURFACE, thin_triangle},
     traverse,
     tree::{References, build_ploc, median_split},
     triangle::{LANES, TriangleBlock, is_degenerate},
@@ -56,8 +56,8 @@ pub(super) struct BottomLevels {
     /// In the order of the leaves of `gpu_nodes`.
     pub(super) gpu_triangles: Vec<GpuTriangle>,
     pub(super) masked: Vec<GpuMaskedTriangle>,
-    /// Corners of thin sheets.
-    pub(super) sheets: Vec<GpuSheetTriangle>,
+    /// Corners of thin surfaces.
+    pub(super) thin_surfaces: Vec<GpuThinTriangle>,
     /// None for a mesh whose triangles are all degenerate.
     pub(super) roots: Vec<Option<MeshRoot>>,
 }
@@ -84,7 +84,8 @@ impl BottomLevels {
         let (first_node, first_block) = (nodes.len(), blocks.len());
         let gpu_root = self.gpu_nodes.len() as u32;
         let first_triangle = self.gpu_triangles.len() as u32;
-        let [first_masked, first_sheet] = [self.masked.len(), self.sheets.len()].map(|count| count as u32);
+        let [first_masked, first_thin] =
+            [self.masked.len(), self.thin_surfaces.len()].map(|count| count as u32);
         for node in &mut mesh.tree.nodes {
             node.children = node.children.map(|child| child.offset(first_node, first_block));
         }
@@ -95,7 +96,7 @@ impl BottomLevels {
         let in_blocks = mesh.blocks.iter_mut().flat_map(|block| &mut block.masked);
         let in_triangles = mesh.gpu_triangles.iter_mut().map(|triangle| &mut triangle.masked);
         for masked in in_blocks.chain(in_triangles).filter(|masked| **masked != 0) {
-            *masked += if *masked & SHEET == 0 { first_masked } else { first_sheet };
+            *masked += if *masked & THIN_SURFACE == 0 { first_masked } else { first_thin };
         }
         self.roots.push(Some(MeshRoot {
             root: mesh.tree.root.offset(first_node, first_block),
@@ -108,7 +109,7 @@ impl BottomLevels {
         self.gpu_nodes.append(&mut mesh.gpu.nodes);
         self.gpu_triangles.append(&mut mesh.gpu_triangles);
         self.masked.append(&mut mesh.masked);
-        self.sheets.append(&mut mesh.sheets);
+        self.thin_surfaces.append(&mut mesh.thin_surfaces);
     }
 }
 
@@ -119,7 +120,7 @@ struct MeshBvh {
     gpu: CwBvh,
     gpu_triangles: Vec<GpuTriangle>,
     masked: Vec<GpuMaskedTriangle>,
-    sheets: Vec<GpuSheetTriangle>,
+    thin_surfaces: Vec<GpuThinTriangle>,
     bounds: Aabb,
 }
 
@@ -138,17 +139,17 @@ impl MeshBvh {
             return None;
         }
 
-        // Collect the data of alpha tests and of sheets.
-        let (mut masked, mut of_sheets) = (Vec::new(), Vec::new());
+        // Collect the data of alpha tests and of thin surfaces.
+        let (mut masked, mut thin_triangles) = (Vec::new(), Vec::new());
         let triangles: Vec<GpuTriangle> = ids
             .iter()
             .map(|&id| {
                 let index = mesh.triangle_materials.get(id as usize).copied();
                 let material = index.and_then(|index| materials.get(index as usize));
                 let masked = match material {
-                    Some(material) if material.is_sheet() => {
-                        of_sheets.push(sheet_triangle(mesh, id, material));
-                        SHEET | (of_sheets.len() - 1) as u32
+                    Some(material) if material.is_thin_surface() => {
+                        thin_triangles.push(thin_triangle(mesh, id, material));
+                        THIN_SURFACE | (thin_triangles.len() - 1) as u32
                     }
                     Some(material) => material.alpha_mask.map_or(0, |mask| {
                         masked.push(masked_triangle(mesh, id, material, mask));
@@ -173,7 +174,7 @@ impl MeshBvh {
                     triangle
                 })
                 .collect::<Vec<_>>(),
-            |index| triangles[index as usize].masked & SHEET == 0,
+            |index| triangles[index as usize].masked & THIN_SURFACE == 0,
         );
         let boxes = &references.boxes;
         let binary = build_ploc(boxes, &PARAMS);
@@ -186,7 +187,7 @@ impl MeshBvh {
         let in_leaf_order = gpu.primitive_indices.iter();
         let gpu_triangles =
             in_leaf_order.map(|&i| triangles[references.primitives[i as usize] as usize]).collect();
-        Some(Self { tree, blocks, gpu, gpu_triangles, masked, sheets: of_sheets, bounds })
+        Some(Self { tree, blocks, gpu, gpu_triangles, masked, thin_surfaces: thin_triangles, bounds })
     }
 }
 

@@ -2,16 +2,17 @@
 //! `shaders/include/tracer_hardware.glsl` reads.
 //!
 //! Out: the same triangles as in the two-level BVH, each once, mesh by mesh, in each mesh first those without an
-//! alpha mask that are no sheets'; and the placed meshes.
+//! alpha mask that are no thin surfaces'; and the placed meshes.
 
 use std::sync::Arc;
 
 use glam::Affine3A;
 
 use super::{
-    TwoLevelBvh,
-    gpu::{GpuAlphaMasks, GpuTriangle, non_empty},
-    sheets::GpuSheets,
+    gpu::{GpuAlphaMasks, GpuTriangle},
+    pack::non_empty,
+    thin_surfaces::GpuThinSurfaces,
+    two_level::TwoLevelBvh,
 };
 
 /// A contiguous run of triangles: one geometry of a bottom level.
@@ -26,7 +27,7 @@ pub struct Run {
 /// The triangles of one mesh; both runs are empty for a mesh that cannot be hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRuns {
-    /// Those without an alpha mask that are no sheets'.
+    /// Those without an alpha mask that are no thin surfaces'.
     pub opaque: Run,
     /// The others.
     pub masked: Run,
@@ -46,8 +47,8 @@ pub struct HardwareLayout {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
-    /// What those of sheets let pass.
-    pub sheets: Arc<GpuSheets>,
+    /// What those of thin surfaces let pass.
+    pub thin_surfaces: Arc<GpuThinSurfaces>,
     /// The runs of each mesh.
     pub meshes: Vec<MeshRuns>,
 }
@@ -80,7 +81,7 @@ impl TwoLevelBvh {
         HardwareLayout {
             triangles: non_empty(triangles),
             alpha: self.gpu_alpha_masks(),
-            sheets: Arc::clone(&self.sheets),
+            thin_surfaces: Arc::clone(&self.thin_surfaces),
             meshes,
         }
     }

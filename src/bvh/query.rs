@@ -1,20 +1,22 @@
 //! Closest-hit and any-hit queries through both levels.
 //!
-//! In: the two-level BVH and a ray. Out: the closest hit, on thin sheets too; or whether anything opaque, or a sheet, occludes
+//! In: the two-level BVH and a ray. Out: the closest hit, on thin surfaces too; or whether anything opaque, or a thin surface, occludes
 //! the ray. Rays are transformed into object space without normalising the direction, so t is the same in both spaces.
 
 use std::cell::RefCell;
 
 use glam::{Vec2, Vec3A, Vec4};
+use rayon::prelude::*;
 
 use super::{
-    Hit, Occlusion, Ray, TwoLevelBvh,
     nodes::Child,
-    sheets::SHEET,
+    ray::{Hit, Occlusion, RAYS_PER_TASK, Ray},
     simd::{Portable, Simd},
+    thin_surfaces::THIN_SURFACE,
     top::{PlacedInstance, TopLevel},
     traverse::{BoxRay, Stack, Visitor, traverse},
     triangle::{BlockHits, TriangleBlock, TriangleRay},
+    two_level::TwoLevelBvh,
 };
 
 thread_local! {
@@ -22,27 +24,74 @@ thread_local! {
     static STACK: RefCell<Stack> = const { RefCell::new(Stack::EMPTY) };
 }
 
+impl TwoLevelBvh {
+    /// The closest hit along `ray`, be it a thin surface. Ties in t go to the lowest instance, then to the lowest triangle.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        query::<false>(self, &self.levels(), ray).hit
+    }
+
+    /// What lies on the segment.
+    pub fn occlusion(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &self.levels(), ray).occlusion()
+    }
+
+    /// What dynamic instances do there.
+    pub fn occlusion_by_dynamic(&self, ray: &Ray) -> Occlusion {
+        query::<true>(self, &[&self.dynamic_level], ray).occlusion()
+    }
+
+    /// Whether anything opaque occludes the segment.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.occlusion(ray) == Occlusion::Opaque
+    }
+
+    /// [`Self::intersect`] for many rays on this thread; results in the order of the rays.
+    pub fn intersect_all(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        let mut hits = vec![None; rays.len()];
+        query_all::<false>(self, rays, &mut |ray, found| hits[ray] = found.hit);
+        hits
+    }
+
+    /// [`Self::occlusion`] for many rays on this thread; results in the order of the rays.
+    pub fn occlusion_all(&self, rays: &[Ray]) -> Vec<Occlusion> {
+        let mut occlusions = vec![Occlusion::Clear; rays.len()];
+        query_all::<true>(self, rays, &mut |ray, found| occlusions[ray] = found.occlusion());
+        occlusions
+    }
+
+    /// [`Self::intersect_all`] over all cores.
+    pub fn intersect_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(|rays| self.intersect_all(rays)).collect()
+    }
+
+    /// [`Self::occluded`] for many rays over all cores.
+    pub fn occluded_batch(&self, rays: &[Ray]) -> Vec<bool> {
+        let occluded = |rays| self.occlusion_all(rays).into_iter().map(|found| found == Occlusion::Opaque);
+        rays.par_chunks(RAYS_PER_TASK).flat_map_iter(occluded).collect()
+    }
+}
+
 /// Outcome of a query.
-pub(super) struct Found {
+struct Found {
     /// The closest hit, or, with `ANY`, any opaque one.
-    pub(super) hit: Option<Hit>,
-    /// With `ANY`: whether the ray met a thin sheet on the way.
-    sheets: bool,
+    hit: Option<Hit>,
+    /// With `ANY`: whether the ray met a thin surface on the way.
+    thin_surfaces: bool,
 }
 
 impl Found {
     /// What an `ANY` query tells.
-    pub(super) fn occlusion(&self) -> Occlusion {
-        match (self.hit, self.sheets) {
+    fn occlusion(&self) -> Occlusion {
+        match (self.hit, self.thin_surfaces) {
             (Some(_), _) => Occlusion::Opaque,
-            (None, true) => Occlusion::Sheets,
+            (None, true) => Occlusion::ThinSurfaces,
             (None, false) => Occlusion::Clear,
         }
     }
 }
 
 /// The closest hit along `ray` in `levels` of `bvh`, or, with `ANY`, any opaque one.
-pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Found {
+fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ray: &Ray) -> Found {
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = bvh.avx2 {
@@ -56,11 +105,7 @@ pub(super) fn query<const ANY: bool>(bvh: &TwoLevelBvh, levels: &[&TopLevel], ra
 }
 
 /// [`query`] in both levels for many rays; calls `found` with each ray's index and outcome.
-pub(super) fn query_all<const ANY: bool>(
-    bvh: &TwoLevelBvh,
-    rays: &[Ray],
-    found: &mut impl FnMut(usize, Found),
-) {
+fn query_all<const ANY: bool>(bvh: &TwoLevelBvh, rays: &[Ray], found: &mut impl FnMut(usize, Found)) {
     let levels = &bvh.levels();
     STACK.with_borrow_mut(|stack| {
         #[cfg(target_arch = "x86_64")]
@@ -87,14 +132,14 @@ struct Query<'a, S, const ANY: bool> {
     ray: Ray,
     /// The closest hit so far. Initially t is t_max and the indices are the lowest, so that no hit at t_max is closer.
     best: Hit,
-    sheets: bool,
+    thin_surfaces: bool,
 }
 
 impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
     #[inline(always)]
     fn new(simd: S, bvh: &'a TwoLevelBvh, ray: &Ray) -> Self {
         let best = Hit { t: ray.t_max, instance: 0, triangle: 0, barycentrics: Vec2::ZERO };
-        Self { simd, bvh, ray: *ray, best, sheets: false }
+        Self { simd, bvh, ray: *ray, best, thin_surfaces: false }
     }
 
     /// Runs the query.
@@ -114,7 +159,7 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
                 break;
             }
         }
-        Found { hit: (self.best.t < self.ray.t_max).then_some(self.best), sheets: self.sheets }
+        Found { hit: (self.best.t < self.ray.t_max).then_some(self.best), thin_surfaces: self.thin_surfaces }
     }
 
     /// Updates the closest hit with those of a block. True if the query is done.
@@ -131,11 +176,13 @@ impl<'a, S: Simd, const ANY: bool> Query<'a, S, ANY> {
                 || t[lane] == best.t && (instance, triangle) < (best.instance, best.triangle);
             let barycentrics = Vec2::new(hits.barycentrics[0][lane], hits.barycentrics[1][lane]);
             let masked = block.masked[lane];
-            if ANY && nearer && masked & SHEET != 0 {
-                self.sheets = true;
+            if ANY && nearer && masked & THIN_SURFACE != 0 {
+                self.thin_surfaces = true;
                 continue;
             }
-            if nearer && (masked == 0 || masked & SHEET != 0 || is_opaque(self.bvh, masked, barycentrics)) {
+            if nearer
+                && (masked == 0 || masked & THIN_SURFACE != 0 || is_opaque(self.bvh, masked, barycentrics))
+            {
                 self.best = Hit { t: t[lane], instance, triangle, barycentrics };
                 if ANY {
                     return true;

@@ -1,16 +1,17 @@
-//! The world at one moment, and rays through its thin sheets, which tint light without refracting it.
+//! The world at one moment, and rays through its thin surfaces, which tint light without refracting it.
 //!
 //! In: rays. Out: where the light of each stops, with the weight of that; or the share of the light that arrives at its end. Light
-//! that meets a sheet passes it or stops there at random, in proportion to what passes.
+//! that meets a thin surface passes it or stops there at random, in proportion to what passes.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Hit, Occlusion, RAYS_PER_TASK, Ray, TwoLevelBvh};
+use super::ray::{Hit, Occlusion, RAYS_PER_TASK, Ray};
+use super::two_level::TwoLevelBvh;
 use crate::scene::{Pose, Scene, Side, SurfacePoint};
 
-/// Sheets that one ray passes at most; further ones are opaque.
-const MAX_SHEETS: u32 = 64;
+/// Thin surfaces that one ray passes at most; further ones are opaque.
+const MAX_THIN_SURFACES: u32 = 64;
 
 /// The world at one moment, on the CPU.
 #[derive(Clone, Copy, Debug)]
@@ -23,62 +24,62 @@ pub struct World<'a> {
     pub bvh: &'a TwoLevelBvh,
 }
 
-/// What thin sheets have made of a ray's light, by channel.
+/// What thin surfaces have made of a ray's light, by channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
-    /// The share that the sheets let pass in which it has not stopped.
+pub struct Transmission {
+    /// The share that the thin surfaces let pass in which it has not stopped.
     pub transmittance: Vec3,
     /// The weight of where it stopped, which was chosen at random: what arrives there over the probability.
     pub weight: Vec3,
 }
 
-impl Passage {
-    /// Of a ray that has met no sheet.
+impl Transmission {
+    /// Of a ray that has met no thin surface.
     pub const CLEAR: Self = Self { transmittance: Vec3::ONE, weight: Vec3::ONE };
 }
 
 impl World<'_> {
     /// Where the light along a ray stops, whose closest hit is `hit`, and how it came there. `numbers`:
-    /// random ones in [0, 1), for each sheet that may stop it.
-    pub fn pass_sheets(
+    /// random ones in [0, 1), for each thin surface that may stop it.
+    pub fn pass_thin_surfaces(
         &self,
         ray: &Ray,
         hit: Option<Hit>,
         mut numbers: impl Iterator<Item = f32>,
-    ) -> (Option<Hit>, Passage) {
-        let (mut hit, mut passage) = (hit, Passage::CLEAR);
-        if !self.bvh.has_sheets() {
-            return (hit, passage);
+    ) -> (Option<Hit>, Transmission) {
+        let (mut hit, mut transmission) = (hit, Transmission::CLEAR);
+        if !self.bvh.has_thin_surfaces() {
+            return (hit, transmission);
         }
-        for _ in 0..MAX_SHEETS {
+        for _ in 0..MAX_THIN_SURFACES {
             let Some(met) = hit else { break };
-            let Some((coverage, passed)) = self.sheet(&met, ray.direction) else { break };
+            let Some((coverage, passed)) = self.thin_surface(&met, ray.direction) else { break };
             let passes = passed.max_element();
             // What lets all light of a channel pass takes no number, so that what cannot be seen changes nothing.
             if passes < 1.0 && numbers.next().is_some_and(|number| number >= passes) {
-                passage.weight *= coverage / (1.0 - passes);
+                transmission.weight *= coverage / (1.0 - passes);
                 break;
             }
-            passage.weight *= passed / passes;
-            passage.transmittance *= passed;
+            transmission.weight *= passed / passes;
+            transmission.transmittance *= passed;
             hit = self.bvh.intersect(&beyond(ray, &met));
         }
-        (hit, passage)
+        (hit, transmission)
     }
 
-    /// What a ray shows: its closest hit behind all sheets that let more than half of the light pass.
+    /// What a ray shows: its closest hit behind all thin surfaces that let more than half of the light pass.
     pub fn visible(&self, ray: &Ray) -> Option<Hit> {
-        self.behind_clear_sheets(ray, self.bvh.intersect(ray))
+        self.behind_clear_surfaces(ray, self.bvh.intersect(ray))
     }
 
     /// [`Self::visible`] for many rays over all cores.
     pub fn visible_batch(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         let hits = self.bvh.intersect_batch(rays).into_iter().zip(rays);
-        hits.map(|(hit, ray)| self.behind_clear_sheets(ray, hit)).collect()
+        hits.map(|(hit, ray)| self.behind_clear_surfaces(ray, hit)).collect()
     }
 
-    fn behind_clear_sheets(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        self.pass_sheets(ray, hit, std::iter::repeat(0.5)).0
+    fn behind_clear_surfaces(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+        self.pass_thin_surfaces(ray, hit, std::iter::repeat(0.5)).0
     }
 
     /// The share of light that arrives along the segment, by channel: 0 where something opaque lies on it.
@@ -101,16 +102,16 @@ impl World<'_> {
         match occlusion {
             Occlusion::Clear => Vec3::ONE,
             Occlusion::Opaque => Vec3::ZERO,
-            Occlusion::Sheets => self.tint_of_sheets(ray),
+            Occlusion::ThinSurfaces => self.tint_of_thin_surfaces(ray),
         }
     }
 
-    /// The product of all sheets on a segment.
-    fn tint_of_sheets(&self, ray: &Ray) -> Vec3 {
+    /// The product of all thin surfaces on a segment.
+    fn tint_of_thin_surfaces(&self, ray: &Ray) -> Vec3 {
         let (mut tint, mut rest) = (Vec3::ONE, *ray);
-        for _ in 0..=MAX_SHEETS {
+        for _ in 0..=MAX_THIN_SURFACES {
             let Some(hit) = self.bvh.intersect(&rest) else { return tint };
-            let Some((_, passed)) = self.sheet(&hit, ray.direction) else { break };
+            let Some((_, passed)) = self.thin_surface(&hit, ray.direction) else { break };
             tint *= passed;
             if tint == Vec3::ZERO {
                 break;
@@ -120,20 +121,20 @@ impl World<'_> {
         Vec3::ZERO
     }
 
-    /// If the surface is a sheet: how much of it is there, and what it lets pass of light in this direction.
-    fn sheet(&self, hit: &Hit, direction: Vec3) -> Option<(f32, Vec3)> {
+    /// If the surface is a thin surface: how much of it is there, and what it lets pass of light in this direction.
+    fn thin_surface(&self, hit: &Hit, direction: Vec3) -> Option<(f32, Vec3)> {
         let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh];
         let material = mesh.triangle_materials[hit.triangle as usize];
         let material = &self.scene.materials[material as usize];
-        if !material.is_sheet() {
+        if !material.is_thin_surface() {
             return None;
         }
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let found = self.scene.surface_at(self.pose, hit.instance, point, Side::Facing(direction));
         let bsdf = material.bsdf_at(self.scene, found.attributes);
         let seen = bsdf.seen(found.surface.normal, -direction.normalize());
-        let sheet = material.sheet_at(self.scene, found.attributes);
-        Some((sheet.coverage, sheet.transmittance(seen.reflected_albedo().max_element())))
+        let thin_surface = material.thin_surface_at(self.scene, found.attributes);
+        Some((thin_surface.coverage, thin_surface.transmittance(seen.reflected_albedo().max_element())))
     }
 }
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 use serde::Serialize;
-use toml::Spanned;
 
 use super::stage::{Change, Selected, Stage};
 use crate::formats::{
@@ -246,8 +245,8 @@ pub(super) enum Motion {
 
 impl Motion {
     /// The motion of an animation.
-    pub fn of(animation: Option<&Spanned<AnimationEntry>>) -> Self {
-        let Some(animation) = animation.map(Spanned::get_ref) else { return Self::Still };
+    pub fn of(animation: Option<&AnimationEntry>) -> Self {
+        let Some(animation) = animation else { return Self::Still };
         let candidates = [
             animation.rotation.as_ref().map(|spin| Self::Spin(spin.degrees_per_second)),
             animation.keyframes.last().and_then(|last| {
@@ -311,7 +310,7 @@ mod tests {
     #[test]
     fn motions_are_known_again() {
         for motion in [Motion::Still, Motion::Spin(45.0), Motion::Sway(20.0, 3.0), Motion::Path(0.5, 6.0)] {
-            let animation = motion.animation().map(|entry| Spanned::new(0..0, entry));
+            let animation = motion.animation();
             let known = Motion::of(animation.as_ref());
             match (motion, known) {
                 (Motion::Path(a, b), Motion::Path(c, d)) => {

@@ -166,7 +166,7 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
         }
     };
     let scene = Arc::new(scene);
-    let goes_on = current.is_some_and(|current| scene.is_built_like(&current));
+    let goes_on = current.is_some_and(|current| scene.same_geometry_and_bindings(&current));
     let renderer = if goes_on {
         None
     } else {

@@ -311,7 +311,7 @@ impl Open {
     fn save(&mut self, path: PathBuf) {
         let Some(stage) = &mut self.stage else { return };
         let camera = self.flight.has_moved().then_some(&stage.pose.camera);
-        let text = stage.document_to_save(camera).text();
+        let text = stage.document_to_save(camera).text_to_save(&path);
         stage.edited = false;
         stage.saved = Some(Saved { path: path.clone(), camera: stage.pose.camera });
         self.saving.push(Saving::text(path, text));

@@ -75,7 +75,7 @@ pub fn traces_reflections(scene: &Scene, settings: &Settings) -> bool {
             let smooth = limit >= 1.0
                 || material.roughness < limit + REFLECTION_BLEND
                 || material.metallic_roughness_texture.is_some();
-            reflects && smooth && !material.is_sheet()
+            reflects && smooth && !material.is_thin_surface()
         }),
     }
 }

@@ -150,7 +150,7 @@ pub trait Estimator: Any + Send {
     /// Where the device cannot do with them; it then goes on with the old ones.
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError>;
 
-    /// Goes on with a scene that [is built like](crate::scene::Scene::is_built_like) the last one, with other materials, lights or environment.
+    /// Goes on with a scene that [is built like](crate::scene::Scene::same_geometry_and_bindings) the last one, with other materials, lights or environment.
     /// No frame is on its way.
     fn change_scene(&mut self, _world: World<'_>) {}
 

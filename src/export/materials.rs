@@ -60,7 +60,7 @@ impl Export<'_> {
             return masked(self.coverage(material)).child(surface);
         }
         match material.alpha_mask {
-            Some(mask) if !material.is_sheet() => {
+            Some(mask) if !material.is_thin_surface() => {
                 let file = format!("textures/{}.png", named("mask", mask, ""));
                 self.add_file(&file, Content::Mask(mask));
                 let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);

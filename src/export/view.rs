@@ -24,7 +24,7 @@ impl Export<'_> {
     pub(super) fn integrator_name(&self) -> &'static str {
         let used = |&material: &u32| {
             let material = &self.scene.materials[material as usize];
-            material.alpha_mask.is_some() || material.is_sheet()
+            material.alpha_mask.is_some() || material.is_thin_surface()
         };
         let has_discs = self.pose.lights.iter().any(|light| light.half_angle > 0.0);
         if self.hides_emitters || has_discs || self.used_materials.iter().any(used) {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use glam::Affine3A;
 
 use super::error::SceneError;
-use super::scene_file::{ReadFiles, SceneFile, build};
+use super::scene_file::{ReadFiles, SceneFile, load_toml};
 use super::{default_view, gltf, obj};
 use crate::builtin;
 use crate::scene::{Instance, Scene};
@@ -76,8 +76,8 @@ pub(crate) fn find(name: &str) -> Result<Source, SceneError> {
 /// the scene needs none.
 pub fn missing_asset(name: &str, assets: Option<&Path>) -> Option<PathBuf> {
     let file = SceneFile::parse(Path::new(name), builtin::scene_file(name)?).ok()?;
-    let maps = file.environment.iter().filter_map(|environment| environment.get_ref().asset.as_ref());
-    let models = file.models.iter().filter_map(|model| model.get_ref().asset.as_ref());
+    let maps = file.environment.iter().filter_map(|environment| environment.asset.as_ref());
+    let models = file.models.iter().filter_map(|model| model.asset.as_ref());
     let is_there = |asset: &Path| assets.is_some_and(|folder| folder.join(asset).is_file());
     models.chain(maps).find(|asset| !is_there(asset)).cloned()
 }
@@ -90,22 +90,12 @@ pub fn scene_of_text(text: &str, assets: Option<&Path>) -> Result<Scene, SceneEr
     ReadFiles::default().scene_of_text(text, assets)
 }
 
-pub(crate) fn load_toml(
-    path: &Path,
-    text: &str,
-    assets: Option<&Path>,
-    read: &mut ReadFiles,
-) -> Result<Scene, SceneError> {
-    let file = SceneFile::parse(path, text)?;
-    build::build(path, text, file, assets, read)
-}
-
 fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(path));
     let mesh = obj::add_obj(path, &mut scene)?;
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    default_view::stage(&mut scene, None, false);
+    default_view::add_default_camera_and_light(&mut scene, None, false);
     Ok(scene)
 }

@@ -7,6 +7,7 @@ mod default_view;
 mod environment_map;
 mod error;
 mod gltf;
+mod images;
 mod load;
 mod obj;
 mod scene_file;

@@ -117,18 +117,18 @@ impl GpuScene {
         bvh: &TwoLevelBvh,
     ) -> Result<SceneChanges, VulkanError> {
         let (materials, environment) = self.buffers.for_scene(device, scene)?;
-        let sheets = bvh.sheets_of(scene);
+        let thin_surfaces = bvh.thin_surfaces_of(scene);
         Ok(SceneChanges {
             materials,
             environment,
-            sheet_materials: self.tracer.sheet_materials(device, &sheets)?,
+            thin_surface_materials: self.tracer.thin_surface_materials(device, &thin_surfaces)?,
         })
     }
 
     /// Goes on with them. No frame is in flight.
     pub fn apply(&mut self, changes: SceneChanges) {
         self.buffers.replace(changes.materials, changes.environment);
-        self.tracer.replace_sheets(changes.sheet_materials);
+        self.tracer.replace_thin_surfaces(changes.thin_surface_materials);
     }
 
     /// Brings the lights up to date with `pose`. With `soft` shadows they keep their extent.
@@ -193,7 +193,7 @@ impl GpuScene {
 pub struct SceneChanges {
     materials: Buffer,
     environment: Option<EnvironmentTexture>,
-    sheet_materials: Buffer,
+    thin_surface_materials: Buffer,
 }
 
 /// A count as shaders take it.

@@ -40,7 +40,7 @@ pub struct SceneBuffers {
     material_textures: Vec<[(usize, [Wrap; 2]); 4]>,
     /// The environment's map.
     pub environment: EnvironmentTexture,
-    /// All clusters of all visible instances but those of thin sheets, by material: what the G-buffer may draw.
+    /// All clusters of all visible instances but those of thin surfaces, by material: what the G-buffer may draw.
     pub draws: Vec<Draw>,
     /// What of the G-buffer's shader each material needs: 1 for an alpha mask, 2 for more than one set of plain texture
     /// coordinates.
@@ -68,7 +68,7 @@ impl SceneBuffers {
     pub fn new(device: &Arc<Device>, scene: &Scene) -> Result<Self, VulkanError> {
         let geometry = Geometry::of(scene);
         let mut draws = geometry.draws(scene);
-        draws.retain(|draw| !scene.materials[draw.material as usize].is_sheet());
+        draws.retain(|draw| !scene.materials[draw.material as usize].is_thin_surface());
         draws.sort_by_key(|draw| (draw.material, draw.instance));
         let colours = vertex_colours(scene);
         let mut textures = scene
@@ -106,7 +106,7 @@ impl SceneBuffers {
         })
     }
 
-    /// What differs for a scene that [is built like](Scene::is_built_like) this one: the materials, and the environment if its map
+    /// What differs for a scene that [is built like](Scene::same_geometry_and_bindings) this one: the materials, and the environment if its map
     /// is another one.
     pub fn for_scene(
         &self,

@@ -171,7 +171,7 @@ pub(crate) mod tests {
     use super::super::hit_buffers::TextureData;
     use super::TextureUseData as TextureUse;
     use super::*;
-    use crate::bvh::sheets::{GpuSheet, GpuSheetTriangle};
+    use crate::bvh::thin_surfaces::{GpuThinSurface, GpuThinTriangle};
     use crate::passes::cast_rays::GpuRay;
     use crate::vulkan::{Reflection, shaders};
 
@@ -273,10 +273,10 @@ pub(crate) mod tests {
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
-        same_layout!(shaders::CAST_RAYS_COMP.software, GpuSheetTriangle, uvs, colours, pad);
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuThinTriangle, uvs, colours, pad);
         same_layout!(
             shaders::CAST_RAYS_COMP.software,
-            GpuSheet,
+            GpuThinSurface,
             passed,
             base,
             reflectance,

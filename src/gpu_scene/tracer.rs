@@ -9,7 +9,7 @@ use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuAlphaMasks;
-use crate::bvh::sheets::GpuSheets;
+use crate::bvh::thin_surfaces::GpuThinSurfaces;
 use crate::vulkan::shaders::PerTracer;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, VulkanError};
 
@@ -43,8 +43,8 @@ impl RayTracer {
 pub struct TracerVariant {
     /// What traces the rays.
     pub tracer: RayTracer,
-    /// Whether the scene has thin sheets: `HAS_SHEETS` in shaders.
-    pub sheets: bool,
+    /// Whether the scene has thin surfaces: `HAS_THIN_SURFACES` in shaders.
+    pub thin_surfaces: bool,
 }
 
 impl TracerVariant {
@@ -59,7 +59,7 @@ impl TracerVariant {
         shader: PerTracer,
         constants: &[u32],
     ) -> Result<ComputePipeline, VulkanError> {
-        let constants = [&[u32::from(self.sheets)], constants].concat();
+        let constants = [&[u32::from(self.thin_surfaces)], constants].concat();
         ComputePipeline::specialised(device, name, self.tracer.of(shader), &constants)
     }
 }
@@ -70,10 +70,10 @@ pub struct Tracer {
     triangle_uvs: Buffer,
     masks: Buffer,
     mask_bits: Buffer,
-    sheet_triangles: Buffer,
-    sheets: Buffer,
-    sheet_texels: Buffer,
-    has_sheets: bool,
+    thin_triangles: Buffer,
+    thin_surfaces: Buffer,
+    thin_texels: Buffer,
+    has_thin_surfaces: bool,
 }
 
 enum Structure {
@@ -84,47 +84,55 @@ enum Structure {
 impl Tracer {
     /// Uploads everything and, for the hardware tracer, builds what does not move.
     pub fn new(device: &Arc<Device>, tracer: RayTracer, bvh: &TwoLevelBvh) -> Result<Self, VulkanError> {
-        let (structure, alpha, sheets) = match tracer {
+        let (structure, alpha, thin_surfaces) = match tracer {
             RayTracer::Software => {
                 let layout = bvh.gpu_layout();
-                (Structure::Software(SoftwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
+                (
+                    Structure::Software(SoftwareTracer::new(device, bvh, &layout)?),
+                    layout.alpha,
+                    layout.thin_surfaces,
+                )
             }
             RayTracer::Hardware => {
                 let layout = bvh.hardware_layout();
-                (Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?), layout.alpha, layout.sheets)
+                (
+                    Structure::Hardware(HardwareTracer::new(device, bvh, &layout)?),
+                    layout.alpha,
+                    layout.thin_surfaces,
+                )
             }
         };
         let GpuAlphaMasks { triangle_uvs, masks, mask_bits } = alpha;
-        let GpuSheets { triangles: sheet_triangles, sheets, texels } = &*sheets;
+        let GpuThinSurfaces { triangles: thin_triangles, thin_surfaces, texels } = &*thin_surfaces;
         Ok(Self {
             structure,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &masks)?,
             mask_bits: Buffer::with_data(device, "bvh_mask_bits", &mask_bits)?,
-            sheet_triangles: Buffer::with_data(device, "bvh_sheet_triangles", sheet_triangles)?,
-            sheets: Buffer::with_data(device, "bvh_sheets", sheets)?,
-            sheet_texels: Buffer::with_data(device, "bvh_sheet_texels", texels)?,
-            has_sheets: bvh.has_sheets(),
+            thin_triangles: Buffer::with_data(device, "bvh_thin_triangles", thin_triangles)?,
+            thin_surfaces: Buffer::with_data(device, "bvh_thin_surfaces", thin_surfaces)?,
+            thin_texels: Buffer::with_data(device, "bvh_thin_texels", texels)?,
+            has_thin_surfaces: bvh.has_thin_surfaces(),
         })
     }
 
-    /// Uploads sheets of other materials, for [`Self::replace_sheets`].
-    pub(super) fn sheet_materials(
+    /// Uploads thin surfaces of other materials, for [`Self::replace_thin_surfaces`].
+    pub(super) fn thin_surface_materials(
         &self,
         device: &Arc<Device>,
-        sheets: &GpuSheets,
+        thin_surfaces: &GpuThinSurfaces,
     ) -> Result<Buffer, VulkanError> {
-        Buffer::with_data(device, "bvh_sheets", &sheets.sheets)
+        Buffer::with_data(device, "bvh_thin_surfaces", &thin_surfaces.thin_surfaces)
     }
 
-    /// Goes on with sheets of other materials. No frame is in flight.
-    pub(super) fn replace_sheets(&mut self, sheets: Buffer) {
-        self.sheets = sheets;
+    /// Goes on with thin surfaces of other materials. No frame is in flight.
+    pub(super) fn replace_thin_surfaces(&mut self, thin_surfaces: Buffer) {
+        self.thin_surfaces = thin_surfaces;
     }
 
     /// Which shaders it is for: pipelines must be made of them.
     pub fn variant(&self) -> TracerVariant {
-        TracerVariant { tracer: self.kind(), sheets: self.has_sheets }
+        TracerVariant { tracer: self.kind(), thin_surfaces: self.has_thin_surfaces }
     }
 
     /// Which tracer it is.
@@ -149,9 +157,9 @@ impl Tracer {
             ("bvh_masks", (&self.masks).into()),
             ("bvh_mask_bits", (&self.mask_bits).into()),
             ("bvh_triangle_uvs", (&self.triangle_uvs).into()),
-            ("bvh_sheet_triangles", (&self.sheet_triangles).into()),
-            ("bvh_sheets", (&self.sheets).into()),
-            ("bvh_sheet_texels", (&self.sheet_texels).into()),
+            ("bvh_thin_triangles", (&self.thin_triangles).into()),
+            ("bvh_thin_surfaces", (&self.thin_surfaces).into()),
+            ("bvh_thin_texels", (&self.thin_texels).into()),
         ];
         match &self.structure {
             Structure::Software(tracer) => resources.extend(tracer.resources()),

@@ -45,7 +45,7 @@ pub const VIEWS: [View; 18] = [
     View {
         name: "direct-shadows",
         label: "Direct shadows",
-        about: "What arrives of the lights at each pixel, on average: white sees all, thin sheets tint",
+        about: "What arrives of the lights at each pixel, on average: white sees all, thin surfaces tint",
     },
     View {
         name: "position",
@@ -114,9 +114,9 @@ pub struct BufferViewPass {
 }
 
 impl BufferViewPass {
-    /// Makes the pipeline, for a scene with thin sheets or without.
-    pub fn new(device: &Arc<Device>, sheets: bool) -> Result<Self, VulkanError> {
-        let (shader, constants) = (shaders::BUFFER_VIEW_COMP, [u32::from(sheets)]);
+    /// Makes the pipeline, for a scene with thin surfaces or without.
+    pub fn new(device: &Arc<Device>, thin_surfaces: bool) -> Result<Self, VulkanError> {
+        let (shader, constants) = (shaders::BUFFER_VIEW_COMP, [u32::from(thin_surfaces)]);
         Ok(Self { pipeline: ComputePipeline::specialised(device, "buffer_view", shader, &constants)? })
     }
 

@@ -1,4 +1,4 @@
-//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind sheets. Once edges are
+//! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind thin surfaces. Once edges are
 //! smoothed: exposure, filmic tone map, sRGB.
 
 use std::cell::Cell;
@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::sheets::SheetImages;
 use super::storage_image;
+use super::thin_surfaces::ThinSurfaceImages;
 use crate::vulkan::{
     Buffer, ComputePipeline, Device, Frame, Image, ImageDescription, Pass, Upload, VulkanError, shaders, vk,
 };
@@ -29,8 +29,8 @@ pub struct CombineInputs<'a> {
     pub albedo: &'a Image,
     /// Directional albedo of the GGX lobe.
     pub specular_albedo: &'a Image,
-    /// What is seen of sheets, in scenes that have them.
-    pub sheets: Option<&'a SheetImages>,
+    /// What is seen of thin surfaces, in scenes that have them.
+    pub thin_surfaces: Option<&'a ThinSurfaceImages>,
     /// What the GGX lobe mirrors, over its directional albedo; where rays trace it.
     pub reflection: Option<&'a Image>,
 }
@@ -38,9 +38,11 @@ pub struct CombineInputs<'a> {
 impl CombineInputs<'_> {
     /// Binds everything that shaders/include/radiance.glsl names.
     fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        // Without sheets images of the same formats are bound, and not read.
-        let [light, albedo, transmittance] = match self.sheets {
-            Some(sheets) => [&sheets.light, &sheets.albedo, &sheets.transmittance],
+        // Without thin surfaces images of the same formats are bound, and not read.
+        let [light, albedo, transmittance] = match self.thin_surfaces {
+            Some(thin_surfaces) => {
+                [&thin_surfaces.light, &thin_surfaces.albedo, &thin_surfaces.transmittance]
+            }
             None => [self.direct, self.albedo, self.albedo],
         };
         let reflection = self.reflection.unwrap_or(self.albedo);
@@ -50,9 +52,9 @@ impl CombineInputs<'_> {
             .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
             .read("specular_albedo", self.specular_albedo)
-            .read("sheet_light", light)
-            .read("sheet_albedo", albedo)
-            .read("sheet_transmittance", transmittance)
+            .read("thin_light", light)
+            .read("thin_albedo", albedo)
+            .read("thin_transmittance", transmittance)
     }
 }
 
@@ -80,9 +82,9 @@ pub struct CombinePass {
 }
 
 impl CombinePass {
-    /// Makes the pipelines, for a scene with thin sheets or without, and the pictures, of `extent` texels.
-    pub fn new(device: &Arc<Device>, sheets: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
-        let constants = [u32::from(sheets)];
+    /// Makes the pipelines, for a scene with thin surfaces or without, and the pictures, of `extent` texels.
+    pub fn new(device: &Arc<Device>, thin_surfaces: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
+        let constants = [u32::from(thin_surfaces)];
         let pipeline = |name, spirv| ComputePipeline::new(device, name, spirv);
         let radiance = vk::Format::R16G16B16A16_SFLOAT;
         Ok(Self {

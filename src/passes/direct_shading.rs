@@ -30,14 +30,14 @@ pub struct DirectShadingPass {
 }
 
 impl DirectShadingPass {
-    /// Makes the pipeline, for a scene with thin sheets or without, hard shadows or soft ones, and the images, of `extent` texels.
+    /// Makes the pipeline, for a scene with thin surfaces or without, hard shadows or soft ones, and the images, of `extent` texels.
     pub fn new(
         device: &Arc<Device>,
-        sheets: bool,
+        thin_surfaces: bool,
         soft: bool,
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
-        let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [sheets, soft].map(u32::from));
+        let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [thin_surfaces, soft].map(u32::from));
         let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
         let direct = storage_image(device, "direct", vk::Format::R16G16B16A16_SFLOAT, extent)?;
         let specular_albedo =

@@ -1,6 +1,6 @@
 //! `direct_shadows`: what arrives of each light at each pixel, by one ray for each light that it faces.
 //!
-//! In: the visible surfaces and the lights. Out: a bit for each light or, in scenes with thin sheets, the colour that these let
+//! In: the visible surfaces and the lights. Out: a bit for each light or, in scenes with thin surfaces, the colour that these let
 //! pass. Rays need no bias that would leak light through walls without thickness or lose shadows under a grazing light.
 
 use std::sync::Arc;
@@ -13,15 +13,15 @@ use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// Lights of which a texel of one layer tells. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
-fn lights_per_layer(sheets: bool) -> u32 {
-    if sheets { 1 } else { 32 }
+fn lights_per_layer(thin_surfaces: bool) -> u32 {
+    if thin_surfaces { 1 } else { 32 }
 }
 
 /// The pass.
 pub struct DirectShadowsPass {
     tracer: TracerVariant,
     pipeline: ComputePipeline,
-    /// Bit i of layer l: whether the pixel sees light 32 l + i; with sheets, layer i: what arrives of light i, packed.
+    /// Bit i of layer l: whether the pixel sees light 32 l + i; with thin surfaces, layer i: what arrives of light i, packed.
     visibility: Image,
     last: LastInputs<[Version; 3]>,
     device: Arc<Device>,
@@ -69,7 +69,7 @@ impl DirectShadowsPass {
     }
 
     fn make_room(&mut self, lights: u32) -> Result<(), VulkanError> {
-        let layers = lights.div_ceil(lights_per_layer(self.tracer.sheets));
+        let layers = lights.div_ceil(lights_per_layer(self.tracer.thin_surfaces));
         if layers > self.visibility.layers() {
             // Frames in flight still read the old image.
             self.device.wait_idle()?;

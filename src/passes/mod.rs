@@ -15,8 +15,8 @@ pub mod gbuffer;
 pub mod history;
 pub mod overlay;
 pub mod reprojection;
-pub mod sheets;
 pub mod taa;
+pub mod thin_surfaces;
 
 use std::sync::Arc;
 

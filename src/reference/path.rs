@@ -254,9 +254,9 @@ impl Reference<'_> {
         let hits = self.bvh.intersect_all(rays);
         hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
         let pass = |(index, hit): (usize, Option<Hit>)| {
-            let (hit, passage) =
-                self.world().pass_sheets(&rays[index], hit, std::iter::repeat_with(|| number(index)));
-            (hit, passage.weight)
+            let (hit, transmission) =
+                self.world().pass_thin_surfaces(&rays[index], hit, std::iter::repeat_with(|| number(index)));
+            (hit, transmission.weight)
         };
         hits.into_iter().enumerate().map(pass).collect()
     }

@@ -10,7 +10,7 @@ use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::direct_shading::{DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::frame_inputs::FrameInputs;
-use crate::passes::sheets::SheetsPass;
+use crate::passes::thin_surfaces::ThinSurfacesPass;
 use crate::scene::Pose;
 use crate::settings::{Direct, Indirect, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
@@ -19,8 +19,8 @@ use crate::vulkan::{Device, Frame, Image, VulkanError};
 pub(super) struct DirectPasses {
     pub shadows: ShadowPasses,
     pub shading: DirectShadingPass,
-    /// Only where there are thin sheets.
-    pub sheets: Option<SheetsPass>,
+    /// Only where there are thin surfaces.
+    pub thin_surfaces: Option<ThinSurfacesPass>,
 }
 
 /// What casts the shadows of lights.
@@ -47,7 +47,8 @@ impl DirectPasses {
         tracer: TracerVariant,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let sheets = tracer.sheets.then(|| SheetsPass::new(device, tracer, settings.size));
+        let thin_surfaces =
+            tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, settings.size));
         let soft = settings.direct == Direct::Soft;
         let shadows = match settings.direct {
             Direct::Hard => {
@@ -55,8 +56,8 @@ impl DirectPasses {
             }
             Direct::Soft => ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?)),
         };
-        let shading = DirectShadingPass::new(device, tracer.sheets, soft, settings.size)?;
-        Ok(Self { shadows, shading, sheets: sheets.transpose()? })
+        let shading = DirectShadingPass::new(device, tracer.thin_surfaces, soft, settings.size)?;
+        Ok(Self { shadows, shading, thin_surfaces: thin_surfaces.transpose()? })
     }
 
     /// The visibility of each light, or what stands for it where shadows are soft.
@@ -85,8 +86,8 @@ impl DirectPasses {
             }
         };
         self.shading.record(frame, inputs, shadows, surroundings.background)?;
-        match &mut self.sheets {
-            Some(sheets) => sheets.record(frame, inputs, surroundings.ambient),
+        match &mut self.thin_surfaces {
+            Some(thin_surfaces) => thin_surfaces.record(frame, inputs, surroundings.ambient),
             None => Ok(()),
         }
     }

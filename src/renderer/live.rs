@@ -70,14 +70,14 @@ impl Renderer {
     }
 
     /// Goes on with an edited scene from the next frame on; `pose` is where everything stands now. Where it
-    /// [is built like](Scene::is_built_like) the last one, only the numbers of the materials, and the environment's map if it is
+    /// [is built like](Scene::same_geometry_and_bindings) the last one, only the numbers of the materials, and the environment's map if it is
     /// another one, go to the device. Once nothing moves and the estimator has forgotten its past, the picture is that of a
     /// renderer that was made with the scene.
     ///
     /// # Errors
     /// Where the device cannot do with it; the renderer then goes on with the old one.
     pub fn set_scene(&mut self, scene: &Arc<Scene>, pose: &Pose) -> Result<(), RenderError> {
-        if !scene.is_built_like(&self.scene) {
+        if !scene.same_geometry_and_bindings(&self.scene) {
             let settings = self.settings.clone();
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
@@ -92,7 +92,7 @@ impl Renderer {
         if let Some(passes) = passes {
             self.passes = passes;
         }
-        self.bvh.replace_sheets(self.bvh.sheets_of(scene));
+        self.bvh.replace_thin_surfaces(self.bvh.thin_surfaces_of(scene));
         self.gpu_scene.apply(changes);
         self.scene = Arc::clone(scene);
         self.clock.disturb();

@@ -9,7 +9,7 @@ use super::{RenderError, Renderer};
 use crate::effects::reflections::reflection_weight;
 use crate::output::{Layer, Picture};
 use crate::passes::effect_view::Visualization;
-use crate::passes::sheets::SheetsPass;
+use crate::passes::thin_surfaces::ThinSurfacesPass;
 use crate::vulkan::Image;
 
 /// Twin of MATERIAL in shaders/include/gbuffer.glsl.
@@ -25,29 +25,29 @@ struct Light {
     specular_albedo: Vec<[f32; 4]>,
 }
 
-/// What sheets add to the light of each pixel, and let pass of it.
-struct SheetLight {
+/// What thin surfaces add to the light of each pixel, and let pass of it.
+struct ThinSurfaceLight {
     light: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
     transmittance: Vec<[f32; 4]>,
 }
 
 impl Light {
-    /// As it is seen through sheets. Roughness, the alpha of the albedo, stays that of the surface.
-    fn behind(self, sheets: &SheetLight) -> Self {
+    /// As it is seen through thin surfaces. Roughness, the alpha of the albedo, stays that of the surface.
+    fn behind(self, thin_surfaces: &ThinSurfaceLight) -> Self {
         let passed = |light: Vec<[f32; 4]>, added: Option<&Vec<[f32; 4]>>| {
             let pass = |(pixel, mut light): (usize, [f32; 4])| {
                 for channel in 0..3 {
                     let added = added.map_or(0.0, |added| added[pixel][channel]);
-                    light[channel] = light[channel] * sheets.transmittance[pixel][channel] + added;
+                    light[channel] = light[channel] * thin_surfaces.transmittance[pixel][channel] + added;
                 }
                 light
             };
             light.into_iter().enumerate().map(pass).collect()
         };
         Self {
-            direct: passed(self.direct, Some(&sheets.light)),
-            albedo: passed(self.albedo, Some(&sheets.albedo)),
+            direct: passed(self.direct, Some(&thin_surfaces.light)),
+            albedo: passed(self.albedo, Some(&thin_surfaces.albedo)),
             specular_albedo: passed(self.specular_albedo, None),
             mirrored: self.mirrored,
             irradiance: self.irradiance,
@@ -102,13 +102,14 @@ impl Renderer {
             albedo,
             specular_albedo: self.read_halves(self.passes.direct.shading.specular_albedo(), 4)?,
         };
-        let Some(sheets) = self.passes.direct.sheets.as_ref().map(SheetsPass::output) else {
+        let Some(thin_surfaces) = self.passes.direct.thin_surfaces.as_ref().map(ThinSurfacesPass::output)
+        else {
             return Ok(light);
         };
-        Ok(light.behind(&SheetLight {
-            light: self.read_halves(&sheets.light, 4)?,
-            albedo: self.read_halves(&sheets.albedo, 4)?,
-            transmittance: self.read_halves(&sheets.transmittance, 4)?,
+        Ok(light.behind(&ThinSurfaceLight {
+            light: self.read_halves(&thin_surfaces.light, 4)?,
+            albedo: self.read_halves(&thin_surfaces.albedo, 4)?,
+            transmittance: self.read_halves(&thin_surfaces.transmittance, 4)?,
         }))
     }
 

@@ -66,7 +66,7 @@ impl SharedPasses {
             reprojection: ReprojectionPass::new(device, size)?,
             direct: DirectPasses::new(device, tracer, settings)?,
             reflections: reflections.then(|| Reflections::new(device, tracer, settings)).transpose()?,
-            combine: CombinePass::new(device, tracer.sheets, size)?,
+            combine: CombinePass::new(device, tracer.thin_surfaces, size)?,
             taa: taa.then(|| TaaPass::new(device, size)).transpose()?,
         })
     }

@@ -84,7 +84,8 @@ impl Renderer {
         self.estimator.look_at(view)?;
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
-                self.views.buffer = Some(BufferViewPass::new(&self.device, self.gpu_scene.variant().sheets)?);
+                self.views.buffer =
+                    Some(BufferViewPass::new(&self.device, self.gpu_scene.variant().thin_surfaces)?);
             }
             if self.views.effect.is_none() {
                 self.views.effect = Some(EffectViewPass::new(&self.device)?);

@@ -6,11 +6,11 @@ use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
-use super::recording::recorded_camera;
 use super::{BoundingSphere, Scene};
 
 /// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Eye point, world space.
     pub eye: Vec3,
@@ -25,6 +25,7 @@ pub struct Camera {
     /// View depth of the far plane, > near.
     pub far: f32,
     /// How far the pixels' rays are shifted to the right and down, where the picture reaches from -1 to 1: for antialiasing.
+    #[serde(skip)]
     pub shift: Vec2,
 }
 
@@ -136,7 +137,7 @@ impl Scene {
                 match &mut frame.camera {
                     Some(recorded) if !is_moved => recorded.vertical_fov = camera.vertical_fov,
                     // A scene that was opened during the recording needs the overridden camera, too.
-                    recorded => *recorded = frame.scene.is_some().then(|| recorded_camera(&camera)),
+                    recorded => *recorded = frame.scene.is_some().then_some(camera),
                 }
             }
         }
@@ -157,7 +158,7 @@ mod tests {
         let rotation = Rotation { axis: Vec3::Y, speed: 1.0, pivot: Some(Vec3::ZERO) };
         scene.camera_animation = Some(Animation { rotation: Some(rotation), ..Animation::default() });
         scene.recording = Arc::new(vec![RecordedFrame {
-            camera: Some(recorded_camera(&Camera::looking(Vec3::X, Vec3::ZERO))),
+            camera: Some(Camera::looking(Vec3::X, Vec3::ZERO)),
             ..RecordedFrame::default()
         }]);
         scene

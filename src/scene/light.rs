@@ -41,10 +41,11 @@ pub enum LightKind {
 }
 
 /// Types of lights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightType {
     /// The same in all directions.
+    #[default]
     Point,
     /// A cone.
     Spot,

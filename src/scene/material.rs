@@ -18,7 +18,7 @@ pub enum Alpha {
     Opaque,
     /// The surface is there where alpha is at least this: see [`Material::alpha_mask`].
     Mask(f32),
-    /// It is a thin sheet: alpha is the share of it that is there, and light passes the rest without refraction.
+    /// It is a thin surface: alpha is the share of it that is there, and light passes the rest without refraction.
     Blend,
 }
 
@@ -53,7 +53,7 @@ pub struct Material {
     pub alpha: Alpha,
     /// Alpha, 0 to 1, multiplied with that of the base colour's texture and of the vertices' colours.
     pub opacity: f32,
-    /// Share of what the base colour reflects diffusely that it lets pass instead, tinted: a thin sheet without refraction.
+    /// Share of what the base colour reflects diffusely that it lets pass instead, tinted: a thin surface without refraction.
     pub transmission: f32,
     /// Whether the file shows both sides. Surfaces always have two here.
     pub double_sided: bool,
@@ -216,22 +216,22 @@ impl Material {
     }
 
     /// Whether light passes it in part.
-    pub fn is_sheet(&self) -> bool {
+    pub fn is_thin_surface(&self) -> bool {
         self.alpha == Alpha::Blend || self.transmission > 0.0
     }
 
-    /// How much of a sheet is there at a point: its share of an opaque surface's reflection; and what that lets pass.
-    pub fn sheet_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Sheet {
+    /// How much of a thin surface is there at a point: its share of an opaque surface's reflection; and what that lets pass.
+    pub fn thin_surface_at(&self, scene: &Scene, at: impl Into<Attributes>) -> ThinSurface {
         let at = at.into();
         let texel = self.base_colour_texture.map_or(Vec4::ONE, |texture| {
             scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), texture.wrap)
         });
         let colour = texel * at.colour;
         let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };
-        Sheet { coverage, passed: self.passed() * colour.truncate() }
+        ThinSurface { coverage, passed: self.passed() * colour.truncate() }
     }
 
-    /// What a sheet lets pass where its coat reflects nothing, to be multiplied with its texture.
+    /// What a thin surface lets pass where its coat reflects nothing, to be multiplied with its texture.
     pub(crate) fn passed(&self) -> Vec3 {
         self.base_colour * (self.transmission * (1.0 - self.metallic))
     }
@@ -250,17 +250,17 @@ fn mean(scene: &Scene, texture: Option<TextureUse>) -> Vec3 {
     texture.map_or(Vec3::ONE, |texture| scene.textures[texture.texture].mean())
 }
 
-/// A point of a thin sheet.
+/// A point of a thin surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sheet {
+pub struct ThinSurface {
     /// The share of the surface that is there.
     pub coverage: f32,
     /// What that part lets pass of the light that its coat does not reflect.
     pub passed: Vec3,
 }
 
-impl Sheet {
-    /// What the sheet lets pass where its coat reflects `reflected`.
+impl ThinSurface {
+    /// What the thin surface lets pass where its coat reflects `reflected`.
     pub fn transmittance(&self, reflected: f32) -> Vec3 {
         Vec3::splat(1.0 - self.coverage) + self.passed * (self.coverage * (1.0 - reflected))
     }

@@ -25,9 +25,9 @@ pub use environment::{Environment, EnvironmentMap};
 pub use light::{AreaTriangle, Light, LightKind, LightType, luminance, spot_falloff};
 pub use light_cone::{ConeSample, LightCone};
 pub(crate) use material::GLTF_F0;
-pub use material::{Alpha, AlphaMask, Material, Sheet, Texture, roughness_of_exponent};
+pub use material::{Alpha, AlphaMask, Material, Texture, ThinSurface, roughness_of_exponent};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
-pub use recording::{RecordedCamera, RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
+pub use recording::{RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use texture_use::{Attributes, TextureUse, Wrap};
@@ -208,7 +208,7 @@ impl Scene {
 
     /// Whether a renderer of `other` can go on with this scene: what is built from meshes, textures and instances is the same.
     /// Numbers of materials, lights, camera and environment may differ.
-    pub fn is_built_like(&self, other: &Self) -> bool {
+    pub fn same_geometry_and_bindings(&self, other: &Self) -> bool {
         let same_meshes = self.meshes.len() == other.meshes.len()
             && self.meshes.iter().zip(&other.meshes).all(|(a, b)| Arc::ptr_eq(a, b) || a == b);
         let same_textures = self.textures.len() == other.textures.len()
@@ -218,7 +218,7 @@ impl Scene {
             scene.instances.iter().map(place).collect()
         };
         let materials = |scene: &Self| -> Vec<_> {
-            let of = |m: &Material| (m.texture_uses(), m.alpha, m.is_sheet(), m.alpha_mask);
+            let of = |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask);
             scene.materials.iter().map(of).collect()
         };
         same_meshes

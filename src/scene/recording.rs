@@ -3,7 +3,7 @@
 //! A recording belongs to a scene file, and replays to the same pictures. Each frame stores only the difference to the
 //! frame before. Numbers round-trip to the same bits.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::{Camera, Light, LightKind, LightType, Pose, Scene};
@@ -22,7 +22,7 @@ pub struct RecordedFrame {
     /// The settings from this frame on.
     pub settings: Option<Settings>,
     /// The camera from this frame on.
-    pub camera: Option<RecordedCamera>,
+    pub camera: Option<Camera>,
     /// All lights from this frame on.
     pub lights: Option<Vec<RecordedLight>>,
     /// Brightness and rotation of the environment from this frame on.
@@ -30,19 +30,6 @@ pub struct RecordedFrame {
     /// The instances that moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub instances: Vec<RecordedInstance>,
-}
-
-/// A camera, see [`Camera`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the same as in Camera")]
-pub struct RecordedCamera {
-    pub eye: Vec3,
-    pub target: Vec3,
-    pub up: Vec3,
-    pub vertical_fov: f32,
-    pub near: f32,
-    pub far: f32,
 }
 
 /// A light. Area lights are those of the scene, in order; they move with their instances.
@@ -105,7 +92,7 @@ impl RecordedFrame {
             edited: None,
             settings: None,
             camera: (before.map(|pose| pose.camera) != Some(now.camera))
-                .then(|| recorded_camera(&now.camera)),
+                .then(|| Camera { shift: Vec2::ZERO, ..now.camera }),
             lights: (lights_before.as_ref() != Some(&lights)).then_some(lights),
             environment: environment.filter(|_| before.and_then(recorded_environment) != environment),
             instances: moved
@@ -125,8 +112,7 @@ impl RecordedFrame {
     /// One line, if the recording does not match the scene.
     pub fn apply(&self, pose: &mut Pose, scene: &Scene) -> Result<(), String> {
         if let Some(camera) = self.camera {
-            let RecordedCamera { eye, target, up, vertical_fov, near, far } = camera;
-            pose.camera = Camera { eye, target, up, vertical_fov, near, far, ..pose.camera };
+            pose.camera = Camera { shift: pose.camera.shift, ..camera };
         }
         if let Some(lights) = &self.lights {
             let mut areas = scene.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
@@ -151,11 +137,6 @@ impl RecordedFrame {
             pose.camera.eye.is_finite() && pose.instances.iter().all(|transform| transform.is_finite());
         if finite { Ok(()) } else { Err(format!("recording: frame {} has a non-finite number", self.frame)) }
     }
-}
-
-pub(crate) fn recorded_camera(camera: &Camera) -> RecordedCamera {
-    let Camera { eye, target, up, vertical_fov, near, far, .. } = *camera;
-    RecordedCamera { eye, target, up, vertical_fov, near, far }
 }
 
 fn recorded_environment(pose: &Pose) -> Option<RecordedEnvironment> {

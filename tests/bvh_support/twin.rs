@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
-use glowworm::bvh::{Ray, gpu::GpuBvh, sheets::SHEET};
+use glowworm::bvh::{Ray, gpu::GpuBvh, thin_surfaces::THIN_SURFACE};
 
 const NONE: u32 = u32::MAX;
 const STACK_SIZE: usize = 40;
@@ -24,7 +24,7 @@ pub struct TracerHit {
 enum Wanted {
     Closest,
     Any,
-    ClosestSheet,
+    ClosestThinSurface,
 }
 
 /// The buffers as the shader sees them.
@@ -76,9 +76,9 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Whether anything opaque lies on the segment; calls `sheet` with each sheet that was met until then.
-    pub fn trace_any(&self, ray: &Ray, mut sheet: impl FnMut(TracerHit)) -> bool {
-        self.traverse(ray, Wanted::Any, &mut sheet).instance != NONE
+    /// Whether anything opaque lies on the segment; calls `thin surface` with each thin surface that was met until then.
+    pub fn trace_any(&self, ray: &Ray, mut thin_surface: impl FnMut(TracerHit)) -> bool {
+        self.traverse(ray, Wanted::Any, &mut thin_surface).instance != NONE
     }
 
     pub fn trace_closest(&self, ray: &Ray) -> Option<TracerHit> {
@@ -86,12 +86,12 @@ impl<'a> Tracer<'a> {
         (hit.instance != NONE).then_some(hit)
     }
 
-    pub fn trace_sheet(&self, ray: &Ray) -> Option<TracerHit> {
-        let hit = self.traverse(ray, Wanted::ClosestSheet, &mut |_| {});
+    pub fn trace_thin_surface(&self, ray: &Ray) -> Option<TracerHit> {
+        let hit = self.traverse(ray, Wanted::ClosestThinSurface, &mut |_| {});
         (hit.instance != NONE).then_some(hit)
     }
 
-    fn traverse(&self, world: &Ray, wanted: Wanted, sheet: &mut dyn FnMut(TracerHit)) -> TracerHit {
+    fn traverse(&self, world: &Ray, wanted: Wanted, thin_surface: &mut dyn FnMut(TracerHit)) -> TracerHit {
         let mut hit = TracerHit {
             t: world.t_max,
             instance: NONE,
@@ -170,7 +170,9 @@ impl<'a> Tracer<'a> {
                     primitives.y &= !(1 << first);
                     let triangle = primitives.x + first;
                     let met = self.test_triangle(triangle, instance, &ray, world.t_min, &hit);
-                    if let Some(met) = met.filter(|met| self.stops(wanted, triangle, &ray, *met, sheet)) {
+                    if let Some(met) =
+                        met.filter(|met| self.stops(wanted, triangle, &ray, *met, thin_surface))
+                    {
                         hit = met;
                         if wanted == Wanted::Any {
                             return hit;
@@ -182,25 +184,25 @@ impl<'a> Tracer<'a> {
         hit
     }
 
-    /// Whether the triangle is one of those that are wanted, where it was met; calls `sheet` with sheets on the way.
+    /// Whether the triangle is one of those that are wanted, where it was met; calls `thin surface` with thin surfaces on the way.
     fn stops(
         &self,
         wanted: Wanted,
         triangle: u32,
         ray: &TracerRay,
         met: TracerHit,
-        sheet: &mut dyn FnMut(TracerHit),
+        thin_surface: &mut dyn FnMut(TracerHit),
     ) -> bool {
         let masked = self.triangles[triangle as usize * 3 + 1].w;
-        if masked & SHEET == 0 {
-            return wanted != Wanted::ClosestSheet
+        if masked & THIN_SURFACE == 0 {
+            return wanted != Wanted::ClosestThinSurface
                 && (masked == 0 || self.is_opaque(masked, met.barycentrics));
         }
         let counts = wanted != Wanted::Closest && self.owns_edges(triangle, ray);
         if counts && wanted == Wanted::Any {
-            sheet(met);
+            thin_surface(met);
         }
-        counts && wanted == Wanted::ClosestSheet
+        counts && wanted == Wanted::ClosestThinSurface
     }
 
     fn child_hits(&self, node: usize, ray: &TracerRay, t_min: f32, t_max: f32) -> u32 {

@@ -176,7 +176,7 @@ fn metallic_and_roughness_are_grey_images_times_their_factors() {
 }
 
 #[test]
-fn thin_sheets_have_coverage_and_pass_their_colour() {
+fn thin_surfaces_have_coverage_and_pass_their_colour() {
     let leaf = Texture::from_rgba8("leaf", 2, 1, vec![255, 255, 255, 255, 255, 255, 255, 51]);
     let material = Material {
         alpha: Alpha::Blend,

@@ -70,13 +70,13 @@ fn lit_floor(material: Material) -> Scene {
 }
 
 /// Adds a horizontal thin surface of `material` at height `y`.
-fn add_sheet(scene: &mut Scene, material: Material, y: f32) {
+fn add_thin_surface(scene: &mut Scene, material: Material, y: f32) {
     scene.materials.push(material);
     let material = scene.materials.len() as u32 - 1;
     let corners = [[-9.0, 9.0], [9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]].map(|[x, z]| Vec3::new(x, y, z));
-    scene.meshes.push(Mesh::polygon("sheet", &corners, material).into());
+    scene.meshes.push(Mesh::polygon("thin surface", &corners, material).into());
     let mesh = scene.meshes.len() - 1;
-    scene.instances.push(Instance::fixed("sheet", mesh, Affine3A::IDENTITY));
+    scene.instances.push(Instance::fixed("thin surface", mesh, Affine3A::IDENTITY));
 }
 
 #[test]
@@ -125,26 +125,26 @@ fn glossy_surfaces_reflect_glossy_surfaces() {
 }
 
 #[test]
-fn light_passes_a_sheet_tinted() {
+fn light_passes_a_thin_surface_tinted() {
     let floor = || lit_floor(Material::lambertian("floor", Vec3::splat(0.5)));
     let bare = mean(&colour(&picture(&floor(), &settings(4, Some(0)), 16)));
     // A tinted pane without reflection between light and floor, above the eye.
     let tint = Vec3::new(0.8, 0.5, 0.1);
     let pane = Material { transmission: 1.0, ..Material::lambertian("pane", tint) };
     let mut scene = floor();
-    add_sheet(&mut scene, pane.clone(), 1.5);
+    add_thin_surface(&mut scene, pane.clone(), 1.5);
     let found = mean(&colour(&picture(&scene, &settings(4, Some(0)), 64)));
     assert!(found.distance(bare * tint) < 1e-3 * bare.x, "{found} {bare}");
     // Between eye and floor as well: the light passes twice.
     let mut scene = floor();
-    add_sheet(&mut scene, pane, 0.5);
+    add_thin_surface(&mut scene, pane, 0.5);
     let found = mean(&colour(&picture(&scene, &settings(4, Some(0)), 4096)));
     assert!(found.distance(bare * tint * tint) < 0.02 * bare.x, "{found} {bare}");
     // A veil that is there in part: black, so what passes is the rest.
     let veil = Material { alpha: Alpha::Blend, opacity: 0.25, ..Material::lambertian("veil", Vec3::ZERO) };
     let mut scene = floor();
-    add_sheet(&mut scene, veil.clone(), 1.5);
-    add_sheet(&mut scene, veil, 1.6);
+    add_thin_surface(&mut scene, veil.clone(), 1.5);
+    add_thin_surface(&mut scene, veil, 1.6);
     let found = mean(&colour(&picture(&scene, &settings(4, Some(0)), 64)));
     assert_near(found.x, bare.x * 0.75 * 0.75, 1e-3);
 }
@@ -160,7 +160,7 @@ fn a_pane_of_glass_reflects_what_it_does_not_let_pass() {
         ..Material::lambertian("pane", Vec3::ONE)
     };
     let mut scene = Scene::new("pane");
-    add_sheet(&mut scene, clear, 0.0);
+    add_thin_surface(&mut scene, clear, 0.0);
     scene.environment = Some(Environment::constant(Vec3::ONE));
     scene.camera = Camera { vertical_fov: 0.5, ..Camera::looking(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO) };
     let rendered = picture(&scene, &settings(8, Some(1)), 4096);

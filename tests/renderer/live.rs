@@ -206,7 +206,7 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
     let mut before = renderer.read_picture(true).unwrap();
     for (what, scene) in scenes {
         let pose = scene.pose(0.0);
-        assert!(scene.is_built_like(renderer.scene()), "{what}");
+        assert!(scene.same_geometry_and_bindings(renderer.scene()), "{what}");
         renderer.set_scene(&scene, &pose).unwrap();
         renderer.render(&pose).unwrap();
         assert!(renderer.read_picture(true).unwrap() != before, "{what}: not seen in the next frame");
@@ -247,7 +247,7 @@ fn textured_materials_are_edited_without_their_textures() {
 fn a_scene_of_other_meshes_is_built_anew() {
     let Some(lab) = Lab::open() else { return };
     let (first, second) = (scene(STUDIO), named_scene("cornell-box", None));
-    assert!(!second.is_built_like(&first));
+    assert!(!second.same_geometry_and_bindings(&first));
     let mut renderer = lab.rendered(&first, &start(), 4);
     renderer.set_scene(&second, &second.pose(0.0)).unwrap();
     for _ in 0..8 {

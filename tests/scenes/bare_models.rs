@@ -157,7 +157,7 @@ fn the_same_model_is_seen_alike() {
     assert_eq!((a.camera, a.environment), (b.camera, b.environment));
 }
 
-/// A room needs a lamp; without its roof it does not.
+/// A room needs a light; without its roof it does not.
 #[test]
 fn the_sky_is_the_light_where_it_reaches() {
     let open = Obj::default().cuboid(Vec3::ZERO, Vec3::new(6.0, 3.0, 4.0), false);
@@ -179,7 +179,7 @@ fn the_sky_is_the_light_where_it_reaches() {
     assert!(open.environment.is_some() && open.lights.is_empty(), "{:?}", open.warnings);
 }
 
-/// A lamp that shines into the floor lights nothing; one under the ceiling lights the room.
+/// A light that shines into the floor lights nothing; one under the ceiling lights the room.
 #[test]
 fn emissive_materials_are_the_light_only_where_they_light_what_is_seen() {
     for (height, facing_down, lights) in [(2.99, true, 1), (2.99, false, 2)] {

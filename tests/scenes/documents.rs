@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glowworm::formats::{EnvironmentEntry, MaterialEdit, SceneDocument, scene_of_text};
+use glowworm::formats::{EnvironmentEntry, LightEntry, MaterialEdit, SceneDocument, scene_of_text};
 
 use super::*;
 
@@ -109,7 +109,7 @@ fn an_edited_scene_is_built_without_reading_files_again() {
     let edited = document.build(None, &mut read).unwrap();
     assert!(Arc::ptr_eq(&edited.meshes[0], &opened.meshes[0]));
     assert_eq!(edited.materials[0].metallic, 0.3);
-    assert!(edited.is_built_like(&opened));
+    assert!(edited.same_geometry_and_bindings(&opened));
     assert_eq!(read.materials(), opened.materials);
 
     // A map is read once, and kept while its numbers change.
@@ -125,12 +125,95 @@ fn an_edited_scene_is_built_without_reading_files_again() {
 }
 
 #[test]
-fn a_sheet_that_is_none_any_more_is_built_otherwise() {
+fn a_thin_surface_that_is_none_any_more_is_built_otherwise() {
     let scene = |transmission: f32| {
         let mut scene = load_scene("cornell-box", None).unwrap();
         scene.materials[0].transmission = transmission;
         scene
     };
-    assert!(scene(0.4).is_built_like(&scene(0.5)));
-    assert!(!scene(0.0).is_built_like(&scene(0.5)));
+    assert!(scene(0.4).same_geometry_and_bindings(&scene(0.5)));
+    assert!(!scene(0.0).same_geometry_and_bindings(&scene(0.5)));
+}
+
+/// A scene file with comments, an odd order and odd formatting.
+const COMMENTED: &str = r#"# My first scene.
+[[lights]]
+type = "point"      # hangs above the ball
+name = "bulb"
+intensity = [ 20, 20.0,
+              20 ]
+position = [0, 3, 0]
+
+[camera] # before the models, since it matters most
+target = [0, 0, 0]
+eye = [0.5, 1, 4]
+
+# A ball. Its file lies beside this one.
+[[models]]
+name = "wedge"
+path = "wedge.obj"
+
+[settings]
+bounces = 3   # enough
+[settings.vpls]
+vpls = 64     # few
+
+[[lights]]
+# The sun.
+direction = [0, -1, 0.25]
+irradiance = [1, 1, 0.9]
+type = "directional"
+
+[[instances]]
+model = "wedge"
+rotation = { axis = [0, 1, 0], degrees = 30 }
+# The end.
+"#;
+
+#[test]
+fn comments_and_order_survive_an_edit() {
+    let (folder, _) = model_and_map();
+    let file = folder.path().join("mine.toml");
+    std::fs::write(&file, COMMENTED).unwrap();
+    let open = |file: &Path| SceneDocument::open(file.to_str().unwrap(), None).unwrap().0;
+    let mut document = open(&file);
+    assert_eq!(document.text_to_save(&file), COMMENTED);
+
+    // One light: a value that is there, and one that is not.
+    document.light_mut(0).unwrap().intensity = Some([20.0, 10.0, 0.1]);
+    document.light_mut(1).unwrap().angle_deg = Some(0.3);
+    let given = "intensity = [ 20, 20.0,\n              20 ]";
+    let expected = COMMENTED
+        .replace(given, "intensity = [20.0, 10.0, 0.1]")
+        .replace("type = \"directional\"\n", "type = \"directional\"\nangle_deg = 0.3\n");
+    assert_eq!(document.text_to_save(&file), expected);
+    assert_eq!(scene_of_text(&document.text(), None).unwrap().lights.len(), 2);
+
+    // An entry is added and one removed, with its comments; the others keep theirs, and settings their tables.
+    document.add_light(LightEntry {
+        position: Some([1.0; 3]),
+        intensity: Some([1.0; 3]),
+        ..LightEntry::default()
+    });
+    document.remove_light(0);
+    let settings = "bounces = 3\nvpls = 32\nseed = 7\n".parse().unwrap();
+    document.set_settings(settings);
+    let saved = document.text_to_save(&file);
+    for kept in ["# The sun.", "bounces = 3   # enough", "vpls = 32     # few", "# The end."] {
+        assert!(saved.contains(kept), "{kept} is lost:\n{saved}");
+    }
+    let sun = saved.find("# The sun.").unwrap();
+    assert!(saved[sun..].contains("angle_deg = 0.3"), "{saved}");
+    assert!(!saved.contains("bulb") && saved.contains("path = \"wedge.obj\""), "{saved}");
+    std::fs::write(&file, &saved).unwrap();
+    let again = open(&file);
+    assert!(again.lights().eq(document.lights()) && again.instances().eq(document.instances()), "{saved}");
+    let scene = folder.load("mine.toml").unwrap();
+    assert_eq!(scene.settings.len(), 3, "{:?}", scene.settings);
+
+    // In another folder its paths must be absolute.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let moved = elsewhere.path().join("mine.toml");
+    std::fs::write(&moved, document.text_to_save(&moved)).unwrap();
+    assert!(load_scene(moved.to_str().unwrap(), None).is_ok());
 }

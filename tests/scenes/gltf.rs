@@ -180,7 +180,7 @@ fn materials_are_read_with_their_textures() {
     assert_eq!(leaf.emission, Vec3::new(4.0, 2.0, 0.0));
     assert!(scene.lights.iter().any(|light| matches!(light.kind, LightKind::Area { .. })));
     assert_eq!((veil.alpha, veil.opacity), (Alpha::Blend, 0.25));
-    assert!(veil.is_sheet() && glass.is_sheet() && glass.transmission == 1.0);
+    assert!(veil.is_thin_surface() && glass.is_thin_surface() && glass.transmission == 1.0);
     assert_eq!((sign.emission, sign.base_colour), (Vec3::new(0.2, 0.3, 0.4), Vec3::ZERO));
     let warning = scene.warnings.iter().find(|warning| warning.contains("not shown")).unwrap();
     assert!(warning.contains("EXT_something") && !warning.contains("KHR_"), "{warning}");

@@ -68,7 +68,7 @@ fn living_room_leaves_are_cut_out_and_its_glass_lets_light_pass() {
     let opaque = steps.filter(|uv| scene.opaque_at(leaves as u32, *uv)).count();
     assert!((400..3700).contains(&opaque), "{opaque} of 4096");
     let glass = scene.materials.iter().find(|m| m.name == "Glass").unwrap();
-    assert!(glass.is_sheet() && glass.alpha_mask.is_none() && glass.transmission == 1.0);
+    assert!(glass.is_thin_surface() && glass.alpha_mask.is_none() && glass.transmission == 1.0);
 }
 
 #[test]

@@ -44,9 +44,9 @@ impl Contender for OwnTracer<'_> {
     }
 }
 
-/// The triangles of all visible instances, world space; none if the scene has alpha masks or thin sheets.
+/// The triangles of all visible instances, world space; none if the scene has alpha masks or thin surfaces.
 pub(super) fn world_triangles(scene: &Scene, pose: &Pose) -> Option<Vec<[Vec3A; 3]>> {
-    if !scene.alpha_masks.is_empty() || scene.materials.iter().any(Material::is_sheet) {
+    if !scene.alpha_masks.is_empty() || scene.materials.iter().any(Material::is_thin_surface) {
         return None;
     }
     let placed = scene.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);

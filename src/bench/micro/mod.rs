@@ -98,9 +98,10 @@ impl Micro {
         if obvhs.is_none() {
             notes.push("other libraries are omitted: they do not support alpha masks".to_owned());
         }
-        if prepared.bvh.has_sheets() {
-            notes
-                .push("answers differ: rays hit thin sheets on the CPU, and pass them in shaders".to_owned());
+        if prepared.bvh.has_thin_surfaces() {
+            notes.push(
+                "answers differ: rays hit thin surfaces on the CPU, and pass them in shaders".to_owned(),
+            );
         }
         let rays = with_yardstick(scene, &pose, |yardstick| {
             let mut tracers: Vec<&mut dyn Contender> = vec![&mut own];

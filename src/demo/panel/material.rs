@@ -59,7 +59,7 @@ fn edited(
         ("metallic", &mut now.metallic, 1.0, true),
         ("roughness", &mut now.roughness, 1.0, true),
         ("opacity", &mut now.opacity, 1.0, is_blended),
-        ("transmission", &mut now.transmission, 1.0, file.is_sheet()),
+        ("transmission", &mut now.transmission, 1.0, file.is_thin_surface()),
         ("normal scale", &mut now.normal_scale, NORMAL_SCALE, file.normal_texture.is_some()),
     ] {
         if is_there {

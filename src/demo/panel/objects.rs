@@ -2,7 +2,6 @@
 
 use egui::{ComboBox, DragValue, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
-use toml::Spanned;
 
 use super::{Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
@@ -286,7 +285,7 @@ fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut P
     }
 }
 
-fn motion(ui: &mut Ui, animation: &mut Option<Spanned<AnimationEntry>>, radius: f32) {
+fn motion(ui: &mut Ui, animation: &mut Option<AnimationEntry>, radius: f32) {
     let now = Motion::of(animation.as_ref());
     let mut motion = now;
     let label = match now {
@@ -325,6 +324,6 @@ fn motion(ui: &mut Ui, animation: &mut Option<Spanned<AnimationEntry>>, radius: 
         Motion::Still | Motion::Keys => {}
     });
     if motion != now && motion != Motion::Keys {
-        *animation = motion.animation().map(|entry| Spanned::new(0..0, entry));
+        *animation = motion.animation();
     }
 }

@@ -4,6 +4,7 @@
 //! model or, if that shows more of its surface, inside; and, unless its own lights light the view, a soft sky, or a point
 //! light where the sky hardly reaches. A warning reports each that was made up.
 
+mod samples;
 mod survey;
 
 use glam::Vec3;
@@ -29,7 +30,7 @@ const MIN_OPEN_FRACTION: f32 = 0.3;
 
 /// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) and, if needed, a light,
 /// unless the file has lights that are not surfaces (`has_lights`).
-pub(crate) fn stage(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
+pub(crate) fn add_default_camera_and_light(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
     match given {
         Some(mut camera) => {
             if camera.far <= camera.near {
@@ -47,12 +48,12 @@ pub(crate) fn stage(scene: &mut Scene, given: Option<Camera>, has_lights: bool) 
     let nearest = survey.nearest_in(&camera);
     let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
     let is_open = survey.open_to_sky(&camera) >= MIN_OPEN_FRACTION;
-    let lamp = if lit || is_open { None } else { survey.best_light(&camera) };
+    let light = if lit || is_open { None } else { survey.best_light(&camera) };
     if inside.is_some() {
         place_inside(scene, camera, nearest);
     }
-    if let Some(place) = lamp {
-        add_lamp(scene, place.position, place.intensity);
+    if let Some(place) = light {
+        add_light(scene, place.position, place.intensity);
     } else if !lit {
         add_sky(scene);
     }
@@ -105,9 +106,9 @@ fn add_sky(scene: &mut Scene) {
     scene.warnings.push(format!("{}: {why}; put it under a soft sky", scene.name));
 }
 
-fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
+fn add_light(scene: &mut Scene, position: Vec3, intensity: f32) {
     let why = need_of_light(scene);
-    let lamp = Light {
+    let light = Light {
         name: "made up".into(),
         kind: LightKind::Point { intensity: Vec3::splat(intensity) },
         position,
@@ -117,7 +118,7 @@ fn add_lamp(scene: &mut Scene, position: Vec3, intensity: f32) {
         animation: None,
     };
     // First, as lights of a scene file come before those of emissive materials.
-    scene.lights.insert(0, lamp);
+    scene.lights.insert(0, light);
     scene
         .warnings
         .push(format!("{}: {why}; placed a point light of {intensity:.3} W/sr at {position:.3}", scene.name));

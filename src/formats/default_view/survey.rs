@@ -8,12 +8,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use super::samples::{Sample, samples_of};
 use crate::bvh::{Hit, Ray, TwoLevelBvh, World};
 use crate::sampling::{Frame, cosine_hemisphere, sequence_point};
-use crate::scene::{Camera, LightKind, Pose, Scene, Side, SidedSurface, SurfacePoint, luminance, ray_offset};
-
-/// Sample points on the surface.
-const SAMPLES: usize = 768;
+use crate::scene::{Camera, LightKind, Pose, Scene, Side, SurfacePoint, luminance, ray_offset};
 
 /// One sample of this many is a start for free positions, and is in the coarse subset.
 const COARSE: usize = 4;
@@ -54,7 +52,7 @@ const SKY_RAYS: usize = 8;
 const WELL_LIT: f32 = 4.0;
 
 /// A model with its BVH and samples.
-pub(crate) struct ModelSurvey<'a> {
+pub(super) struct ModelSurvey<'a> {
     scene: &'a Scene,
     /// At rest.
     pose: Pose,
@@ -63,22 +61,9 @@ pub(crate) struct ModelSurvey<'a> {
     samples: Vec<Sample>,
 }
 
-/// A point on a surface with its unit normal.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    position: Vec3,
-    normal: Vec3,
-}
-
-impl Sample {
-    fn of(found: &SidedSurface) -> Self {
-        Self { position: found.surface.position, normal: found.surface.geometric_normal }
-    }
-}
-
 /// A point light that lights what a camera sees.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightCandidate {
+pub(super) struct LightCandidate {
     pub position: Vec3,
     /// W/sr, for a median irradiance of pi on the lit surface, which gives a white surface radiance 1.
     pub intensity: f32,
@@ -345,38 +330,6 @@ impl<'a> ModelSurvey<'a> {
         }
         points
     }
-}
-
-/// Samples the surface of a model, each triangle in proportion to the square root of its area: neither a ground plane
-/// of two triangles nor a small object of a hundred thousand dominates.
-fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
-    let mut samples = Vec::with_capacity(SAMPLES);
-    for (place, instance) in (0..).zip(&scene.instances).filter(|(_, instance)| instance.visible) {
-        let mesh = &scene.meshes[instance.mesh];
-        let mut sum = 0.0f64;
-        let weight = |triangle| f64::from(mesh.triangle_area(triangle).sqrt());
-        let sums: Vec<f64> = (0..mesh.triangles.len() as u32)
-            .map(|triangle| {
-                sum += weight(triangle);
-                sum
-            })
-            .collect();
-        for index in 0..SAMPLES {
-            let mark = (index as f64 + 0.5) / SAMPLES as f64 * sum;
-            let triangle = sums.partition_point(|&sum| sum < mark).min(mesh.triangles.len() - 1);
-            // The low-discrepancy sequence R2 (Roberts 2018).
-            let across = (index as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract();
-            let point =
-                SurfacePoint { triangle: triangle as u32, barycentrics: crate::sampling::triangle(across) };
-            let surface = mesh.interpolate(point);
-            if scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes) {
-                // Vertex normals tell the outside better than the order of corners.
-                let side = Side::Front(surface.normal.dot(surface.geometric_normal) >= 0.0);
-                samples.push(Sample::of(&scene.surface_at(pose, place, point, side)));
-            }
-        }
-    }
-    samples
 }
 
 fn fraction(yes: impl Iterator<Item = bool>, of: usize) -> f32 {

@@ -14,8 +14,9 @@ use rayon::prelude::*;
 
 use super::source::Source;
 use crate::formats::error::SceneError;
+use crate::formats::images;
 use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material, Texture};
-use crate::scene::{Scene, TextureUse, Wrap, texture};
+use crate::scene::{Scene, TextureUse, Wrap};
 
 /// The materials of a file in the scene.
 pub(super) struct Materials {
@@ -34,7 +35,7 @@ impl Materials {
     pub fn add(source: &mut Source, scene: &mut Scene) -> Result<Self, SceneError> {
         let mut images = Images::read(source)?;
         for (index, image) in images.decoded.iter().enumerate() {
-            let sizes = image.as_ref().and_then(texture::shrinking);
+            let sizes = image.as_ref().and_then(images::shrinking);
             source.not_shown.extend(sizes.map(|sizes| format!("image {index} in full ({sizes})")));
         }
         let first = scene.materials.len();
@@ -87,7 +88,7 @@ impl Images {
                     &external
                 }
             };
-            let decoded = texture::decode_image(bytes, None);
+            let decoded = images::decode_image(bytes, None);
             decoded
                 .map(Some)
                 .map_err(|problem| source.error(format!("{what} {problem}; export the file again")))
@@ -106,7 +107,7 @@ impl Images {
         let image = self.decoded[index].as_ref()?;
         Some(*self.places.entry((index, linear)).or_insert_with(|| {
             let name = texture.source().name().map_or_else(|| format!("image {index}"), str::to_owned);
-            let texels = texture::to_srgb8(image);
+            let texels = images::to_srgb8(image);
             let (width, height) = texels.dimensions();
             let texture = match linear {
                 true => Texture::linear_from_rgba8(&name, width, height, texels.into_raw()),
@@ -271,7 +272,7 @@ fn alpha_of(
     let pbr = material.pbr_metallic_roughness();
     let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
     let map = pbr.base_color_texture();
-    let opacity = map.as_ref().and_then(|info| texture::opacity(images.of(&info.texture())?, false));
+    let opacity = map.as_ref().and_then(|info| images::opacity(images.of(&info.texture())?, false));
     let (width, height, opacity) = opacity.unwrap_or((1, 1, vec![255]));
     let mut add = |factor: f32| {
         let mask = AlphaMask::from_opacity(width, height, &opacity, factor)?;

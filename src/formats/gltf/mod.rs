@@ -71,7 +71,7 @@ pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
         scene.camera_animation = animation;
         found
     });
-    default_view::stage(&mut scene, placed_camera, own_lights > 0);
+    default_view::add_default_camera_and_light(&mut scene, placed_camera, own_lights > 0);
     Ok(scene)
 }
 

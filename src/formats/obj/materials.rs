@@ -1,31 +1,33 @@
-//! Converts tobj's materials and their images to the scene's.
+//! The materials of an OBJ and their images.
 //!
-//! In: the materials of an OBJ. Out: a [`Material`] for each, with its textures and alpha mask in the scene; an
+//! In: the materials of its libraries. Out: a [`Material`] for each, with its textures and alpha mask in the scene; an
 //! unreadable image is replaced by a fallback and named in a warning.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::Vec3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
-use super::mtl::{BUMP, find_file};
+use super::mtl::{MtlMaterial, find_file};
 use super::normal_map;
 use super::surface::surface;
-use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture, texture};
+use crate::formats::images;
+use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture};
 
 /// The images of a model's materials, each read once.
 struct Images(HashMap<String, Result<DynamicImage, String>>);
 
 impl Images {
-    fn read(file: &Path, materials: &[tobj::Material]) -> Self {
+    fn read(file: &Path, materials: &[MtlMaterial]) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
         let names: BTreeSet<&str> =
             materials.iter().flat_map(|material| Maps::of(material).names()).collect();
         let read = |name: &&str| {
             let path = find_file(folder, name).ok_or_else(|| "is missing".to_owned());
-            ((*name).to_owned(), path.and_then(|path| texture::read_image(&path)))
+            ((*name).to_owned(), path.and_then(|path| images::read_image(&path)))
         };
         Self(names.into_iter().collect::<Vec<_>>().par_iter().map(read).collect())
     }
@@ -59,12 +61,9 @@ enum Relief<'a> {
 }
 
 impl<'a> Relief<'a> {
-    fn of(material: &'a tobj::Material) -> Option<Self> {
-        if let Some(name) = material.unknown_param.get("norm") {
-            return Some(Self::Normals(name));
-        }
-        let (multiplier, name) = material.unknown_param.get(BUMP)?.split_once(' ')?;
-        Some(Self::Heights(name, multiplier.parse::<f32>().ok()?.to_bits()))
+    fn of(material: &'a MtlMaterial) -> Option<Self> {
+        let heights = || material.bump.as_ref().map(|(name, factor)| Self::Heights(name, factor.to_bits()));
+        material.norm.as_deref().map(Self::Normals).or_else(heights)
     }
 
     fn name(self) -> &'a str {
@@ -75,15 +74,13 @@ impl<'a> Relief<'a> {
 }
 
 impl<'a> Maps<'a> {
-    fn of(material: &'a tobj::Material) -> Self {
-        let other = |key: &str| material.unknown_param.get(key).map(String::as_str);
+    fn of(material: &'a MtlMaterial) -> Self {
         Self {
-            colour: material.diffuse_texture.as_deref(),
-            opacity: material.dissolve_texture.as_deref(),
-            emission: other("map_Ke")
-                .filter(|_| material.emissive.is_some_and(|emission| emission != [0.0; 3])),
-            roughness: other("map_Pr"),
-            metallic: other("map_Pm"),
+            colour: material.map_kd.as_deref(),
+            opacity: material.map_d.as_deref(),
+            emission: material.map_ke.as_deref().filter(|_| material.ke.unwrap_or_default() != Vec3::ZERO),
+            roughness: material.map_pr.as_deref(),
+            metallic: material.map_pm.as_deref(),
             relief: Relief::of(material),
         }
     }
@@ -109,7 +106,7 @@ enum Source<'a> {
 }
 
 /// Adds a [`Material`] for each of `materials` (of the OBJ `file`), in order, with textures and masks.
-pub(crate) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &mut Scene) {
+pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut Scene) {
     let images = Images::read(file, materials);
     warn_of_missing(file, materials, &images, scene);
     let textures = add_textures(materials, &images, scene);
@@ -123,8 +120,8 @@ pub(crate) fn add_materials(file: &Path, materials: &[tobj::Material], scene: &m
                 scene.alpha_masks.push(mask);
                 Some(scene.alpha_masks.len() - 1)
             });
-        // Maps of opacity cut out; only `d` makes sheets.
-        let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_sheet());
+        // Maps of opacity cut out; only `d` makes thin surfaces.
+        let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_thin_surface());
         let texture = |source: Option<Source<'_>>| {
             source.and_then(|source| textures.get(&source).copied().map(Into::into))
         };
@@ -145,7 +142,7 @@ fn data_of(maps: Maps<'_>) -> Option<Source<'_>> {
     (files != [None; 2]).then_some(Source::Data(files))
 }
 
-fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, scene: &mut Scene) {
+fn warn_of_missing(file: &Path, materials: &[MtlMaterial], images: &Images, scene: &mut Scene) {
     for maps in materials.iter().map(Maps::of) {
         for (name, fallback) in [
             (maps.colour, "using a magenta and black checkerboard"),
@@ -158,7 +155,7 @@ fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, s
             let Some(name) = name else { continue };
             let line = match images.get(name) {
                 Err(problem) => format!("{}: texture {name} {problem}; {fallback}", file.display()),
-                Ok(image) => match texture::shrinking(image) {
+                Ok(image) => match images::shrinking(image) {
                     Some(sizes) => format!("{}: texture {name} is {sizes}", file.display()),
                     None => continue,
                 },
@@ -172,7 +169,7 @@ fn warn_of_missing(file: &Path, materials: &[tobj::Material], images: &Images, s
 
 /// Adds every texture with its mip chain, or a fallback for an unreadable colour. Returns scene indices by source.
 fn add_textures<'a>(
-    materials: &'a [tobj::Material],
+    materials: &'a [MtlMaterial],
     images: &Images,
     scene: &mut Scene,
 ) -> HashMap<Source<'a>, usize> {
@@ -194,14 +191,14 @@ fn add_textures<'a>(
     let build = |source: &Source<'_>| match source {
         Source::Colour(name) => match images.get(name) {
             Ok(image) => {
-                let texels = texture::to_srgb8(image);
+                let texels = images::to_srgb8(image);
                 Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
             }
             Err(_) => Texture::missing(name),
         },
         Source::Data([roughness, metallic]) => {
             let image = |name: Option<&str>| images.get(name?).ok();
-            texture::metallic_roughness(image(*roughness), image(*metallic))
+            images::metallic_roughness(image(*roughness), image(*metallic))
         }
         Source::Relief(relief) => match (images.get(relief.name()), relief) {
             (Ok(image), Relief::Heights(name, multiplier)) if !normal_map::is_normal_map(image) => {
@@ -218,8 +215,8 @@ fn add_textures<'a>(
 
 /// The alpha mask: `map_d` if present, else the alpha of `map_Kd`, times `d`.
 fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
-    let from_opacity = maps.opacity.and_then(|name| texture::opacity(images.get(name).ok()?, true));
-    let from_colour = || maps.colour.and_then(|name| texture::opacity(images.get(name).ok()?, false));
+    let from_opacity = maps.opacity.and_then(|name| images::opacity(images.get(name).ok()?, true));
+    let from_colour = || maps.colour.and_then(|name| images::opacity(images.get(name).ok()?, false));
     let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
     AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ models, parsed by tobj.
+//! Wavefront OBJ models, read by tobj.
 //!
 //! In: an `.obj` file with its libraries and images. Out: one mesh in the scene with all its triangles, sorted by
 //! material, and their materials, textures and alpha masks. Degenerate faces are removed; missing normals are
@@ -7,43 +7,52 @@
 mod materials;
 mod mtl;
 mod normal_map;
+mod statements;
 mod surface;
-mod text;
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
 use super::error::SceneError;
-use crate::scene::{Material, Mesh, Scene, normals, tangents};
-use text::ObjText;
+use crate::scene::polygon::triangulate;
+use crate::scene::{MAX_COORDINATE, Material, Mesh, Scene, normals, tangents};
+use mtl::MtlMaterial;
 
 /// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
 pub(crate) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
     let bytes =
         std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
-    let obj = ObjText::check(file, &bytes)?;
+    if bytes.contains(&0) {
+        let problem = "is a binary file, not a Wavefront OBJ; export the model as text .obj";
+        return Err(SceneError::invalid(file, None, problem));
+    }
+    // Comments and material names of old exporters are often Latin-1, so decode leniently.
+    let text = String::from_utf8_lossy(&bytes);
+    let meshes = statements::of_meshes(&text);
+    let (parts, materials) = read_parts(file, &meshes, &mut scene.warnings).map_err(|error| {
+        let unknown = || SceneError::invalid(file, None, format!("{error}; fix or re-export the model"));
+        statements::error_in(file, &text).unwrap_or_else(unknown)
+    })?;
 
-    // Load the materials and a grey fallback for undefined ones.
     let first_material = scene.materials.len();
-    let materials = mtl::read_libraries(file, &obj.libraries, &mut scene.warnings);
     materials::add_materials(file, &materials, scene);
-    warn_of_undefined(file, &obj, &materials, scene);
+    // Faces without a material are grey.
     let grey = scene.materials.len();
     scene.materials.push(Material::grey("grey"));
-
-    // Let tobj build single-indexed triangles.
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
-    let by_name = materials.iter().enumerate().map(|(i, material)| (material.name.clone(), i)).collect();
-    let library = (materials, by_name);
-    let text = format!("mtllib all\n{}", obj.text);
-    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Ok(library.clone()))
-        .map_err(|error| SceneError::invalid(file, None, format!("{error}; fix or re-export the model")))?;
-
+    if parts.iter().any(|part| part.material_id.is_none()) {
+        warn_of_undefined(file, &meshes, &materials, scene);
+    }
     let mut mesh = Mesh { name: stem(file), ..Mesh::default() };
-    for model in &models {
-        let material = model.mesh.material_id.map_or(grey, |id| first_material + id);
-        append(&mut mesh, &model.mesh, material as u32);
+    for part in &parts {
+        let material = part.material_id.map_or(grey, |id| first_material + id);
+        append(&mut mesh, part, material as u32);
+    }
+    let is_usable = |position: &Vec3| position.is_finite() && position.abs().max_element() <= MAX_COORDINATE;
+    let is_finite = mesh.positions.iter().all(is_usable) && mesh.uvs.iter().all(|uv| uv.is_finite());
+    if let (false, Some(error)) = (is_finite, statements::error_in(file, &text)) {
+        return Err(error);
     }
     clean_up(file, &mut mesh)?;
     tangents::fill_missing(&mut mesh, &scene.materials);
@@ -59,15 +68,30 @@ pub(crate) fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "model".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn warn_of_undefined(file: &Path, obj: &ObjText, materials: &[tobj::Material], scene: &mut Scene) {
-    let defined = |name: &&String| materials.iter().any(|material| material.name == **name);
-    let undefined: Vec<&str> =
-        obj.materials.iter().filter(|name| !defined(name)).map(String::as_str).collect();
-    if let Some(first) = undefined.first() {
-        let more = match undefined.len() {
-            1 => String::new(),
-            n => format!(" and {} more", n - 1),
-        };
+/// Lets tobj build meshes of polygons with one index a vertex. It asks for each library; of its materials it needs the names.
+fn read_parts(
+    file: &Path,
+    meshes: &str,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<tobj::Mesh>, Vec<MtlMaterial>), tobj::LoadError> {
+    let read = RefCell::new((Vec::new(), warnings));
+    let options = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut meshes.as_bytes(), &options, |libraries| {
+        let (materials, warnings) = &mut *read.borrow_mut();
+        let first = materials.len();
+        materials.extend(mtl::read_libraries(file, &libraries.to_string_lossy(), warnings));
+        let names: Vec<_> = materials[first..].iter().map(|material| material.name.clone()).collect();
+        let named = names.iter().map(|name| tobj::Material { name: name.clone(), ..Default::default() });
+        Ok((named.collect(), names.iter().cloned().zip(0..).collect()))
+    })?;
+    Ok((models.into_iter().map(|model| model.mesh).collect(), read.into_inner().0))
+}
+
+fn warn_of_undefined(file: &Path, meshes: &str, materials: &[MtlMaterial], scene: &mut Scene) {
+    let mut undefined = statements::materials_of(meshes);
+    undefined.retain(|name| !materials.iter().any(|material| material.name == *name));
+    if let [first, others @ ..] = &undefined[..] {
+        let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
         scene.warnings.push(format!(
             "{}: material {first}{more} is not defined in any material library; using grey",
             file.display()
@@ -77,22 +101,30 @@ fn warn_of_undefined(file: &Path, obj: &ObjText, materials: &[tobj::Material], s
 
 /// Appends one of tobj's meshes; all its faces have the same attributes, so its arrays are aligned.
 fn append(mesh: &mut Mesh, part: &tobj::Mesh, material: u32) {
-    let first = mesh.positions.len() as u32;
-    let count = part.positions.len() / 3;
+    let first = mesh.positions.len();
+    let total = first + part.positions.len() / 3;
     mesh.positions.extend(part.positions.chunks_exact(3).map(Vec3::from_slice));
     if part.normals.len() == part.positions.len() {
-        mesh.normals.extend(part.normals.chunks_exact(3).map(Vec3::from_slice));
-    } else {
-        mesh.normals.resize(first as usize + count, Vec3::ZERO);
+        // A normal of zero counts as missing, and is generated from the faces.
+        let normals = part.normals.chunks_exact(3).map(|normal| Vec3::from_slice(normal).normalize_or_zero());
+        mesh.normals.extend(normals);
     }
-    if part.texcoords.len() == 2 * count {
+    mesh.normals.resize(total, Vec3::ZERO);
+    if part.texcoords.len() == 2 * (total - first) {
         // OBJ counts v from the bottom of the image.
         mesh.uvs.extend(part.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])));
-    } else {
-        mesh.uvs.resize(first as usize + count, Vec2::ZERO);
     }
-    let triangles = part.indices.chunks_exact(3).map(|t| [first + t[0], first + t[1], first + t[2]]);
-    mesh.triangles.extend(triangles);
+    mesh.uvs.resize(total, Vec2::ZERO);
+    // Without a list of them, all faces are triangles.
+    let mut corners = &part.indices[..];
+    let mut arities = part.face_arities.iter();
+    while !corners.is_empty() {
+        let (face, rest) = corners.split_at(arities.next().map_or(3, |&arity| arity as usize));
+        corners = rest;
+        let face: Vec<u32> = face.iter().map(|corner| first as u32 + corner).collect();
+        let points: Vec<Vec3> = face.iter().map(|&corner| mesh.positions[corner as usize]).collect();
+        mesh.triangles.extend(triangulate(&points).into_iter().map(|triangle| triangle.map(|i| face[i])));
+    }
     mesh.triangle_materials.resize(mesh.triangles.len(), material);
 }
 
@@ -101,11 +133,11 @@ fn clean_up(file: &Path, mesh: &mut Mesh) -> Result<(), SceneError> {
     let before = mesh.triangles.len();
     mesh.drop_degenerate_triangles();
     if mesh.triangles.is_empty() {
-        return Err(SceneError::invalid(
-            file,
-            None,
-            format!("all of its {before} triangles have zero area; re-export the model"),
-        ));
+        let problem = match before {
+            0 => "has no triangles; export a model with faces as .obj".to_owned(),
+            _ => format!("all of its {before} triangles have zero area; re-export the model"),
+        };
+        return Err(SceneError::invalid(file, None, problem));
     }
     if mesh.triangles.len() < before {
         log::info!("{}: dropped {} triangles of zero area", file.display(), before - mesh.triangles.len());

@@ -1,10 +1,9 @@
-//! Material libraries: sanitises an MTL and parses it with tobj.
+//! Material libraries.
 //!
-//! In: the `mtllib` arguments of an OBJ. Out: tobj's materials, with finite values in range. Problems are warnings,
-//! never errors.
+//! In: the `mtllib` argument of an OBJ. Out: its materials, with finite numbers in range. Problems are warnings, never errors:
+//! tobj's own parser gives up at the first, and panics at a colour of two numbers.
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -12,44 +11,59 @@ use glam::Vec3;
 /// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
 
-/// What a bump map is called among the parameters that tobj leaves as text; then come its multiplier and its file.
-pub(crate) const BUMP: &str = "bump-map";
-
 /// Largest multiplier of a bump map.
 const MOST_BUMP: f32 = 1e4;
 
-/// Reads the libraries named in `file` (an OBJ); later definitions override earlier ones.
-pub(crate) fn read_libraries(
-    file: &Path,
-    libraries: &[String],
-    warnings: &mut Vec<String>,
-) -> Vec<tobj::Material> {
+/// A material of a library; what the library does not give is none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MtlMaterial {
+    pub name: String,
+    pub kd: Option<Vec3>,
+    pub ks: Option<Vec3>,
+    pub ke: Option<Vec3>,
+    pub tf: Option<Vec3>,
+    pub ns: Option<f32>,
+    pub ni: Option<f32>,
+    pub d: Option<f32>,
+    pub tr: Option<f32>,
+    pub pr: Option<f32>,
+    pub pm: Option<f32>,
+    pub illum: Option<u8>,
+    pub map_kd: Option<String>,
+    pub map_d: Option<String>,
+    pub map_ke: Option<String>,
+    pub map_pr: Option<String>,
+    pub map_pm: Option<String>,
+    pub norm: Option<String>,
+    /// File of heights, and their multiplier.
+    pub bump: Option<(String, f32)>,
+}
+
+/// Reads the libraries that an `mtllib` of `file` (an OBJ) names; later definitions override earlier ones.
+pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let folder = file.parent().unwrap_or(Path::new(""));
+    // Either one name with spaces or several names.
+    let names = match find_file(folder, argument) {
+        Some(_) => vec![argument],
+        None => argument.split_whitespace().collect(),
+    };
     let mut materials = Vec::new();
-    for argument in libraries {
-        // Either one name with spaces or several names.
-        let names = match find_file(folder, argument) {
-            Some(_) => vec![argument.as_str()],
-            None => argument.split_whitespace().collect(),
-        };
-        for name in names {
-            let bytes = find_file(folder, name).map(|path| std::fs::read(&path).map(|bytes| (path, bytes)));
-            match bytes {
-                Some(Ok((path, bytes))) => materials.extend(parse(&path, &bytes, warnings)),
-                Some(Err(error)) => warnings.push(format!(
-                    "{}: material library {name} cannot be read ({error}); using grey",
-                    file.display()
-                )),
-                None => warnings
-                    .push(format!("{}: material library {name} is missing; using grey", file.display())),
+    for name in names {
+        let problem = match find_file(folder, name).map(|path| (std::fs::read(&path), path)) {
+            Some((Ok(bytes), path)) => {
+                materials.extend(parse(&path, &bytes, warnings));
+                continue;
             }
-        }
+            Some((Err(error), _)) => format!("cannot be read ({error})"),
+            None => "is missing".to_owned(),
+        };
+        warnings.push(format!("{}: material library {name} {problem}; using grey", file.display()));
     }
     materials
 }
 
 /// Finds `name` below `folder`: as written, ignoring case, or only its last component.
-pub(crate) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
+pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);
     if exact.is_file() {
@@ -80,16 +94,16 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-/// Sanitises an MTL (tobj panics on a colour of two numbers) and parses it.
-fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Material> {
-    let mut clean = String::new();
-    let mut problems = Vec::new();
+/// Parses a library; what is wrong with a statement becomes a warning.
+pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
+    let (mut materials, mut problems) = (Vec::new(), Vec::new());
     let mut not_shown = BTreeSet::new();
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        not_shown.extend(what_is_not_shown(keyword, rest));
-        if let Err(problem) = rewrite(&mut clean, keyword, rest.trim()) {
+        let (keyword, rest) = (keyword.to_ascii_lowercase(), rest.trim());
+        not_shown.extend(what_is_not_shown(&keyword, rest));
+        if let Err(problem) = read_statement(&mut materials, &keyword, rest) {
             problems.push(format!("{}:{}: {problem}", path.display(), number + 1));
         }
     }
@@ -102,19 +116,13 @@ fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<tobj::Mat
         let names = not_shown.into_iter().collect::<Vec<_>>().join(", ");
         warnings.push(format!("{}: not shown: {names}", path.display()));
     }
-    match tobj::load_mtl_buf(&mut clean.as_bytes()) {
-        Ok((materials, _)) => materials,
-        Err(error) => {
-            warnings.push(format!("{}: cannot be parsed ({error}); using grey", path.display()));
-            Vec::new()
-        }
-    }
+    materials
 }
 
 /// The statement of a keyword that has an effect which is not shown, if it does.
 fn what_is_not_shown(keyword: &str, rest: &str) -> Option<&'static str> {
     let zero = || rest.split_whitespace().all(|word| word.parse() == Ok(0.0f32));
-    Some(match keyword.to_ascii_lowercase().as_str() {
+    Some(match keyword {
         "disp" => "disp (displacement)",
         "refl" => "refl (reflection map)",
         "decal" => "decal",
@@ -127,87 +135,84 @@ fn what_is_not_shown(keyword: &str, rest: &str) -> Option<&'static str> {
     })
 }
 
-/// Appends one checked statement to `clean`; skips statements that [`tobj::Material`] ignores.
-fn rewrite(clean: &mut String, keyword: &str, rest: &str) -> Result<(), String> {
-    let keyword = keyword.to_ascii_lowercase();
-    // Writing to a String cannot fail.
-    let _ = match keyword.as_str() {
-        "newmtl" if rest.is_empty() => return Err("material without a name; ignored".into()),
-        "newmtl" => writeln!(clean, "newmtl {rest}"),
-        "kd" | "ks" => {
-            let (colour, problem) = colour(&keyword, rest, 1.0)?;
-            let _ = writeln!(clean, "K{} {} {} {}", &keyword[1..], colour.x, colour.y, colour.z);
-            return problem.map_or(Ok(()), Err);
+/// Begins a material, or gives a value to the last one. Statements without effect on the surface are skipped.
+fn read_statement(materials: &mut Vec<MtlMaterial>, keyword: &str, rest: &str) -> Result<(), String> {
+    if keyword == "newmtl" {
+        if rest.is_empty() {
+            return Err("material without a name; ignored".to_owned());
         }
-        "ke" | "tf" => {
-            let (name, most) = if keyword == "ke" { ("Ke", f32::MAX) } else { ("Tf", 1.0) };
-            // `Tf xyz` and `Tf spectral` are rare.
-            let (colour, problem) = colour(&keyword, rest, most)?;
-            let _ = writeln!(clean, "{name} {} {} {}", colour.x, colour.y, colour.z);
-            return problem.map_or(Ok(()), Err);
-        }
+        materials.push(MtlMaterial { name: rest.to_owned(), ..MtlMaterial::default() });
+        return Ok(());
+    }
+    let mut nameless = MtlMaterial::default();
+    let material = materials.last_mut().unwrap_or(&mut nameless);
+    let colour = |most: f32, value: &mut Option<Vec3>| read_colour(keyword, rest, most, value);
+    let number = |value: &mut Option<f32>| read_number(keyword, rest).map(|number| *value = Some(number));
+    let file = |value: &mut Option<String>| read_file(keyword, rest).map(|file| *value = Some(file));
+    match keyword {
+        "kd" => colour(1.0, &mut material.kd),
+        "ks" => colour(1.0, &mut material.ks),
+        "ke" => colour(f32::MAX, &mut material.ke),
+        // `Tf xyz` and `Tf spectral` are rare.
+        "tf" => colour(1.0, &mut material.tf),
+        "ns" => number(&mut material.ns),
+        "ni" => number(&mut material.ni),
+        "d" => number(&mut material.d),
+        "tr" => number(&mut material.tr),
+        "pr" => number(&mut material.pr),
+        "pm" => number(&mut material.pm),
         "illum" => {
-            let model: u8 = rest.parse().map_err(|_| format!("illum {rest} is not a number; ignored"))?;
-            writeln!(clean, "illum {model}")
+            material.illum =
+                Some(rest.parse().map_err(|_| format!("illum {rest} is not a number; ignored"))?);
+            Ok(())
         }
-        "ns" | "d" | "tr" | "ni" | "pr" | "pm" => {
-            // `d -halo 0.5` varies with the view angle; use its minimum.
-            let word = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
-            let value: f32 = word.parse().map_err(|_| format!("{keyword} is not a number; ignored"))?;
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(format!("{keyword} {word} is negative or not finite; ignored"));
-            }
-            let name = match keyword.as_str() {
-                "ns" => "Ns",
-                "tr" => "Tr",
-                "ni" => "Ni",
-                "pr" => "Pr",
-                "pm" => "Pm",
-                _ => "d",
-            };
-            writeln!(clean, "{name} {value}")
-        }
+        "map_kd" => file(&mut material.map_kd),
+        "map_d" => file(&mut material.map_d),
+        "map_ke" => file(&mut material.map_ke),
+        "map_pr" => file(&mut material.map_pr),
+        "map_pm" => file(&mut material.map_pm),
+        "norm" | "map_kn" => file(&mut material.norm),
         "map_bump" | "bump" => {
-            let file = without_options(rest);
-            if file.is_empty() {
-                return Err(format!("{keyword} names no file; ignored"));
-            }
-            writeln!(clean, "{BUMP} {} {file}", bump_multiplier(rest)?)
-        }
-        "map_kd" | "map_d" | "map_ke" | "map_pr" | "map_pm" | "norm" | "map_kn" => {
-            let file = without_options(rest);
-            if file.is_empty() {
-                return Err(format!("{keyword} names no file; ignored"));
-            }
-            let name = match keyword.as_str() {
-                "map_kd" => "map_Kd",
-                "map_ke" => "map_Ke",
-                "map_pr" => "map_Pr",
-                "map_pm" => "map_Pm",
-                "norm" | "map_kn" => "norm",
-                _ => "map_d",
-            };
-            writeln!(clean, "{name} {file}")
+            material.bump = Some((read_file(keyword, rest)?, bump_multiplier(rest)?));
+            Ok(())
         }
         _ => Ok(()),
-    };
-    Ok(())
+    }
 }
 
-/// A colour of one or three numbers, clamped to [0, max], with a warning where that changed it.
-fn colour(keyword: &str, rest: &str, max: f32) -> Result<(Vec3, Option<String>), String> {
+/// Reads a colour of one or three numbers, clamped to [0, most]; where that changes it, the error says so.
+fn read_colour(keyword: &str, rest: &str, most: f32, value: &mut Option<Vec3>) -> Result<(), String> {
     let numbers: Vec<f32> = rest.split_whitespace().map_while(|word| word.parse().ok()).collect();
     let given = match numbers[..] {
         [grey] => Vec3::splat(grey),
         [r, g, b, ..] => Vec3::new(r, g, b),
-        _ => {
-            return Err(format!("{keyword} \"{rest}\" is not a colour of three numbers; ignored"));
-        }
+        _ => return Err(format!("{keyword} \"{rest}\" is not a colour of three numbers; ignored")),
     };
-    let usable = given.to_array().map(|c| if c.is_finite() { c.clamp(0.0, max) } else { 0.0 });
-    let usable = Vec3::from_array(usable);
-    let problem = (usable != given).then(|| format!("{keyword} {rest} is out of range; clamped to {usable}"));
-    Ok((usable, problem))
+    let usable = Vec3::from_array(
+        given.to_array().map(|channel| if channel.is_finite() { channel.clamp(0.0, most) } else { 0.0 }),
+    );
+    *value = Some(usable);
+    if usable == given {
+        Ok(())
+    } else {
+        Err(format!("{keyword} {rest} is out of range; clamped to {usable}"))
+    }
+}
+
+fn read_number(keyword: &str, rest: &str) -> Result<f32, String> {
+    // `d -halo 0.5` varies with the view angle; use its minimum.
+    let word = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
+    let value: f32 = word.parse().map_err(|_| format!("{keyword} is not a number; ignored"))?;
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{keyword} {word} is negative or not finite; ignored"))
+    }
+}
+
+fn read_file(keyword: &str, rest: &str) -> Result<String, String> {
+    let file = without_options(rest);
+    if file.is_empty() { Err(format!("{keyword} names no file; ignored")) } else { Ok(file.to_owned()) }
 }
 
 /// The argument of the option `-bm` before a file name; 1 without one.
@@ -275,10 +280,10 @@ mod tests {
         let mut warnings = Vec::new();
         let materials = parse(Path::new("m.mtl"), text, &mut warnings);
         assert_eq!(materials.len(), 1);
-        assert_eq!(materials[0].diffuse, Some([1.0, 0.0, 0.0]));
-        assert_eq!(materials[0].specular, Some([0.5; 3]));
-        assert_eq!(materials[0].emissive, Some([5.0, 0.0, 0.0]));
-        assert_eq!((materials[0].shininess, materials[0].dissolve), (None, None));
+        assert_eq!(materials[0].kd, Some(Vec3::X));
+        assert_eq!(materials[0].ks, Some(Vec3::splat(0.5)));
+        assert_eq!(materials[0].ke, Some(Vec3::new(5.0, 0.0, 0.0)));
+        assert_eq!((materials[0].ns, materials[0].d), (None, None));
         // The last is `illum x`: `Tf 1` is a grey.
         assert_eq!(warnings.len(), 8, "{warnings:?}");
         assert!(warnings[0].starts_with("m.mtl:2: kd 2 -1 nan"), "{}", warnings[0]);

@@ -1,15 +1,16 @@
 //! The surface that an MTL describes, as metallic-roughness. docs/FILES.md has the rule for people.
 //!
-//! In: one of tobj's materials. Out: a [`Material`] without textures.
+//! In: a material of a library. Out: a [`Material`] without textures.
 //!
 //! - Ks 0: a Lambertian surface of Kd, whatever Ns.
 //! - Ks above 0: Kd under a coat with F0 = Ks and the roughness of Ns; without any Kd a metal of base colour Ks, which
 //!   reflects the same.
 //! - Pr or Pm: glTF's model with base colour Kd; Ks is ignored.
-//! - Glass (illum 4, 6, 7, 9 without Kd): a thin sheet that lets Tf pass. Otherwise d, or 1 - Tr, is its alpha.
+//! - Glass (illum 4, 6, 7, 9 without Kd): a thin surface that lets Tf pass. Otherwise d, or 1 - Tr, is its alpha.
 
 use glam::Vec3;
 
+use super::mtl::MtlMaterial;
 use crate::scene::{Alpha, GLTF_F0, Material, roughness_of_exponent};
 
 /// Illumination models of glass.
@@ -19,50 +20,45 @@ const GLASS: [u8; 4] = [4, 6, 7, 9];
 const MIRRORS: [u8; 3] = [3, 5, 8];
 
 /// The surface of `material`; a colour map without Kd has a Kd of 1.
-pub(crate) fn surface(material: &tobj::Material) -> Material {
-    let mapped = material.diffuse_texture.is_some();
-    let kd = Vec3::from_array(material.diffuse.unwrap_or([if mapped { 1.0 } else { 0.5 }; 3]));
-    let ks = Vec3::from_array(material.specular.unwrap_or_default());
-    let emission = Vec3::from_array(material.emissive.unwrap_or_default());
+pub(super) fn surface(material: &MtlMaterial) -> Material {
+    let kd = material.kd.unwrap_or(Vec3::splat(if material.map_kd.is_some() { 1.0 } else { 0.5 }));
+    let emission = material.ke.unwrap_or_default();
     let plain = Material { emission, ..Material::lambertian(&material.name, kd) };
-    let surface = reflecting(material, plain, kd, ks);
+    let surface = reflecting(material, plain, kd);
     // An emissive surface is meant to be visible, so it ignores `d`.
     if emission != Vec3::ZERO || is_glass(material, kd) {
         return surface;
     }
-    let opacity =
-        material.dissolve.or_else(|| Some(1.0 - number(material, "Tr")?)).unwrap_or(1.0).clamp(0.0, 1.0);
+    let opacity = material.d.or(material.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0).clamp(0.0, 1.0);
     let alpha = if opacity < 1.0 { Alpha::Blend } else { Alpha::Opaque };
     Material { opacity, alpha, ..surface }
 }
 
-fn reflecting(material: &tobj::Material, plain: Material, kd: Vec3, ks: Vec3) -> Material {
-    let model = material.illumination_model.unwrap_or(2);
-    let is_mirror = MIRRORS.contains(&model) && material.shininess.is_none();
-    let shininess = material.shininess.unwrap_or(if is_mirror { f32::INFINITY } else { 1.0 });
-    let (rough, metal) = (number(material, "Pr"), number(material, "Pm"));
-    let maps = ["map_Pr", "map_Pm"].map(|key| material.unknown_param.contains_key(key));
-    if rough.is_some() || metal.is_some() || maps[0] || maps[1] {
-        // A map without a factor counts in full.
-        let roughness = rough.unwrap_or(if maps[0] { 1.0 } else { roughness_of_exponent(shininess) });
-        let metallic = metal.unwrap_or(if maps[1] { 1.0 } else { 0.0 });
-        let (metallic, roughness) = (metallic.min(1.0), roughness.min(1.0));
+fn reflecting(material: &MtlMaterial, plain: Material, kd: Vec3) -> Material {
+    let ks = material.ks.unwrap_or_default();
+    let is_mirror = MIRRORS.contains(&material.illum.unwrap_or(2)) && material.ns.is_none();
+    let shininess = material.ns.unwrap_or(if is_mirror { f32::INFINITY } else { 1.0 });
+    // A map without a factor counts in full.
+    let roughness = material.pr.or(material.map_pr.is_some().then_some(1.0));
+    let metallic = material.pm.or(material.map_pm.is_some().then_some(1.0));
+    if roughness.is_some() || metallic.is_some() {
+        let roughness = roughness.unwrap_or(roughness_of_exponent(shininess)).min(1.0);
+        let metallic = metallic.unwrap_or(0.0).min(1.0);
         return Material { metallic, roughness, f0: GLTF_F0, f90: 1.0, ..plain };
     }
     if is_glass(material, kd) {
-        let tint = Vec3::from_array(colour(material, "Tf").unwrap_or([1.0; 3]));
-        let f0 = if ks == Vec3::ZERO { reflectance_of(material.optical_density) } else { ks };
+        let tint = material.tf.unwrap_or(Vec3::ONE);
+        let f0 = if ks == Vec3::ZERO { reflectance_of(material.ni) } else { ks };
         return Material { base_colour: tint, transmission: 1.0, ..plain.coated(f0, shininess) };
     }
-    if kd == Vec3::ZERO && material.diffuse_texture.is_none() && ks != Vec3::ZERO {
+    if kd == Vec3::ZERO && material.map_kd.is_none() && ks != Vec3::ZERO {
         return Material { base_colour: ks, metallic: 1.0, ..plain.coated(GLTF_F0, shininess) };
     }
     plain.coated(ks, shininess)
 }
 
-fn is_glass(material: &tobj::Material, kd: Vec3) -> bool {
-    let model = material.illumination_model.unwrap_or(2);
-    GLASS.contains(&model) && kd == Vec3::ZERO && material.diffuse_texture.is_none()
+fn is_glass(material: &MtlMaterial, kd: Vec3) -> bool {
+    GLASS.contains(&material.illum.unwrap_or(2)) && kd == Vec3::ZERO && material.map_kd.is_none()
 }
 
 /// Fresnel's reflectance at normal incidence of an index of refraction; 0 without one.
@@ -71,24 +67,16 @@ fn reflectance_of(index: Option<f32>) -> Vec3 {
     Vec3::splat(((index - 1.0) / (index + 1.0)).powi(2))
 }
 
-/// A number that tobj leaves as text; the statements were checked.
-fn number(material: &tobj::Material, key: &str) -> Option<f32> {
-    material.unknown_param.get(key)?.parse().ok()
-}
-
-fn colour(material: &tobj::Material, key: &str) -> Option<[f32; 3]> {
-    let mut words = material.unknown_param.get(key)?.split_whitespace().map(str::parse);
-    let mut next = || words.next()?.ok();
-    Some([next()?, next()?, next()?])
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use super::super::mtl;
     use super::*;
 
     fn of(text: &str) -> Material {
-        let (materials, _) = tobj::load_mtl_buf(&mut format!("newmtl a\n{text}\n").as_bytes()).unwrap();
-        surface(&materials[0])
+        let text = format!("newmtl a\n{text}\n");
+        surface(&mtl::parse(Path::new("m.mtl"), text.as_bytes(), &mut Vec::new())[0])
     }
 
     #[test]
@@ -114,12 +102,12 @@ mod tests {
     }
 
     #[test]
-    fn glass_is_a_tinted_sheet_and_d_is_alpha() {
+    fn glass_is_a_tinted_thin_surface_and_d_is_alpha() {
         let glass = of("Kd 0 0 0\nKs .04 .04 .04\nNs 10000\nTf .1 .6 .2\nd .1\nillum 7");
         assert_eq!((glass.transmission, glass.base_colour), (1.0, Vec3::new(0.1, 0.6, 0.2)));
         assert_eq!((glass.alpha, glass.opacity, glass.roughness), (Alpha::Opaque, 1.0, 0.0));
         let by_index = of("Kd 0 0 0\nNi 1.5\nillum 4");
-        assert!((by_index.f0.x - 0.04).abs() < 1e-6 && by_index.is_sheet());
+        assert!((by_index.f0.x - 0.04).abs() < 1e-6 && by_index.is_thin_surface());
         for text in ["Kd 1 0 0\nd .8", "Kd 1 0 0\nTr .2"] {
             let veil = of(text);
             assert_eq!((veil.alpha, veil.transmission), (Alpha::Blend, 0.0));

@@ -4,14 +4,16 @@
 //! equivalent scene file. Scenes without a scene file get a generated one.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec3};
-use toml::Spanned;
 
-use super::build::{Builder, animation_of, transform_of};
+use super::build::load_toml;
+use super::entry::{Entry, degrees_of};
 use super::environment::numbers_of;
-use super::lights::single_light;
+use super::lights::{entry_of, single_light};
 use super::material_edit::MaterialEdit;
+use super::motion::{animation_of, transform_of};
 use super::read_files::ReadFiles;
 use super::schema::{
     CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, ModelEntry, Primitive, SceneFile,
@@ -19,7 +21,7 @@ use super::schema::{
 use crate::formats::error::SceneError;
 use crate::formats::gltf;
 use crate::formats::load::{self, Source};
-use crate::scene::{Animation, Camera, Light, LightKind, LightType, RecordedFrame, Scene};
+use crate::scene::{Animation, Camera, Light, LightType, Scene};
 
 /// The Cornell box as a scene file.
 const CORNELL_BOX: &str = "name = \"cornell-box\"
@@ -33,11 +35,21 @@ model = \"cornell-box\"
 /// A scene being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDocument {
-    file: SceneFile,
+    pub(super) file: SceneFile,
     /// The `[settings]` table.
-    settings: toml::Table,
+    pub(super) settings: toml::Table,
     /// The file that error messages name.
-    path: PathBuf,
+    pub(super) path: PathBuf,
+    /// The scene file that it was opened from, if there is one.
+    pub(super) origin: Option<Arc<Origin>>,
+}
+
+/// A scene file as it was opened.
+#[derive(Debug, PartialEq)]
+pub(super) struct Origin {
+    pub text: String,
+    /// What it holds, as in [`SceneDocument::table`].
+    pub table: toml::Table,
 }
 
 /// What a model is made from.
@@ -66,25 +78,25 @@ impl SceneDocument {
     pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene, ReadFiles), SceneError> {
         let mut read = ReadFiles::default();
         let mut scene = load::load_with(name, assets, &mut read)?;
-        let mut is_gltf = false;
-        let (path, text) = match load::find(name)? {
-            Source::File(path, text) => (path, text),
-            Source::Model(path) => {
-                is_gltf = gltf::is_gltf(&path);
-                let text = scene_file_of_model(&path, &scene.name);
-                (path.with_extension("toml"), text)
-            }
+        let source = load::find(name)?;
+        let (path, text) = match &source {
+            Source::File(path, text) => (path.clone(), text.clone()),
+            Source::Model(path) => (path.with_extension("toml"), scene_file_of_model(path, &scene.name)),
             Source::CornellBox => ("cornell-box.toml".into(), CORNELL_BOX.to_owned()),
         };
-        let mut document =
-            Self { file: SceneFile::parse(&path, &text)?, settings: scene.settings.clone(), path };
+        let (file, settings) = (SceneFile::parse(&path, &text)?, scene.settings.clone());
+        let mut document = Self { file, settings, path, origin: None };
         document.make_paths_absolute();
         // The recording belongs to the unedited scene.
         document.file.recording.clear();
         document.complete(&scene);
-        if is_gltf {
+        match &source {
+            Source::File(..) => {
+                document.origin = Some(Arc::new(Origin { text, table: document.table(Vec::new()) }));
+            }
             // As a model of a scene file it is one mesh at rest.
-            scene = document.build(assets, &mut read)?;
+            Source::Model(path) if gltf::is_gltf(path) => scene = document.build(assets, &mut read)?,
+            _ => {}
         }
         let read = read.named(&document.file, &scene);
         Ok((document, scene, read))
@@ -95,32 +107,22 @@ impl SceneDocument {
     /// # Errors
     /// Those of a scene file.
     pub fn build(&self, assets: Option<&Path>, read: &mut ReadFiles) -> Result<Scene, SceneError> {
-        load::load_toml(&self.path, &self.text(), assets, read)
-    }
-
-    /// The text of a scene file for this scene. Its paths are absolute, so it may be saved anywhere.
-    pub fn text(&self) -> String {
-        // Only settings could fail to serialise, and they were parsed from TOML.
-        let mut table = toml::Table::try_from(&self.file).unwrap_or_default();
-        if !self.settings.is_empty() {
-            table.insert("settings".to_owned(), toml::Value::Table(self.settings.clone()));
-        }
-        toml::to_string(&table).unwrap_or_default()
+        load_toml(&self.path, &self.text(), assets, read)
     }
 
     /// The instance entries. Entry `i` is instance `i` of the scene.
     pub fn instances(&self) -> impl ExactSizeIterator<Item = &InstanceEntry> {
-        self.file.instances.iter().map(Spanned::get_ref)
+        self.file.instances.iter()
     }
 
     /// An instance entry, for editing.
     pub fn instance_mut(&mut self, index: usize) -> Option<&mut InstanceEntry> {
-        self.file.instances.get_mut(index).map(Spanned::get_mut)
+        self.file.instances.get_mut(index)
     }
 
     /// Appends an instance entry.
     pub fn add_instance(&mut self, instance: InstanceEntry) {
-        self.file.instances.push(Spanned::new(0..0, instance));
+        self.file.instances.push(instance);
     }
 
     /// Removes an instance entry; does nothing if there is none at `index`.
@@ -132,7 +134,7 @@ impl SceneDocument {
 
     /// Names of the models.
     pub fn models(&self) -> impl Iterator<Item = &str> {
-        self.file.models.iter().map(|model| model.get_ref().name.as_str())
+        self.file.models.iter().map(|model| model.name.as_str())
     }
 
     /// Adds a model under a name that no other has, which begins with that of the shape or the file; returns the name.
@@ -148,24 +150,24 @@ impl SceneDocument {
         let numbered = (2..).map(|number| format!("{stem} {number}"));
         let mut names = std::iter::once(stem.clone()).chain(numbered);
         let name = names.find(|name| !is_taken(name)).unwrap_or(stem);
-        let model = ModelEntry { path, primitive, ..ModelEntry::of(name.clone()) };
-        self.file.models.push(Spanned::new(0..0, model));
+        let model = ModelEntry { path, primitive, name: name.clone(), ..ModelEntry::default() };
+        self.file.models.push(model);
         name
     }
 
     /// The light entries.
     pub fn lights(&self) -> impl ExactSizeIterator<Item = &LightEntry> {
-        self.file.lights.iter().map(Spanned::get_ref)
+        self.file.lights.iter()
     }
 
     /// A light entry, for editing.
     pub fn light_mut(&mut self, index: usize) -> Option<&mut LightEntry> {
-        self.file.lights.get_mut(index).map(Spanned::get_mut)
+        self.file.lights.get_mut(index)
     }
 
     /// Appends a light entry.
     pub fn add_light(&mut self, light: LightEntry) {
-        self.file.lights.push(Spanned::new(0..0, light));
+        self.file.lights.push(light);
     }
 
     /// Removes a light entry; does nothing if there is none at `index`.
@@ -177,7 +179,7 @@ impl SceneDocument {
 
     /// The edit of the materials of this name, if there is one.
     pub fn material_edit(&self, name: &str) -> Option<&MaterialEdit> {
-        self.file.materials.iter().map(Spanned::get_ref).find(|edit| edit.name == name)
+        self.file.materials.iter().find(|edit| edit.name == name)
     }
 
     /// Sets the edit of the materials of its name.
@@ -187,19 +189,19 @@ impl SceneDocument {
     pub fn set_material(&mut self, edit: MaterialEdit) -> Result<(), SceneError> {
         edit.check_alone(&self.path)?;
         let edits = &mut self.file.materials;
-        let place = edits.iter().position(|known| known.get_ref().name == edit.name);
+        let place = edits.iter().position(|known| known.name == edit.name);
         match place {
             Some(place) if edit.is_empty() => drop(edits.remove(place)),
-            Some(place) => *edits[place].get_mut() = edit,
+            Some(place) => edits[place] = edit,
             None if edit.is_empty() => {}
-            None => edits.push(Spanned::new(0..0, edit)),
+            None => edits.push(edit),
         }
         Ok(())
     }
 
     /// The environment's entry, if there is one.
     pub fn environment(&self) -> Option<&EnvironmentEntry> {
-        self.file.environment.as_ref().map(Spanned::get_ref)
+        self.file.environment.as_ref()
     }
 
     /// Sets the environment, which takes the place of a background. A map's path is relative to the current folder.
@@ -215,7 +217,7 @@ impl SceneDocument {
         if let Some(path) = &mut environment.map {
             *path = std::fs::canonicalize(&*path).unwrap_or_else(|_| path.clone());
         }
-        self.file.environment = Some(Spanned::new(0..0, environment));
+        self.file.environment = Some(environment);
         self.file.background = None;
         Ok(())
     }
@@ -225,8 +227,7 @@ impl SceneDocument {
     /// # Errors
     /// Those of a scene file, for this entry.
     pub fn environment_numbers(&self, environment: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
-        let builder = Builder::of_entries(&self.path);
-        numbers_of(&builder.entry(&(0..0), "environment"), environment)
+        numbers_of(&Entry::edited(&self.path, "environment"), environment)
     }
 
     /// This document with the materials and the environment of another.
@@ -275,12 +276,10 @@ impl SceneDocument {
     /// # Errors
     /// Those of a scene file, for this entry.
     pub fn placement(&self, instance: &InstanceEntry) -> Result<Placement, SceneError> {
-        let builder = Builder::of_entries(&self.path);
-        let name = instance.name.as_ref().unwrap_or(&instance.model);
-        let entry = builder.entry(&(0..0), format!("instance \"{name}\""));
+        let entry = Entry::edited(&self.path, format!("instance \"{}\"", instance.shown_name()));
         Ok(Placement {
             transform: transform_of(&entry, instance)?,
-            animation: animation_of(&builder, &entry, instance.animation.as_ref())?,
+            animation: animation_of(&entry, instance.animation.as_ref())?,
         })
     }
 
@@ -293,8 +292,7 @@ impl SceneDocument {
         light: &LightEntry,
         made: [[f32; 3]; 4],
     ) -> Result<Placement, SceneError> {
-        let builder = Builder::of_entries(&self.path);
-        let entry = builder.entry(&(0..0), "area light");
+        let entry = Entry::edited(&self.path, "area light");
         let now = light.polygon.unwrap_or(made);
         let (rotation, centre) = (frame_of(now) * frame_of(made).inverse(), centre_of(now));
         let only_translated =
@@ -304,14 +302,14 @@ impl SceneDocument {
         } else {
             Affine3A::from_mat3_translation(rotation, centre)
         };
-        Ok(Placement { transform, animation: animation_of(&builder, &entry, light.animation.as_ref())? })
+        Ok(Placement { transform, animation: animation_of(&entry, light.animation.as_ref())? })
     }
 
     /// Sets the camera, without animation.
     pub fn set_camera(&mut self, camera: &Camera) {
         let vfov_deg = match &self.file.camera {
-            Some(known) if known.get_ref().vfov_deg.unwrap_or(45.0).to_radians() == camera.vertical_fov => {
-                known.get_ref().vfov_deg
+            Some(known) if known.vfov_deg.unwrap_or(45.0).to_radians() == camera.vertical_fov => {
+                known.vfov_deg
             }
             _ => Some(degrees_of(camera.vertical_fov)),
         };
@@ -324,13 +322,7 @@ impl SceneDocument {
             far: Some(camera.far),
             animation: None,
         };
-        self.file.camera = Some(Spanned::new(0..0, entry));
-    }
-
-    /// The text of a scene file for this scene with `recording`.
-    pub fn text_with(&self, recording: Vec<RecordedFrame>) -> String {
-        let file = SceneFile { recording, ..self.file.clone() };
-        Self { file, ..self.clone() }.text()
+        self.file.camera = Some(entry);
     }
 
     /// Sets the defaults of the settings.
@@ -347,23 +339,19 @@ impl SceneDocument {
         }
         if self.file.lights.is_empty() {
             let plain = scene.lights.iter().filter_map(entry_of);
-            self.file.lights.extend(plain.map(|entry| Spanned::new(0..0, entry)));
+            self.file.lights.extend(plain);
         }
         // Only a made-up sky is not in the file.
         if self.file.environment.is_none() && scene.environment.is_some() {
-            self.file.environment = Some(Spanned::new(0..0, EnvironmentEntry::sky()));
+            self.file.environment = Some(EnvironmentEntry::sky());
         }
     }
 
     fn make_paths_absolute(&mut self) {
         let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
-        for model in &mut self.file.models {
-            if let Some(path) = &mut model.get_mut().path {
-                let joined = folder.join(&*path);
-                *path = std::fs::canonicalize(&joined).unwrap_or(joined);
-            }
-        }
-        if let Some(path) = self.file.environment.as_mut().and_then(|entry| entry.get_mut().map.as_mut()) {
+        let models = self.file.models.iter_mut().filter_map(|model| model.path.as_mut());
+        let map = self.file.environment.as_mut().and_then(|entry| entry.map.as_mut());
+        for path in models.chain(map) {
             let joined = folder.join(&*path);
             *path = std::fs::canonicalize(&joined).unwrap_or(joined);
         }
@@ -381,43 +369,6 @@ fn scene_file_of_model(path: &Path, name: &str) -> String {
     )
 }
 
-/// The entry of a light; none for an area light.
-fn entry_of(light: &Light) -> Option<LightEntry> {
-    let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
-    let radius = (light.radius > 0.0).then_some(light.radius);
-    let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));
-    match &light.kind {
-        LightKind::Point { intensity } => {
-            Some(LightEntry { position, intensity: Some(intensity.to_array()), radius, ..entry })
-        }
-        LightKind::Spot { intensity, inner_angle, outer_angle } => Some(LightEntry {
-            kind: LightType::Spot,
-            position,
-            direction,
-            intensity: Some(intensity.to_array()),
-            inner_deg: Some(degrees_of(*inner_angle)),
-            outer_deg: Some(degrees_of(*outer_angle)),
-            radius,
-            ..entry
-        }),
-        LightKind::Directional { irradiance } => Some(LightEntry {
-            kind: LightType::Directional,
-            direction,
-            irradiance: Some(irradiance.to_array()),
-            angle_deg: (light.half_angle > 0.0).then(|| degrees_of(light.half_angle)),
-            ..entry
-        }),
-        LightKind::Area { .. } => None,
-    }
-}
-
-/// Degrees that convert back to exactly these radians, if such exist.
-fn degrees_of(radians: f32) -> f32 {
-    let near = radians.to_degrees();
-    let neighbours = [near, near.next_up(), near.next_down()];
-    neighbours.into_iter().find(|degrees| degrees.to_radians() == radians).unwrap_or(near)
-}
-
 fn centre_of(polygon: [[f32; 3]; 4]) -> Vec3 {
     polygon.into_iter().map(Vec3::from_array).sum::<Vec3>() / 4.0
 }
@@ -426,26 +377,4 @@ fn centre_of(polygon: [[f32; 3]; 4]) -> Vec3 {
 fn frame_of(polygon: [[f32; 3]; 4]) -> Mat3 {
     let [a, b, _, d] = polygon.map(Vec3::from_array);
     Mat3::from_cols(b - a, d - a, (b - a).cross(d - a).normalize_or(Vec3::Y))
-}
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_entry_of_a_light_makes_that_light() {
-        let intensity = Vec3::new(1.0, 2.0, 3.0);
-        for (kind, direction, [radius, half_angle]) in [
-            (LightKind::Point { intensity }, Vec3::NEG_Y, [0.7, 0.0]),
-            (LightKind::Spot { intensity, inner_angle: 0.2, outer_angle: 0.5 }, Vec3::X, [0.3, 0.0]),
-            (LightKind::Directional { irradiance: intensity }, Vec3::Z, [0.0, 0.123_456_79]),
-        ] {
-            let position = if half_angle > 0.0 { Vec3::ZERO } else { Vec3::new(0.1, 0.2, 0.3) };
-            let name = "lamp".to_owned();
-            let light = Light { name, kind, position, direction, radius, half_angle, animation: None };
-            let entry = entry_of(&light).unwrap();
-            assert_eq!(single_light(Path::new("a.toml"), &entry).unwrap().unwrap(), light);
-        }
-    }
 }

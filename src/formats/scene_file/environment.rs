@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::build::{Builder, Entry};
+use super::builder::Builder;
+use super::entry::Entry;
 use super::models;
 use super::read_files::ReadMap;
 use super::schema::{EnvironmentEntry, SKY};
@@ -17,7 +18,7 @@ use crate::formats::error::SceneError;
 use crate::scene::{Environment, EnvironmentMap};
 
 /// Builds the environment of an entry.
-pub(crate) fn environment_of(
+pub(super) fn environment_of(
     builder: &mut Builder,
     entry: &Entry,
     given: &EnvironmentEntry,
@@ -31,7 +32,7 @@ pub(crate) fn environment_of(
 }
 
 /// Radiance, W/m^2/sr, or with a map its factor; and rotation, radians.
-pub(crate) fn numbers_of(entry: &Entry, given: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
+pub(super) fn numbers_of(entry: &Entry, given: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
     let strength = entry.number("strength", given.strength.unwrap_or(1.0))?;
     if strength < 0.0 {
         return Err(entry.error(format!("strength must not be negative, is {strength}")));

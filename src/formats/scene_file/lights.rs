@@ -6,20 +6,18 @@
 use std::path::Path;
 
 use glam::{Affine3A, Vec3};
-use toml::Spanned;
 
-use super::build::{Builder, Entry, animation_of, check_not_mirrored};
+use super::builder::Builder;
+use super::entry::{At, Entry, degrees_of};
+use super::motion::{animation_of, check_not_mirrored};
 use super::schema::LightEntry;
 use crate::formats::error::SceneError;
 use crate::scene::{Instance, Light, LightKind, LightType, MAX_COORDINATE, Material, Mesh, Scene};
 
-/// Adds one light.
-pub(crate) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> Result<(), SceneError> {
-    let entry_light = light.as_ref();
-    let name =
-        entry_light.name.clone().unwrap_or_else(|| format!("light {}", builder.scene.lights.len() + 1));
-    let entry = builder.entry(&light.span(), format!("light \"{name}\""));
-    let light = entry_light;
+/// Adds the light of entry `index`.
+pub(super) fn add_light(builder: &mut Builder, index: usize, light: &LightEntry) -> Result<(), SceneError> {
+    let name = light.name.clone().unwrap_or_else(|| format!("light {}", builder.scene.lights.len() + 1));
+    let entry = builder.entry(At::Entry("lights", index), format!("light \"{name}\""));
     check_keys(&entry, light)?;
     if light.kind == LightType::Area {
         return match &light.instance {
@@ -27,18 +25,13 @@ pub(crate) fn add_light(builder: &mut Builder, light: &Spanned<LightEntry>) -> R
             None => add_quad(builder, &entry, light, &name),
         };
     }
-    let light = plain_light(builder, &entry, light, name)?;
+    let light = plain_light(&entry, light, name)?;
     builder.scene.lights.push(light);
     Ok(())
 }
 
 /// A point, spot or directional light; the keys were checked.
-fn plain_light(
-    builder: &Builder,
-    entry: &Entry,
-    light: &LightEntry,
-    name: String,
-) -> Result<Light, SceneError> {
+fn plain_light(entry: &Entry, light: &LightEntry, name: String) -> Result<Light, SceneError> {
     let position = |key| entry.place(key, entry.required(key, light.position)?);
     let intensity = |key| entry.power(key, entry.required(key, light.intensity)?);
     let direction = |key| entry.direction(key, entry.required(key, light.direction)?);
@@ -55,7 +48,7 @@ fn plain_light(
         }
     };
     let (radius, half_angle) = extent(entry, light)?;
-    let animation = animation_of(builder, entry, light.animation.as_ref())?;
+    let animation = animation_of(entry, light.animation.as_ref())?;
     Ok(Light { name, kind, position, direction, radius, half_angle, animation })
 }
 
@@ -73,21 +66,20 @@ fn extent(entry: &Entry, light: &LightEntry) -> Result<(f32, f32), SceneError> {
 }
 
 /// The light of a single entry; none for an area light, which needs the scene.
-pub(crate) fn single_light(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
-    let builder = Builder::of_entries(path);
+pub(super) fn single_light(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
     let name = light.name.clone().unwrap_or_else(|| "light".to_owned());
-    let entry = builder.entry(&(0..0), format!("light \"{name}\""));
+    let entry = Entry::edited(path, format!("light \"{name}\""));
     check_keys(&entry, light)?;
     match light.kind {
-        LightType::Area => check_area(&builder, &entry, light).map(|()| None),
-        _ => plain_light(&builder, &entry, light, name).map(Some),
+        LightType::Area => check_area(&entry, light).map(|()| None),
+        _ => plain_light(&entry, light, name).map(Some),
     }
 }
 
 /// Validates an area light's entry, except for the instance that it may name.
-fn check_area(builder: &Builder, entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
+fn check_area(entry: &Entry, light: &LightEntry) -> Result<(), SceneError> {
     entry.power("radiance", entry.required("radiance", light.radiance)?)?;
-    animation_of(builder, entry, light.animation.as_ref())?;
+    animation_of(entry, light.animation.as_ref())?;
     match light.polygon {
         Some(polygon) => check_quad(entry, &corners_of(entry, polygon)?),
         None => Ok(()),
@@ -103,7 +95,7 @@ fn corners_of(entry: &Entry, polygon: [[f32; 3]; 4]) -> Result<[Vec3; 4], SceneE
 }
 
 /// Adds area lights for the emissive instances that no light of the file names.
-pub(crate) fn add_emissive_instances(scene: &mut Scene) {
+pub(super) fn add_emissive_instances(scene: &mut Scene) {
     for instance in 0..scene.instances.len() {
         let is_named =
             |light: &Light| matches!(light.kind, LightKind::Area { instance: i, .. } if i == instance);
@@ -163,7 +155,7 @@ fn add_quad(builder: &mut Builder, entry: &Entry, light: &LightEntry, name: &str
     let corners = corners_of(entry, polygon)?;
     check_quad(entry, &corners)?;
     let centre = corners.iter().sum::<Vec3>() / 4.0;
-    let animation = animation_of(builder, entry, light.animation.as_ref())?;
+    let animation = animation_of(entry, light.animation.as_ref())?;
     let scene = &mut builder.scene;
     let material = scene.materials.len() as u32;
     scene.materials.push(Material::emitter(name, radiance));
@@ -225,4 +217,56 @@ fn light_instance(
         added.name.clone_from(name);
     }
     Ok(())
+}
+
+/// The entry of a light; none for an area light.
+pub(super) fn entry_of(light: &Light) -> Option<LightEntry> {
+    let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
+    let radius = (light.radius > 0.0).then_some(light.radius);
+    let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));
+    match &light.kind {
+        LightKind::Point { intensity } => {
+            Some(LightEntry { position, intensity: Some(intensity.to_array()), radius, ..entry })
+        }
+        LightKind::Spot { intensity, inner_angle, outer_angle } => Some(LightEntry {
+            kind: LightType::Spot,
+            position,
+            direction,
+            intensity: Some(intensity.to_array()),
+            inner_deg: Some(degrees_of(*inner_angle)),
+            outer_deg: Some(degrees_of(*outer_angle)),
+            radius,
+            ..entry
+        }),
+        LightKind::Directional { irradiance } => Some(LightEntry {
+            kind: LightType::Directional,
+            direction,
+            irradiance: Some(irradiance.to_array()),
+            angle_deg: (light.half_angle > 0.0).then(|| degrees_of(light.half_angle)),
+            ..entry
+        }),
+        LightKind::Area { .. } => None,
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_entry_of_a_light_makes_that_light() {
+        let intensity = Vec3::new(1.0, 2.0, 3.0);
+        for (kind, direction, [radius, half_angle]) in [
+            (LightKind::Point { intensity }, Vec3::NEG_Y, [0.7, 0.0]),
+            (LightKind::Spot { intensity, inner_angle: 0.2, outer_angle: 0.5 }, Vec3::X, [0.3, 0.0]),
+            (LightKind::Directional { irradiance: intensity }, Vec3::Z, [0.0, 0.123_456_79]),
+        ] {
+            let position = if half_angle > 0.0 { Vec3::ZERO } else { Vec3::new(0.1, 0.2, 0.3) };
+            let name = "sun".to_owned();
+            let light = Light { name, kind, position, direction, radius, half_angle, animation: None };
+            let entry = entry_of(&light).unwrap();
+            assert_eq!(single_light(Path::new("a.toml"), &entry).unwrap().unwrap(), light);
+        }
+    }
 }

@@ -6,9 +6,8 @@ use std::path::Path;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use toml::Spanned;
 
-use super::build::{Builder, Entry};
+use super::entry::Entry;
 use crate::formats::error::SceneError;
 use crate::scene::{GLTF_F0, Material};
 
@@ -80,7 +79,7 @@ impl MaterialEdit {
     }
 
     /// Checks the values of an entry.
-    fn check(&self, entry: &Entry) -> Result<(), SceneError> {
+    pub(super) fn check(&self, entry: &Entry) -> Result<(), SceneError> {
         self.base_colour.map(|colour| entry.reflectance("base_colour", colour)).transpose()?;
         self.emission.map(|radiance| entry.power("emission", radiance)).transpose()?;
         self.normal_scale.map(|scale| entry.number("normal_scale", scale)).transpose()?;
@@ -96,32 +95,7 @@ impl MaterialEdit {
     }
 
     /// Checks the values, as for a scene file at `path`.
-    pub(crate) fn check_alone(&self, path: &Path) -> Result<(), SceneError> {
-        let builder = Builder::of_entries(path);
-        self.check(&builder.entry(&(0..0), format!("material \"{}\"", self.name)))
+    pub(super) fn check_alone(&self, path: &Path) -> Result<(), SceneError> {
+        self.check(&Entry::edited(path, format!("material \"{}\"", self.name)))
     }
-}
-
-/// Edits the materials of the models.
-pub(crate) fn edit_materials(
-    builder: &mut Builder,
-    edits: &[Spanned<MaterialEdit>],
-) -> Result<(), SceneError> {
-    for (index, edit) in edits.iter().enumerate() {
-        let name = &edit.get_ref().name;
-        let entry = builder.entry(&edit.span(), format!("material \"{name}\""));
-        if edits[..index].iter().any(|other| other.get_ref().name == *name) {
-            return Err(entry.error("another entry has this name; join them"));
-        }
-        edit.get_ref().check(&entry)?;
-        let mut found = false;
-        for material in builder.scene.materials.iter_mut().filter(|material| material.name == *name) {
-            edit.get_ref().apply(material);
-            found = true;
-        }
-        if !found {
-            return Err(entry.error("no model has a material of this name; correct it or remove the entry"));
-        }
-    }
-    Ok(())
 }

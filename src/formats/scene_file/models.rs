@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Vec3;
-use toml::Spanned;
 
-use super::build::{Builder, Entry};
+use super::builder::Builder;
 use super::clip::clip_to_box;
+use super::entry::{At, Entry};
 use super::schema::{MaterialEntry, ModelEntry, Primitive};
 use crate::builtin;
 use crate::formats::error::SceneError;
@@ -19,10 +19,9 @@ use crate::scene::{GLTF_F0, Material, Mesh, Scene};
 /// Download hint for an asset without a `download` key.
 const DOWNLOAD: &str = "see the credits in the scene file";
 
-/// Adds the mesh of a model.
-pub(crate) fn add_model(builder: &mut Builder, model: &Spanned<ModelEntry>) -> Result<(), SceneError> {
-    let entry = builder.entry(&model.span(), format!("model \"{}\"", model.as_ref().name));
-    let model = model.as_ref();
+/// Adds the mesh of the model of entry `index`.
+pub(super) fn add_model(builder: &mut Builder, index: usize, model: &ModelEntry) -> Result<(), SceneError> {
+    let entry = builder.entry(At::Entry("models", index), format!("model \"{}\"", model.name));
     if builder.models.contains_key(&model.name) {
         return Err(entry.error("another model has this name; rename one"));
     }
@@ -91,7 +90,7 @@ fn check_keys(entry: &Entry, model: &ModelEntry) -> Result<(), SceneError> {
 }
 
 /// The file of an asset, which may be downloaded from `download`.
-pub(crate) fn find_asset(
+pub(super) fn find_asset(
     builder: &Builder,
     asset: &Path,
     download: Option<&String>,

@@ -1,24 +1,21 @@
 //! What the files of a scene hold, kept so that an edited scene is built without reading them again.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use super::schema::{EnvironmentEntry, ModelEntry, SceneFile};
-use crate::formats::error::SceneError;
-use crate::formats::load;
 use crate::scene::{EnvironmentMap, Material, Scene};
 
 /// Models and the environment's map as they were read. Copies share meshes, textures and map.
 #[derive(Clone, Debug, Default)]
 pub struct ReadFiles {
-    pub(crate) models: Option<ReadModels>,
-    pub(crate) map: Option<ReadMap>,
+    pub(super) models: Option<ReadModels>,
+    pub(super) map: Option<ReadMap>,
 }
 
 /// The models of a scene file.
 #[derive(Clone, Debug)]
-pub(crate) struct ReadModels {
+pub(super) struct ReadModels {
     entries: Vec<ModelEntry>,
     /// Meshes, materials, textures, masks and warnings; nothing else.
     pub scene: Scene,
@@ -28,7 +25,7 @@ pub(crate) struct ReadModels {
 
 /// The map of an environment.
 #[derive(Clone, Debug)]
-pub(crate) struct ReadMap {
+pub(super) struct ReadMap {
     /// The entry without its numbers.
     entry: EnvironmentEntry,
     pub map: Option<Arc<EnvironmentMap>>,
@@ -56,7 +53,7 @@ impl ReadMap {
 
 impl ReadFiles {
     /// The models, if `file` begins with them, or they with those of `file`: models are added and no longer used.
-    pub(crate) fn models_of(&self, file: &SceneFile) -> Option<&ReadModels> {
+    pub(super) fn models_of(&self, file: &SceneFile) -> Option<&ReadModels> {
         let entries = entries(file);
         let alike =
             |models: &&ReadModels| models.entries.iter().zip(&entries).all(|(known, entry)| known == entry);
@@ -64,14 +61,14 @@ impl ReadFiles {
     }
 
     /// The map, if it is that of `entry`.
-    pub(crate) fn map_of(&self, entry: &EnvironmentEntry) -> Option<&ReadMap> {
+    pub(super) fn map_of(&self, entry: &EnvironmentEntry) -> Option<&ReadMap> {
         self.map.as_ref().filter(|map| map.entry == entry.without_numbers())
     }
 
     /// What was read for `scene`, which is now written as `file`. A scene without a scene file is one model.
-    pub(crate) fn named(self, file: &SceneFile, scene: &Scene) -> Self {
+    pub(super) fn named(self, file: &SceneFile, scene: &Scene) -> Self {
         let models = self.models.unwrap_or_else(|| {
-            let names = file.models.iter().map(|model| model.get_ref().name.clone());
+            let names = file.models.iter().map(|model| model.name.clone());
             let parts = Scene {
                 meshes: scene.meshes.clone(),
                 materials: scene.materials.clone(),
@@ -83,7 +80,7 @@ impl ReadFiles {
         });
         let map = file.environment.as_ref().map(|entry| {
             let map = scene.environment.as_ref().and_then(|environment| environment.map.clone());
-            ReadMap::new(entry.get_ref(), map, Vec::new())
+            ReadMap::new(entry, map, Vec::new())
         });
         Self { models: Some(ReadModels { entries: entries(file), ..models }), map }
     }
@@ -92,16 +89,8 @@ impl ReadFiles {
     pub fn materials(&self) -> &[Material] {
         self.models.as_ref().map_or(&[], |models| &models.scene.materials)
     }
-
-    /// Builds a scene from the text of a scene file, whose paths must be absolute; reads only what is not here yet.
-    ///
-    /// # Errors
-    /// Those of a scene file.
-    pub fn scene_of_text(&mut self, text: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-        load::load_toml(Path::new("recorded scene"), text, assets, self)
-    }
 }
 
 fn entries(file: &SceneFile) -> Vec<ModelEntry> {
-    file.models.iter().map(|model| model.get_ref().clone()).collect()
+    file.models.clone()
 }

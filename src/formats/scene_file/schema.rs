@@ -3,12 +3,12 @@
 //! In: text. Out: [`SceneFile`], with syntax, keys and types checked; `scene_build` validates the values. Lengths
 //! are in scene units, angles in degrees, colours linear RGB.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use super::entry::line_of;
 use super::material_edit::MaterialEdit;
 use crate::formats::error::SceneError;
 use crate::scene::{LightType, RecordedFrame};
@@ -27,17 +27,17 @@ pub(crate) struct SceneFile {
     pub metres_per_unit: Option<f32>,
     /// Radiance of camera rays that miss, W/m^2/sr; black if missing.
     pub background: Option<[f32; 3]>,
-    pub environment: Option<Spanned<EnvironmentEntry>>,
-    pub camera: Option<Spanned<CameraEntry>>,
+    pub environment: Option<EnvironmentEntry>,
+    pub camera: Option<CameraEntry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub models: Vec<Spanned<ModelEntry>>,
+    pub models: Vec<ModelEntry>,
     /// What is other than in the models' files.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub materials: Vec<Spanned<MaterialEdit>>,
+    pub materials: Vec<MaterialEdit>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub instances: Vec<Spanned<InstanceEntry>>,
+    pub instances: Vec<InstanceEntry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub lights: Vec<Spanned<LightEntry>>,
+    pub lights: Vec<LightEntry>,
     /// Recorded edits, by frame.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recording: Vec<RecordedFrame>,
@@ -94,7 +94,7 @@ impl EnvironmentEntry {
 }
 
 /// A mesh: exactly one of `path`, `asset`, `builtin` and `primitive`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ModelEntry {
     pub name: String,
@@ -155,25 +155,6 @@ impl Primitive {
     }
 }
 
-impl ModelEntry {
-    /// An entry of this name without any other key.
-    pub fn of(name: String) -> Self {
-        Self {
-            name,
-            path: None,
-            asset: None,
-            download: None,
-            builtin: None,
-            primitive: None,
-            size: None,
-            subdivisions: None,
-            material: None,
-            without_materials: Vec::new(),
-            clip: None,
-        }
-    }
-}
-
 /// The material of a primitive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -189,7 +170,7 @@ pub(crate) struct MaterialEntry {
 }
 
 /// A placed model: scaled, rotated, then translated.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstanceEntry {
     /// The model's if missing.
@@ -207,7 +188,7 @@ pub struct InstanceEntry {
     /// Whether it is rasterised and rays can hit it; true if missing.
     pub visible: Option<bool>,
     /// Its animation.
-    pub animation: Option<Spanned<AnimationEntry>>,
+    pub animation: Option<AnimationEntry>,
 }
 
 /// `[x, y, z]`, degrees about the fixed axes x, then y, then z; or axis and angle.
@@ -253,11 +234,11 @@ pub(crate) struct CameraEntry {
     pub vfov_deg: Option<f32>,
     pub near: Option<f32>,
     pub far: Option<f32>,
-    pub animation: Option<Spanned<AnimationEntry>>,
+    pub animation: Option<AnimationEntry>,
 }
 
 /// A light; its type determines the allowed keys.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightEntry {
     /// Generated if missing.
@@ -291,7 +272,7 @@ pub struct LightEntry {
     /// portal: light that enters through an opening.
     pub visible: Option<bool>,
     /// Its animation.
-    pub animation: Option<Spanned<AnimationEntry>>,
+    pub animation: Option<AnimationEntry>,
 }
 
 /// An animation, relative to the rest pose.
@@ -335,39 +316,19 @@ pub struct SpinEntry {
 impl InstanceEntry {
     /// A model at rest at the origin.
     pub fn of(model: String) -> Self {
-        Self {
-            name: None,
-            model,
-            translation: None,
-            rotation: None,
-            scale: None,
-            dynamic: None,
-            visible: None,
-            animation: None,
-        }
+        Self { model, ..Self::default() }
+    }
+
+    /// Its name, or the model's.
+    pub fn shown_name(&self) -> &str {
+        self.name.as_ref().unwrap_or(&self.model)
     }
 }
 
 impl LightEntry {
     /// An entry of this type without any other key.
     pub fn of(kind: LightType) -> Self {
-        Self {
-            name: None,
-            kind,
-            position: None,
-            direction: None,
-            intensity: None,
-            irradiance: None,
-            inner_deg: None,
-            outer_deg: None,
-            radius: None,
-            angle_deg: None,
-            polygon: None,
-            instance: None,
-            radiance: None,
-            visible: None,
-            animation: None,
-        }
+        Self { kind, ..Self::default() }
     }
 }
 
@@ -405,10 +366,4 @@ fn unknown_light_type(file: &Path, text: &str) -> Option<SceneError> {
             format!("light \"{name}\": {}", error.message().replace("unknown variant", "unknown type"));
         Some(SceneError::invalid(file, Some(line_of(text, &kind.span())), problem))
     })
-}
-
-/// The line, from 1, where `span` starts.
-pub(crate) fn line_of(text: &str, span: &Range<usize>) -> usize {
-    let before = text.as_bytes().iter().take(span.start);
-    1 + before.filter(|byte| **byte == b'\n').count()
 }

@@ -132,7 +132,7 @@ fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
     hits.map(|((hit, ray), index)| {
         let numbers = (0..).map(|nth| sampling::random_point(index, nth, 0).x);
-        let hit = world.pass_sheets(ray, hit, numbers).0?;
+        let hit = world.pass_thin_surfaces(ray, hit, numbers).0?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
         Some((hit.t, world.scene.surface_at(world.pose, hit.instance, point, side).surface))

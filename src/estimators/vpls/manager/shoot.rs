@@ -10,7 +10,7 @@ use super::assignment::{NONE, PathRange};
 use super::emitter::{Source, diffuse_ray};
 use super::slots::{Slot, SlotState};
 use super::vpl_manager::VplManager;
-use crate::bvh::{Hit, Passage, Ray, World};
+use crate::bvh::{Hit, Ray, Transmission, World};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// Minimum number of slots per task.
@@ -140,15 +140,15 @@ impl VplManager {
 
     /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
     /// the candidate, so the same ray stops at the same thin surface again.
-    pub(super) fn pass_sheets(
+    pub(super) fn pass_thin_surfaces(
         &self,
         world: World<'_>,
         (slot, candidate): (u32, u32),
         ray: &Ray,
         hit: Option<Hit>,
-    ) -> (Option<Hit>, Passage) {
+    ) -> (Option<Hit>, Transmission) {
         let address = &self.assignment.addresses[slot as usize];
-        world.pass_sheets(ray, hit, (0..).map(|nth| self.layout.passage_number(address, candidate, nth)))
+        world.pass_thin_surfaces(ray, hit, (0..).map(|nth| self.layout.thin_number(address, candidate, nth)))
     }
 
     /// The slot as one of its candidates fills it, whose ray first hits `hit`.
@@ -188,9 +188,12 @@ impl VplManager {
                 (filled, filled.surface(world, address, &self.changes.emitters))
             }
             Start::Trace(ray, weight) => {
-                let (hit, passage) = self.pass_sheets(world, (slot, candidate), &ray, hit);
+                let (hit, transmission) = self.pass_thin_surfaces(world, (slot, candidate), &ray, hit);
                 let Some(hit) = hit else {
-                    return (Slot { unoccluded: Some(ray), passage, ..escaped }, WorldSurface::default());
+                    return (
+                        Slot { unoccluded: Some(ray), transmission, ..escaped },
+                        WorldSurface::default(),
+                    );
                 };
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
                 let (found, material) = surface_at(hit.instance, point, Side::Facing(ray.direction));
@@ -200,8 +203,8 @@ impl VplManager {
                     front: found.front,
                     instance: hit.instance,
                     point,
-                    throughput: throughput * weight * passage.weight * albedo,
-                    passage,
+                    throughput: throughput * weight * transmission.weight * albedo,
+                    transmission,
                     unoccluded: Some(Ray { t_max: hit.t * HIT_MARGIN, ..ray }),
                     ..valid
                 };

@@ -9,7 +9,7 @@ use super::counters::InvalidationReason::{self, FacesAway, LightChanged, LightTu
 use super::emitter::Source;
 use super::slots::{Slot, SlotState};
 use super::vpl_manager::VplManager;
-use crate::bvh::{Hit, Occlusion, Passage, Ray, World};
+use crate::bvh::{Hit, Occlusion, Ray, Transmission, World};
 use crate::scene::{SurfacePoint, WorldSurface};
 
 /// A light that moves so far in one frame that it shoots at a surface this much more or less densely has jumped: its VPLs there
@@ -44,7 +44,7 @@ impl VplManager {
         };
         match occlusion {
             Occlusion::Opaque => Err(Occluded),
-            Occlusion::Clear if slot.passage == Passage::CLEAR => Ok(passed),
+            Occlusion::Clear if slot.transmission == Transmission::CLEAR => Ok(passed),
             _ => self.test_passage(world, index, passed, &ray),
         }
     }
@@ -62,7 +62,8 @@ impl VplManager {
             // Shoot it again.
             let ray = Ray { t_max: f32::INFINITY, ..*ray };
             let candidate = (index as u32, slot.candidate);
-            let (hit, passage) = self.pass_sheets(world, candidate, &ray, world.bvh.intersect(&ray));
+            let (hit, transmission) =
+                self.pass_thin_surfaces(world, candidate, &ray, world.bvh.intersect(&ray));
             let same_place = |hit: Hit| {
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
                 (hit.instance, point) == (slot.instance, slot.point)
@@ -70,11 +71,11 @@ impl VplManager {
             match (slot.state, hit) {
                 (SlotState::Escaped, None) => return Ok(passed),
                 (SlotState::Escaped, Some(_)) => return Err(Occluded),
-                (_, Some(hit)) if same_place(hit) && passage == slot.passage => return Ok(passed),
+                (_, Some(hit)) if same_place(hit) && transmission == slot.transmission => return Ok(passed),
                 _ => {}
             }
         }
-        let (now, then) = (world.transmittance(ray), slot.passage.transmittance);
+        let (now, then) = (world.transmittance(ray), slot.transmission.transmittance);
         let jumped = now.cmpgt(then * MOST_CHANGE) | then.cmpgt(now * MOST_CHANGE);
         if jumped.any() { Err(Occluded) } else { Ok(Passed { changed: true, ..passed }) }
     }

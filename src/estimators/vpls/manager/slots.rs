@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::assignment::{Address, NONE};
 use super::counters::Invalidation;
 use super::emitter::{Emitter, Source};
-use crate::bvh::{Passage, Ray, World};
+use crate::bvh::{Ray, Transmission, World};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
 /// State of a slot.
@@ -44,7 +44,7 @@ pub(super) struct Slot {
     /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
     /// The effect of thin surfaces on the ray that shot it.
-    pub(super) passage: Passage,
+    pub(super) transmission: Transmission,
     /// Frame in which it was shot.
     pub(super) shot: u32,
     /// The ray to it that nothing opaque occluded in the last frame; none if unknown.
@@ -64,7 +64,7 @@ impl Slot {
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
-        passage: Passage::CLEAR,
+        transmission: Transmission::CLEAR,
         shot: 0,
         unoccluded: None,
     };

@@ -1,4 +1,4 @@
-//! Rays through thin sheets on the CPU, against brute force over all triangles in double precision.
+//! Rays through thin surfaces on the CPU, against brute force over all triangles in double precision.
 
 mod bvh_support;
 
@@ -8,7 +8,7 @@ use glowworm::bvh::{self, Hit, Occlusion, Ray, TwoLevelBvh};
 use glowworm::scene::{Alpha, Material};
 
 /// Random triangles of something opaque, a veil, coated glass, and a veil whose vertices have colours.
-fn sheets(random: &mut Random) -> World {
+fn thin_surfaces(random: &mut Random) -> World {
     let mut mesh = soup(random, 60);
     for (index, material) in mesh.triangle_materials.iter_mut().enumerate() {
         *material = if index % 4 == 0 { 0 } else { 1 + index as u32 % 3 };
@@ -33,7 +33,7 @@ fn sheets(random: &mut Random) -> World {
     world
 }
 
-/// What a crossed triangle of [`sheets`] lets pass.
+/// What a crossed triangle of [`thin surfaces`] lets pass.
 fn passed(world: &World, crossing: &Crossing) -> DVec3 {
     let mesh = &world.scene.meshes[0];
     let colour = |channel: usize| {
@@ -61,12 +61,12 @@ fn passed(world: &World, crossing: &Crossing) -> DVec3 {
 #[test]
 fn transmittance_agrees_with_brute_force() {
     let mut random = Random::new(77);
-    let mut world = sheets(&mut random);
+    let mut world = thin_surfaces(&mut random);
     for index in 0..4 {
         world.place(0, random.transform(1.5, 0.3), index == 0);
     }
     let bvh = world.build();
-    assert!(bvh.has_sheets());
+    assert!(bvh.has_thin_surfaces());
     let pose = world.scene.pose(0.0);
     let moment = bvh::World { scene: &world.scene, pose: &pose, bvh: &bvh };
     let (min, max) = bvh.bounds();
@@ -91,7 +91,7 @@ fn transmittance_agrees_with_brute_force() {
         let opaque = crossed.iter().any(|c| passed(&world, c) == DVec3::ZERO);
         let kind = match (opaque, crossed.is_empty()) {
             (true, _) => Occlusion::Opaque,
-            (false, false) => Occlusion::Sheets,
+            (false, false) => Occlusion::ThinSurfaces,
             (false, true) => Occlusion::Clear,
         };
         assert_eq!(bvh.occlusion(ray), kind);
@@ -106,9 +106,9 @@ fn transmittance_agrees_with_brute_force() {
 }
 
 #[test]
-fn light_passes_sheets_or_stops_at_random() {
+fn light_passes_thin_surfaces_or_stops_at_random() {
     let mut random = Random::new(78);
-    let mut world = sheets(&mut random);
+    let mut world = thin_surfaces(&mut random);
     for _ in 0..4 {
         world.place(0, random.transform(1.5, 0.3), false);
     }
@@ -125,11 +125,12 @@ fn light_passes_sheets_or_stops_at_random() {
         let behind = opaque_hit(&bvh, &ray);
         let mut arrived = Vec3::ZERO;
         for _ in 0..TRIES {
-            let (end, passage) = moment.pass_sheets(&ray, hit, std::iter::repeat_with(|| random.unit()));
+            let (end, transmission) =
+                moment.pass_thin_surfaces(&ray, hit, std::iter::repeat_with(|| random.unit()));
             let way = Ray { t_max: end.map_or(f32::INFINITY, |end| end.t), ..ray };
-            assert!(moment.transmittance(&way).distance(passage.transmittance) < 1e-5);
+            assert!(moment.transmittance(&way).distance(transmission.transmittance) < 1e-5);
             if end == behind {
-                arrived += passage.weight / TRIES as f32;
+                arrived += transmission.weight / TRIES as f32;
             }
         }
         let way = Ray { t_max: behind.map_or(f32::INFINITY, |hit| hit.t), ..ray };

@@ -151,7 +151,7 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
         let met = scene.surface_at(pose, hit.instance, point, Side::Facing(direction));
         let material = &scene.materials[hit.instance as usize];
         let coat = material.bsdf_at(scene, met.attributes).seen(met.surface.normal, -direction.normalize());
-        let sheet = material.sheet_at(scene, met.attributes);
+        let sheet = material.thin_surface_at(scene, met.attributes);
         passed *= sheet.transmittance(coat.reflected_albedo().max_element());
         ray.t_min = hit.t + 1e-4;
     }

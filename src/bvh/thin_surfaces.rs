@@ -1,28 +1,28 @@
-//! Thin sheets as `shaders/include/tracer.glsl` reads them, for both tracers.
+//! Thin surfaces as `shaders/include/tracer.glsl` reads them, for both tracers.
 //!
-//! In: a scene. Out: what its sheets let pass: a record for each material, and the texels of their base colours.
+//! In: a scene. Out: what its thin surfaces let pass: a record for each material, and the texels of their base colours.
 
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec4};
 
-use super::gpu::{non_empty, wrap_bits};
+use super::pack::{non_empty, wrap_bits};
 use crate::scene::{Alpha, Material, Mesh, Scene, Wrap};
 
-/// In [`GpuTriangle::masked`](super::gpu::GpuTriangle::masked): the triangle is one of a sheet, and the rest is the index of its
-/// [`GpuSheetTriangle`].
-pub const SHEET: u32 = 1 << 31;
+/// In [`GpuTriangle::masked`](super::gpu::GpuTriangle::masked): the triangle is one of a thin surface, and the rest is the index of its
+/// [`GpuThinTriangle`].
+pub const THIN_SURFACE: u32 = 1 << 31;
 
-/// In [`GpuSheet::modes`]: the texture's colour is linear.
+/// In [`GpuThinSurface::modes`]: the texture's colour is linear.
 const LINEAR: u32 = 16;
-/// In [`GpuSheet::modes`]: alpha is the share of the surface that is there; otherwise all is.
+/// In [`GpuThinSurface::modes`]: alpha is the share of the surface that is there; otherwise all is.
 const BLENDS: u32 = 32;
 
-/// The corners of a sheet's triangle. 40 bytes.
+/// The corners of a thin surface's triangle. 40 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct GpuSheetTriangle {
+pub struct GpuThinTriangle {
     /// Coordinates on the texture of the base colour.
     pub uvs: [Vec2; 3],
     /// Linear colour and alpha, 8 bits each.
@@ -31,10 +31,10 @@ pub struct GpuSheetTriangle {
     pub pad: u32,
 }
 
-/// The material of a thin sheet. 64 bytes.
+/// The material of a thin surface. 64 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct GpuSheet {
+pub struct GpuThinSurface {
     /// rgb: what it lets pass where its coat reflects nothing, to be multiplied with texture and vertices; w: opacity.
     pub passed: Vec4,
     /// rgb: base colour of its coat, mean over textures; w: metallic, likewise.
@@ -43,35 +43,35 @@ pub struct GpuSheet {
     pub reflectance: Vec4,
     /// Perceptual, mean over textures.
     pub roughness: f32,
-    /// Texel of its texture in [`GpuSheets::texels`].
+    /// Texel of its texture in [`GpuThinSurfaces::texels`].
     pub first: u32,
     /// Size of that, width in the lower 16 bits, height above; 0: there is none.
     pub size: u32,
-    /// Wrap modes of the texture, whether its colour is linear, whether the sheet blends.
+    /// Wrap modes of the texture, whether its colour is linear, whether the thin surface blends.
     pub modes: u32,
 }
 
-/// The sheets of a scene; no array is empty.
+/// The thin surfaces of a scene; no array is empty.
 #[derive(Clone, Debug)]
-pub struct GpuSheets {
+pub struct GpuThinSurfaces {
     /// Corners of their triangles.
-    pub triangles: Vec<GpuSheetTriangle>,
-    /// One for each material, of which only those of sheets mean anything.
-    pub sheets: Vec<GpuSheet>,
+    pub triangles: Vec<GpuThinTriangle>,
+    /// One for each material, of which only those of thin surfaces mean anything.
+    pub thin_surfaces: Vec<GpuThinSurface>,
     /// RGBA8, level 0 of the textures of their base colours.
     pub texels: Vec<u32>,
 }
 
-impl GpuSheets {
-    /// The sheets of `scene`, whose triangles are `triangles`: nothing if there are none.
-    pub(super) fn new(scene: &Scene, triangles: &[GpuSheetTriangle]) -> Self {
+impl GpuThinSurfaces {
+    /// The thin surfaces of `scene`, whose triangles are `triangles`: nothing if there are none.
+    pub(super) fn new(scene: &Scene, triangles: &[GpuThinTriangle]) -> Self {
         let mut texels = Vec::new();
         let mut firsts = HashMap::new();
         let materials = if triangles.is_empty() { &[][..] } else { &scene.materials };
-        let sheets = materials.iter().map(|material| {
-            let texture = material.base_colour_texture.filter(|_| material.is_sheet());
-            let sheet = sheet(scene, material);
-            let Some(texture) = texture else { return sheet };
+        let thin_surfaces = materials.iter().map(|material| {
+            let texture = material.base_colour_texture.filter(|_| material.is_thin_surface());
+            let thin_surface = thin_surface(scene, material);
+            let Some(texture) = texture else { return thin_surface };
             let image = &scene.textures[texture.texture];
             let (width, height, level) = &image.levels[0];
             let first = *firsts.entry(texture.texture).or_insert_with(|| {
@@ -83,34 +83,34 @@ impl GpuSheets {
                 );
                 first
             });
-            let modes = sheet.modes | wrap_bits(texture.wrap) | if image.linear { LINEAR } else { 0 };
-            GpuSheet { first, size: width | height << 16, modes, ..sheet }
+            let modes = thin_surface.modes | wrap_bits(texture.wrap) | if image.linear { LINEAR } else { 0 };
+            GpuThinSurface { first, size: width | height << 16, modes, ..thin_surface }
         });
-        let sheets = non_empty(sheets.collect());
-        Self { triangles: non_empty(triangles.to_vec()), sheets, texels: non_empty(texels) }
+        let thin_surfaces = non_empty(thin_surfaces.collect());
+        Self { triangles: non_empty(triangles.to_vec()), thin_surfaces, texels: non_empty(texels) }
     }
 }
 
-/// A sheet without texture.
-fn sheet(scene: &Scene, material: &Material) -> GpuSheet {
+/// A thin surface without texture.
+fn thin_surface(scene: &Scene, material: &Material) -> GpuThinSurface {
     let coat = material.mean_bsdf(scene);
     let blends = material.alpha == Alpha::Blend;
-    GpuSheet {
+    GpuThinSurface {
         passed: material.passed().extend(material.opacity),
         base: coat.base.extend(coat.metallic),
         reflectance: coat.f0.extend(coat.f90),
         roughness: coat.roughness,
         modes: wrap_bits(Wrap::REPEAT) | if blends { BLENDS } else { 0 },
-        ..GpuSheet::default()
+        ..GpuThinSurface::default()
     }
 }
 
-/// The corners of triangle `id` of a mesh, of a sheet's material.
-pub(super) fn sheet_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuSheetTriangle {
+/// The corners of triangle `id` of a mesh, of a thin surface's material.
+pub(super) fn thin_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuThinTriangle {
     let colour = |vertex: u32| {
         mesh.colours.get(vertex as usize).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour))
     };
-    GpuSheetTriangle {
+    GpuThinTriangle {
         uvs: mesh.mask_coordinates(id, material),
         colours: mesh.triangles[id as usize].map(colour),
         pad: 0,

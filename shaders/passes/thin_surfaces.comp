@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Thin sheets between the eye and what a pixel sees, from front to back: with T what the sheets before one let pass, c its share
+// Thin surfaces between the eye and what a pixel sees, from front to back: with T what the thin surfaces before one let pass, c its share
 // that is there, and its BSDF's directional albedos, each adds
 //   T c (emission + BSDF of lamps) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
-// Out: both sums, and what all sheets let pass of the light behind. Irradiance is that of the surface behind; before the open sky
+// Out: both sums, and what all thin surfaces let pass of the light behind. Irradiance is that of the surface behind; before the open sky
 // it is the environment's mean, and that light is in the first sum.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -21,20 +21,20 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
 #include "lights.glsl"
 #include "light_transmittance.glsl"
-layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D sheet_light;
-layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D sheet_albedo;
-layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D sheet_transmittance;
+layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D thin_light;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D thin_albedo;
+layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D thin_transmittance;
 
-// Twin: SheetsPush in src/passes/sheets.rs.
+// Twin: ThinSurfacesPush in src/passes/thin_surfaces.rs.
 layout(push_constant) uniform Push {
     vec3 ambient; // irradiance where there is nothing behind, W/m^2
     float spread; // of a pixel, over a distance of 1
-    float near;   // view depth of the first and last sheet
+    float near;   // view depth of the first and last thin surface
     float far;
 } push;
 
-// Sheets that are seen one behind the other, at most.
-const int MOST_SHEETS = 8;
+// Thin surfaces that are seen one behind the other, at most.
+const int MOST_THIN_SURFACES = 8;
 
 // What the lamps send to the eye by both lobes.
 vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
@@ -65,23 +65,23 @@ void main() {
     vec3 albedo = vec3(0.0);
     vec3 transmittance = vec3(1.0);
     TracerHit hit;
-    for (int i = 0; i < MOST_SHEETS && transmittance != vec3(0.0); i++) {
-        if (!trace_sheet(frame.eye.xyz, direction, start, end, hit)) break;
+    for (int i = 0; i < MOST_THIN_SURFACES && transmittance != vec3(0.0); i++) {
+        if (!trace_thin_surface(frame.eye.xyz, direction, start, end, hit)) break;
         HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread));
         Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);
-        SheetPoint sheet = sheet_point(hit.material, met.colour);
-        vec3 weight = transmittance * sheet.coverage;
+        ThinPoint thin = thin_point(hit.material, met.colour);
+        vec3 weight = transmittance * thin.coverage;
         Surface at = Surface(met.position, met.shading, met.geometric, hit.t);
         light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
         albedo += weight * (reflection.diffuse + reflection.reflected);
-        transmittance *= transmittance_of(sheet, reflection.reflected);
+        transmittance *= transmittance_of(thin, reflection.reflected);
         start = just_behind(hit.t);
     }
     if (depth == 0.0) {
         light += albedo / PI * push.ambient;
         albedo = vec3(0.0);
     }
-    imageStore(sheet_light, pixel, storable(vec4(light, 0.0)));
-    imageStore(sheet_albedo, pixel, vec4(albedo, 0.0));
-    imageStore(sheet_transmittance, pixel, vec4(transmittance, 0.0));
+    imageStore(thin_light, pixel, storable(vec4(light, 0.0)));
+    imageStore(thin_albedo, pixel, vec4(albedo, 0.0));
+    imageStore(thin_transmittance, pixel, vec4(transmittance, 0.0));
 }

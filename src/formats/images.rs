@@ -1,0 +1,145 @@
+//! Image files, decoded for textures.
+//!
+//! In: a file or its bytes. Out: an image, or what is wrong with it; texels of a texture.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{DynamicImage, ImageFormat, RgbaImage};
+
+use crate::scene::texture::surplus_levels;
+use crate::scene::{Texture, linear_to_srgb};
+
+/// Largest width, height and number of texels of an image, which is shrunk if it is larger than a texture.
+const MAX_IMAGE_EXTENT: u32 = 32_768;
+const MAX_IMAGE_TEXELS: u64 = 1 << 29;
+
+/// Most memory of an image, bytes.
+const MAX_IMAGE_BYTES: u64 = 8 * MAX_IMAGE_TEXELS;
+
+/// Reads and decodes an image; the error completes a sentence in a warning.
+pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
+    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    // TGA has no signature, so fall back to the extension.
+    decode_image(&bytes, ImageFormat::from_path(path).ok())
+}
+
+/// Decodes an image, of `format` if it has no signature; the error completes a sentence.
+pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
+    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
+    let mut reader = image::ImageReader::new(Cursor::new(bytes));
+    if let Some(format) = format {
+        reader.set_format(format);
+    }
+    let mut reader = reader.with_guessed_format().map_err(unreadable)?;
+    // The decoder silently fills the missing part of a truncated JPEG with grey.
+    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(bytes) {
+        return Err("is truncated".into());
+    }
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_EXTENT), Some(MAX_IMAGE_EXTENT));
+    limits.max_alloc = Some(MAX_IMAGE_BYTES);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
+    if image.width() == 0 || image.height() == 0 {
+        return Err("is empty".into());
+    }
+    if u64::from(image.width()) * u64::from(image.height()) > MAX_IMAGE_TEXELS {
+        return Err(format!("has more than {MAX_IMAGE_TEXELS} texels"));
+    }
+    Ok(image)
+}
+
+/// If the texture of an image is smaller than that: their sizes.
+pub(crate) fn shrinking(image: &DynamicImage) -> Option<String> {
+    let (width, height) = (image.width(), image.height());
+    let surplus = surplus_levels(width, height);
+    let [small_width, small_height] = [width, height].map(|extent| (extent >> surplus).max(1));
+    (surplus > 0).then(|| format!("{width} x {height} texels, shrunk to {small_width} x {small_height}"))
+}
+
+/// Whether a JPEG (ITU-T T.81) reaches its end-of-image marker. Skips segments, since an embedded thumbnail has its
+/// own end-of-image marker.
+fn jpeg_is_complete(bytes: &[u8]) -> bool {
+    const END_OF_IMAGE: u8 = 0xd9;
+    let mut at = 2;
+    while let Some(&[mark, kind]) = bytes.get(at..at + 2).and_then(|pair| pair.first_chunk::<2>()) {
+        match (mark, kind) {
+            (0xff, END_OF_IMAGE) => return true,
+            // Entropy-coded data, stuffed bytes, fill bytes and markers without a length.
+            (..=0xfe, _) | (0xff, 0xff) => at += 1,
+            (0xff, 0x00..=0x01 | 0xd0..=0xd8) => at += 2,
+            (0xff, _) => {
+                let length =
+                    bytes.get(at + 2..at + 4).map_or(0, |l| usize::from(l[0]) << 8 | usize::from(l[1]));
+                at += 2 + length.max(2);
+            }
+        }
+    }
+    false
+}
+
+/// RGBA8 with sRGB-encoded colour; floating-point images, which are linear, are encoded.
+pub(crate) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
+    match image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let linear = image.to_rgba32f();
+            RgbaImage::from_fn(linear.width(), linear.height(), |x, y| {
+                let [r, g, b, a] = linear.get_pixel(x, y).0;
+                let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                image::Rgba([linear_to_srgb(r), linear_to_srgb(g), linear_to_srgb(b), alpha])
+            })
+        }
+        _ => image.to_rgba8(),
+    }
+}
+
+/// A texture of roughness (green) and metallic (blue), as glTF has it, from a grey image of each; 1 where there is none.
+/// It has the size of the larger; the other's nearest texels are used.
+pub(crate) fn metallic_roughness(
+    roughness: Option<&DynamicImage>,
+    metallic: Option<&DynamicImage>,
+) -> Texture {
+    let [roughness, metallic] = [roughness, metallic].map(|image| image.map(DynamicImage::to_luma8));
+    let images = [&roughness, &metallic];
+    let width = images.iter().filter_map(|image| Some(image.as_ref()?.width())).max().unwrap_or(1);
+    let height = images.iter().filter_map(|image| Some(image.as_ref()?.height())).max().unwrap_or(1);
+    let value = |image: &Option<image::GrayImage>, x: u32, y: u32| {
+        image.as_ref().map_or(255, |image| {
+            let at =
+                |place: u32, of: u32, size: u32| (u64::from(place) * u64::from(of) / u64::from(size)) as u32;
+            image.get_pixel(at(x, image.width(), width), at(y, image.height(), height)).0[0]
+        })
+    };
+    let texels = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .flat_map(|(x, y)| [255, value(&roughness, x, y), value(&metallic, x, y), 255])
+        .collect();
+    Texture::linear_from_rgba8("metallic and roughness", width, height, texels)
+}
+
+/// Width, height and opacity of each texel, 0 to 255: the alpha channel if the image has one in use, else its
+/// luminance if `luminance` is set.
+pub(crate) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
+    let (width, height) = (image.width(), image.height());
+    if image.color().has_alpha() {
+        let alpha: Vec<u8> = image.to_rgba8().pixels().map(|texel| texel.0[3]).collect();
+        if !luminance || alpha.iter().any(|&a| a != 255) {
+            return Some((width, height, alpha));
+        }
+    }
+    luminance.then(|| (width, height, image.to_luma8().into_raw()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_that_are_too_large_say_so() {
+        let sizes = |width| shrinking(&DynamicImage::new_luma8(width, 1));
+        assert_eq!(sizes(40_000).as_deref(), Some("40000 x 1 texels, shrunk to 10000 x 1"));
+        assert_eq!(sizes(16_384), None);
+    }
+}
