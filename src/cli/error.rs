@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "bench")]
 use crate::bench::BenchError;
 use crate::dataset::DatasetError;
 use crate::export::ExportError;
 use crate::metrics::MetricsError;
 use crate::output::OutputError;
+#[cfg(feature = "bench")]
 use crate::plot::PlotError;
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
@@ -39,6 +41,7 @@ pub enum CliError {
     Metrics(#[from] MetricsError),
     /// A plot cannot be drawn or written.
     #[error(transparent)]
+    #[cfg(feature = "bench")]
     Plot(#[from] PlotError),
     /// Vulkan cannot be loaded, has no fitting device, or failed.
     #[error(transparent)]
@@ -57,6 +60,7 @@ pub enum CliError {
     Dataset(#[from] DatasetError),
     /// A benchmark failed.
     #[error("{0}")]
+    #[cfg(feature = "bench")]
     Bench(BenchError),
     /// Something is slower than in the earlier report.
     #[error("--against {path}: {slower} {} slower or worse beyond noise", if *.slower == 1 { "figure is" } else { "figures are" })]
@@ -106,6 +110,7 @@ pub enum CliError {
     StandardOutput(std::io::Error),
 }
 
+#[cfg(feature = "bench")]
 impl From<BenchError> for CliError {
     /// Errors shared with other commands keep their text.
     fn from(error: BenchError) -> Self {
@@ -142,13 +147,15 @@ impl CliError {
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
             Self::Metrics(error) => error.is_usage(),
+            #[cfg(feature = "bench")]
             Self::Plot(error) => error.is_usage(),
+            #[cfg(feature = "bench")]
+            Self::Bench(_) => false,
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)
             | Self::Reference(_)
             | Self::Export(_)
-            | Self::Bench(_)
             | Self::Dataset(_)
             | Self::Window(_)
             | Self::Resume { .. }
