@@ -2,8 +2,6 @@
 
 #![allow(missing_docs, reason = "criterion's macros make functions without")]
 
-mod support;
-
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Affine3A;
 use glowworm::bench::micro::crowd;
@@ -14,7 +12,7 @@ use glowworm::vulkan::Frames;
 fn build(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("BVH build");
     group.sample_size(10);
-    for scene in support::scenes() {
+    for scene in glowworm_benches::scenes() {
         let rest = scene.pose(0.0);
         group.bench_function(&scene.name, |bencher| {
             bencher.iter(|| TwoLevelBvh::build(&scene, &rest.instances));
@@ -39,7 +37,7 @@ fn update(criterion: &mut Criterion) {
         bencher.iter(|| turns.next().map(|pose| bvh.update(pose)));
     });
 
-    let Some(device) = support::device() else { return };
+    let Some(device) = glowworm_benches::device() else { return };
     criterion.bench_function("BVH upload", |bencher| {
         bencher.iter(|| Tracer::new(&device, RayTracer::Software, &bvh).expect("a device that works"));
     });

@@ -1,23 +1,34 @@
-//! Each pass alone, by its timer, while the world stands still and while it moves.
+//! Each pass alone, by its timer, while the world stands still and while it moves: with the default settings, and with those
+//! that are there to be faster or slower.
 
 #![allow(missing_docs, reason = "criterion's macros make functions without")]
-
-mod support;
 
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glowworm::bench::micro::{Motion, PassFrames};
 use glowworm::renderer::PreparedScene;
+use glowworm::settings::Settings;
+
+/// The defaults and what differs from them in cost.
+fn settings() -> [(&'static str, Settings); 3] {
+    let default = glowworm_benches::settings();
+    let (mut one_set, mut separable) = (default.clone(), default.clone());
+    one_set.vpl.temporal_sets = 1;
+    separable.svgf.separable = true;
+    [("default", default), ("--temporal-sets 1", one_set), ("--svgf-separable", separable)]
+}
 
 fn passes(criterion: &mut Criterion) {
-    let Some(device) = support::device() else { return };
-    for scene in support::scenes() {
+    let Some(device) = glowworm_benches::device() else { return };
+    for scene in glowworm_benches::scenes() {
         let prepared = PreparedScene::new(&scene);
-        let mut frames =
-            PassFrames::new(&device, &prepared, &support::settings()).expect("a device that works");
-        for motion in [Motion::Still, Motion::Moving] {
-            let mut group = criterion.benchmark_group(format!("{}, {}", scene.name, motion.name()));
+        for ((name, settings), motion) in settings()
+            .iter()
+            .flat_map(|settings| [Motion::Still, Motion::Moving].map(|motion| (settings, motion)))
+        {
+            let mut frames = PassFrames::new(&device, &prepared, settings).expect("a device that works");
+            let mut group = criterion.benchmark_group(format!("{}, {name}, {}", scene.name, motion.name()));
             group.sample_size(10).measurement_time(Duration::from_secs(2));
             let names: Vec<&'static str> =
                 frames.render(motion).expect("a device that works").into_keys().collect();

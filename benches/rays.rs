@@ -2,8 +2,6 @@
 
 #![allow(missing_docs, reason = "criterion's macros make functions without")]
 
-mod support;
-
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -14,11 +12,11 @@ use glowworm::renderer::PreparedScene;
 const RAYS: usize = 1 << 16;
 
 fn rays(criterion: &mut Criterion) {
-    let device = support::device();
-    for scene in support::scenes() {
+    let device = glowworm_benches::device();
+    for scene in glowworm_benches::scenes() {
         let pose = scene.pose(0.0);
         let prepared = PreparedScene::new(&scene);
-        let sets = ray_sets(&prepared, &pose, &support::settings(), RAYS);
+        let sets = ray_sets(&prepared, &pose, &glowworm_benches::settings(), RAYS);
         let mut tracers: Vec<Box<dyn Contender + '_>> = vec![Box::new(OwnTracer(prepared.bvh()))];
         if let Some(device) = &device {
             let shaders = ShaderTracer::all(device, prepared.bvh()).expect("a device that works");

@@ -25,15 +25,48 @@ miss() { # PACKAGE REASON
     missing_packages+=("$1")
 }
 
+# What a build needs. The C++ compiler only where a shader differs from the SPIR-V that is committed.
 need_build_tools() {
+    need_rust
+    command -v cc >/dev/null || miss gcc "linker of the program"
+    [ "$(uname)" != Linux ] || has_file_in crt1.o "$(library_folders)" || miss libc6-dev "C library, to link the program"
+    shaders_have_changed && need_cpp_compiler
+    return 0
+}
+
+# Where the linker finds the start of every program.
+library_folders() { printf '%s' "/usr/lib:/usr/lib64:/usr/lib32$(printf ':%s' /usr/lib/*-linux-*)"; }
+
+need_rust() {
     PATH="$PATH:${CARGO_HOME:-${HOME:-}/.cargo}/bin"
     command -v cargo >/dev/null ||
         fail "no Rust toolchain (cargo); install Rust $(minimum_rust) or newer with rustup, then run this again"
+}
+
+need_cpp_compiler() {
     local compiler
     for compiler in "${CXX:-c++}" g++ clang++; do
         command -v "${compiler%% *}" >/dev/null && return
     done
-    miss g++ "C++ compiler, builds the shader compiler and links the program"
+    miss g++ "C++ compiler, builds the shader compiler"
+}
+
+# Whether a shader or an include differs from what shaders/spirv was compiled from. build.rs computes the same.
+shaders_have_changed() {
+    local sha1=(sha1sum) now
+    command -v sha1sum >/dev/null || sha1=(shasum)
+    now="$(cd "$root" &&
+        find shaders -name '*.comp' -o -name '*.frag' -o -name '*.glsl' -o -name '*.vert' -o -path shaders/compiler/lib.rs |
+        LC_ALL=C sort | xargs "${sha1[@]}")"
+    [ "$now" != "$(cat "$root/shaders/spirv/sources.sha1" 2>/dev/null)" ]
+}
+
+# Adds the feature that compiles the shaders to the array `options` of cargo's arguments, if they have changed.
+shader_feature() {
+    if shaders_have_changed; then
+        say "shaders have changed, so the build compiles them; scripts/compile-shaders does it once and for all"
+        options+=(--features=compile-shaders)
+    fi
 }
 
 minimum_rust() { sed -n 's/^rust-version *= *"\(.*\)"/\1/p' "$root/Cargo.toml"; }

@@ -74,10 +74,10 @@ TESTS = """## Where each claim is tested
 | GGX visible normals: mean at roughness 0, 0.2, 0.6, metal and dielectric; a mirror shows what is seen from the mirrored place | `tests/renderer/reflections.rs` |
 | light of VPLs, thin surfaces and area lights in mirrors; blend above the roughness limit | `tests/renderer/mirrors.rs`, `soft_shadows.rs` |
 | hundred lights, one ray a pixel | `tests/renderer/soft_shadows.rs` |
-| spectrum of blue and white noise | `tests/noise.rs` |
+| spectrum of blue and white noise | `tests/device/noise.rs` |
 | each stage of SVGF against its CPU twin; impulse, edge, grazing plane, alpha, NaN | `tests/denoise/` |
 | disocclusion, reach of history, lights that go | `tests/denoise/`, `tests/renderer/soft_shadows.rs`, `reflections.rs` |
-| separable blur: time beside the full one | `tests/denoise_speed.rs` |
+| separable blur: time beside the full one | `benches/passes.rs` |
 | antialiasing: edges, contrast in motion, trails | `tests/renderer/taa.rs` |
 | stillness bit for bit, no dependence on the past | `tests/renderer/soft_shadows.rs`, `mirrors.rs`, `taa.rs` |
 """

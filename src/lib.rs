@@ -27,12 +27,14 @@
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod bsdf;
 pub mod builtin;
 pub mod bvh;
 pub mod cli;
 pub mod dataset;
+#[cfg(feature = "window")]
 pub mod demo;
 pub mod denoise;
 pub mod effects;
@@ -44,6 +46,7 @@ mod memory;
 pub mod metrics;
 pub mod output;
 pub mod passes;
+#[cfg(any(feature = "window", feature = "bench"))]
 pub mod plot;
 pub mod reference;
 pub mod renderer;

@@ -1,4 +1,4 @@
-// Random numbers of rays. Needs frame.glsl and scene_set.glsl. Table: src/gpu_scene/noise.rs. Twin: tests/noise.rs.
+// Random numbers of rays. Needs frame.glsl and scene_set.glsl. Table: src/gpu_scene/noise.rs. Twin: tests/device/noise.rs.
 
 // 1: white noise; otherwise blue.
 layout(constant_id = 1) const uint WHITE_NOISE = 0u;

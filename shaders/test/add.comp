@@ -1,5 +1,5 @@
 #version 460
-// Adds a constant to every word, for tests/vulkan.rs.
+// Adds a constant to every word, for tests/device/vulkan.rs.
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0, std430) readonly buffer SourceBlock { uint words[]; } source;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
-// Adds a constant to every texel, for tests/vulkan.rs.
+// Adds a constant to every texel, for tests/device/vulkan.rs.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 0) uniform texture2D source;

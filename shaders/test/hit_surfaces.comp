@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What surface_of answers where rays hit, one ray a thread, for tests/hits_gpu.rs.
+// What surface_of answers where rays hit, one ray a thread, for tests/device/hits.rs.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -12,7 +12,7 @@
 
 layout(local_size_x = 64) in;
 
-// Twin: TestSurface in tests/hits_gpu.rs.
+// Twin: TestSurface in tests/device/hits.rs.
 struct TestSurface {
     vec3 position;
     uint instance; // TRACER_NONE where nothing was hit

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The random numbers of one frame and dimension, for tests/noise.rs: two a pixel.
+// The random numbers of one frame and dimension, for tests/device/noise.rs: two a pixel.
 #include "frame.glsl"
 #include "scene_set.glsl"
 #include "noise.glsl"

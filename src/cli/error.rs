@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::error::ContextKind;
 
+#[cfg(feature = "bench")]
 use crate::bench::BenchError;
 use crate::dataset::DatasetError;
 use crate::export::ExportError;
@@ -56,6 +57,7 @@ pub enum CliError {
     Dataset(#[from] DatasetError),
     /// A benchmark failed.
     #[error("{0}")]
+    #[cfg(feature = "bench")]
     Bench(BenchError),
     /// Something is slower than in the earlier report.
     #[error("--against {path}: {slower} {} slower or worse beyond noise", if *.slower == 1 { "figure is" } else { "figures are" })]
@@ -105,6 +107,7 @@ pub enum CliError {
     StandardOutput(std::io::Error),
 }
 
+#[cfg(feature = "bench")]
 impl From<BenchError> for CliError {
     /// Errors shared with other commands keep their text.
     fn from(error: BenchError) -> Self {
@@ -147,12 +150,13 @@ impl CliError {
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
             Self::Metrics(error) => error.is_usage(),
+            #[cfg(feature = "bench")]
+            Self::Bench(_) => false,
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)
             | Self::Reference(_)
             | Self::Export(_)
-            | Self::Bench(_)
             | Self::Dataset(_)
             | Self::Window(_)
             | Self::Resume { .. }

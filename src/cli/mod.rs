@@ -2,15 +2,22 @@
 //!
 //! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
 
+#[cfg(feature = "bench")]
 mod bench;
+#[cfg(feature = "bench")]
 mod compare;
+#[cfg(feature = "bench")]
 mod compare_text;
 mod dataset;
+#[cfg(feature = "window")]
 mod demo;
 mod device;
 mod error;
 mod export;
 mod info;
+#[cfg(not(all(feature = "window", feature = "bench")))]
+mod lacking;
+#[cfg(feature = "bench")]
 mod micro;
 mod options;
 mod options_page;
@@ -19,6 +26,11 @@ mod reference;
 mod render;
 mod say;
 mod scene;
+
+#[cfg(not(feature = "window"))]
+use lacking::demo;
+#[cfg(not(feature = "bench"))]
+use lacking::{bench, compare};
 
 pub use error::CliError;
 pub use say::{install_panic_hook, say_error};
@@ -97,7 +109,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "window", feature = "bench"))]
 mod tests {
     use super::*;
 

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+#[cfg(feature = "bench")]
 use crate::bench::Control;
 
 /// A bar of this length with an indicatif `template`, on a terminal; hidden otherwise.
@@ -25,6 +26,7 @@ pub(super) fn frames_bar(frames: u64) -> ProgressBar {
     bar(frames, "{bar:40} frame {pos} of {len}, {eta} left")
 }
 
+#[cfg(feature = "bench")]
 /// Runs a benchmark of total `work` with a progress bar, until it is done or interrupted.
 pub(super) fn controlled<T>(work: u64, run: impl FnOnce(&mut Control<'_>) -> T) -> T {
     let stop = interruption();

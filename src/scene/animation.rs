@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn repeated_keys_start_over_without_a_jump() {
         let ring = [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z, Vec3::X];
-        let keyframes = (0..5).map(|i| key(2.0 + f64::from(i), ring[i as usize], 0.0)).collect();
+        let keyframes = (0u8..5).map(|i| key(2.0 + f64::from(i), ring[usize::from(i)], 0.0)).collect();
         let animation = Animation { keyframes, repeat: true, ..Animation::default() };
         let at = |time: f64| animation.key_at(time).translation;
         for time in [2.0, 2.3, 5.9, 6.0] {

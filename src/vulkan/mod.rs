@@ -23,14 +23,17 @@ mod mirror;
 mod pass;
 mod physical;
 mod pipeline;
+#[cfg(feature = "window")]
 mod present;
 mod ray_query;
 mod reflect;
 mod sampler;
 mod shared_set;
 mod surface;
+#[cfg(feature = "window")]
 mod swapchain;
 mod texels;
+#[cfg(feature = "window")]
 mod ui;
 mod upload;
 
@@ -62,10 +65,13 @@ pub use mirror::Mirror;
 pub use pass::{Pass, Resource};
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline};
+#[cfg(feature = "window")]
 pub use present::{Pane, Presented, Presenter, Viewport};
 pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use shared_set::SharedSet;
 pub use surface::Surface;
+#[cfg(feature = "window")]
 pub use swapchain::PresentMode;
+#[cfg(feature = "window")]
 pub use ui::UiDrawing;

@@ -18,6 +18,7 @@ const PANEL_SHARE: f64 = 0.05;
 type Part = (&'static str, u64);
 
 #[test]
+#[ignore = "measures frame times, so it must run alone: ./test --test demo smooth -- --ignored"]
 fn frames_are_even_while_one_scrubs_picks_edits_and_loads() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(desk) = Desk::open() else { return };

@@ -6,6 +6,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod cost;
 mod direct;
 mod environment;
 mod estimators;

