@@ -107,9 +107,6 @@ pub struct Renderer {
     device: Arc<Device>,
 }
 
-/// Makes an estimator for a renderer.
-pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
-
 impl Renderer {
     /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, as it stands in `pose`.
     pub fn new(
@@ -128,24 +125,13 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
-        Self::with_estimator(device, prepared, settings, pose, &estimators::make)
-    }
-
-    /// The same with an estimator of the caller's, until the setting `indirect` changes.
-    pub fn with_estimator(
-        device: &Arc<Device>,
-        prepared: PreparedScene,
-        settings: &Settings,
-        pose: &Pose,
-        make: &MakeEstimator<'_>,
-    ) -> Result<Self, RenderError> {
         let tracer_choice = tracer_choice::choose(device, settings.tracer)?;
         let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
         let variant = TracerVariant { tracer: tracer_choice.used, sheets: bvh.has_sheets() };
-        let estimator = make(&EstimatorContext {
+        let estimator = estimators::make(&EstimatorContext {
             device,
             tracer: variant,
             settings,
@@ -291,7 +277,8 @@ impl Renderer {
         self.bvh.update(&pose.instances);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
-        Pending { frame: self.frames_before + frame, cpu_ms, counters: self.estimator.counters() }
+        let method = estimators::method(&self.settings);
+        Pending { frame: self.frames_before + frame, method, cpu_ms, counters: self.estimator.counters() }
     }
 
     /// How long building the BVH took, milliseconds.

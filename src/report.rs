@@ -3,7 +3,6 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::passes::tracer::RayTracer;
 use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vulkan::DeviceInfo;
@@ -123,6 +122,16 @@ impl Summary {
     pub fn of(frames: &[FrameReport]) -> Option<Self> {
         Some(Self { median: figures_at(frames, 0.5)?, p95: figures_at(frames, 0.95)? })
     }
+}
+
+/// What traces the rays of shaders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayTracer {
+    /// The two-level BVH in storage buffers: every device.
+    Software,
+    /// Ray queries: devices that offer them.
+    Hardware,
 }
 
 /// Occlusion rays a second, of each tracer.

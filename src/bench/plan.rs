@@ -2,11 +2,13 @@
 //!
 //! In: the options. Out: for each scene, every combination of the methods and the swept settings.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use super::axis::Axis;
 use super::method::Method;
-use super::report::Run;
-use crate::settings::{Settings, SettingsError, VplSettings};
+use crate::settings::{Settings, SettingsError};
 
 /// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,107 +30,18 @@ pub struct Plan {
     pub settings: toml::Table,
 }
 
-/// Values to measure, in all combinations. An empty list: the scene's value, or the default.
+/// Values to measure, in all combinations.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Methods.
+    /// Methods; none: that of the settings.
     pub methods: Vec<Method>,
-    /// Temporal sets T.
-    pub temporal_sets: Vec<u32>,
-    /// Width and height in pixels.
-    pub size: Vec<[u32; 2]>,
-    /// VPL slots.
-    pub vpls: Vec<u32>,
-    /// Bounces of a light path.
-    pub bounces: Vec<u32>,
-    /// Interleave n.
-    pub interleave: Vec<u32>,
-}
-
-/// What can be swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// The method.
-    Method,
-    /// Temporal sets T.
-    TemporalSets,
-    /// Width and height.
-    Size,
-    /// VPL slots.
-    Vpls,
-    /// Bounces.
-    Bounces,
-    /// Interleave n.
-    Interleave,
-}
-
-impl Axis {
-    /// All axes. The first with several values is that of the tables' columns.
-    pub const ALL: [Self; 6] =
-        [Self::Method, Self::TemporalSets, Self::Size, Self::Vpls, Self::Bounces, Self::Interleave];
-
-    /// Key of the setting.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Method => "method",
-            Self::TemporalSets => "temporal_sets",
-            Self::Size => "size",
-            Self::Vpls => "vpls",
-            Self::Bounces => "bounces",
-            Self::Interleave => "interleave",
-        }
-    }
-
-    /// Label in plots and tables.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Method => "method",
-            Self::TemporalSets => "temporal sets T",
-            Self::Size => "size in pixels",
-            Self::Vpls => "VPLs",
-            Self::Bounces => "bounces",
-            Self::Interleave => "interleave n",
-        }
-    }
-
-    /// Its value of `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
-    pub fn value(self, run: &Run) -> Option<f64> {
-        let settings = &run.settings;
-        match self {
-            Self::Method => None,
-            Self::TemporalSets => Some(settings.vpl.temporal_sets.into()),
-            Self::Size => Some(f64::from(settings.size[0]) * f64::from(settings.size[1])),
-            Self::Vpls => Some(settings.vpl.slots.into()),
-            Self::Bounces => Some(settings.bounces.into()),
-            Self::Interleave => Some(settings.vpl.interleave.into()),
-        }
-    }
-
-    /// Its value of `run` as text.
-    pub fn text(self, run: &Run) -> String {
-        match self {
-            Self::Size => format!("{}x{}", run.settings.size[0], run.settings.size[1]),
-            _ => self.value(run).map_or_else(|| run.method.to_string(), |value| value.to_string()),
-        }
-    }
-
-    /// Its value of `run` as a phrase.
-    pub fn phrase(self, run: &Run) -> String {
-        let text = self.text(run);
-        match self {
-            Self::TemporalSets => format!("T = {text}"),
-            Self::Method | Self::Size => text,
-            Self::Vpls => format!("{text} VPLs"),
-            Self::Bounces if run.settings.bounces == 1 => "1 bounce".to_owned(),
-            Self::Bounces => format!("{text} bounces"),
-            Self::Interleave => format!("n = {text}"),
-        }
-    }
+    /// Lists of values by the key of their setting. What has none has the scene's value, or the default.
+    #[serde(flatten)]
+    pub settings: BTreeMap<String, Vec<toml::Value>>,
 }
 
 impl Plan {
-    /// What to measure of a scene; `scene_settings` are those of its file. Temporal sets vary fastest, methods slowest.
+    /// What to measure of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest.
     ///
     /// # Errors
     /// If a combination is invalid.
@@ -156,36 +69,28 @@ impl Plan {
     ) -> Result<Vec<Settings>, SettingsError> {
         let mut own = self.settings.clone();
         own.extend(fixed.clone());
-        let given = Settings::from_table(&own)?;
-        let sweep = self.sweep.without(fixed);
-        let mut names: Vec<&str> = own.keys().map(String::as_str).collect();
-        names.extend(sweep.names());
-        let base = Settings::resolve(scene_settings, &sweep.first(&given), &names)?;
-        let or = |list: &[u32], base: u32| if list.is_empty() { vec![base] } else { list.to_vec() };
-        let sizes = if sweep.size.is_empty() { vec![base.size] } else { sweep.size.clone() };
-        let mut combinations = Vec::new();
-        for size in sizes {
-            for vpls in or(&sweep.vpls, base.vpl.slots) {
-                for bounces in or(&sweep.bounces, base.bounces) {
-                    for interleave in or(&sweep.interleave, base.vpl.interleave) {
-                        for temporal_sets in or(&sweep.temporal_sets, base.vpl.temporal_sets) {
-                            let cli = Settings {
-                                size,
-                                bounces,
-                                vpl: VplSettings { slots: vpls, interleave, temporal_sets, ..given.vpl },
-                                ..given.clone()
-                            };
-                            combinations.push(Settings::resolve(scene_settings, &cli, &names)?);
-                        }
-                    }
-                }
-            }
+        let mut tables = vec![own];
+        for axis in Axis::all().into_iter().rev().filter(|axis| !fixed.contains_key(axis.key())) {
+            let Some(values) = self.sweep.settings.get(axis.key()) else { continue };
+            let with = |table: &toml::Table| {
+                let of = |value: &toml::Value| {
+                    let mut table = table.clone();
+                    table.insert(axis.key().to_owned(), value.clone());
+                    table
+                };
+                values.iter().map(of).collect::<Vec<_>>()
+            };
+            tables = tables.iter().flat_map(with).collect();
         }
-        Ok(combinations)
+        let resolved = |table: &toml::Table| {
+            let names: Vec<&str> = table.keys().map(String::as_str).collect();
+            Settings::resolve(scene_settings, &Settings::from_table(table)?, &names)
+        };
+        tables.iter().map(resolved).collect()
     }
 
     /// The option in which `other` differs, if any.
-    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+    pub fn difference(&self, other: &Self) -> Option<String> {
         let differing = [
             ("list of scenes", self.scenes != other.scenes),
             ("--frames", self.frames != other.frames),
@@ -193,59 +98,13 @@ impl Plan {
             ("--quality", self.quality != other.quality),
             ("--spp", self.spp != other.spp),
             ("--methods", self.sweep.methods != other.sweep.methods),
-            ("--temporal-sets", self.sweep.temporal_sets != other.sweep.temporal_sets),
-            ("--size", self.sweep.size != other.sweep.size),
-            ("--vpls", self.sweep.vpls != other.sweep.vpls),
-            ("--bounces", self.sweep.bounces != other.sweep.bounces),
-            ("--interleave", self.sweep.interleave != other.sweep.interleave),
             ("set of other settings", self.settings != other.settings),
         ];
-        differing.into_iter().find(|(_, differs)| *differs).map(|(name, _)| name)
-    }
-}
-
-impl Sweep {
-    /// Without the lists of settings that `fixed` states.
-    fn without(&self, fixed: &toml::Table) -> Self {
-        let list = |axis: Axis, list: &[u32]| {
-            if fixed.contains_key(axis.key()) { Vec::new() } else { list.to_vec() }
-        };
-        let has_size = fixed.contains_key(Axis::Size.key());
-        Self {
-            methods: Vec::new(),
-            temporal_sets: list(Axis::TemporalSets, &self.temporal_sets),
-            size: if has_size { Vec::new() } else { self.size.clone() },
-            vpls: list(Axis::Vpls, &self.vpls),
-            bounces: list(Axis::Bounces, &self.bounces),
-            interleave: list(Axis::Interleave, &self.interleave),
-        }
-    }
-
-    /// `settings` with the first value of each list.
-    fn first(&self, settings: &Settings) -> Settings {
-        let first = |list: &[u32], else_: u32| list.first().copied().unwrap_or(else_);
-        Settings {
-            size: self.size.first().copied().unwrap_or(settings.size),
-            bounces: first(&self.bounces, settings.bounces),
-            vpl: VplSettings {
-                temporal_sets: first(&self.temporal_sets, settings.vpl.temporal_sets),
-                slots: first(&self.vpls, settings.vpl.slots),
-                interleave: first(&self.interleave, settings.vpl.interleave),
-                ..settings.vpl
-            },
-            ..settings.clone()
-        }
-    }
-
-    fn names(&self) -> Vec<&'static str> {
-        let given = [
-            (Axis::TemporalSets, self.temporal_sets.is_empty()),
-            (Axis::Size, self.size.is_empty()),
-            (Axis::Vpls, self.vpls.is_empty()),
-            (Axis::Bounces, self.bounces.is_empty()),
-            (Axis::Interleave, self.interleave.is_empty()),
-        ];
-        given.into_iter().filter(|(_, empty)| !empty).map(|(axis, _)| axis.key()).collect()
+        let differing = differing.into_iter().find(|(_, differs)| *differs).map(|(name, _)| name.to_owned());
+        let lists = [&self.sweep.settings, &other.sweep.settings];
+        let swept =
+            || lists[0].keys().chain(lists[1].keys()).find(|key| lists[0].get(*key) != lists[1].get(*key));
+        differing.or_else(|| Some(format!("--{}", swept()?.replace('_', "-"))))
     }
 }
 
@@ -261,10 +120,12 @@ mod tests {
             quality: false,
             spp: 16,
             sweep: Sweep {
-                temporal_sets: vec![1, 4],
-                size: vec![[8, 4]],
-                vpls: vec![16, 64],
-                ..Sweep::default()
+                methods: Vec::new(),
+                settings: BTreeMap::from([
+                    ("temporal_sets".to_owned(), vec![1.into(), 4.into()]),
+                    ("size".to_owned(), vec![vec![8, 4].into()]),
+                    ("vpls".to_owned(), vec![16.into(), 64.into()]),
+                ]),
             },
             settings: toml::toml! { budget = 7 },
         }
@@ -302,7 +163,7 @@ mod tests {
     #[test]
     fn invalid_combinations_are_rejected() {
         let mut plan = plan();
-        plan.sweep.temporal_sets = vec![1, 32];
+        plan.sweep.settings.insert("temporal_sets".to_owned(), vec![1.into(), 32.into()]);
         let error = plan.combinations(&toml::Table::new()).unwrap_err();
         assert!(error.is_usage() && error.to_string().contains("--temporal-sets is 32"), "{error}");
     }
@@ -311,7 +172,7 @@ mod tests {
     fn a_difference_is_named_by_its_option() {
         let mut other = plan();
         assert_eq!(plan().difference(&other), None);
-        other.sweep.interleave.push(2);
-        assert_eq!(plan().difference(&other), Some("--interleave"));
+        other.sweep.settings.insert("interleave".to_owned(), vec![2.into()]);
+        assert_eq!(plan().difference(&other), Some("--interleave".to_owned()));
     }
 }

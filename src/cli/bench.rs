@@ -8,12 +8,12 @@ use super::options::RunOptions;
 use super::progress::controlled;
 use super::{CliError, device, say};
 use crate::bench::{
-    Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
+    Axis, Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
     lacks_models, read_report, tables,
 };
 use crate::output::OutputFile;
 use crate::scene::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
-use crate::settings::{Settings, VplSettings};
+use crate::settings::Settings;
 use crate::vulkan::Device;
 
 /// Default number of measured frames.
@@ -102,31 +102,34 @@ pub(super) struct SweptSettings {
 }
 
 /// The settings that accept several values.
-const SWEPT: [&str; 5] = ["temporal_sets", "size", "vpls", "bounces", "interleave"];
+fn swept() -> Vec<Axis> {
+    Axis::all().into_iter().filter(|axis| *axis != Axis::Method).collect()
+}
 
 impl clap::Args for SweptSettings {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let command = Settings::augment_args(command);
-        let list = |command: clap::Command, name: &str| {
+        let more = |command: clap::Command, name: &str, text: &str| {
             command.mut_arg(name, |argument| {
                 let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.value_delimiter(',').help(format!("{help}. A list such as A,B measures each"))
+                argument.help(format!("{help}. {text}"))
             })
         };
-        SWEPT
-            .into_iter()
-            .fold(command, list)
-            .mut_arg("temporal_sets", |argument| argument.default_value("1,4,8,16,32"))
-            .mut_arg("time_step", |argument| {
-                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-                argument.help(format!("{help}. On a CPU driver the default is 1/20"))
+        let list = |command: clap::Command, axis: &Axis| {
+            let command = more(command, axis.key(), "A list such as A,B measures each");
+            command.mut_arg(axis.key(), |argument| {
+                let argument = argument.value_delimiter(',');
+                match axis {
+                    Axis::Size => argument.default_value("1024x1024"),
+                    Axis::Number(axis) if let Some(values) = axis.default_sweep => {
+                        argument.default_value(values)
+                    }
+                    _ => argument,
+                }
             })
-            .mut_arg("size", |argument| {
-                argument.default_value("1024x1024").help(
-                    "Width and height of the picture in pixels; the default on a CPU driver is 256x256. A list \
-                     such as A,B measures each",
-                )
-            })
+        };
+        let command = swept().iter().fold(Settings::augment_args(command), list);
+        let command = more(command, "time_step", "On a CPU driver the default is 1/20");
+        more(command, "size", "The default on a CPU driver is 256x256")
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -136,17 +139,13 @@ impl clap::Args for SweptSettings {
 
 impl clap::FromArgMatches for SweptSettings {
     fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
-        let numbers = |name: &str| -> Vec<u32> {
-            matches.get_many(name).map(|values| values.copied().collect()).unwrap_or_default()
-        };
-        let sweep = Sweep {
-            methods: Vec::new(),
-            temporal_sets: numbers("temporal_sets"),
-            size: matches.get_many("size").map(|sizes| sizes.copied().collect()).unwrap_or_default(),
-            vpls: numbers("vpls"),
-            bounces: numbers("bounces"),
-            interleave: numbers("interleave"),
-        };
+        let error = |error| clap::Error::raw(clap::error::ErrorKind::InvalidValue, error);
+        let mut sweep = Sweep::default();
+        for key in swept().into_iter().map(Axis::key) {
+            let texts = matches.get_raw(key).into_iter().flatten();
+            let value = |text: &std::ffi::OsStr| Settings::value(key, &text.to_string_lossy()).map_err(error);
+            sweep.settings.insert(key.to_owned(), texts.map(value).collect::<Result<_, _>>()?);
+        }
         Ok(Self { settings: Settings::from_arg_matches(matches)?, sweep })
     }
 
@@ -199,17 +198,13 @@ fn check(options: &BenchOptions, given: &[&str]) -> Result<(), CliError> {
     let SweptSettings { settings, sweep } = &options.settings;
     let check = |settings: Settings| settings.check_options(given).map_err(error);
     check(settings.clone())?;
-    sweep.temporal_sets.iter().try_for_each(|&temporal_sets| {
-        check(Settings { vpl: VplSettings { temporal_sets, ..settings.vpl }, ..settings.clone() })
-    })?;
-    sweep.size.iter().try_for_each(|&size| check(Settings { size, ..settings.clone() }))?;
-    sweep.vpls.iter().try_for_each(|&vpls| {
-        check(Settings { vpl: VplSettings { slots: vpls, ..settings.vpl }, ..settings.clone() })
-    })?;
-    sweep.bounces.iter().try_for_each(|&bounces| check(Settings { bounces, ..settings.clone() }))?;
-    sweep.interleave.iter().try_for_each(|&interleave| {
-        check(Settings { vpl: VplSettings { interleave, ..settings.vpl }, ..settings.clone() })
-    })
+    for (key, values) in &sweep.settings {
+        for value in values {
+            let table = toml::Table::from_iter([(key.clone(), value.clone())]);
+            check(Settings::from_table(&table).map_err(error)?)?;
+        }
+    }
+    Ok(())
 }
 
 /// The plan of the options; defaults come from the `old` report, except for `--quality`.
@@ -228,9 +223,8 @@ fn plan(
     };
     let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
     let own = options.settings.settings.to_table();
-    settings.extend(
-        own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !SWEPT.contains(&key.as_str())),
-    );
+    let is_swept = |key: &str| swept().iter().any(|axis| axis.key() == key);
+    settings.extend(own.into_iter().filter(|(key, _)| given.contains(&key.as_str()) && !is_swept(key)));
     let on_cpu = device.is_cpu();
     if on_cpu && old.is_none() && !given.contains(&"time_step") {
         settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
@@ -244,14 +238,21 @@ fn plan(
     if let (Some(old), true) = (old, sweep.methods.is_empty()) {
         sweep.methods = old.sweep.methods.clone();
     }
-    // Methods say how many sets they have.
-    if !sweep.methods.is_empty() && !given.contains(&"temporal_sets") {
-        sweep.temporal_sets.clear();
+    // Methods say what is swept by default.
+    if !sweep.methods.is_empty() {
+        sweep.settings.retain(|key, _| {
+            let is_default = |axis: &Axis| matches!(axis, Axis::Number(axis) if axis.default_sweep.is_some());
+            given.contains(&key.as_str()) || !swept().iter().any(|axis| axis.key() == key && is_default(axis))
+        });
     }
-    // Sets may cast very different numbers of rays, so measure each.
+    // Frames that divide the work may cast very different numbers of rays, so measure each.
     let least = if on_cpu { ON_CPU.frames } else { FRAMES };
-    let stated = sweep.methods.iter().filter_map(Method::temporal_sets);
-    let default = sweep.temporal_sets.iter().copied().chain(stated).fold(least, u32::max);
+    let dividing = |axis: &Axis| matches!(axis, Axis::Number(axis) if axis.divides_work).then(|| axis.key());
+    let dividing: Vec<&str> = swept().iter().filter_map(dividing).collect();
+    let values = dividing.iter().filter_map(|key| sweep.settings.get(*key)).flatten();
+    let values = values.filter_map(|value| u32::try_from(value.as_integer()?).ok());
+    let stated = sweep.methods.iter().flat_map(|method| dividing.iter().filter_map(|key| method.states(key)));
+    let default = values.chain(stated).fold(least, u32::max);
     let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(default);
     let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
     let spp = options.spp.or(old.map(|old| old.spp)).unwrap_or(SPP);
@@ -272,31 +273,29 @@ pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
     Ok(scenes)
 }
 
-/// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and sets
-/// for all.
+/// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and the
+/// default lists of methods for all.
 fn sweep(own: &Sweep, given: &[&str], old: Option<&Sweep>, on_cpu: bool) -> Sweep {
-    let list = |name: &str, own: &[u32], old: Option<&Vec<u32>>, default: &[u32]| {
-        if given.contains(&name) { own.to_vec() } else { old.map_or(default, Vec::as_slice).to_vec() }
-    };
-    let size = match old {
-        _ if given.contains(&"size") => own.size.clone(),
-        Some(old) => old.size.clone(),
-        None if on_cpu => vec![ON_CPU.size],
-        None => own.size.clone(),
-    };
-    Sweep {
-        methods: Vec::new(),
-        temporal_sets: list(
-            "temporal_sets",
-            &own.temporal_sets,
-            old.map(|old| &old.temporal_sets),
-            &own.temporal_sets,
-        ),
-        size,
-        vpls: list("vpls", &own.vpls, old.map(|old| &old.vpls), &[]),
-        bounces: list("bounces", &own.bounces, old.map(|old| &old.bounces), &[]),
-        interleave: list("interleave", &own.interleave, old.map(|old| &old.interleave), &[]),
+    let mut sweep = Sweep::default();
+    for axis in swept() {
+        let (key, own) = (axis.key(), own.settings.get(axis.key()));
+        let values = match (old, axis) {
+            _ if given.contains(&key) => own,
+            (Some(old), _) => old.settings.get(key),
+            (None, Axis::Number(axis)) => own.filter(|_| axis.default_sweep.is_some()),
+            (None, _) => own,
+        };
+        let values = match axis {
+            Axis::Size if on_cpu && old.is_none() && !given.contains(&key) => {
+                vec![ON_CPU.size.to_vec().into()]
+            }
+            _ => values.cloned().unwrap_or_default(),
+        };
+        if !values.is_empty() {
+            sweep.settings.insert(key.to_owned(), values);
+        }
     }
+    sweep
 }
 
 /// Formats a table for the terminal.

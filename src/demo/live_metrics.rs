@@ -37,7 +37,7 @@ pub(super) struct Logged {
     #[serde(flatten)]
     metrics: Metrics,
     temporal_error: Option<f64>,
-    /// Of the truth, a pixel.
+    /// Of the reference, a pixel.
     samples: Option<u64>,
 }
 
@@ -58,7 +58,7 @@ impl LiveMetrics {
         self.last.as_ref()
     }
 
-    /// The last comparison for the log, once. `samples`: of the truth.
+    /// The last comparison for the log, once. `samples`: of the reference.
     pub fn take_log(&mut self, samples: Option<u64>) -> Option<Logged> {
         let is_new = std::mem::replace(&mut self.logged, self.version) != self.version;
         let Compared { metrics, temporal_error, .. } = self.last.as_ref().filter(|_| is_new)?;

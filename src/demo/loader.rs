@@ -14,7 +14,7 @@ use crate::settings::Settings;
 use crate::vulkan::Device;
 
 /// A request to load a scene.
-pub(super) struct Order {
+pub(super) struct LoadRequest {
     /// Scene, by name or file.
     pub name: String,
     /// The edited scene; none: read it from disk, with the settings of the command line over its own.
@@ -67,7 +67,7 @@ impl Step {
 pub(super) struct Loader {
     launch: Launch,
     running: Option<Job>,
-    waiting: Option<Order>,
+    waiting: Option<LoadRequest>,
 }
 
 struct Job {
@@ -88,17 +88,17 @@ impl Loader {
         Self { launch: launch.clone(), running: None, waiting: None }
     }
 
-    /// Starts `order`, or queues it behind the running job.
-    pub fn start(&mut self, order: Order) {
+    /// Starts `request`, or queues it behind the running job.
+    pub fn start(&mut self, request: LoadRequest) {
         if self.running.is_some() {
-            self.waiting = Some(order);
+            self.waiting = Some(request);
             return;
         }
         let (sender, messages) = channel();
         let launch = self.launch.clone();
-        let name = order.name.clone();
+        let name = request.name.clone();
         let thread = std::thread::spawn(move || {
-            let built = in_own_pool("loader", || build(order, &launch, &sender));
+            let built = in_own_pool("loader", || build(request, &launch, &sender));
             // The receiver may be gone if the window was closed.
             let _ = sender.send(Message::Done(Box::new(built)));
         });
@@ -142,15 +142,15 @@ impl Loader {
         if let Some(job) = self.running.take() {
             let _ = job.thread.join();
         }
-        if let Some(order) = self.waiting.take() {
-            self.start(order);
+        if let Some(request) = self.waiting.take() {
+            self.start(request);
         }
     }
 }
 
-fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
+fn build(request: LoadRequest, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
     let assets = launch.assets.as_deref();
-    let Order { name, edited, device, size } = order;
+    let LoadRequest { name, edited, device, size } = request;
     let same = edited.is_some();
     let (document, scene, read, settings, current) = match edited {
         Some(Edited { document, mut read, settings, current }) => {
@@ -164,8 +164,8 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
         }
     };
     let scene = Arc::new(scene);
-    let goes_on = current.is_some_and(|current| scene.is_built_like(&current));
-    let renderer = if goes_on {
+    let reuses_renderer = current.is_some_and(|current| scene.is_built_like(&current));
+    let renderer = if reuses_renderer {
         None
     } else {
         let _ = sender.send(Message::Step(Step::Building));

@@ -5,7 +5,8 @@
 use std::time::{Duration, Instant};
 
 use super::action::Action;
-use super::app::{Open, Recording};
+use super::app::Open;
+use super::recorder::Recording;
 use super::split::Right;
 use crate::settings::Settings;
 use crate::statistics::percentile;
@@ -111,8 +112,8 @@ impl Open {
         }
         self.resized = None;
         let size = self.picture_size();
-        if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
-            let settings = Settings { size, ..stage.settings.clone() };
+        if let Some(session) = self.session.as_ref().filter(|session| session.settings.size != size) {
+            let settings = Settings { size, ..session.settings.clone() };
             self.actions.push(Action::Set(Box::new(settings)));
         }
     }
@@ -120,10 +121,11 @@ impl Open {
     /// Gives the picture as many pixels as keep the frame rate. Not while something else needs the machine, or a picture
     /// must keep its size.
     pub fn follow_rate(&mut self) {
-        let is_truth = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+        let is_reference =
+            self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Reference(_)));
         let is_busy = self.loader.progress().is_some() || self.resized.is_some();
-        let is_fixed = is_truth || !matches!(self.recording, Recording::Off);
-        if !self.resolution.automatic || is_busy || is_fixed || self.stage.is_none() {
+        let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
+        if !self.resolution.automatic || is_busy || is_fixed || self.session.is_none() {
             self.resolution.intervals.clear();
         } else if self.resolution.judge(self.clock.interval_ms()) {
             self.resized = Some(Instant::now());

@@ -3,16 +3,21 @@
 //! In: the visible surfaces, the tracer and the world. Out: irradiance, W/m^2, without the albedo of the visible surface. An
 //! estimator names its passes, its views and its counters; reports, the window and `--view` list what it names.
 
+mod method;
 pub mod none;
 pub mod vpls;
 
 use std::any::Any;
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 pub use crate::bvh::World;
+pub use method::{Axis, CounterInfo, Method, MethodPasses};
+
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::effect_view;
 use crate::passes::gbuffer::GBuffer;
@@ -21,7 +26,7 @@ use crate::passes::scene_buffers::Instances;
 use crate::passes::tracer::{Tracer, TracerVariant};
 use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
 use crate::scene::Pose;
-use crate::settings::{Indirect, Settings};
+use crate::settings::Settings;
 use crate::vulkan::{Buffer, Device, Frame, Image, Upload, VulkanError};
 
 /// What an estimator is made with.
@@ -67,20 +72,8 @@ pub struct Hits<'a> {
     pub reflection: &'a Image,
 }
 
-/// The passes of a method, in the order of the frame.
-#[derive(Clone, Copy, Debug)]
-pub struct MethodPasses {
-    /// On the CPU, while the device draws the frame before.
-    pub cpu: &'static [PassInfo],
-    /// On the device.
-    pub device: &'static [PassInfo],
-}
-
 /// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].
 pub trait Estimator: Any + Send {
-    /// What it names.
-    fn method(&self) -> Method;
-
     /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
     fn cycle(&self) -> u32 {
         1
@@ -112,6 +105,7 @@ pub trait Estimator: Any + Send {
     fn irradiance(&self) -> &Image;
 
     /// Lights surfaces that are not on the screen: adds weight times irradiance, an unbiased estimate, to the reflection.
+    /// A method that does not says so by [`Method::lights_hits`].
     ///
     /// # Errors
     /// Where the device fails.
@@ -142,12 +136,12 @@ pub trait Estimator: Any + Send {
     /// No frame is on its way.
     fn change_scene(&mut self, _world: World<'_>) {}
 
-    /// Looks at `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
+    /// Shows `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
     /// need for it.
     ///
     /// # Errors
     /// Where the device fails.
-    fn look_at(&mut self, _view: &DebugView) -> Result<(), VulkanError> {
+    fn set_view(&mut self, _view: &DebugView) -> Result<(), VulkanError> {
         Ok(())
     }
 
@@ -180,6 +174,11 @@ pub trait Estimator: Any + Send {
     fn lines(&self) -> Vec<Line> {
         Vec::new()
     }
+
+    /// What users should know about its work on the scene, a sentence each.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// What to show. The default is the picture, at no cost.
@@ -190,14 +189,46 @@ pub struct DebugView {
     pub buffer: Cow<'static, str>,
     /// Lines to draw over everything.
     pub lines: Vec<Line>,
-    /// What to look at of `--indirect vpls`.
+    /// The options of the method's views by name; the method knows their type.
     #[serde(flatten)]
-    pub vpl: vpls::VplLook,
+    pub options: Map<String, Value>,
+}
+
+impl DebugView {
+    /// The options of a method's views. What is not set has its default.
+    pub fn options<Options: DeserializeOwned + Default>(&self) -> Options {
+        serde_json::from_value(Value::Object(self.options.clone())).unwrap_or_default()
+    }
+
+    /// Replaces the options of the method's views.
+    pub fn set_options<Options: Serialize>(&mut self, options: &Options) {
+        self.options = match serde_json::to_value(options) {
+            Ok(Value::Object(options)) => options,
+            _ => Map::new(),
+        };
+    }
+
+    /// The view with these options.
+    #[must_use]
+    pub fn with_options<Options: Serialize>(mut self, options: &Options) -> Self {
+        self.set_options(options);
+        self
+    }
+
+    /// Changes the options of a method's views.
+    pub fn change_options<Options: Serialize + DeserializeOwned + Default>(
+        &mut self,
+        change: impl FnOnce(&mut Options),
+    ) {
+        let mut options = self.options();
+        change(&mut options);
+        self.set_options(&options);
+    }
 }
 
 impl Default for DebugView {
     fn default() -> Self {
-        Self { buffer: COMBINED.into(), lines: Vec::new(), vpl: vpls::VplLook::default() }
+        Self { buffer: COMBINED.into(), lines: Vec::new(), options: Map::new() }
     }
 }
 
@@ -211,43 +242,59 @@ pub struct ViewInputs<'a> {
     pub display: &'a Image,
 }
 
+/// One line a method. [`register`] adds those of other crates.
+static METHODS: RwLock<&[Method]> = RwLock::new(&[vpls::METHOD, none::METHOD]);
+
+/// All methods.
+pub fn methods() -> &'static [Method] {
+    *METHODS.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Adds a method of another crate, such as a test's, before anything else uses the library.
+pub fn register(method: Method) {
+    method.indirect.add();
+    let mut methods = METHODS.write().unwrap_or_else(PoisonError::into_inner);
+    // Whoever has read the list keeps the old one, so it is never freed.
+    *methods = Vec::leak([*methods, &[method]].concat());
+}
+
+/// The method that the settings name.
+///
+/// # Panics
+/// If it was not registered: settings that were parsed name only methods that are.
+pub fn method(settings: &Settings) -> &'static Method {
+    let found = methods().iter().find(|method| method.indirect == settings.indirect);
+    found.unwrap_or_else(|| panic!("--indirect {:?} is not registered", settings.indirect))
+}
+
 /// Makes the estimator that the settings name.
 ///
 /// # Errors
-/// Where the device cannot do with it.
+/// Where the device does not support it.
 pub fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
-    Ok(match context.settings.indirect {
-        Indirect::Vpls => Box::new(vpls::Vpls::new(context)?),
-        Indirect::None => Box::new(none::NoIndirect::new(context)?),
-    })
+    (method(context.settings).make)(context)
 }
-
-/// What a method names.
-#[derive(Clone, Copy, Debug)]
-pub struct Method {
-    /// As in `--indirect`.
-    pub name: &'static str,
-    /// Its passes.
-    pub passes: MethodPasses,
-    /// Its views.
-    pub views: &'static [View],
-    /// Its counters.
-    pub counters: &'static [&'static str],
-}
-
-/// All methods.
-pub const METHODS: [Method; 2] = [vpls::METHOD, none::METHOD];
 
 /// All passes in the order of the frame, each with the name of its method, or `shared` by all.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     let shared = |passes: &'static [PassInfo]| passes.iter().map(|pass| ("shared", pass));
-    let cpu = METHODS.iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name, pass)));
+    let cpu = methods().iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name(), pass)));
     let device =
-        METHODS.iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name, pass)));
+        methods().iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name(), pass)));
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
+}
+
+/// All counters of all methods, by name.
+pub fn counters() -> impl Iterator<Item = &'static CounterInfo> {
+    methods().iter().flat_map(|method| method.counters)
+}
+
+/// All axes of all methods.
+pub fn axes() -> impl Iterator<Item = &'static Axis> {
+    methods().iter().flat_map(|method| method.axes)
 }
 
 /// The views of what all methods share, then those of methods and of effects.
 pub fn views() -> impl Iterator<Item = &'static View> {
-    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
+    VIEWS.iter().chain(methods().iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
 }

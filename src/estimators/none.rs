@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
-use super::{Estimator, EstimatorContext, EstimatorInputs, Method, MethodPasses};
+use super::{Estimator, EstimatorContext, EstimatorInputs, Method};
 use crate::passes::storage_image;
+use crate::settings::Indirect;
 use crate::vulkan::{Device, Frame, Image, VulkanError, vk};
 
-/// It has no passes.
-pub const METHOD: Method =
-    Method { name: "none", passes: MethodPasses { cpu: &[], device: &[] }, views: &[], counters: &[] };
+/// Its light is zero everywhere, so hits need no more.
+pub const METHOD: Method = Method {
+    rays: |_| 0,
+    lights_hits: true,
+    gives_light: false,
+    ..Method::new(Indirect::NONE, "no indirect light", |context| Ok(Box::new(NoIndirect::new(context)?)))
+};
 
 /// The estimator.
 pub struct NoIndirect {
@@ -30,10 +35,6 @@ impl NoIndirect {
 }
 
 impl Estimator for NoIndirect {
-    fn method(&self) -> Method {
-        METHOD
-    }
-
     fn record(&mut self, frame: &mut Frame<'_>, _: &EstimatorInputs<'_>) -> Result<(), VulkanError> {
         if !std::mem::replace(&mut self.is_clear, true) {
             frame.clear_image(&self.irradiance, [0.0; 4]);

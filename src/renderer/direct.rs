@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 
 use crate::effects::EffectInputs;
 use crate::effects::soft_shadows::SoftShadows;
-use crate::estimators::EstimatorInputs;
+use crate::estimators::{self, EstimatorInputs};
 use crate::passes::area_lights::UploadedAreaLights;
 use crate::passes::direct_shading::{DirectShadingInputs, DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::{DirectShadowsInputs, DirectShadowsPass};
@@ -17,7 +17,7 @@ use crate::passes::sheets::{SheetsInputs, SheetsPass};
 use crate::passes::structs::LightData;
 use crate::passes::tracer::TracerVariant;
 use crate::scene::Pose;
-use crate::settings::{Direct, Indirect, Settings};
+use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
 
 /// The passes.
@@ -147,6 +147,6 @@ impl DirectPasses {
 
 /// Mean irradiance by the environment, W/m^2: of sheets with nothing behind them that knows better.
 pub(super) fn ambient(settings: &Settings, pose: &Pose) -> Vec3 {
-    let environment = pose.environment.as_ref().filter(|_| settings.indirect != Indirect::None);
+    let environment = pose.environment.as_ref().filter(|_| estimators::method(settings).gives_light);
     environment.map_or(Vec3::ZERO, |environment| environment.mean() * PI)
 }

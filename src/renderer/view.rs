@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::{DebugView, RenderError, Renderer};
-use crate::estimators::{Estimator, EstimatorInputs, ViewInputs};
+use crate::estimators::{self, Estimator, EstimatorInputs, ViewInputs};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass, COMBINED, number_of};
 use crate::passes::effect_view::{EffectViewPass, Kind, VIEWS};
 use crate::passes::overlay::OverlayPass;
@@ -88,7 +88,7 @@ impl Renderer {
     /// # Errors
     /// Where the device cannot make what the view needs; the view then stays as it was.
     pub fn set_view(&mut self, view: &DebugView) -> Result<(), RenderError> {
-        self.estimator.look_at(view)?;
+        self.estimator.set_view(view)?;
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
                 self.views.buffer = Some(BufferViewPass::new(&self.device, self.tracer.variant().sheets)?);
@@ -102,6 +102,19 @@ impl Renderer {
         }
         self.view.clone_from(view);
         Ok(())
+    }
+
+    /// What users should know about the method and the scene, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let method = estimators::method(&self.settings);
+        let mut warnings = self.estimator.warnings();
+        if self.passes.reflections.is_some() && !method.lights_hits {
+            warnings.push(format!(
+                "--indirect {}: it cannot light what reflections see beyond the screen, so that lacks indirect light there",
+                method.name()
+            ));
+        }
+        warnings
     }
 
     /// The view that is shown.

@@ -6,6 +6,7 @@
 
 mod effects;
 mod error;
+mod indirect;
 mod svgf;
 mod table;
 pub(crate) mod text;
@@ -15,20 +16,10 @@ use serde::Serialize;
 
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
+pub use indirect::Indirect;
 pub use svgf::SvgfSettings;
 pub(crate) use table::{Group, flat, groups};
 pub use vpls::{MissingSets, Sequence, VplSettings};
-
-/// What computes indirect light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Indirect {
-    /// Virtual point lights: instant radiosity with temporal sets.
-    #[default]
-    Vpls,
-    /// Nothing: direct light only.
-    None,
-}
 
 /// Where direct light comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -141,7 +132,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            indirect: Indirect::Vpls,
+            indirect: Indirect::VPLS,
             direct: Direct::Maps,
             reflections: Reflections::Auto,
             antialiasing: Antialiasing::Taa,

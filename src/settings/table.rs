@@ -107,6 +107,16 @@ pub(super) fn text_of(value: &toml::Value) -> String {
 }
 
 impl Settings {
+    /// The value of the setting `key` that a text of the command line stands for.
+    ///
+    /// # Errors
+    /// If there is no such setting, or the text cannot be parsed.
+    pub fn value(key: &str, text: &str) -> Result<toml::Value, SettingsError> {
+        let table = toml::Table::from_iter([(key.to_owned(), text.into())]);
+        let settings = Self::from_table(&table)?.to_table();
+        settings.get(key).cloned().ok_or_else(|| SettingsError::Table(format!("{key}: unknown setting")))
+    }
+
     /// The defaults, overridden by `table`, flat or with subtables of groups. Ranges are not checked.
     ///
     /// # Errors

@@ -91,7 +91,7 @@ fn options_are_parsed_in_every_syntax() {
     assert_eq!(settings.time_step, 0.5);
     assert_eq!(settings.exposure, Some(-1.5));
     assert_eq!(settings.tracer, TracerKind::Software);
-    assert_eq!(settings.indirect, Indirect::None);
+    assert_eq!(settings.indirect, Indirect::NONE);
     assert_eq!(settings.vpl.sequence, Sequence::Random);
     assert_eq!(settings.vpl.missing_sets, MissingSets::Dark);
     assert_eq!((settings.vpl.clamp, settings.vpl.position_cutoff), (0.0, 0.1));

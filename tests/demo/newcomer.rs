@@ -64,7 +64,7 @@ fn edits_are_not_lost_without_a_question() {
     // Closing asks; Escape goes on with the scene.
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
-    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.wait_after(seen, "question", |event| is_question(event, "quit"));
     demo.screen().keep("26-unsaved");
     assert!(shows(&mut demo, "Discard"));
     demo.input(&["key", "Escape"]);
@@ -87,7 +87,7 @@ fn edits_are_not_lost_without_a_question() {
     demo.key_for("Tab", "toggle-panel");
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
-    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.wait_after(seen, "question", |event| is_question(event, "quit"));
     demo.click_thing("Save …");
     demo.frames(3);
     demo.screen().keep("27-save");

@@ -348,7 +348,7 @@ impl<'d> Demo<'d> {
         let seen = self.now();
         self.xdotool(&["key", "alt+F4"]);
         let asked = self.wait_after(seen, "question", |event| event["event"] == "unsaved");
-        assert_eq!(asked["details"], "close");
+        assert_eq!(asked["details"], "quit");
         self.close()
     }
 

@@ -22,8 +22,8 @@ pub(super) fn show(
     places: &mut Places,
     actions: &mut Vec<Action>,
 ) {
-    let Some(stage) = shown.stage else { return };
-    let now = stage.document.environment();
+    let Some(session) = shown.session else { return };
+    let now = session.document.environment();
     kind(ui, now, actions);
     ui.horizontal(|ui| {
         let typed = &mut state.scene.map;

@@ -7,8 +7,8 @@ use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use super::{PanelState, Places, Shown, keep_keyboard, place};
 use crate::demo::action::Action;
-use crate::demo::app::Recording;
 use crate::demo::edit::NewObject;
+use crate::demo::recorder::Recording;
 
 /// Text field and file dialog.
 #[derive(Default)]

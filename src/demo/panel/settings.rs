@@ -42,7 +42,7 @@ impl SettingsDocs {
 fn is_in_use(group: &Group, settings: &Settings) -> bool {
     let has_effects = settings.direct == Direct::Rays || settings.reflections != Reflections::None;
     match group.table.as_str() {
-        "settings.vpls" => settings.indirect == Indirect::Vpls,
+        "settings.vpls" => settings.indirect == Indirect::VPLS,
         "settings.effects" => has_effects,
         "settings.svgf" => has_effects && settings.effects.denoise == Denoise::Svgf,
         _ => true,
@@ -91,9 +91,9 @@ pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings)
 }
 
 pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let Some(stage) = shown.stage else { return };
-    let mut settings = stage.settings.clone();
-    let [.., (name, what, dissertation)] = presets(&stage.settings);
+    let Some(session) = shown.session else { return };
+    let mut settings = session.settings.clone();
+    let [.., (name, what, dissertation)] = presets(&session.settings);
     if ui.selectable_label(dissertation == settings, name).on_hover_text(what).clicked() {
         settings = dissertation;
     }
@@ -101,14 +101,14 @@ pub(super) fn show(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>, actions: 
     for group in &state.settings.groups {
         ui.separator();
         ui.small(&group.heading);
-        ui.add_enabled_ui(is_in_use(group, &stage.settings), |ui| {
+        ui.add_enabled_ui(is_in_use(group, &session.settings), |ui| {
             for name in &group.settings {
                 row(ui, name, state.settings.doc(name), &mut settings, &defaults);
             }
         });
     }
     coarseness(ui, shown.resolution, actions);
-    if settings != stage.settings {
+    if settings != session.settings {
         actions.push(Action::Set(Box::new(settings)));
     }
 }
@@ -310,7 +310,7 @@ mod tests {
         assert_eq!(shown, docs.keys().map(String::as_str).collect::<Vec<_>>());
         assert!(docs.values().all(|doc| doc.len() > 20), "{docs:?}");
         let other = Settings {
-            indirect: Indirect::None,
+            indirect: Indirect::NONE,
             direct: Direct::Rays,
             reflections: Reflections::Rays,
             antialiasing: Antialiasing::None,
@@ -366,7 +366,7 @@ mod tests {
 
     #[test]
     fn settings_of_what_is_not_in_use_are_hidden() {
-        let none = Settings { indirect: Indirect::None, ..Settings::default() };
+        let none = Settings { indirect: Indirect::NONE, ..Settings::default() };
         let in_use = |settings: &Settings| {
             let groups = groups();
             groups

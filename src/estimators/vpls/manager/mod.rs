@@ -31,7 +31,7 @@ pub use inspect::{Gathering, VplContribution};
 pub use invalidation::{InvalidatedBy, Invalidation, InvalidationReason};
 pub use slots::{SlotHistory, SlotState, SlotView};
 
-use crate::estimators::World;
+use crate::bvh::World;
 use crate::report::Counters;
 use crate::scene::WorldSurface;
 use crate::settings::{Direct, Settings};
