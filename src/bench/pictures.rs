@@ -22,7 +22,7 @@ impl Bench {
         run.rounds.is_empty() && shown.is_some_and(|shown| shown.is_same(run))
     }
 
-    /// The run, with the longest warm-up, for missing pictures of a moving camera.
+    /// The run, whose pictures take the most frames, for missing pictures of a moving camera.
     pub(super) fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
         let taken = |kind: PictureKind| {
             self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
@@ -31,7 +31,7 @@ impl Bench {
             return None;
         }
         let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
-        runs().rev().max_by_key(|run| run.warm_up)
+        runs().rev().max_by_key(|run| run.completes_in())
     }
 
     pub(super) fn take_artefacts(

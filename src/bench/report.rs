@@ -106,14 +106,14 @@ impl Report {
     }
 
     /// The representative run of a scene for charts and pictures: the first with the default on the main axis of its method,
-    /// or else the one with the longest warm-up.
+    /// or else the one whose pictures take the most frames.
     pub fn shown_run<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
         let defaults = Settings::default();
         let is_default = |run: &&Run| {
             let axis = estimators::method(&run.settings).axes.first();
             axis.is_none_or(|axis| (axis.get)(&run.settings) == (axis.get)(&defaults))
         };
-        let longest = || self.runs_of(scene).rev().max_by_key(|run| run.warm_up);
+        let longest = || self.runs_of(scene).rev().max_by_key(|run| run.completes_in());
         self.runs_of(scene).find(is_default).or_else(longest)
     }
 

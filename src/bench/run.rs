@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::method::Method;
 use super::samples::{OTHER, Samples};
+use crate::estimators;
 use crate::metrics::Comparison;
 use crate::settings::Settings;
 use crate::statistics::mean;
@@ -40,6 +41,11 @@ impl Run {
     /// Whether it measures the same as `other`.
     pub fn is_same(&self, other: &Self) -> bool {
         self.scene == other.scene && self.method == other.method && self.settings == other.settings
+    }
+
+    /// Frames after which the picture of a still scene is complete.
+    pub fn completes_in(&self) -> u32 {
+        (estimators::method(&self.settings).warm_up)(&self.settings)
     }
 
     /// The samples of all rounds together, in the order of [`Samples::quantities`].

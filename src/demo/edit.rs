@@ -31,11 +31,9 @@ pub enum NewObject {
     File(PathBuf),
 }
 
+/// Edits of the document. One that is invalid is an error and changes nothing.
 impl Session {
     /// Changes a light of the document to `entry`.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
         self.edit(|document| {
@@ -47,9 +45,6 @@ impl Session {
     }
 
     /// Changes an instance of the document to `entry`.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
         self.edit(|document| {
@@ -61,25 +56,16 @@ impl Session {
     }
 
     /// Changes the materials of a name.
-    ///
-    /// # Errors
-    /// If the edit is invalid; then nothing changes.
     pub fn set_material(&mut self, edit: MaterialEdit) -> Result<Change, SceneError> {
         self.edit(|document| document.set_material(edit))
     }
 
     /// Changes the environment, or takes it away.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
         self.edit(|document| document.set_environment(environment))
     }
 
     /// Uses a file as the map of the environment; brightness and rotation stay.
-    ///
-    /// # Errors
-    /// Never, but like every edit.
     pub fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
         let now = self.document.environment().filter(|now| now.has_map()).cloned().unwrap_or_default();
         let map = EnvironmentEntry { asset: None, download: None, builtin: None, map: Some(map), ..now };
@@ -112,9 +98,6 @@ impl Session {
     }
 
     /// Adds an object in view of the camera and selects it; the file of a model is read when the scene is built.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn add_object(&mut self, object: NewObject) -> Result<Change, SceneError> {
         let place = Some(place_in_view(self).to_array());
         let size = SHAPE * self.radius;

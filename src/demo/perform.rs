@@ -98,7 +98,7 @@ impl App {
                 }
             }
             Action::Quit => open.closing |= open.confirm_discard(Action::Quit),
-            other => open.look(other)?,
+            other => open.change(other)?,
         }
         Ok(())
     }
@@ -143,8 +143,8 @@ impl Open {
         may
     }
 
-    /// Executes the actions that edit or load documents.
-    pub(super) fn change(&mut self, action: Action) {
+    /// Executes the actions that edit the document; the others choose what is shown.
+    fn change(&mut self, action: Action) -> Result<(), DemoError> {
         match action {
             Action::Select(selected) => {
                 if let Some(session) = &mut self.session {
@@ -183,9 +183,9 @@ impl Open {
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
-            // [`App::perform`] and [`Open::look`] handle all others.
-            _ => {}
+            other => self.look(other)?,
         }
+        Ok(())
     }
 
     /// Requests a scene, as edited or from disk.

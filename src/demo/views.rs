@@ -14,7 +14,7 @@ use crate::renderer::DebugView;
 use crate::settings::Settings;
 
 impl Open {
-    /// Executes the actions that choose what is shown; the others are edits.
+    /// Executes the actions that choose what is shown.
     pub(super) fn look(&mut self, action: Action) -> Result<(), DemoError> {
         match action {
             Action::Split(side) => self.divide(side)?,
@@ -32,7 +32,8 @@ impl Open {
                 view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
             })?,
             Action::ToggleInspector => self.inspector.toggle(),
-            edit => self.change(edit),
+            // [`App::perform`](super::app::App::perform) and [`Open::change`] have taken all others.
+            _ => {}
         }
         Ok(())
     }

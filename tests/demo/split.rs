@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{Demo, is_action};
+use crate::x_server::XServer;
 
 const SMALL: [&str; 7] = [
     "--antialiasing=none",
@@ -29,8 +29,8 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn methods_and_the_reference_stand_side_by_side() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.frames(6);
 
     // The same method on both sides, while a board turns: no difference, not by a bit.
@@ -81,8 +81,8 @@ fn methods_and_the_reference_stand_side_by_side() {
 #[test]
 fn edits_and_settings_are_taken_back_and_made_again() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");

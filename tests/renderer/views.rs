@@ -194,6 +194,13 @@ fn views_of_layers_show_them() {
     assert_eq!(checked, 15);
 }
 
+/// The settings with the method that has this view.
+fn with_method_of(buffer: &str, settings: Settings) -> Settings {
+    let mut methods = estimators::methods().iter();
+    let method = methods.find(|method| method.views.iter().any(|view| view.name == buffer));
+    Settings { indirect: method.map_or(settings.indirect, |method| method.indirect), ..settings }
+}
+
 #[test]
 fn every_view_shows_something_of_its_own() {
     let Some(lab) = Lab::open() else { return };
@@ -206,7 +213,7 @@ fn every_view_shows_something_of_its_own() {
         let settings = if is_effect {
             Settings { direct: Direct::Rays, reflections: Reflections::Rays, ..settings(4, 2) }
         } else {
-            settings(4, 2)
+            with_method_of(buffer, settings(4, 2))
         };
         let (renderer, picture) = picture(&lab, &scene, &settings, &view);
         assert_eq!(renderer.view(), &view);
