@@ -1,4 +1,4 @@
-//! What can differ between runs: the method, and the settings that are swept.
+//! Runs differ in these: the method, and the settings that are swept.
 
 use super::run::Run;
 use crate::estimators;
@@ -15,7 +15,7 @@ const BOUNCES: estimators::Axis = estimators::Axis {
     set: |settings, bounces| settings.bounces = bounces.clamp(1, 16),
 };
 
-/// What can be swept.
+/// The method or a setting, which can be swept.
 #[derive(Clone, Copy, Debug)]
 pub enum Axis {
     /// The method.

@@ -21,7 +21,7 @@ use crate::statistics::percentile;
 const FRAMES: u32 = 8;
 /// Most trials.
 const TRIALS: u32 = 3;
-/// What counts as equal, relative.
+/// Times count as equal up to this relative difference.
 const TOLERANCE: f64 = 0.1;
 /// Most samples a pixel, and most of a setting.
 const MOST: u32 = 65_536;
@@ -136,7 +136,8 @@ fn at_time(
     Ok((equal, Pictures { picture: trial.picture, map }))
 }
 
-/// What makes a method better and slower: samples a pixel, or what the estimator says; 0 where nothing does.
+/// The number that makes a method better and slower: samples a pixel, or the setting that the estimator names; 0 where it
+/// names none.
 fn amount(method: &Method, settings: &Settings) -> u32 {
     let cost = estimators::method(settings).cost;
     method.samples().or(cost.map(|axis| (axis.get)(settings))).unwrap_or(0)

@@ -17,7 +17,7 @@ const ALL: &str = "all";
 /// The path tracers that [`ALL`] stands for, besides each estimator and its variants.
 const REFERENCES: [&str; 3] = ["reference@1", "reference@4", "reference@16"];
 
-/// What lights the pictures of a run.
+/// A method with settings, which lights the pictures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Method {
@@ -46,7 +46,7 @@ impl Method {
     /// The methods of an item of `--methods`: one, or all.
     ///
     /// # Errors
-    /// Those of [`Self::from_str`].
+    /// Errors are those of [`Self::from_str`].
     pub fn list(item: &str) -> Result<Vec<Self>, String> {
         if item != ALL {
             return Ok(vec![item.parse()?]);

@@ -10,7 +10,7 @@ use super::axis::Axis;
 use super::method::Method;
 use crate::settings::{Settings, SettingsError};
 
-/// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
+/// The measurements of a benchmark. Reports can be resumed or compared only as far as their plans agree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
@@ -41,7 +41,7 @@ pub struct Sweep {
 }
 
 impl Plan {
-    /// What to measure of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest.
+    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest.
     ///
     /// # Errors
     /// If a combination is invalid.

@@ -36,7 +36,7 @@ pub(super) struct ReferencePictures {
 }
 
 impl ReferencePictures {
-    /// Those of `known` that apply to runs with `settings`; otherwise path traces and adds them.
+    /// Finds the pictures for runs with `settings` in `known`, or path traces and adds them.
     pub fn of<'a>(
         known: &'a mut Vec<Self>,
         scene: &BenchScene,
@@ -98,7 +98,7 @@ impl ReferencePictures {
     }
 }
 
-/// Those of the path tracer's pictures, whose samples are independent of a run's.
+/// The settings of the path tracer's pictures, whose samples are independent of a run's.
 pub(super) fn reference_settings(settings: &Settings) -> ReferenceSettings {
     ReferenceSettings { seed: !settings.seed, ..ReferenceSettings::like(settings) }
 }

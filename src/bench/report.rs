@@ -95,7 +95,7 @@ impl Report {
         self.runs.iter().filter(move |run| run.scene == scene)
     }
 
-    /// What has several values: the method, and settings that differ between runs of one method.
+    /// The axes with several values: the method, and settings that differ between runs of one method.
     pub fn varied(&self) -> Vec<Axis> {
         let differ = |axis: Axis, a: &Run, b: &Run| {
             let is_alike = a.scene == b.scene && (axis == Axis::Method || a.method == b.method);
@@ -142,7 +142,7 @@ pub struct EqualTime {
     pub scene: String,
     /// The method, with its samples chosen.
     pub method: Method,
-    /// What it is called among the runs.
+    /// Its name among the runs.
     pub run: Method,
     /// The setting that was chosen, with its value; none where the method has none.
     pub setting: Option<(String, u32)>,
@@ -152,7 +152,7 @@ pub struct EqualTime {
     pub error: FrameQuality,
 }
 
-/// What a picture shows.
+/// The subject of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PictureKind {
@@ -175,7 +175,7 @@ pub enum PictureKind {
 }
 
 impl PictureKind {
-    /// Those of a moving camera, and the stationary one to compare with.
+    /// Pictures of a moving camera, and of the stationary one to compare with.
     pub const ARTEFACTS: [Self; 3] = [Self::Static, Self::Turning, Self::Strafing];
 
     /// Caption.
@@ -198,7 +198,7 @@ impl PictureKind {
 pub struct PictureEntry {
     /// Name of the scene.
     pub scene: String,
-    /// What it shows.
+    /// Its subject.
     pub kind: PictureKind,
     /// The method among the runs; none where it does not matter.
     pub method: Option<Method>,
@@ -209,14 +209,14 @@ pub struct PictureEntry {
 }
 
 impl PictureEntry {
-    /// That of number `index` of the scenes, whose name may not suit a file.
+    /// The entry for number `index` of the scenes, whose name may not suit a file.
     pub fn new(index: usize, scene: &str, kind: PictureKind, settings: &Settings) -> Self {
         let rendered_by = estimators::method(settings).short_name(settings);
         let file = format!("{}-{}-{}.png", index + 1, plain(scene), plain(kind.caption()));
         Self { scene: scene.to_owned(), kind, method: None, rendered_by, file }
     }
 
-    /// That of a method among several.
+    /// The entry for a method among several.
     pub fn of(self, method: &Method) -> Self {
         let file = format!("{}-{}.png", self.file.trim_end_matches(".png"), plain(method.name()));
         Self { method: Some(method.clone()), file, ..self }

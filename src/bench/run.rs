@@ -1,4 +1,4 @@
-//! What was measured of one method with one setting of one scene.
+//! Runs: the measurements of one method with one setting of one scene.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ use crate::statistics::mean;
 pub struct Run {
     /// Name of the scene.
     pub scene: String,
-    /// What lights its pictures.
+    /// It lights the pictures.
     pub method: Method,
     /// The settings.
     pub settings: Settings,

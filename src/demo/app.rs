@@ -73,7 +73,7 @@ pub(super) struct Open {
     /// Textures of the user interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
     pub resolution: Resolution,
-    /// Of the last frame.
+    /// The viewport of the last frame.
     pub last_viewport: Viewport,
     /// Time of the last change of the viewport or the resolution.
     pub resized: Option<Instant>,
@@ -198,7 +198,7 @@ impl App {
     }
 }
 
-/// What a dropped file is for.
+/// The action for a dropped file.
 fn action_of_file(path: PathBuf) -> Action {
     if is_map(&path) { Action::OpenMap(path) } else { Action::Open(path.to_string_lossy().into_owned()) }
 }

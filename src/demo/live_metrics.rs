@@ -10,7 +10,7 @@ use crate::metrics::{CompareOptions, Image, Metrics, MetricsError, compare, temp
 /// Time between comparisons.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// What a picture shows, for the comparison of display values.
+/// The display values of a picture, for comparisons.
 #[derive(Clone)]
 pub(super) struct Shot {
     /// Width and height.
@@ -21,7 +21,7 @@ pub(super) struct Shot {
 
 /// The left picture against the right one.
 pub(super) struct Compared {
-    /// Of display values.
+    /// Errors of display values.
     pub metrics: Metrics,
     /// Mean change of luminance between the last two pictures of the left side; none for the first.
     pub temporal_error: Option<f64>,
@@ -31,13 +31,13 @@ pub(super) struct Compared {
     left: Image,
 }
 
-/// What the log says of a comparison.
+/// The log's entry for a comparison.
 #[derive(Serialize)]
 pub(super) struct Logged {
     #[serde(flatten)]
     metrics: Metrics,
     temporal_error: Option<f64>,
-    /// Of the reference, a pixel.
+    /// Samples of the reference, a pixel.
     samples: Option<u64>,
 }
 

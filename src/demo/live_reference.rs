@@ -22,18 +22,18 @@ const INTERVAL: Duration = Duration::from_millis(250);
 /// A picture as far as it is.
 pub(super) struct Progress {
     pub shot: Shot,
-    /// A pixel.
+    /// Samples a pixel.
     pub samples: u64,
     /// Standard error over the mean luminance.
     pub error: Option<f64>,
-    /// Since the first sample.
+    /// Time since the first sample.
     pub elapsed: Duration,
 }
 
 /// The path tracer of the world as it stood in the last frame.
 #[derive(Default)]
 pub(super) struct LiveReference {
-    /// Of the last frame.
+    /// The world of the last frame.
     last: Option<Key>,
     run: Option<Run>,
     shown: Option<Progress>,
@@ -41,7 +41,7 @@ pub(super) struct LiveReference {
     pub version: u64,
 }
 
-/// What the picture depends on.
+/// The picture depends on these.
 #[derive(Clone)]
 struct Key {
     scene: Arc<Scene>,
@@ -170,7 +170,7 @@ mod tests {
         let progress: Vec<Progress> = run.progress.iter().collect();
         let (first, last) = (&progress[0], progress.last().unwrap());
         assert_eq!(last.samples, ENOUGH);
-        // That of the reference counts, too.
+        // The noise of the reference counts, too.
         let expected = (last.samples as f64).recip() + (4.0 * ENOUGH as f64).recip();
         let ratio = rmse(&last.shot, &reference) / rmse(&first.shot, &reference);
         let wanted = (expected * first.samples as f64).sqrt();

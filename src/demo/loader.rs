@@ -27,7 +27,7 @@ pub(super) struct LoadRequest {
 /// The current scene as it is to be.
 pub(super) struct Edited {
     pub document: SceneDocument,
-    /// What was read for it, so that it is not read again.
+    /// Its files, which need not be read again.
     pub read: ReadFiles,
     pub settings: Settings,
     /// The scene of the current renderer, if that may go on with another one.

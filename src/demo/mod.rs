@@ -42,7 +42,7 @@ use crate::scene::SceneError;
 use crate::settings::{Settings, SettingsError};
 use crate::vulkan::VulkanError;
 
-/// What the window starts with.
+/// The window starts with these.
 #[derive(Clone, Debug)]
 pub struct Launch {
     /// The scene, by name or file.

@@ -38,7 +38,7 @@ pub(super) struct Session {
     pub document: SceneDocument,
     /// The document that `scene` was built from.
     built_document: SceneDocument,
-    /// What was read for it.
+    /// The files that were read for it.
     pub read: ReadFiles,
     /// The scene of the renderer.
     pub scene: Arc<Scene>,
@@ -60,7 +60,7 @@ pub(super) struct Session {
     pub report: FrameReport,
 }
 
-/// What a file holds.
+/// A file that holds the scene.
 pub(super) struct Saved {
     pub path: PathBuf,
     pub camera: Camera,
@@ -123,7 +123,7 @@ impl Session {
         Ok(self.apply()?)
     }
 
-    /// What can be taken back, as it is.
+    /// The current state, which can be taken back.
     pub fn state(&self) -> State {
         State { document: self.document.clone(), settings: self.settings.clone(), headlamp: self.headlamp }
     }
@@ -137,7 +137,7 @@ impl Session {
         self.apply()
     }
 
-    /// What to build for the document as it is. With `anew` the whole of it with a renderer of its own; else, where that is
+    /// Prepares the build of the document as it is. With `anew` it is the whole of it with a renderer of its own; else, where that is
     /// enough, only with other materials and environment, so that the renderer goes on with the rest in the pose.
     pub fn to_build(&self, anew: bool) -> Edited {
         let document = if !anew && is_arranged_alike(&self.built_document, &self.document) {
@@ -183,7 +183,7 @@ impl Session {
         Ok(())
     }
 
-    /// What the last frame shows.
+    /// The picture of the last frame.
     pub fn shot(&self) -> Result<Shot, RenderError> {
         Ok(Shot { size: self.settings.size, pixels: self.renderer.read_display()? })
     }

@@ -13,7 +13,7 @@ use crate::report::FrameReport;
 use crate::settings::Settings;
 use crate::vulkan::{Device, Pane};
 
-/// What to show right of the divider.
+/// The picture to show right of the divider.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RightSide {
@@ -86,7 +86,7 @@ impl Split {
         Ok(())
     }
 
-    /// What the whole window would show of the right side; none where the reference has no picture yet.
+    /// The right side's picture for the whole window; none where the reference has no picture yet.
     pub fn right_shot(&self) -> Result<Option<Shot>, DemoError> {
         Ok(match &self.right {
             Right::Renderer(other) => {

@@ -28,13 +28,13 @@ const COLUMNS: usize = 3;
 /// A stop.
 struct Stop {
     caption: &'static str,
-    /// What happens, and when, seconds after the stop begins.
+    /// Acts, and when they happen, seconds after the stop begins.
     acts: &'static [(f64, Act)],
     /// How far the camera sways about its target, degrees, and how often.
     sway: [f32; 2],
 }
 
-/// What happens at a stop.
+/// Something that happens at a stop.
 #[derive(Clone, Copy)]
 enum Act {
     Sets(u32),
@@ -90,7 +90,7 @@ const STOPS: [Stop; 6] = [
 /// The tour under way.
 pub(super) struct Tour {
     stop: usize,
-    /// Since the stop began, seconds.
+    /// Time since the stop began, seconds.
     time: f64,
     /// Acts of the stop that are over.
     acts: usize,
@@ -99,7 +99,7 @@ pub(super) struct Tour {
     sheet: Option<(PathBuf, Vec<Shot>)>,
 }
 
-/// What the end of the tour goes back to.
+/// The state that the end of the tour restores.
 pub(super) struct Before {
     pub settings: Settings,
     pub view: DebugView,
@@ -110,7 +110,7 @@ pub(super) struct Before {
     pub undo: Undo,
 }
 
-/// What a frame of the tour does.
+/// The work of a frame of the tour.
 pub(super) struct TourFrame {
     pub actions: Vec<Action>,
     pub camera: Camera,
@@ -125,7 +125,7 @@ impl Tour {
         Self { stop: 0, time: 0.0, acts: 0, before, sheet }
     }
 
-    /// What is to be read.
+    /// The text to be read.
     pub fn caption(&self) -> &'static str {
         STOPS.get(self.stop).map_or("", |stop| stop.caption)
     }

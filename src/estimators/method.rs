@@ -1,4 +1,4 @@
-//! What a method says of itself, so that nothing else needs to know it by name.
+//! The description of a method, so that nothing else needs to know it by name.
 
 use super::{Estimator, EstimatorContext};
 use crate::passes::buffer_view::View;
@@ -6,7 +6,7 @@ use crate::report::PassInfo;
 use crate::settings::{Indirect, Settings};
 use crate::vulkan::VulkanError;
 
-/// What a method says of itself. Command line, scene files, reports, benchmarks and the window list what it names.
+/// The description of a method. Command line, scene files, reports, benchmarks and the window list what it names.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
     /// Its value of `--indirect`, whose name is that of the method. Settings of its own are the group `settings.NAME`.
@@ -67,7 +67,7 @@ impl Axis {
     }
 }
 
-/// What a method counts in each frame.
+/// A count that a method makes in each frame.
 #[derive(Clone, Copy, Debug)]
 pub struct CounterInfo {
     /// Its key in reports; dots nest.

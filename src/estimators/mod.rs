@@ -1,4 +1,4 @@
-//! What computes indirect light: one folder a method.
+//! Estimators compute indirect light; each method has a folder.
 //!
 //! In: the visible surfaces, the tracer and the world. Out: irradiance, W/m^2, without the albedo of the visible surface. An
 //! estimator names its passes, its views and its counters; reports, the window and `--view` list what it names.
@@ -29,12 +29,12 @@ use crate::scene::Pose;
 use crate::settings::Settings;
 use crate::vulkan::{Buffer, Device, Frame, Image, Upload, VulkanError};
 
-/// What an estimator is made with.
+/// An estimator is made with these.
 #[derive(Clone)]
 pub struct EstimatorContext<'a> {
     /// The device.
     pub device: &'a Arc<Device>,
-    /// What its shaders are made for.
+    /// Its shaders are made for this variant.
     pub tracer: TracerVariant,
     /// The settings, which were checked.
     pub settings: &'a Settings,
@@ -44,7 +44,7 @@ pub struct EstimatorContext<'a> {
     pub scene_radius: f32,
 }
 
-/// What an estimator's passes read.
+/// The passes of an estimator read these.
 pub struct EstimatorInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
@@ -56,7 +56,7 @@ pub struct EstimatorInputs<'a> {
     pub lights: &'a Upload,
     /// `MaterialData` of all materials.
     pub materials: &'a Buffer,
-    /// What casts rays.
+    /// It casts rays.
     pub tracer: &'a Tracer,
     /// Where everything stands.
     pub pose: &'a Pose,
@@ -90,7 +90,7 @@ pub trait Estimator: Any + Send {
         Vec::new()
     }
 
-    /// What it counted in [`Self::update`], by name; dots nest.
+    /// The counts of [`Self::update`], by name; dots nest.
     fn counters(&self) -> Counters {
         Counters::default()
     }
@@ -118,7 +118,7 @@ pub trait Estimator: Any + Send {
         Ok(())
     }
 
-    /// What the device counted in the frame, to be read back; it goes to [`Self::add_device_counters`].
+    /// The counts of the device, which are read back and go to [`Self::add_device_counters`].
     fn device_counters(&self) -> Option<&Buffer> {
         None
     }
@@ -175,13 +175,13 @@ pub trait Estimator: Any + Send {
         Vec::new()
     }
 
-    /// What users should know about its work on the scene, a sentence each.
+    /// Users should know these facts about its work on the scene, a sentence each.
     fn warnings(&self) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// What to show. The default is the picture, at no cost.
+/// The view that a frame shows. The default is the picture, at no cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DebugView {
@@ -232,13 +232,13 @@ impl Default for DebugView {
     }
 }
 
-/// What a method's view reads and writes.
+/// A method's view reads and writes these.
 pub struct ViewInputs<'a> {
-    /// What its passes have read.
+    /// Its passes have read these.
     pub estimator: &'a EstimatorInputs<'a>,
     /// Factor of the picture's exposure.
     pub exposure: &'a Buffer,
-    /// What is shown, RGBA8.
+    /// The shown picture, RGBA8.
     pub display: &'a Image,
 }
 

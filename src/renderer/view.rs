@@ -1,4 +1,4 @@
-//! What is shown instead of the picture, or drawn over it: ways to look into a frame.
+//! Debug views: they stand in place of the picture, or are drawn over it.
 //!
 //! In: a [`DebugView`]. Out: which passes run after `combine`; with the default view none does.
 
@@ -20,14 +20,14 @@ pub(super) struct ViewPasses {
     overlay: Option<OverlayPass>,
 }
 
-/// What the passes of the frame have made and a view shows.
+/// The results of the frame's passes that a view shows.
 pub(super) struct ViewFrame<'a> {
     pub view: &'a DebugView,
     pub inputs: &'a EstimatorInputs<'a>,
     pub scene: &'a SceneBuffers,
     pub direct_shadows: &'a Image,
     pub direct: &'a Image,
-    /// What the view shows of an effect, if it is one of these.
+    /// The image of an effect, if the view shows one.
     pub effect: Option<(&'a Image, Kind)>,
     /// World-space bounds of all that is visible.
     pub bounds: (Vec3, Vec3),
@@ -104,7 +104,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What users should know about the method and the scene, a sentence each.
+    /// Users should know these facts about the method and the scene, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let method = estimators::method(&self.settings);
         let mut warnings = self.estimator.warnings();
@@ -122,7 +122,7 @@ impl Renderer {
         &self.view
     }
 
-    /// What the last frame shows: RGBA8, sRGB-encoded. Another image after a change of size.
+    /// The display image of the last frame: RGBA8, sRGB-encoded. A change of size makes another image.
     pub fn display(&self) -> &Image {
         self.passes.combine.display()
     }

@@ -39,7 +39,7 @@ pub struct SceneMicro {
     pub rays: Vec<RayRun>,
     /// Building, updating and uploading the BVH, then each pass.
     pub times: Vec<TimeRun>,
-    /// What was not measured, and why.
+    /// Measurements that were omitted, and why.
     pub notes: Vec<String>,
 }
 

@@ -60,7 +60,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
     });
 }
 
-/// Of the last half second.
+/// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };

@@ -1,4 +1,4 @@
-//! What is shown in place of the picture or over it, in a line at the lower edge.
+//! The legend: a line at the lower edge names what stands in place of the picture or over it.
 
 use egui::{Align2, Area, Color32, Frame, Id, RichText, Sense, Ui, vec2};
 

@@ -38,7 +38,7 @@ use super::split::Split;
 
 pub(super) use scene::{Purpose, is_map};
 
-/// What is loaded sooner needs no word.
+/// A scene that is loaded sooner needs no word.
 const SOON: Duration = Duration::from_millis(500);
 /// Width of the panel, points.
 const WIDTH: f32 = 250.0;
@@ -110,7 +110,7 @@ impl PanelState {
 pub(super) struct Shown<'a> {
     pub session: Option<&'a Session>,
     pub split: Option<&'a Split>,
-    /// Of the tour.
+    /// The caption of the tour.
     pub caption: Option<&'static str>,
     pub assets: Option<&'a Path>,
     pub clock: &'a mut Clock,
@@ -183,7 +183,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     actions
 }
 
-/// What is drawn over the picture.
+/// Draws handles, legend and hints over the picture.
 fn overlays(ui: &Ui, state: &PanelState, session: &Session, mode: Mode) {
     let viewport = state.viewport(ui.ctx());
     handles::paint(ui, session, viewport, mode);
@@ -238,7 +238,7 @@ fn follow_focus(ui: &mut Ui, state: &mut PanelState) {
     }
 }
 
-/// What goes on, in the same room whatever it is, so that nothing below moves.
+/// Shows what goes on, in the same space whatever it is, so that nothing below moves.
 fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
     let (room, _) = ui.allocate_exact_size(vec2(ui.available_width(), STATUS), Sense::hover());
     let mut ui = ui.new_child(UiBuilder::new().max_rect(room));
@@ -288,7 +288,7 @@ fn place(ui: &Ui, places: &mut Places, name: &str, response: &Response) {
     }
 }
 
-/// The same of a slider's track, without the value and the text beside it.
+/// Records the rectangle of a slider's track, without the value and the text beside it.
 fn place_track(ui: &Ui, places: &mut Places, name: &str, slider: &Response) {
     let width = ui.spacing().slider_width.min(slider.rect.width());
     let rect = slider.rect.with_max_x(slider.rect.min.x + width);

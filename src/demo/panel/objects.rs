@@ -268,7 +268,7 @@ fn cone(ui: &mut Ui, light: &mut LightEntry) {
     });
 }
 
-/// What shines: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
+/// The extent of a light: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
 fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut Places) {
     let (name, unit, most, value) = match light.kind {
         LightType::Point | LightType::Spot => ("radius", "", 0.2 * scene_radius, &mut light.radius),

@@ -24,9 +24,9 @@ pub(in crate::demo) struct SceneState {
 pub(in crate::demo) enum Purpose {
     Open,
     Save,
-    /// Of an environment.
+    /// The map of an environment.
     Map,
-    /// Of an object that is added.
+    /// The model of an object that is added.
     Model,
 }
 

@@ -22,7 +22,7 @@ use crate::settings::Settings;
 const GRIP: f32 = 6.0;
 /// How far below the bar the sides say what they are, points.
 const LABELS_AT: f32 = 8.0;
-/// What can be chosen of the right side.
+/// Settings of the right side that can be chosen.
 const CHOICES: [&str; 7] =
     ["indirect", "temporal_sets", "bounces", "direct", "reflections", "antialiasing", "denoise"];
 
@@ -33,7 +33,7 @@ pub(in crate::demo) struct SplitState {
     difference: Option<(u64, TextureHandle)>,
 }
 
-/// What the CPU has drawn, below everything else.
+/// Paints the pictures of the CPU, below everything else.
 pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
     let viewport = state.viewport(ui.ctx());
     let state = &mut state.split;
@@ -215,7 +215,7 @@ fn milliseconds(report: &FrameReport) -> String {
     format!("{:.1} ms", report.figures.total_ms)
 }
 
-/// What lights a picture.
+/// Names the methods that light a picture.
 fn described(settings: &Settings) -> String {
     let indirect = estimators::method(settings).short_name(settings);
     format!("{indirect}; {}, {}", name_of(&settings.direct), name_of(&settings.antialiasing))

@@ -1,4 +1,4 @@
-//! What the panel shows of VPLs: options of their views, the legend of their paths, those that light a point.
+//! VPLs in the panel: options of their views, the legend of their paths, those that light a point.
 
 use egui::{Align2, Color32, ComboBox, DragValue, Grid, Rect, RichText, Ui, Window};
 
@@ -34,7 +34,7 @@ pub(super) fn legend(view: &DebugView) -> Option<(String, Vec<(&'static str, [f3
     Some((format!("paths by {}:", style.label().to_lowercase()), path_legend(style)))
 }
 
-/// What else a view needs, to be said after its name.
+/// A hint after the name of a view that needs more.
 pub(super) fn hint(view: &DebugView) -> &'static str {
     let lacks_vpl = view.options::<VplDebugView>().single_vpl.is_none();
     if view.buffer == VPL_VISIBILITY && lacks_vpl { " (choose one with , and .)" } else { "" }

@@ -1,11 +1,11 @@
-//! What the method says of itself: passes, counters, what benchmarks sweep.
+//! The description of the method: passes, counters, axes.
 
 use super::{InvalidationReason, SHADOW_RAYS, VIEWS, Vpls};
 use crate::estimators::{Axis, CounterInfo, Method, MethodPasses};
 use crate::report::PassInfo;
 use crate::settings::{Indirect, Settings};
 
-/// What the method says of itself.
+/// The description of the method.
 pub const METHOD: Method = Method {
     passes: PASSES,
     views: VIEWS,

@@ -58,7 +58,7 @@ pub const VIEWS: &[View] = &[
     },
 ];
 
-/// What the colours of light paths mean.
+/// The colours of light paths show one of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathStyle {
@@ -121,7 +121,7 @@ pub struct VplViewPass {
     pipeline: ComputePipeline,
 }
 
-/// What the pass reads besides [`ViewInputs`].
+/// The pass reads these besides [`ViewInputs`].
 pub struct VplViewSources<'a> {
     /// The VPLs of the frame's set.
     pub vpls: &'a UploadedSet,

@@ -1,7 +1,7 @@
 //! A hall with columns, rings around them and curtains, and rays as a frame has them.
 //!
 //! As in most scenes, walls and columns are few large triangles, some of them long and thin, and the rest are many
-//! small ones. Rays go from patches of the walls to a point of another wall, as those of neighbouring pixels to a VPL.
+//! small ones. Rays go from patches of the walls to a point of another wall, as those of neighbouring pixels to a light.
 
 use std::f32::consts::TAU;
 
