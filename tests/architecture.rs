@@ -337,7 +337,8 @@ fn vpls_are_known_to_few() {
         ["src/passes", "src/renderer", "src/denoise", "src/effects", "shaders/passes", "shaders/denoise"]
     {
         for file in below(Path::new(folder)).1 {
-            let text = fs::read_to_string(&file).unwrap();
+            // The table of noise is no text.
+            let Ok(text) = fs::read_to_string(&file) else { continue };
             assert!(!text.to_lowercase().contains("vpl"), "{} must not speak of VPLs", file.display());
         }
     }
