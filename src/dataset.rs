@@ -28,7 +28,7 @@ const MIN_ALBEDO: f32 = 1e-3;
 /// Most distance between two positions that a denoiser's reprojection takes for one surface, as a fraction of the
 /// scene's radius.
 const POSITION_LIMIT: f32 = 0.005;
-/// The same for unit normals: the length of their difference.
+/// Most length of the difference between two unit normals of one surface.
 const NORMAL_LIMIT: f32 = 0.5;
 
 /// Why a data set could not be written.
@@ -39,7 +39,7 @@ pub enum DatasetError {
     Folder {
         /// The folder, or a file in it.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A file cannot be written or read.

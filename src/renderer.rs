@@ -103,9 +103,6 @@ pub struct Renderer {
     device: Arc<Device>,
 }
 
-/// Makes an estimator for a renderer.
-pub type MakeEstimator<'a> = dyn Fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> + 'a;
-
 impl Renderer {
     /// Builds everything that `scene` needs to be drawn with `settings`, which were checked, as it stands in `pose`.
     pub fn new(
@@ -124,24 +121,13 @@ impl Renderer {
         settings: &Settings,
         pose: &Pose,
     ) -> Result<Self, RenderError> {
-        Self::with_estimator(device, prepared, settings, pose, &estimators::make)
-    }
-
-    /// The same with an estimator of the caller's, until the setting `indirect` changes.
-    pub fn with_estimator(
-        device: &Arc<Device>,
-        prepared: PreparedScene,
-        settings: &Settings,
-        pose: &Pose,
-        make: &MakeEstimator<'_>,
-    ) -> Result<Self, RenderError> {
         let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
         let variant = TracerVariant { tracer, thin_surfaces: bvh.has_thin_surfaces() };
-        let estimator = make(&EstimatorContext {
+        let estimator = estimators::make(&EstimatorContext {
             device,
             tracer: variant,
             settings,
@@ -274,7 +260,8 @@ impl Renderer {
         self.gpu_scene.update_lights(&self.scene, pose, soft);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
-        Pending { frame: self.frames_before + frame, cpu_ms, counters: self.estimator.counters() }
+        let method = estimators::method(&self.settings);
+        Pending { frame: self.frames_before + frame, method, cpu_ms, counters: self.estimator.counters() }
     }
 
     /// How long building the BVH took, milliseconds.

@@ -1,9 +1,8 @@
-//! What was measured, frame by frame, and the JSON report of `render`.
+//! The measurements of frames, and the JSON report of `render`.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::gpu_scene::tracer::RayTracer;
 use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vulkan::DeviceInfo;
@@ -31,7 +30,7 @@ pub const SHARED_PASSES: [PassInfo; 9] = [
     PassInfo { name: "direct_shading", colour: [89, 161, 79] },
     PassInfo { name: "thin_surfaces", colour: [118, 183, 178] },
 ];
-/// The same after those of the method.
+/// The device's passes that all methods share, after those of the method.
 pub const LAST_PASSES: [PassInfo; 3] = [
     PassInfo { name: "reflections_trace", colour: [120, 80, 170] },
     PassInfo { name: "combine", colour: [227, 119, 194] },
@@ -47,7 +46,7 @@ pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
 /// Milliseconds of each pass, in the order of the frame.
 pub type PassTimes = IndexMap<&'static str, f64>;
 
-/// What a method counts in a frame, by name. Dots nest: `vpls.valid` is the key `valid` of the object `vpls` in JSON.
+/// The counts of a method in a frame, by name. Dots nest: `vpls.valid` is the key `valid` of the object `vpls` in JSON.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Counters(pub IndexMap<&'static str, u64>);
 
@@ -87,14 +86,14 @@ pub(crate) fn nested<Value: Into<serde_json::Value>>(
     root
 }
 
-/// What was measured of one frame.
+/// The measurements of one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
     /// The sum of all passes, CPU and GPU, milliseconds. Frames overlap, so they may follow one another faster.
     pub total_ms: f64,
     /// Each pass.
     pub passes: PassTimes,
-    /// What the method counted.
+    /// The counts of the method.
     #[serde(flatten)]
     pub counters: Counters,
 }
@@ -104,7 +103,7 @@ pub struct FrameFigures {
 pub struct FrameReport {
     /// Number of the frame, from 0.
     pub frame: u64,
-    /// What was measured.
+    /// Its measurements.
     #[serde(flatten)]
     pub figures: FrameFigures,
 }
@@ -123,6 +122,16 @@ impl Summary {
     pub fn of(frames: &[FrameReport]) -> Option<Self> {
         Some(Self { median: figures_at(frames, 0.5)?, p95: figures_at(frames, 0.95)? })
     }
+}
+
+/// The tracer of the shaders' rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayTracer {
+    /// The two-level BVH in storage buffers: every device.
+    Software,
+    /// Ray queries: devices that offer them.
+    Hardware,
 }
 
 /// How long a scene took until it was ready to be rendered. Flat in reports.
@@ -149,7 +158,7 @@ pub struct RenderReport {
     pub settings: Settings,
     /// See [`COMMIT`].
     pub commit: &'static str,
-    /// What came before the first frame.
+    /// Times before the first frame.
     #[serde(flatten)]
     pub load: LoadTimes,
     /// Every frame, in order.

@@ -1,4 +1,4 @@
-//! The map in ARCHITECTURE.md names every folder, every file says what it is for, and imports run downwards.
+//! The map in ARCHITECTURE.md names every folder, every file says what it is for and is short, and imports run downwards.
 
 #![allow(clippy::unwrap_used)]
 
@@ -64,30 +64,308 @@ fn every_source_file_says_what_it_is_for() {
     }
 }
 
-/// What each part may not know: files below the folder do not contain the word.
-const FORBIDDEN: [(&str, &[&str]); 10] = [
-    ("src/scene", &["crate::bvh", "crate::builtin", "crate::formats", "crate::vulkan", "crate::renderer"]),
-    ("src/builtin", &["crate::bvh", "crate::formats", "crate::vulkan", "crate::renderer"]),
-    ("src/bvh", &["crate::builtin", "crate::formats", "crate::vulkan", "crate::renderer"]),
-    ("src/formats", &["crate::vulkan", "crate::passes", "crate::estimators", "crate::renderer"]),
-    ("src/reference", &["crate::vulkan", "crate::passes", "crate::estimators", "crate::renderer"]),
-    ("src/metrics", &["crate::vulkan", "crate::passes", "crate::estimators", "crate::renderer"]),
-    ("src/estimators/vpls/manager", &["crate::vulkan", "crate::passes", "crate::renderer"]),
-    ("src/passes", &["crate::estimators", "crate::renderer", "vpl"]),
-    ("shaders/passes", &["vpl"]),
-    ("src/renderer", &["vpl"]),
+/// The rooms of the house from the bottom up, each with the rooms that it may use. A room is a file or folder of `src`, or a
+/// folder in a room that has rules of its own.
+const ROOMS: &[(&str, &[&str])] = &[
+    ("memory", &[]),
+    ("sampling", &[]),
+    ("statistics", &[]),
+    ("settings", &[]),
+    ("bsdf", &["sampling"]),
+    ("vulkan", &[]),
+    ("report", &["settings", "statistics", "vulkan"]),
+    ("scene", &["bsdf", "memory", "sampling", "settings", "statistics"]),
+    ("formats", &["memory", "sampling", "scene", "settings"]),
+    ("builtin", &["formats", "sampling", "scene", "settings"]),
+    ("bvh", &["memory", "scene"]),
+    ("output", &["scene"]),
+    ("metrics", &["output", "statistics"]),
+    ("plot", &["output"]),
+    ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),
+    ("dataset", &["output", "reference", "scene"]),
+    ("export", &["output", "report", "scene"]),
+    ("gpu_scene", &["bvh", "scene", "settings", "vulkan"]),
+    ("passes", &["bvh", "gpu_scene", "report", "scene", "settings", "vulkan"]),
+    ("denoise", &["gpu_scene", "passes", "report", "settings", "vulkan"]),
+    ("effects", &["denoise", "gpu_scene", "passes", "report", "scene", "settings", "vulkan"]),
+    (
+        "estimators",
+        &["bvh", "denoise", "effects", "gpu_scene", "passes", "report", "scene", "settings", "vulkan"],
+    ),
+    ("estimators/vpls/manager", &["bvh", "report", "sampling", "scene", "settings", "statistics"]),
+    (
+        "estimators/vpls",
+        &[
+            "bvh",
+            "denoise",
+            "estimators",
+            "estimators/vpls/manager",
+            "gpu_scene",
+            "passes",
+            "report",
+            "scene",
+            "settings",
+            "statistics",
+            "vulkan",
+        ],
+    ),
+    (
+        "renderer",
+        &[
+            "bvh",
+            "denoise",
+            "effects",
+            "estimators",
+            "gpu_scene",
+            "output",
+            "passes",
+            "report",
+            "scene",
+            "settings",
+            "vulkan",
+        ],
+    ),
+    (
+        "bench",
+        &[
+            "builtin",
+            "bvh",
+            "estimators",
+            "formats",
+            "metrics",
+            "output",
+            "passes",
+            "plot",
+            "reference",
+            "renderer",
+            "report",
+            "sampling",
+            "scene",
+            "settings",
+            "statistics",
+            "vulkan",
+        ],
+    ),
+    (
+        "demo",
+        &[
+            "builtin",
+            "bvh",
+            "estimators",
+            "formats",
+            "metrics",
+            "output",
+            "passes",
+            "plot",
+            "reference",
+            "renderer",
+            "report",
+            "scene",
+            "settings",
+            "statistics",
+            "vulkan",
+        ],
+    ),
+    (
+        "cli",
+        &[
+            "bench",
+            "builtin",
+            "dataset",
+            "demo",
+            "estimators",
+            "export",
+            "formats",
+            "metrics",
+            "output",
+            "passes",
+            "plot",
+            "reference",
+            "renderer",
+            "report",
+            "scene",
+            "settings",
+            "statistics",
+            "vulkan",
+        ],
+    ),
+    ("lib", &[]),
+    ("main", &["cli"]),
 ];
 
+/// Who may know the VPLs besides themselves: the table of methods, and the faces that show them.
+const KNOW_VPLS: [&str; 7] = [
+    "src/estimators/mod.rs",
+    "src/bench/micro/rays.rs",
+    "src/cli/render.rs",
+    "src/demo/inspector.rs",
+    "src/demo/panel/vpls.rs",
+    "src/demo/tour.rs",
+    "src/demo/views.rs",
+];
+/// The room that only those of [`KNOW_VPLS`] know.
+const VPLS: &str = "estimators/vpls";
+
+/// The room with the longest name that holds a path of modules.
+fn room_of(path: &str) -> Option<&'static str> {
+    let holds =
+        |room: &str| path == room || path.strip_prefix(room).is_some_and(|rest| rest.starts_with('/'));
+    ROOMS.iter().map(|(room, _)| *room).filter(|room| holds(room)).max_by_key(|room| room.len())
+}
+
+/// The path of a file's module, such as `estimators/vpls` for its `mod.rs`.
+fn module_of(file: &Path) -> String {
+    let path = file.strip_prefix("src").unwrap().with_extension("");
+    let path = if path.ends_with("mod") { path.parent().unwrap().to_owned() } else { path };
+    path.to_str().unwrap().to_owned()
+}
+
+/// The paths of modules that a file names from the root of the crate, by `crate::` or by enough of `super::`.
+fn paths_in(text: &str, module: &str) -> BTreeSet<String> {
+    let mut paths = BTreeSet::new();
+    let code: String =
+        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    let tests = code.find("mod tests {").unwrap_or(code.len());
+    let mut rest = code.as_str();
+    while let Some(at) = ["crate::", "super::"].iter().filter_map(|root| rest.find(root)).min() {
+        let mut path = &rest[at..];
+        let module =
+            if code.len() - path.len() < tests { module.to_owned() } else { format!("{module}/tests") };
+        let depth = module.split('/').count();
+        rest = &path["crate::".len()..];
+        let mut from: Vec<&str> = Vec::new();
+        if path.starts_with("super::") {
+            let mut up = 0;
+            while let Some(above) = path.strip_prefix("super::") {
+                (path, up) = (above, up + 1);
+            }
+            rest = path;
+            from = module.split('/').take(depth - up).collect();
+        } else {
+            path = rest;
+        }
+        for named in names(path) {
+            let whole: Vec<&str> = from.iter().copied().chain(named.iter().map(String::as_str)).collect();
+            paths.insert(whole.join("/"));
+        }
+    }
+    paths
+}
+
+/// The paths that stand after `crate::`: one, or those of a list in braces, whose lists in turn count as their beginning.
+fn names(text: &str) -> Vec<Vec<String>> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    if let Some(list) = text.strip_prefix('{') {
+        let (mut depth, mut items) = (0, vec![String::new()]);
+        for c in list.chars() {
+            match c {
+                '}' if depth == 0 => break,
+                ',' if depth == 0 => items.push(String::new()),
+                _ => {
+                    depth += i32::from(c == '{') - i32::from(c == '}');
+                    items.last_mut().unwrap().push(c);
+                }
+            }
+        }
+        return items.iter().flat_map(|item| names(item.trim())).collect();
+    }
+    let mut path = Vec::new();
+    let mut rest = text;
+    loop {
+        let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+        if end > 0 {
+            path.push(rest[..end].to_owned());
+        }
+        match rest[end..].strip_prefix("::") {
+            Some(more) if more.starts_with('{') => {
+                let of = |name: Vec<String>| path.iter().cloned().chain(name).collect();
+                return names(more).into_iter().map(of).collect();
+            }
+            Some(more) => rest = more,
+            None => return if path.is_empty() { Vec::new() } else { vec![path] },
+        }
+    }
+}
+
 #[test]
-fn imports_run_downwards() {
-    for (folder, words) in FORBIDDEN {
-        for file in below(Path::new(folder)).1 {
-            let text = fs::read_to_string(&file).unwrap();
-            for word in words {
-                assert!(!text.contains(word), "{} must not know of `{word}`", file.display());
+fn names_are_read_from_lists_in_lists() {
+    let text =
+        "use crate::{a::b, c::{self, d}};\nuse super::super::e;\n// crate::f\nlet x = crate::g::h();\n";
+    let found: Vec<String> = paths_in(text, "demo/panel/view").into_iter().collect();
+    assert_eq!(found, ["a/b", "c/d", "c/self", "demo/e", "g/h"]);
+}
+
+#[test]
+fn rooms_use_only_what_stands_below_them() {
+    for (at, (room, allowed)) in ROOMS.iter().enumerate() {
+        for used in *allowed {
+            let below = ROOMS[..at].iter().any(|(below, _)| below == used);
+            assert!(below, "{room} may use {used}, which does not stand below it");
+        }
+    }
+    let mut wrong = Vec::new();
+    for file in rust_files("src") {
+        let module = module_of(&file);
+        let room = room_of(&module).unwrap_or_else(|| panic!("{} belongs to no room", file.display()));
+        let allowed = ROOMS.iter().find(|(known, _)| *known == room).unwrap().1;
+        for path in paths_in(&fs::read_to_string(&file).unwrap(), &module) {
+            let Some(used) = room_of(&path) else { continue };
+            // A room in a room is known to the outer one, which says what it is; who else knows VPLs is a test of its own.
+            let is_own = used == room || used.starts_with(&format!("{room}/"));
+            let is_vpls = used.starts_with(VPLS) && !room.starts_with("estimators");
+            if !is_own && !is_vpls && !allowed.contains(&used) {
+                wrong.push(format!("{} uses {path}: {room} may not use {used}", file.display()));
             }
         }
     }
-    let frame = fs::read_to_string("src/renderer.rs").unwrap();
-    assert!(!frame.contains("vpl"), "src/renderer.rs must not know of VPLs");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn vpls_are_known_to_few() {
+    let knows = |file: &PathBuf| {
+        let module = module_of(file);
+        let paths = paths_in(&fs::read_to_string(file).unwrap(), &module);
+        !module.starts_with(VPLS) && paths.iter().any(|path| path.starts_with(VPLS))
+    };
+    let found: BTreeSet<PathBuf> = rust_files("src").into_iter().filter(knows).collect();
+    // The table declares them as its module.
+    let allowed: BTreeSet<PathBuf> = KNOW_VPLS.iter().map(PathBuf::from).collect();
+    let wrong: Vec<_> = found.difference(&allowed).collect();
+    assert!(wrong.is_empty(), "{wrong:?} must not know of VPLs");
+    for folder in
+        ["src/passes", "src/renderer", "src/denoise", "src/effects", "shaders/passes", "shaders/denoise"]
+    {
+        for file in below(Path::new(folder)).1 {
+            // The table of noise is no text.
+            let Ok(text) = fs::read_to_string(&file) else { continue };
+            assert!(!text.to_lowercase().contains("vpl"), "{} must not speak of VPLs", file.display());
+        }
+    }
+}
+
+#[test]
+fn the_renderer_is_implemented_where_it_stands() {
+    for file in rust_files("src").iter().filter(|file| room_of(&module_of(file)) != Some("renderer")) {
+        let text = fs::read_to_string(file).unwrap();
+        assert!(!text.contains("impl Renderer {"), "{} adds to the renderer", file.display());
+    }
+}
+
+/// Most lines of a file of source text.
+const MOST_LINES: usize = 400;
+
+#[test]
+fn files_are_short() {
+    let files = ["src", "shaders"].iter().flat_map(|folder| below(Path::new(folder)).1);
+    let lines = |file: &PathBuf| fs::read_to_string(file).map_or(0, |text| text.lines().count());
+    let is_source =
+        |file: &PathBuf| SOURCE.iter().any(|(ending, _)| file.extension().is_some_and(|of| of == *ending));
+    let long: Vec<_> = files.filter(|file| is_source(file) && lines(file) > MOST_LINES).collect();
+    assert!(long.is_empty(), "longer than {MOST_LINES} lines: {long:?}");
+}
+
+fn rust_files(folder: &str) -> Vec<PathBuf> {
+    let files = below(Path::new(folder)).1.into_iter();
+    files.filter(|file| file.extension().is_some_and(|ending| ending == "rs")).collect()
 }

@@ -6,8 +6,9 @@
 //! between blocks, and from that between rounds. A time has changed if the 99 % confidence interval of the mean difference
 //! lies outside of a margin around 0.
 
-use super::plan::Axis;
-use super::report::{Report, Run};
+use super::axis::Axis;
+use super::report::Report;
+use super::run::Run;
 use super::samples::{Samples, TOTAL};
 use super::summary::{Noise, QuantityNoise};
 use crate::statistics::{mean, percentile, student_t, variance};
@@ -124,7 +125,11 @@ fn error_change(runs: [&Run; 2]) -> Option<Change> {
 
 /// Scene, method and settings.
 fn described(run: &Run) -> String {
-    format!("{}, {}", run.scene, Axis::ALL.map(|axis| axis.phrase(run)).join(", "))
+    format!(
+        "{}, {}",
+        run.scene,
+        Axis::all().into_iter().map(|axis| axis.phrase(run)).collect::<Vec<_>>().join(", ")
+    )
 }
 
 /// The samples of a quantity, by round.

@@ -1,10 +1,11 @@
 //! The report as plots (Tonna 2019, figures 24 to 26, and further ones).
 
-use super::plan::Axis;
-use super::report::{Report, Run, SceneFacts};
-use super::samples::{TOTAL, stages};
+use super::axis::Axis;
+use super::report::{Report, SceneFacts};
+use super::run::{Run, stages};
+use super::samples::TOTAL;
 use super::summary::{Noise, Summary};
-use super::tables::{Grid, GridRow, axes, grid, is_shown, single_set_time};
+use super::tables::{Grid, GridRow, axes, grid, undivided, undivided_ms};
 use crate::estimators;
 use crate::output::OutputError;
 use crate::plot::{self, Bar, BarPanel, Bars, Curves, Line, Look, Panel, PlotFile, Scale};
@@ -82,7 +83,7 @@ fn axis(of: Axis, grid: &Grid<'_>) -> plot::Axis {
             ticks.push(tick);
         }
     }
-    let scale = if of == Axis::Bounces { Scale::Linear } else { Scale::Logarithmic };
+    let scale = if of.key() == "bounces" { Scale::Linear } else { Scale::Logarithmic };
     plot::Axis { label: of.label().to_owned(), scale, ticks }
 }
 
@@ -114,22 +115,20 @@ fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Chart> {
         .iter()
         .take(MOST_LINES)
         .filter_map(|row| {
-            let one = single_set_time(row, noise)?;
+            let one = undivided_ms(grid, row, noise)?;
             Some(line(row, grid.axis, &|run| Some(one / Summary::of(run, noise)?.median(TOTAL))))
         })
         .collect();
-    if grid.axis != Axis::TemporalSets || grid.columns.len() < 2 || lines.is_empty() {
-        return None;
-    }
+    let one = undivided(grid).filter(|_| grid.columns.len() > 1 && !lines.is_empty())?;
     let x = axis(grid.axis, grid);
     let ideal = x.ticks.iter().map(|(sets, _)| (*sets, *sets)).collect();
-    let ideal = Line { name: "ideal: T times as fast".to_owned(), points: ideal, look: Look::Broken };
+    let ideal = Line { name: "ideal: so many times as fast".to_owned(), points: ideal, look: Look::Broken };
     let panel = Panel {
         title: String::new(),
-        y: logarithmic("speed-up over T = 1"),
+        y: logarithmic(&format!("speed-up over {one}")),
         lines: lines.into_iter().chain([ideal]).collect(),
     };
-    let title = "Speed-up over a single temporal set".to_owned();
+    let title = format!("Speed-up over {one}");
     Some(Chart::curves("speed-up", Curves { title, x, panels: vec![panel], columns: 1, panel_size: WIDE }))
 }
 
@@ -171,10 +170,8 @@ fn stages_by_axis(grid: &Grid<'_>, noise: &Noise) -> Chart {
 }
 
 fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
-    let first =
-        |scene: &str| report.runs.iter().find(|run| run.scene == scene && is_shown(report, &run.settings));
     let stages = stages(&report.runs);
-    let bar = |scene: &SceneFacts| bar(first(&scene.name)?, scene.name.clone(), &stages, noise);
+    let bar = |scene: &SceneFacts| bar(report.shown_run(&scene.name)?, scene.name.clone(), &stages, noise);
     let bars = report.scenes.iter().filter_map(bar);
     let panel = BarPanel {
         title: String::new(),
@@ -182,7 +179,10 @@ fn stages_by_scene(report: &Report, noise: &Noise) -> Chart {
         y_label: "ms".to_owned(),
         bars: bars.collect(),
     };
-    let title = format!("Stages of a frame by scene, T = {}", report.shown_sets());
+    let shown = report.runs.first().and_then(|run| report.shown_run(&run.scene));
+    let phrase = shown.and_then(|run| Some(Axis::main(run)?.phrase(run)));
+    let title =
+        format!("Stages of a frame by scene{}", phrase.map_or(String::new(), |phrase| format!(", {phrase}")));
     Chart::bars(
         "stages-by-scene",
         Bars { title, parts: parts(&stages), panels: vec![panel], columns: 1, panel_size: WIDE },

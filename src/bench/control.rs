@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::BenchError;
+use crate::estimators;
 use crate::settings::Settings;
 
 /// Progress and cancellation of a benchmark.
@@ -51,13 +52,13 @@ impl<'a> Control<'a> {
 /// Work of a path, in shadow rays: it has several rays, which are incoherent, and shading.
 const WORK_OF_PATH: u64 = 40;
 
-/// Estimated work of a frame, for the remaining time: pixels * (shadow rays per pixel + a constant), or that of the path
+/// Estimated work of a frame, for the remaining time: pixels * (rays of the method for a pixel + a constant), or that of the path
 /// tracer's samples.
 pub(super) fn work_of_frame(settings: &Settings, samples: Option<u32>) -> u64 {
     if let Some(samples) = samples {
         return u64::from(samples) * work_of_sample(settings.size);
     }
-    let rays = settings.vpl.slots.div_ceil(settings.vpl.temporal_sets * settings.vpl.interleave.pow(2));
+    let rays = (estimators::method(settings).rays)(settings);
     pixels(settings.size) * u64::from(rays + 4)
 }
 

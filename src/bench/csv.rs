@@ -1,20 +1,25 @@
 //! The report as CSV in long format: one line per run, quantity and statistic.
 
-use super::plan::Axis;
-use super::report::{Report, Run};
+use super::axis::Axis;
+use super::report::Report;
+use super::run::Run;
 use super::summary::{Noise, Summary, key};
 
 /// The whole text.
 pub(super) fn long(report: &Report) -> String {
     let noise = Noise::of(&report.runs);
     let mut writer = ::csv::Writer::from_writer(Vec::new());
-    let axes = [Axis::Method, Axis::Size, Axis::Vpls, Axis::Bounces, Axis::Interleave, Axis::TemporalSets];
-    let head =
-        ["scene"].into_iter().chain(axes.map(Axis::key)).chain(["quantity", "unit", "statistic", "value"]);
+    let axes = Axis::all();
+    let head = ["scene"].into_iter().chain(axes.iter().map(|axis| axis.key())).chain([
+        "quantity",
+        "unit",
+        "statistic",
+        "value",
+    ]);
     // Writing to memory cannot fail.
     let _ = writer.write_record(head);
     for run in &report.runs {
-        let settings = axes.map(|axis| axis.text(run));
+        let settings: Vec<String> = axes.iter().map(|axis| axis.text(run)).collect();
         for (quantity, unit, statistic, value) in lines(run, &noise) {
             let quantity = key(quantity);
             let run = std::iter::once(run.scene.as_str()).chain(settings.iter().map(String::as_str));

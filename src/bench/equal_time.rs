@@ -1,49 +1,30 @@
-//! Methods at equal time: each with as many VPLs or samples that a frame takes as long as one of the first method.
+//! Methods at equal time: each with so much of what it scales with that a frame takes as long as one of the first method.
 //!
 //! In: the runs of a scene. Out: for each method its picture of the last moment, in motion, with its error.
 
-use serde::{Deserialize, Serialize};
-
 use super::method::Method;
-use super::pictures::PictureKind;
-use super::quality::{FrameQuality, Truth, compare_with};
-use super::report::Run;
-use super::run::{Stage, warm_up};
+use super::quality::{ReferencePictures, compare_with};
+use super::report::{EqualTime, PictureKind};
+use super::run::{FrameQuality, Run};
 use super::samples::TOTAL;
-use super::source::FrameSource;
+use super::source::{BenchScene, FrameSource, warm_up};
 use super::summary::{Noise, Summary};
 use super::{Bench, BenchError, Control};
+use crate::estimators;
 use crate::metrics::Comparison;
 use crate::output::{Picture, automatic_exposure, tone_map};
 use crate::plot::magma;
-use crate::settings::{Indirect, Settings, VplSettings};
+use crate::settings::Settings;
 use crate::statistics::percentile;
 
 /// Frames whose median time counts.
 const FRAMES: u32 = 8;
 /// Most trials.
 const TRIALS: u32 = 3;
-/// What counts as equal, relative.
+/// Times count as equal up to this relative difference.
 const TOLERANCE: f64 = 0.1;
-/// Most VPL slots, and most samples a pixel.
+/// Most samples a pixel, and most of a setting.
 const MOST: u32 = 65_536;
-
-/// A method at the time of the first one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EqualTime {
-    /// Name of the scene.
-    pub scene: String,
-    /// The method, with its samples chosen.
-    pub method: Method,
-    /// What it is called among the runs.
-    pub run: Method,
-    /// VPL slots, chosen; none where there are none.
-    pub vpls: Option<u32>,
-    /// Median frame time, ms.
-    pub ms: f64,
-    /// Error of the picture.
-    pub error: FrameQuality,
-}
 
 /// A trial: what it was, and what came of it.
 struct Trial {
@@ -71,11 +52,11 @@ impl Bench {
     pub(super) fn compare_at_equal_time(
         &mut self,
         index: usize,
-        stage: &Stage,
-        truths: &mut Vec<Truth>,
+        scene: &BenchScene,
+        references: &mut Vec<ReferencePictures>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
-        let name = stage.scene.name.clone();
+        let name = scene.scene.name.clone();
         if !self.wants_equal_time(&name) {
             return Ok(());
         }
@@ -94,13 +75,15 @@ impl Bench {
         }
         let Some(first) = runs.first() else { return Ok(()) };
         let wanted = time(first);
-        let truth = Truth::of(truths, stage, &first.settings, &self.report.plan, control)?;
-        self.keep_picture(self.entry(index, PictureKind::Truth, &first.settings), truth.last().1)?;
+        let reference =
+            ReferencePictures::of(references, scene, &first.settings, &self.report.plan, control)?;
+        self.keep_picture(self.entry(index, PictureKind::Reference, &first.settings), reference.last().1)?;
         let mut all = Vec::new();
         for run in &runs {
             control.begin(format!("{name}: {} at equal time", run.method));
-            let truth = Truth::of(truths, stage, &run.settings, &self.report.plan, control)?;
-            let (equal, shown) = at_time(stage, run, [time(run), wanted], truth, control)?;
+            let reference =
+                ReferencePictures::of(references, scene, &run.settings, &self.report.plan, control)?;
+            let (equal, shown) = at_time(scene, run, [time(run), wanted], reference, control)?;
             for (kind, picture) in
                 [(PictureKind::EqualTime, &shown.picture), (PictureKind::FlipMap, &shown.map)]
             {
@@ -116,16 +99,16 @@ impl Bench {
 
 /// Renders `run`, whose frames take `own_ms`, so that they take `wanted_ms`.
 fn at_time(
-    stage: &Stage,
+    scene: &BenchScene,
     run: &Run,
     [own_ms, wanted_ms]: [f64; 2],
-    truth: &Truth,
+    reference: &ReferencePictures,
     control: &mut Control<'_>,
 ) -> Result<(EqualTime, Pictures), BenchError> {
-    let (frame, truth) = truth.last();
+    let (frame, reference) = reference.last();
     let mut known = (f64::from(amount(&run.method, &run.settings)), own_ms);
     let mut wanted = known.0 * wanted_ms / own_ms;
-    let mut trial = Trial::new(stage, run, wanted, frame, control)?;
+    let mut trial = Trial::new(scene, run, wanted, frame, control)?;
     for _ in 1..TRIALS {
         let now = (f64::from(amount(&trial.method, &trial.settings)), trial.ms);
         let slope = (now.1 - known.1) / (now.0 - known.0);
@@ -134,37 +117,36 @@ fn at_time(
         }
         wanted = now.0 + (wanted_ms - now.1) / slope;
         known = now;
-        trial = Trial::new(stage, run, wanted, frame, control)?;
+        trial = Trial::new(scene, run, wanted, frame, control)?;
     }
-    let comparison = compare_with(&trial.picture, truth)?;
+    let comparison = compare_with(&trial.picture, reference)?;
     let map = flip_map(&comparison);
-    let exposure = automatic_exposure(truth, std::iter::repeat(true)).log2();
+    let exposure = automatic_exposure(reference, std::iter::repeat(true)).log2();
     let stops = Some(trial.settings.exposure.unwrap_or(exposure));
     tone_map(&mut trial.picture, stops, std::iter::repeat(true));
-    let has_vpls = amount(&trial.method, &trial.settings) > 0 && trial.method.samples().is_none();
+    let cost = estimators::method(&trial.settings).cost.filter(|_| trial.method.samples().is_none());
     let equal = EqualTime {
         scene: run.scene.clone(),
         method: trial.method,
         run: run.method.clone(),
-        vpls: has_vpls.then_some(trial.settings.vpl.slots),
+        setting: cost.map(|axis| (axis.setting.to_owned(), (axis.get)(&trial.settings))),
         ms: trial.ms,
         error: FrameQuality::of(frame, &comparison),
     };
     Ok((equal, Pictures { picture: trial.picture, map }))
 }
 
-/// What makes a method better and slower: samples a pixel, or VPL slots; 0 where nothing does.
+/// The number that makes a method better and slower: samples a pixel, or the setting that the estimator names; 0 where it
+/// names none.
 fn amount(method: &Method, settings: &Settings) -> u32 {
-    method.samples().unwrap_or(match settings.indirect {
-        Indirect::Vpls => settings.vpl.slots,
-        Indirect::None => 0,
-    })
+    let cost = estimators::method(settings).cost;
+    method.samples().or(cost.map(|axis| (axis.get)(settings))).unwrap_or(0)
 }
 
 impl Trial {
     /// Renders `run` with about this amount, in motion up to frame `last`.
     fn new(
-        stage: &Stage,
+        scene: &BenchScene,
         run: &Run,
         amount: f64,
         last: u32,
@@ -174,16 +156,15 @@ impl Trial {
         let amount = if amount.is_finite() { amount.round().min(MOST.into()) as u32 } else { 0 };
         if method.samples().is_some() {
             method = Method::reference(amount.max(1));
-        } else {
-            let slots = amount.max(settings.vpl.temporal_sets);
-            settings.vpl = VplSettings { slots, ..settings.vpl };
+        } else if let Some(axis) = estimators::method(&settings).cost {
+            (axis.set)(&mut settings, amount);
         }
         let last = i64::from(last);
         let first = last - i64::from(warm_up(&settings) + FRAMES) + 1;
-        let mut source = FrameSource::new(stage, &method, &settings, &stage.pose(first, &settings))?;
+        let mut source = FrameSource::new(scene, &method, &settings, &scene.pose(first, &settings))?;
         let mut times = Vec::new();
         for number in first..=last {
-            times.push(source.render(&stage.pose(number, &settings), control)?.0);
+            times.push(source.render(&scene.pose(number, &settings), control)?.0);
         }
         let measured = times.split_off(times.len() - FRAMES as usize);
         let ms = percentile(measured, 0.5).unwrap_or(0.0);

@@ -5,8 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::micro::MicroReport;
-use super::pictures::PictureEntry;
-use super::report::{FORMAT, Report};
+use super::report::{FORMAT, PictureEntry, Report};
 use super::{BenchError, charts, csv, html, markdown, tables};
 use crate::output::{OutputError, OutputFile, Picture};
 use crate::plot::PlotFile;

@@ -9,8 +9,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::BenchError;
 use super::charts::Chart;
-use super::pictures::{PictureEntry, PictureKind};
-use super::report::Report;
+use super::report::{PictureEntry, PictureKind, Report};
 use super::summary::Noise;
 use super::tables::{Table, common_settings, milliseconds};
 use crate::output::OutputError;
@@ -22,7 +21,7 @@ pub(super) fn headline(report: &Report) -> String {
     let plan = &report.plan;
     format!(
         "{} on {}: {}, {} frames {}, {}.",
-        "Real-time global illumination with temporal VPL sets",
+        "Real-time global illumination",
         report.machine.device,
         if report.scenes.len() == 1 {
             "1 scene".to_owned()
@@ -142,7 +141,7 @@ fn scenes(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
 fn equal_time(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
     let mut rows = Vec::new();
     for scene in &report.scenes {
-        let truth = picture(report, &scene.name, PictureKind::Truth, pictures)?;
+        let reference = picture(report, &scene.name, PictureKind::Reference, pictures)?;
         let mut cards = Vec::new();
         for equal in report.equal_time.iter().filter(|equal| equal.scene == scene.name) {
             let mut shown = Vec::new();
@@ -161,13 +160,13 @@ fn equal_time(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
             cards.push(html! { div.card { h3 { (text) } div.row { @for picture in &shown { (picture) } } } });
         }
         rows.push(html! {
-            div.card { h3 { (scene.name) } div.row { @if let Some(truth) = &truth { (truth) } } }
+            div.card { h3 { (scene.name) } div.row { @if let Some(reference) = &reference { (reference) } } }
             @for card in &cards { (card) }
         });
     }
     Ok(html! {
         p {
-            "Each method with as many VPLs, or samples a pixel, that a frame takes about as long as one of the first; in "
+            "Each method with so much of a setting, or so many samples a pixel, that a frame takes about as long as one of the first; in "
             "motion, at the last frame, with its FLIP error: black is 0, white 1."
         }
         div.wide { @for row in rows { (row) } }
@@ -183,13 +182,13 @@ fn artefacts(report: &Report, pictures: &Path) -> Result<Markup, BenchError> {
         }
         rows.push(html! { div.card { h3 { (scene.name) } div.row { @for picture in shown { (picture) } } } });
     }
-    let sets = report.pictures.iter().find(|entry| PictureKind::ARTEFACTS.contains(&entry.kind));
-    let sets = sets.map_or(0, |entry| entry.temporal_sets);
+    let entry = report.pictures.iter().find(|entry| PictureKind::ARTEFACTS.contains(&entry.kind));
+    let rendered_by = entry.map_or("", |entry| entry.rendered_by.as_str());
     Ok(html! {
         p {
-            "The same view with T = " (sets) " with a stationary camera, one that turns down at 30 degrees per second, "
-            "and one that moves to the right by a picture's width in two seconds. Disocclusions have been rendered by "
-            "few sets, so they are noisier."
+            "The same view by " (rendered_by) " with a stationary camera, one that turns down at 30 degrees per second, "
+            "and one that moves to the right by a picture's width in two seconds. Disocclusions have been seen in few "
+            "frames, so they are noisier."
         }
         div.wide { @for row in rows { (row) } }
     })

@@ -1,9 +1,8 @@
 //! The report as Markdown; plots are linked.
 
-use std::fmt::Write as _;
-
 use super::charts::Chart;
 use super::html::headline;
+use super::machine::Machine;
 use super::micro::{MicroReport, micro_tables};
 use super::report::Report;
 use super::summary::Noise;
@@ -11,34 +10,30 @@ use super::tables::Table;
 
 /// The whole text.
 pub(super) fn page(report: &Report, tables: &[Table], charts: &[Chart]) -> String {
-    let mut text = format!("# glowworm bench\n\n{}\n\n", headline(report));
-    // Writing to a String cannot fail.
-    for (what, value) in report.machine.lines() {
-        let _ = writeln!(text, "- {what}: {}", escaped(&value));
-    }
+    let mut text = format!("# glowworm bench\n\n{}\n\n", headline(report)) + &machine(&report.machine);
     if let Some(warning) = Noise::of(&report.runs).warning() {
-        let _ = write!(text, "\n> {warning}\n");
+        text += &format!("\n> {warning}\n");
     }
-    for table in tables {
-        let _ = write!(text, "\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(table));
-    }
-    let _ = writeln!(text, "\n## Plots");
-    for chart in charts {
-        let _ = writeln!(text, "\n![{}](plots/{}.svg)", escaped(&chart.title), chart.name);
-    }
+    text.extend(tables.iter().map(section));
+    text += "\n## Plots\n";
+    text.extend(
+        charts.iter().map(|chart| format!("\n![{}](plots/{}.svg)\n", escaped(&chart.title), chart.name)),
+    );
     text
 }
 
 /// The report of micro-benchmarks.
 pub(super) fn micro_page(report: &MicroReport) -> String {
-    let mut text = "# glowworm bench --micro\n\n".to_owned();
-    for (what, value) in report.machine.lines() {
-        let _ = writeln!(text, "- {what}: {}", escaped(&value));
-    }
-    for table in micro_tables(report) {
-        let _ = write!(text, "\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(&table));
-    }
-    text
+    let tables: String = micro_tables(report).iter().map(section).collect();
+    format!("# glowworm bench --micro\n\n{}{tables}", machine(&report.machine))
+}
+
+fn machine(machine: &Machine) -> String {
+    machine.lines().into_iter().map(|(what, value)| format!("- {what}: {}\n", escaped(&value))).collect()
+}
+
+fn section(table: &Table) -> String {
+    format!("\n## {}\n\n{}\n\n{}", escaped(&table.title), table.note, body(table))
 }
 
 fn body(table: &Table) -> String {
@@ -48,8 +43,7 @@ fn body(table: &Table) -> String {
     };
     let rule: Vec<&str> =
         (0..table.columns.len()).map(|column| if column == 0 { "---" } else { "---:" }).collect();
-    let mut text = line(&table.columns);
-    let _ = writeln!(text, "| {} |", rule.join(" | "));
+    let mut text = line(&table.columns) + &format!("| {} |\n", rule.join(" | "));
     text.extend(table.rows.iter().map(|row| line(row)));
     text
 }

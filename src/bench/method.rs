@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimators::METHODS;
+use crate::estimators::{self, Method as Estimator, methods};
 use crate::settings::{GivenSettings, Settings, SettingsError};
 
 /// The setting of the estimator.
@@ -14,11 +14,10 @@ const INDIRECT: &str = "indirect";
 const REFERENCE: &str = "reference";
 /// All of them.
 const ALL: &str = "all";
-/// What [`ALL`] stands for, besides each estimator as it is.
-const VARIANTS: [&str; 6] =
-    ["vpls@T=1", "vpls@T=4", "vpls@direct=soft", "reference@1", "reference@4", "reference@16"];
+/// The path tracers that [`ALL`] stands for, besides each estimator and its variants.
+const REFERENCES: [&str; 3] = ["reference@1", "reference@4", "reference@16"];
 
-/// What lights the pictures of a run.
+/// A method with settings, which lights the pictures of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Method {
@@ -47,12 +46,13 @@ impl Method {
     /// The methods of an item of `--methods`: one, or all.
     ///
     /// # Errors
-    /// Those of [`Self::from_str`].
+    /// Errors are those of [`Self::from_str`].
     pub fn list(item: &str) -> Result<Vec<Self>, String> {
         if item != ALL {
             return Ok(vec![item.parse()?]);
         }
-        METHODS.iter().map(|method| method.name).chain(VARIANTS).map(str::parse).collect()
+        let estimators = methods().iter().flat_map(|method| [&[method.name()], method.variants].concat());
+        estimators.chain(REFERENCES).map(str::parse).collect()
     }
 
     /// Its short name.
@@ -70,9 +70,9 @@ impl Method {
         &self.settings
     }
 
-    /// The temporal sets that its name states.
-    pub fn temporal_sets(&self) -> Option<u32> {
-        self.settings.get("temporal_sets")?.as_str()?.parse().ok()
+    /// The number that its name states for a setting.
+    pub fn states(&self, setting: &str) -> Option<u32> {
+        self.settings.get(setting)?.as_str()?.parse().ok()
     }
 
     /// Checks the values of its settings.
@@ -84,7 +84,7 @@ impl Method {
 impl FromStr for Method {
     type Err = String;
 
-    /// Reads `NAME[@OPTION=VALUE]...` or `reference@SAMPLES`. `T` is short for `temporal-sets`.
+    /// Reads `NAME[@OPTION=VALUE]...` or `reference@SAMPLES`. An option may have the short form that its axis names, such as `T`.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut parts = text.split('@');
         let base = parts.next().unwrap_or_default();
@@ -98,16 +98,16 @@ impl FromStr for Method {
                 number.ok_or_else(|| format!("{samples}: samples must be at least 1"))?,
             ));
         }
-        let known = METHODS.iter().map(|method| method.name);
-        if !known.clone().any(|name| name == base) {
-            let known: Vec<&str> = known.collect();
+        let known: Vec<&str> = methods().iter().map(Estimator::name).collect();
+        if !known.contains(&base) {
             return Err(format!("{base}: must be {}, {REFERENCE}@N or {ALL}", known.join(", ")));
         }
         let mut method = Self { name: text.to_owned(), samples: None, settings: toml::Table::new() };
         method.settings.insert(INDIRECT.to_owned(), base.into());
         for part in parts {
             let (key, value) = part.split_once('=').ok_or_else(|| format!("{part}: must be OPTION=VALUE"))?;
-            let key = if key == "T" { "temporal_sets".to_owned() } else { key.replace('-', "_") };
+            let axis = estimators::axes().find(|axis| axis.short == Some(key));
+            let key = axis.map_or_else(|| key.replace('-', "_"), |axis| axis.setting.to_owned());
             method.settings.insert(key, value.into());
         }
         method.check().map_err(|error| error.to_string())?;
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn all_are_those_that_are_registered_and_the_path_tracer() {
         let all = Method::list(ALL).unwrap();
-        for name in METHODS.iter().map(|method| method.name).chain(["vpls@T=1", "reference@4"]) {
+        for name in methods().iter().map(Estimator::name).chain(["vpls@T=1", "reference@4"]) {
             assert!(all.iter().any(|method| method.name() == name), "{name}");
         }
     }

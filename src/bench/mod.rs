@@ -3,13 +3,14 @@
 //! In: a [`Plan`] and a device. Out: a [`Report`] of samples. All tables, plots and pages derive from it (Tonna 2019,
 //! figures 23 to 27 and 30).
 //!
-//! - `plan`: scenes, methods, settings, frames; `method`: what lights the pictures; `run`: one measurement; `source`: what
-//!   renders its frames; `samples`: its samples; `quality`, `equal_time`, `pictures`.
+//! - `plan`: scenes, methods, settings, frames; `axis`: what differs between runs; `method`: what lights the pictures; `run`,
+//!   `samples`: what was measured; `source`: measures it; `quality`, `equal_time`, `pictures`.
 //! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
 //! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
 //! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
 
 mod against;
+mod axis;
 mod charts;
 mod control;
 mod csv;
@@ -31,15 +32,14 @@ mod summary;
 mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
+pub use axis::Axis;
 pub use control::Control;
-pub use equal_time::EqualTime;
 pub use folder::{Folder, MICRO_FILE, REPORT_FILE, read_report};
 pub use machine::Machine;
 pub use method::Method;
-pub use pictures::{PictureEntry, PictureKind};
-pub use plan::{Axis, Plan, Sweep};
-pub use quality::{FrameQuality, Quality, Still};
-pub use report::{FORMAT, Report, Round, Run, SceneFacts};
+pub use plan::{Plan, Sweep};
+pub use report::{EqualTime, FORMAT, PictureEntry, PictureKind, Report, SceneFacts};
+pub use run::{FrameQuality, Quality, Round, Run, Still};
 pub use samples::{Columns, OTHER, Samples, TOTAL, Unit};
 pub use summary::{Figure, Noise, QuantityNoise, Summary};
 pub use tables::{Table, milliseconds, tables};
@@ -57,9 +57,8 @@ use crate::report::LoadTimes;
 use crate::settings::SettingsError;
 use crate::vulkan::Device;
 use control::{work_of_frame, work_of_sample};
-use quality::Truth;
-use run::{Stage, warm_up};
-use source::FrameSource;
+use quality::ReferencePictures;
+use source::{BenchScene, FrameSource, measure, warm_up};
 
 /// Errors of the benchmark.
 #[derive(Debug, thiserror::Error)]
@@ -196,7 +195,7 @@ impl Bench {
         let plan = &self.report.plan;
         let mut work = 0;
         for scene in &self.report.scenes {
-            let mut truths = Vec::new();
+            let mut references = Vec::new();
             for run in self.report.runs_of(&scene.name) {
                 let frame = work_of_frame(&run.settings, run.method.samples());
                 let rounds_left = plan.rounds.saturating_sub(run.rounds.len() as u32);
@@ -204,11 +203,11 @@ impl Bench {
                 if plan.quality && run.quality.is_none() {
                     // After motion stops, and from a fresh start.
                     work += u64::from(2 * quality::LIKELY_SETTLING) * frame;
-                    let settings = quality::truth_settings(&run.settings);
-                    if !truths.contains(&settings) {
+                    let settings = quality::reference_settings(&run.settings);
+                    if !references.contains(&settings) {
                         let samples = quality::chosen_frames(plan.frames).len() as u64 * u64::from(plan.spp);
                         work += samples * work_of_sample(settings.size);
-                        truths.push(settings);
+                        references.push(settings);
                     }
                 }
             }
@@ -241,14 +240,14 @@ impl Bench {
             }
             control.begin(format!("loading {name}"));
             let begun = Instant::now();
-            let scene = load_scene(&self.report.plan.scenes[index], self.assets.as_deref())?;
+            let loaded = load_scene(&self.report.plan.scenes[index], self.assets.as_deref())?;
             let load_ms = begun.elapsed().as_secs_f64() * 1e3;
-            let stage = Stage::new(&self.device, scene);
-            self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: stage.prepared.bvh_ms() });
-            let mut truths = Vec::new();
-            self.measure_scene(index, &stage, &mut truths, control)?;
-            self.compare_at_equal_time(index, &stage, &mut truths, control)?;
-            self.take_artefacts(index, &stage, control)?;
+            let scene = BenchScene::new(&self.device, loaded);
+            self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: scene.prepared.bvh_ms() });
+            let mut references = Vec::new();
+            self.measure_scene(index, &scene, &mut references, control)?;
+            self.compare_at_equal_time(index, &scene, &mut references, control)?;
+            self.take_artefacts(index, &scene, control)?;
         }
         self.report.complete = true;
         Ok(())
@@ -258,11 +257,11 @@ impl Bench {
     fn measure_scene(
         &mut self,
         index: usize,
-        stage: &Stage,
-        truths: &mut Vec<Truth>,
+        scene: &BenchScene,
+        references: &mut Vec<ReferencePictures>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
-        let name = &stage.scene.name;
+        let name = &scene.scene.name;
         for round in 0..self.report.plan.rounds as usize {
             for at in 0..self.report.runs.len() {
                 let run = &self.report.runs[at];
@@ -271,22 +270,23 @@ impl Bench {
                 }
                 let (planned, done) = self.runs();
                 control.runs = [done, planned];
-                let what = [Axis::Method, Axis::TemporalSets].map(|axis| axis.phrase(run)).join(", ");
+                let axes = [Some(Axis::Method), Axis::main(run)].into_iter().flatten();
+                let what = axes.map(|axis| axis.phrase(run)).collect::<Vec<_>>().join(", ");
                 control.begin(format!("run {} of {planned}: {name}, {what}", done + 1));
-                self.measure(at, index, stage, truths, control)?;
+                self.measure(at, index, scene, references, control)?;
                 self.folder.keep(&self.report)?;
             }
         }
         Ok(())
     }
 
-    /// Measures one round of run `at` of scene `scene`.
+    /// Measures one round of run `at` of scene `index`.
     fn measure(
         &mut self,
         at: usize,
-        scene: usize,
-        stage: &Stage,
-        truths: &mut Vec<Truth>,
+        index: usize,
+        scene: &BenchScene,
+        references: &mut Vec<ReferencePictures>,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
         let run = &self.report.runs[at];
@@ -302,22 +302,22 @@ impl Bench {
                 taken.push((frame, source.picture()?));
             }
             if judged && frame + 1 == frames {
-                stop = quality::stop(stage, source, &settings, frames, control)?;
+                stop = quality::stop(scene, source, &settings, frames, control)?;
             }
             Ok(())
         };
-        let round = stage.measure(&method, &settings, frames, control, &mut look)?;
+        let round = measure(scene, (&method, &settings), frames, control, &mut look)?;
         if let Some([first, last]) = ends {
             for (kind, frame) in [(PictureKind::Beginning, first), (PictureKind::End, last)] {
                 if let Some((_, picture)) = taken.iter().find(|(number, _)| *number == frame) {
-                    self.keep_picture(self.entry(scene, kind, &settings), picture)?;
+                    self.keep_picture(self.entry(index, kind, &settings), picture)?;
                 }
             }
         }
         if judged {
-            let truth = Truth::of(truths, stage, &settings, &self.report.plan, control)?;
-            let (frames, (settling_frames, temporal_error)) = (truth.errors(&taken)?, stop);
-            let still = quality::still(stage, &method, &settings, truth, control)?;
+            let reference = ReferencePictures::of(references, scene, &settings, &self.report.plan, control)?;
+            let (frames, (settling_frames, temporal_error)) = (reference.errors(&taken)?, stop);
+            let still = quality::still(scene, &method, &settings, reference, control)?;
             self.report.runs[at].quality = Some(Quality { frames, settling_frames, temporal_error, still });
         }
         self.report.runs[at].rounds.push(round);

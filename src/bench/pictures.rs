@@ -1,11 +1,9 @@
 //! Pictures for the report: the first and last frame of each scene, and artefacts of camera motion.
 
-use serde::{Deserialize, Serialize};
-
 use super::control::work_of_frame;
-use super::method::Method;
-use super::report::Run;
-use super::run::Stage;
+use super::report::{PictureEntry, PictureKind};
+use super::run::Run;
+use super::source::{BenchScene, warm_up};
 use super::{Bench, BenchError, Control};
 use crate::output::Picture;
 use crate::scene::{Camera, Pose};
@@ -16,110 +14,15 @@ const TURNING_SPEED: f32 = 30.0;
 /// Time in which the strafing camera moves by the width of its view at the target's distance, seconds.
 const STRAFING_TIME: f32 = 2.0;
 
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PictureKind {
-    /// The first measured frame.
-    Beginning,
-    /// The last measured frame.
-    End,
-    /// Stationary camera.
-    Static,
-    /// Camera turning down.
-    Turning,
-    /// Camera moving to the right.
-    Strafing,
-    /// The path tracer's picture of the last measured frame.
-    Truth,
-    /// A method at equal time, at the last measured frame.
-    EqualTime,
-    /// Its FLIP error.
-    FlipMap,
-}
-
-impl PictureKind {
-    /// Those of a moving camera, and the stationary one to compare with.
-    pub const ARTEFACTS: [Self; 3] = [Self::Static, Self::Turning, Self::Strafing];
-
-    /// Caption.
-    pub fn caption(self) -> &'static str {
-        match self {
-            Self::Beginning => "beginning",
-            Self::End => "end",
-            Self::Static => "stationary",
-            Self::Turning => "turning down",
-            Self::Strafing => "strafing right",
-            Self::Truth => "path tracer",
-            Self::EqualTime => "at equal time",
-            Self::FlipMap => "FLIP error",
-        }
-    }
-
-    fn file_name(self) -> &'static str {
-        match self {
-            Self::Beginning => "beginning",
-            Self::End => "end",
-            Self::Static => "static",
-            Self::Turning => "turning",
-            Self::Strafing => "strafing",
-            Self::Truth => "truth",
-            Self::EqualTime => "equal-time",
-            Self::FlipMap => "flip-map",
-        }
-    }
-}
-
-/// A picture of the report.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PictureEntry {
-    /// Name of the scene.
-    pub scene: String,
-    /// What it shows.
-    pub kind: PictureKind,
-    /// The method among the runs; none where it does not matter.
-    pub method: Option<Method>,
-    /// Temporal sets that it was rendered with.
-    pub temporal_sets: u32,
-    /// Its name in the folder of pictures.
-    pub file: String,
-}
-
-impl PictureEntry {
-    /// That of number `index` of the scenes, whose name may not suit a file.
-    pub fn new(index: usize, scene: &str, kind: PictureKind, temporal_sets: u32) -> Self {
-        let file = format!("{}-{}-{}.png", index + 1, plain(scene), kind.file_name());
-        Self { scene: scene.to_owned(), kind, method: None, temporal_sets, file }
-    }
-
-    /// That of a method among several.
-    pub fn of(self, method: &Method) -> Self {
-        let file = format!("{}-{}.png", self.file.trim_end_matches(".png"), plain(method.name()));
-        Self { method: Some(method.clone()), file, ..self }
-    }
-
-    /// Whether [`Self::new`] could have named its file; validates untrusted reports.
-    pub fn is_sound(&self) -> bool {
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        self.file.chars().all(plain) && self.file.ends_with(".png") && !self.file.starts_with('.')
-    }
-}
-
-/// With a `_` for what may not suit a file.
-fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
-}
-
 impl Bench {
-    /// Whether this run takes the scene's first and last picture: the first run with the representative number of sets.
+    /// Whether this run takes the scene's first and last picture: the representative one.
     pub(super) fn wants_ends(&self, at: usize) -> bool {
         let run = &self.report.runs[at];
-        let shown = self.report.shown_sets();
-        let first = self.report.runs_of(&run.scene).find(|run| run.settings.vpl.temporal_sets == shown);
-        run.rounds.is_empty() && first.is_some_and(|first| first.is_same(run))
+        let shown = self.report.shown_run(&run.scene);
+        run.rounds.is_empty() && shown.is_some_and(|shown| shown.is_same(run))
     }
 
-    /// The run, with the most sets, for missing pictures of a moving camera.
+    /// The run, whose pictures take the most frames, for missing pictures of a moving camera.
     pub(super) fn missing_artefacts<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
         let taken = |kind: PictureKind| {
             self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
@@ -128,30 +31,29 @@ impl Bench {
             return None;
         }
         let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
-        let most = runs().map(|run| run.settings.vpl.temporal_sets).max()?;
-        runs().find(|run| run.settings.vpl.temporal_sets == most)
+        runs().rev().max_by_key(|run| run.completes_in())
     }
 
     pub(super) fn take_artefacts(
         &mut self,
         index: usize,
-        stage: &Stage,
+        scene: &BenchScene,
         control: &mut Control<'_>,
     ) -> Result<(), BenchError> {
-        let Some(run) = self.missing_artefacts(&stage.scene.name) else { return Ok(()) };
+        let Some(run) = self.missing_artefacts(&scene.scene.name) else { return Ok(()) };
         let settings = run.settings.clone();
         let (planned, done) = self.runs();
         control.runs = [done, planned];
         for kind in PictureKind::ARTEFACTS {
-            control.begin(format!("{}: the camera {}", stage.scene.name, kind.caption()));
-            let picture = artefact(stage, &settings, kind, control)?;
+            control.begin(format!("{}: the camera {}", scene.scene.name, kind.caption()));
+            let picture = artefact(scene, &settings, kind, control)?;
             self.keep_picture(self.entry(index, kind, &settings), &picture)?;
         }
         self.folder.keep(&self.report)
     }
 
     pub(super) fn entry(&self, scene: usize, kind: PictureKind, settings: &Settings) -> PictureEntry {
-        PictureEntry::new(scene, &self.report.scenes[scene].name, kind, settings.vpl.temporal_sets)
+        PictureEntry::new(scene, &self.report.scenes[scene].name, kind, settings)
     }
 
     pub(super) fn keep_picture(&mut self, entry: PictureEntry, picture: &Picture) -> Result<(), BenchError> {
@@ -164,19 +66,19 @@ impl Bench {
 
 /// Renders the picture of a camera that moves through the scene's camera position; all else is stationary.
 fn artefact(
-    stage: &Stage,
+    scene: &BenchScene,
     settings: &Settings,
     kind: PictureKind,
     control: &mut Control<'_>,
 ) -> Result<Picture, BenchError> {
-    let rest = stage.pose(0, settings);
+    let rest = scene.pose(0, settings);
     let frames = artefact_frames(settings);
     let pose = |frame: u32| {
         let seconds = -((frames - 1 - frame) as f32) * settings.time_step as f32;
         let aspect = settings.size[0] as f32 / settings.size[1] as f32;
         Pose { camera: moved(&rest.camera, kind, seconds, aspect), ..rest.clone() }
     };
-    let mut renderer = stage.renderer(settings, &pose(0))?;
+    let mut renderer = scene.renderer(settings, &pose(0))?;
     for frame in 0..frames {
         renderer.render(&pose(frame))?;
         renderer.finish()?;
@@ -185,9 +87,9 @@ fn artefact(
     Ok(renderer.read_picture(false)?)
 }
 
-/// Frames of camera motion: two per set.
+/// Frames of camera motion: twice as many as the picture takes.
 pub(super) fn artefact_frames(settings: &Settings) -> u32 {
-    2 * settings.vpl.temporal_sets
+    2 * warm_up(settings)
 }
 
 /// The camera `seconds` after passing its scene position.
@@ -230,7 +132,7 @@ mod tests {
 
     #[test]
     fn files_are_plainly_named() {
-        let entry = PictureEntry::new(0, "../a b", PictureKind::End, 4);
+        let entry = PictureEntry::new(0, "../a b", PictureKind::End, &Settings::default());
         assert_eq!(entry.file, "1-___a_b-end.png");
         assert!(entry.is_sound());
         for file in ["../a.png", "a.exr", ".png", "a/b.png"] {

@@ -2,14 +2,16 @@
 //!
 //! In: the options. Out: for each scene, every combination of the methods and the swept settings.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use super::axis::Axis;
 use super::method::Method;
-use super::report::Run;
 use crate::settings::{Settings, SettingsError};
 
-/// What a benchmark measures. Reports can be resumed or compared only as far as their plans agree.
+/// The measurements of a benchmark. Reports can be resumed or compared only as far as their plans agree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
@@ -29,107 +31,18 @@ pub struct Plan {
     pub settings: toml::Table,
 }
 
-/// Values to measure, in all combinations. An empty list: the scene's value, or the default.
+/// Values to measure, in all combinations.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// Methods.
+    /// Methods; none: that of the settings.
     pub methods: Vec<Method>,
-    /// Temporal sets T.
-    pub temporal_sets: Vec<u32>,
-    /// Width and height in pixels.
-    pub size: Vec<[u32; 2]>,
-    /// VPL slots.
-    pub vpls: Vec<u32>,
-    /// Bounces of a light path.
-    pub bounces: Vec<u32>,
-    /// Interleave n.
-    pub interleave: Vec<u32>,
-}
-
-/// What can be swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// The method.
-    Method,
-    /// Temporal sets T.
-    TemporalSets,
-    /// Width and height.
-    Size,
-    /// VPL slots.
-    Vpls,
-    /// Bounces.
-    Bounces,
-    /// Interleave n.
-    Interleave,
-}
-
-impl Axis {
-    /// All axes. The first with several values is that of the tables' columns.
-    pub const ALL: [Self; 6] =
-        [Self::Method, Self::TemporalSets, Self::Size, Self::Vpls, Self::Bounces, Self::Interleave];
-
-    /// Key of the setting.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Method => "method",
-            Self::TemporalSets => "temporal_sets",
-            Self::Size => "size",
-            Self::Vpls => "vpls",
-            Self::Bounces => "bounces",
-            Self::Interleave => "interleave",
-        }
-    }
-
-    /// Label in plots and tables.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Method => "method",
-            Self::TemporalSets => "temporal sets T",
-            Self::Size => "size in pixels",
-            Self::Vpls => "VPLs",
-            Self::Bounces => "bounces",
-            Self::Interleave => "interleave n",
-        }
-    }
-
-    /// Its value of `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
-    pub fn value(self, run: &Run) -> Option<f64> {
-        let settings = &run.settings;
-        match self {
-            Self::Method => None,
-            Self::TemporalSets => Some(settings.vpl.temporal_sets.into()),
-            Self::Size => Some(f64::from(settings.size[0]) * f64::from(settings.size[1])),
-            Self::Vpls => Some(settings.vpl.slots.into()),
-            Self::Bounces => Some(settings.bounces.into()),
-            Self::Interleave => Some(settings.vpl.interleave.into()),
-        }
-    }
-
-    /// Its value of `run` as text.
-    pub fn text(self, run: &Run) -> String {
-        match self {
-            Self::Size => format!("{}x{}", run.settings.size[0], run.settings.size[1]),
-            _ => self.value(run).map_or_else(|| run.method.to_string(), |value| value.to_string()),
-        }
-    }
-
-    /// Its value of `run` as a phrase.
-    pub fn phrase(self, run: &Run) -> String {
-        let text = self.text(run);
-        match self {
-            Self::TemporalSets => format!("T = {text}"),
-            Self::Method | Self::Size => text,
-            Self::Vpls => format!("{text} VPLs"),
-            Self::Bounces if run.settings.bounces == 1 => "1 bounce".to_owned(),
-            Self::Bounces => format!("{text} bounces"),
-            Self::Interleave => format!("n = {text}"),
-        }
-    }
+    /// Lists of values by the key of their setting. What has none has the scene's value, or the default.
+    #[serde(flatten)]
+    pub settings: BTreeMap<String, Vec<toml::Value>>,
 }
 
 impl Plan {
-    /// What to measure of a scene; `scene_settings` are those of its file. Temporal sets vary fastest, methods slowest.
+    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest.
     ///
     /// # Errors
     /// If a combination is invalid.
@@ -157,17 +70,25 @@ impl Plan {
     ) -> Result<Vec<Settings>, SettingsError> {
         let mut own = self.settings.clone();
         own.extend(fixed.clone());
-        let mut combinations = vec![own];
-        // The last axis varies fastest.
-        for (key, values) in self.sweep.lists().into_iter().filter(|(key, _)| !fixed.contains_key(*key)) {
-            combinations = combinations.iter().flat_map(|own| with_each(own, key, &values)).collect();
+        let mut tables = vec![own];
+        for axis in Axis::all().into_iter().rev().filter(|axis| !fixed.contains_key(axis.key())) {
+            let Some(values) = self.sweep.settings.get(axis.key()) else { continue };
+            let with = |table: &Table| {
+                let of = |value: &Value| {
+                    let mut table = table.clone();
+                    table.insert(axis.key().to_owned(), value.clone());
+                    table
+                };
+                values.iter().map(of).collect::<Vec<_>>()
+            };
+            tables = tables.iter().flat_map(with).collect();
         }
         let resolved = |own: Table| Settings::resolve(scene_settings, &own.into());
-        combinations.into_iter().map(resolved).collect()
+        tables.into_iter().map(resolved).collect()
     }
 
     /// The option in which `other` differs, if any.
-    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+    pub fn difference(&self, other: &Self) -> Option<String> {
         let differing = [
             ("list of scenes", self.scenes != other.scenes),
             ("--frames", self.frames != other.frames),
@@ -175,42 +96,14 @@ impl Plan {
             ("--quality", self.quality != other.quality),
             ("--spp", self.spp != other.spp),
             ("--methods", self.sweep.methods != other.sweep.methods),
-            ("--temporal-sets", self.sweep.temporal_sets != other.sweep.temporal_sets),
-            ("--size", self.sweep.size != other.sweep.size),
-            ("--vpls", self.sweep.vpls != other.sweep.vpls),
-            ("--bounces", self.sweep.bounces != other.sweep.bounces),
-            ("--interleave", self.sweep.interleave != other.sweep.interleave),
             ("set of other settings", self.settings != other.settings),
         ];
-        differing.into_iter().find(|(_, differs)| *differs).map(|(name, _)| name)
+        let differing = differing.into_iter().find(|(_, differs)| *differs).map(|(name, _)| name.to_owned());
+        let lists = [&self.sweep.settings, &other.sweep.settings];
+        let swept =
+            || lists[0].keys().chain(lists[1].keys()).find(|key| lists[0].get(*key) != lists[1].get(*key));
+        differing.or_else(|| Some(format!("--{}", swept()?.replace('_', "-"))))
     }
-}
-
-impl Sweep {
-    /// The values of each setting.
-    fn lists(&self) -> [(&'static str, Vec<Value>); 5] {
-        let numbers = |axis: Axis, list: &[u32]| {
-            (axis.key(), list.iter().map(|value| i64::from(*value).into()).collect())
-        };
-        let sizes = self.size.iter().map(|size| size.map(i64::from).to_vec().into()).collect();
-        [
-            (Axis::Size.key(), sizes),
-            numbers(Axis::Vpls, &self.vpls),
-            numbers(Axis::Bounces, &self.bounces),
-            numbers(Axis::Interleave, &self.interleave),
-            numbers(Axis::TemporalSets, &self.temporal_sets),
-        ]
-    }
-}
-
-/// The table with each of the values, or as it is where there are none.
-fn with_each(table: &Table, key: &str, values: &[Value]) -> Vec<Table> {
-    let with = |value: &Value| {
-        let mut table = table.clone();
-        table.insert(key.to_owned(), value.clone());
-        table
-    };
-    if values.is_empty() { vec![table.clone()] } else { values.iter().map(with).collect() }
 }
 
 #[cfg(test)]
@@ -225,10 +118,12 @@ mod tests {
             quality: false,
             spp: 16,
             sweep: Sweep {
-                temporal_sets: vec![1, 4],
-                size: vec![[8, 4]],
-                vpls: vec![16, 64],
-                ..Sweep::default()
+                methods: Vec::new(),
+                settings: BTreeMap::from([
+                    ("temporal_sets".to_owned(), vec![1.into(), 4.into()]),
+                    ("size".to_owned(), vec![vec![8, 4].into()]),
+                    ("vpls".to_owned(), vec![16.into(), 64.into()]),
+                ]),
             },
             settings: toml::toml! { budget = 7 },
         }
@@ -266,7 +161,7 @@ mod tests {
     #[test]
     fn invalid_combinations_are_rejected() {
         let mut plan = plan();
-        plan.sweep.temporal_sets = vec![1, 32];
+        plan.sweep.settings.insert("temporal_sets".to_owned(), vec![1.into(), 32.into()]);
         let error = plan.combinations(&toml::Table::new()).unwrap_err();
         assert!(error.is_usage() && error.to_string().contains("--temporal-sets is 32"), "{error}");
     }
@@ -275,7 +170,7 @@ mod tests {
     fn a_difference_is_named_by_its_option() {
         let mut other = plan();
         assert_eq!(plan().difference(&other), None);
-        other.sweep.interleave.push(2);
-        assert_eq!(plan().difference(&other), Some("--interleave"));
+        other.sweep.settings.insert("interleave".to_owned(), vec![2.into()]);
+        assert_eq!(plan().difference(&other), Some("--interleave".to_owned()));
     }
 }

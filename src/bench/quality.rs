@@ -4,18 +4,15 @@
 //! each; the behaviour of the picture when all motion stops after the last frame; and how long a still picture takes from a
 //! fresh start, with its error.
 
-use serde::{Deserialize, Serialize};
-
 use super::method::Method;
 use super::plan::Plan;
-use super::run::Stage;
-use super::source::{FrameSource, trace};
+use super::run::{FrameQuality, Still};
+use super::source::{BenchScene, FrameSource, trace};
 use super::{BenchError, Control};
 use crate::metrics::{CompareOptions, Comparison, Image, compare, temporal_error};
 use crate::output::{Picture, automatic_exposure, tone_map};
 use crate::reference::{Reference, ReferenceSettings};
 use crate::settings::Settings;
-use crate::statistics::mean;
 
 /// Pictures to compare in each run.
 const FRAMES: u32 = 4;
@@ -23,56 +20,6 @@ const FRAMES: u32 = 4;
 pub(super) const LIKELY_SETTLING: u32 = 40;
 /// Frames over which the temporal error is measured.
 const STILL_FRAMES: usize = 8;
-
-/// Quality of the pictures of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quality {
-    /// The selected frames.
-    pub frames: Vec<FrameQuality>,
-    /// Frames until the picture is stationary after all motion stops.
-    pub settling_frames: u32,
-    /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
-    pub temporal_error: f64,
-    /// At the last moment.
-    pub still: Still,
-}
-
-/// A picture of one moment, from a fresh start until it stands still.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Still {
-    /// Frames until it stands still.
-    pub frames: u32,
-    /// Their time, ms.
-    pub ms: f64,
-    /// Error of the last one.
-    pub error: FrameQuality,
-}
-
-/// Error of one picture against the path tracer's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FrameQuality {
-    /// Number of the frame.
-    pub frame: u32,
-    /// Mean HDR-FLIP error, 0 to 1.
-    pub flip: f64,
-    /// Structural similarity of display values at the exposure of the path tracer's picture.
-    pub ssim: f64,
-    /// Mean relative error of luminance; none where the path tracer's picture is black.
-    pub relative_error: Option<f64>,
-}
-
-impl Quality {
-    /// Mean of a figure over the selected frames.
-    pub fn mean(&self, figure: fn(&FrameQuality) -> f64) -> f64 {
-        mean(&self.frames.iter().map(figure).collect::<Vec<_>>())
-    }
-
-    /// Mean relative error over those frames that have one.
-    pub fn relative_error(&self) -> Option<f64> {
-        let errors: Vec<f64> = self.frames.iter().filter_map(|frame| frame.relative_error).collect();
-        (!errors.is_empty()).then(|| mean(&errors))
-    }
-}
 
 /// The frames to compare: evenly spaced, including the last one.
 pub fn chosen_frames(frames: u32) -> Vec<u32> {
@@ -82,39 +29,39 @@ pub fn chosen_frames(frames: u32) -> Vec<u32> {
 }
 
 /// The path tracer's pictures of the selected frames.
-pub(super) struct Truth {
+pub(super) struct ReferencePictures {
     settings: ReferenceSettings,
     /// At least one.
     frames: Vec<(u32, Picture)>,
 }
 
-impl Truth {
-    /// Those of `known` that apply to runs with `settings`; otherwise path traces and adds them.
+impl ReferencePictures {
+    /// Finds the pictures for runs with `settings` in `known`, or path traces and adds them.
     pub fn of<'a>(
         known: &'a mut Vec<Self>,
-        stage: &Stage,
+        scene: &BenchScene,
         settings: &Settings,
         plan: &Plan,
         control: &mut Control<'_>,
     ) -> Result<&'a Self, BenchError> {
-        let at = known.iter().position(|truth| truth.serves(settings));
+        let at = known.iter().position(|reference| reference.serves(settings));
         if at.is_none() {
-            known.push(Self::render(stage, settings, plan, control)?);
+            known.push(Self::render(scene, settings, plan, control)?);
         }
         Ok(&known[at.unwrap_or(known.len() - 1)])
     }
 
     fn render(
-        stage: &Stage,
+        scene: &BenchScene,
         settings: &Settings,
         plan: &Plan,
         control: &mut Control<'_>,
     ) -> Result<Self, BenchError> {
-        let tracer = truth_settings(settings);
+        let tracer = reference_settings(settings);
         let mut pictures = Vec::new();
         for frame in chosen_frames(plan.frames) {
-            let pose = stage.pose(frame.into(), settings);
-            let reference = Reference::new(&stage.scene, &pose, &tracer);
+            let pose = scene.pose(frame.into(), settings);
+            let reference = Reference::new(&scene.scene, &pose, &tracer);
             let film = trace(&reference, settings.size, plan.spp, control)?;
             let mut picture = film.picture();
             tone_map(&mut picture, settings.exposure, film.covered());
@@ -125,7 +72,7 @@ impl Truth {
 
     /// Whether they apply to runs with `settings`.
     fn serves(&self, settings: &Settings) -> bool {
-        self.settings == truth_settings(settings)
+        self.settings == reference_settings(settings)
     }
 
     /// The last selected frame.
@@ -144,29 +91,23 @@ impl Truth {
         let pairs =
             pictures.iter().filter_map(|(frame, picture)| Some((*frame, picture, self.picture(*frame)?)));
         pairs
-            .map(|(frame, picture, truth)| Ok(FrameQuality::of(frame, &compare_with(picture, truth)?)))
+            .map(|(frame, picture, reference)| {
+                Ok(FrameQuality::of(frame, &compare_with(picture, reference)?))
+            })
             .collect()
     }
 }
 
-/// Those of the path tracer's pictures, whose samples are independent of a run's.
-pub(super) fn truth_settings(settings: &Settings) -> ReferenceSettings {
+/// The settings of the path tracer's pictures, whose samples are independent of a run's.
+pub(super) fn reference_settings(settings: &Settings) -> ReferenceSettings {
     ReferenceSettings { seed: !settings.seed, ..ReferenceSettings::like(settings) }
 }
 
 /// Compares a picture with the path tracer's, at the exposure of the latter.
-pub(super) fn compare_with(picture: &Picture, truth: &Picture) -> Result<Comparison, BenchError> {
-    let exposure = automatic_exposure(truth, std::iter::repeat(true)).log2();
+pub(super) fn compare_with(picture: &Picture, reference: &Picture) -> Result<Comparison, BenchError> {
+    let exposure = automatic_exposure(reference, std::iter::repeat(true)).log2();
     let options = CompareOptions { exposure, ..CompareOptions::default() };
-    Ok(compare(&image(picture)?, &image(truth)?, &options)?)
-}
-
-impl FrameQuality {
-    pub(super) fn of(frame: u32, comparison: &Comparison) -> Self {
-        let metrics = comparison.metrics;
-        let relative_error = Some(metrics.mean_relative_error).filter(|error| error.is_finite());
-        Self { frame, flip: metrics.flip, ssim: metrics.ssim, relative_error }
-    }
+    Ok(compare(&image(picture)?, &image(reference)?, &options)?)
 }
 
 fn image(picture: &Picture) -> Result<Image, BenchError> {
@@ -175,13 +116,13 @@ fn image(picture: &Picture) -> Result<Image, BenchError> {
 
 /// Stops all motion at the last of `frames` frames; returns the settling frames and the temporal error after them.
 pub(super) fn stop(
-    stage: &Stage,
+    scene: &BenchScene,
     source: &mut FrameSource,
     settings: &Settings,
     frames: u32,
     control: &mut Control<'_>,
 ) -> Result<(u32, f64), BenchError> {
-    let pose = stage.pose(i64::from(frames) - 1, settings);
+    let pose = scene.pose(i64::from(frames) - 1, settings);
     let mut last = source.picture()?.colour;
     let mut settling_frames = 0;
     let mut still = Vec::new();
@@ -201,15 +142,15 @@ pub(super) fn stop(
 
 /// The last moment of `frames` frames from a fresh start. Pipelines have been built.
 pub(super) fn still(
-    stage: &Stage,
+    scene: &BenchScene,
     method: &Method,
     settings: &Settings,
-    truth: &Truth,
+    reference: &ReferencePictures,
     control: &mut Control<'_>,
 ) -> Result<Still, BenchError> {
-    let (frame, truth) = truth.last();
-    let pose = stage.pose(frame.into(), settings);
-    let mut source = FrameSource::new(stage, method, settings, &pose)?;
+    let (frame, reference) = reference.last();
+    let pose = scene.pose(frame.into(), settings);
+    let mut source = FrameSource::new(scene, method, settings, &pose)?;
     let mut last = Picture::default();
     let (mut frames, mut ms, mut total_ms) = (0, 0.0, 0.0);
     for number in 1..=source.frames_to_rest() {
@@ -220,7 +161,7 @@ pub(super) fn still(
         }
         last = picture;
     }
-    Ok(Still { frames, ms, error: FrameQuality::of(frame, &compare_with(&last, truth)?) })
+    Ok(Still { frames, ms, error: FrameQuality::of(frame, &compare_with(&last, reference)?) })
 }
 
 #[cfg(test)]

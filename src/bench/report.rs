@@ -3,20 +3,19 @@
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::equal_time::EqualTime;
+use super::axis::Axis;
 use super::machine::Machine;
 use super::method::Method;
-use super::pictures::PictureEntry;
-use super::plan::{Axis, Plan};
-use super::quality::Quality;
-use super::samples::Samples;
+use super::plan::Plan;
+use super::run::{FrameQuality, Run};
 use super::summary::{Noise, Summary};
+use crate::estimators;
 use crate::report::LoadTimes;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
 /// File format.
-pub const FORMAT: &str = "glowworm bench 2";
+pub const FORMAT: &str = "glowworm bench 3";
 
 /// A whole benchmark.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -76,56 +75,6 @@ impl SceneFacts {
     }
 }
 
-/// One method with one setting of one scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
-    /// Name of the scene.
-    pub scene: String,
-    /// What lights its pictures.
-    pub method: Method,
-    /// The settings.
-    pub settings: Settings,
-    /// Warm-up frames.
-    pub warm_up: u32,
-    /// Its measurements.
-    pub rounds: Vec<Round>,
-    /// Errors against the path tracer's pictures, with `--quality`.
-    pub quality: Option<Quality>,
-}
-
-/// One measurement of a setting.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Round {
-    /// Frame by frame.
-    pub samples: Samples,
-    /// Peak memory of the program, bytes; none if the system does not report it.
-    pub cpu_peak: Option<u64>,
-    /// Peak device memory, bytes.
-    pub device_peak: u64,
-}
-
-impl Run {
-    /// Whether it measures the same as `other`.
-    pub fn is_same(&self, other: &Self) -> bool {
-        self.scene == other.scene && self.method == other.method && self.settings == other.settings
-    }
-
-    /// The samples of all rounds together, in the order of [`Samples::quantities`].
-    pub fn rounds(&self) -> impl Iterator<Item = &Samples> {
-        self.rounds.iter().map(|round| &round.samples)
-    }
-
-    /// Peak memory of the program over all rounds, bytes.
-    pub fn cpu_peak(&self) -> Option<u64> {
-        self.rounds.iter().filter_map(|round| round.cpu_peak).max()
-    }
-
-    /// Peak device memory over all rounds, bytes.
-    pub fn device_peak(&self) -> u64 {
-        self.rounds.iter().map(|round| round.device_peak).max().unwrap_or(0)
-    }
-}
-
 impl Report {
     /// A report without measurements.
     pub fn new(machine: Machine, plan: Plan, scenes: Vec<SceneFacts>, runs: Vec<Run>) -> Self {
@@ -142,24 +91,30 @@ impl Report {
     }
 
     /// The runs of a scene.
-    pub fn runs_of<'a>(&'a self, scene: &'a str) -> impl Iterator<Item = &'a Run> {
+    pub fn runs_of<'a>(&'a self, scene: &'a str) -> impl DoubleEndedIterator<Item = &'a Run> {
         self.runs.iter().filter(move |run| run.scene == scene)
     }
 
-    /// What has several values: the method, and settings that differ between runs of one method.
+    /// The axes with several values: the method, and settings that differ between runs of one method.
     pub fn varied(&self) -> Vec<Axis> {
         let differ = |axis: Axis, a: &Run, b: &Run| {
             let is_alike = a.scene == b.scene && (axis == Axis::Method || a.method == b.method);
             is_alike && axis.text(a) != axis.text(b)
         };
         let several = |axis: &Axis| self.runs.iter().any(|a| self.runs.iter().any(|b| differ(*axis, a, b)));
-        Axis::ALL.into_iter().filter(several).collect()
+        Axis::all().into_iter().filter(several).collect()
     }
 
-    /// The representative number of temporal sets for charts and pictures: 16, or else the most.
-    pub fn shown_sets(&self) -> u32 {
-        let sets = || self.runs.iter().map(|run| run.settings.vpl.temporal_sets);
-        if sets().any(|sets| sets == 16) { 16 } else { sets().max().unwrap_or(1) }
+    /// The representative run of a scene for charts and pictures: the first with the default on the main axis of its method,
+    /// or else the one whose pictures take the most frames.
+    pub fn shown_run<'a>(&'a self, scene: &'a str) -> Option<&'a Run> {
+        let defaults = Settings::default();
+        let is_default = |run: &&Run| {
+            let axis = estimators::method(&run.settings).axes.first();
+            axis.is_none_or(|axis| (axis.get)(&run.settings) == (axis.get)(&defaults))
+        };
+        let longest = || self.runs_of(scene).rev().max_by_key(|run| run.completes_in());
+        self.runs_of(scene).find(is_default).or_else(longest)
     }
 
     /// Whether the content is consistent; validates untrusted files.
@@ -178,6 +133,105 @@ impl Report {
                 .iter()
                 .all(|run| whole(run) && known(run) && done(run) && run.settings.check().is_ok())
     }
+}
+
+/// A method at the time of the first one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EqualTime {
+    /// Name of the scene.
+    pub scene: String,
+    /// The method, with its samples chosen.
+    pub method: Method,
+    /// Its name among the runs.
+    pub run: Method,
+    /// The setting that was chosen, with its value; none where the method has none.
+    pub setting: Option<(String, u32)>,
+    /// Median frame time, ms.
+    pub ms: f64,
+    /// Error of the picture.
+    pub error: FrameQuality,
+}
+
+/// The subject of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PictureKind {
+    /// The first measured frame.
+    Beginning,
+    /// The last measured frame.
+    End,
+    /// Stationary camera.
+    Static,
+    /// Camera turning down.
+    Turning,
+    /// Camera moving to the right.
+    Strafing,
+    /// The path tracer's picture of the last measured frame.
+    Reference,
+    /// A method at equal time, at the last measured frame.
+    EqualTime,
+    /// Its FLIP error.
+    FlipMap,
+}
+
+impl PictureKind {
+    /// Pictures of a moving camera, and of the stationary one to compare with.
+    pub const ARTEFACTS: [Self; 3] = [Self::Static, Self::Turning, Self::Strafing];
+
+    /// Caption.
+    pub fn caption(self) -> &'static str {
+        match self {
+            Self::Beginning => "beginning",
+            Self::End => "end",
+            Self::Static => "stationary",
+            Self::Turning => "turning down",
+            Self::Strafing => "strafing right",
+            Self::Reference => "path tracer",
+            Self::EqualTime => "at equal time",
+            Self::FlipMap => "FLIP error",
+        }
+    }
+}
+
+/// A picture of the report.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PictureEntry {
+    /// Name of the scene.
+    pub scene: String,
+    /// Its subject.
+    pub kind: PictureKind,
+    /// The method among the runs; none where it does not matter.
+    pub method: Option<Method>,
+    /// The short name of what rendered it, such as `vpls@T=16`.
+    pub rendered_by: String,
+    /// Its name in the folder of pictures.
+    pub file: String,
+}
+
+impl PictureEntry {
+    /// The entry for number `index` of the scenes, whose name may not suit a file.
+    pub fn new(index: usize, scene: &str, kind: PictureKind, settings: &Settings) -> Self {
+        let rendered_by = estimators::method(settings).short_name(settings);
+        let file = format!("{}-{}-{}.png", index + 1, plain(scene), plain(kind.caption()));
+        Self { scene: scene.to_owned(), kind, method: None, rendered_by, file }
+    }
+
+    /// The entry for a method among several.
+    pub fn of(self, method: &Method) -> Self {
+        let file = format!("{}-{}.png", self.file.trim_end_matches(".png"), plain(method.name()));
+        Self { method: Some(method.clone()), file, ..self }
+    }
+
+    /// Whether [`Self::new`] could have named its file; validates untrusted reports.
+    pub fn is_sound(&self) -> bool {
+        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        self.file.chars().all(plain) && self.file.ends_with(".png") && !self.file.starts_with('.')
+    }
+}
+
+/// With a `_` for what may not suit a file.
+fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
 impl Serialize for Report {

@@ -1,76 +1,134 @@
-//! One run: warm-up, then measured frames.
-//!
-//! A frame starts when the device has finished the previous one, so nothing overlaps: its time runs until the device has
-//! finished it, and the stages add up to it. Readback between frames is not included.
+//! Runs: the measurements of one method with one setting of one scene.
 
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
 
-use super::machine::{cpu_peak, restart_cpu_peak};
 use super::method::Method;
-use super::report::Round;
-use super::samples::Samples;
-use super::source::FrameSource;
-use super::{BenchError, Control};
-use crate::renderer::{PreparedScene, Renderer};
-use crate::scene::{Pose, Scene};
+use super::samples::{OTHER, Samples};
+use crate::estimators;
+use crate::metrics::Comparison;
 use crate::settings::Settings;
-use crate::vulkan::Device;
+use crate::statistics::mean;
 
-/// Minimum number of warm-up frames: shaders compile and clocks rise.
-const LEAST_WARM_UP: u32 = 4;
-
-/// Frames before the measured ones: until every set buffer has been drawn.
-pub fn warm_up(settings: &Settings) -> u32 {
-    settings.vpl.temporal_sets.max(LEAST_WARM_UP)
+/// One method with one setting of one scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// Name of the scene.
+    pub scene: String,
+    /// It lights the pictures.
+    pub method: Method,
+    /// The settings.
+    pub settings: Settings,
+    /// Warm-up frames.
+    pub warm_up: u32,
+    /// Its measurements.
+    pub rounds: Vec<Round>,
+    /// Errors against the path tracer's pictures, with `--quality`.
+    pub quality: Option<Quality>,
 }
 
-/// Callback with the number of a measured frame and what rendered it.
-pub(super) type Look<'a> = dyn FnMut(u32, &mut FrameSource, &mut Control<'_>) -> Result<(), BenchError> + 'a;
-
-/// A scene prepared for measurement.
-pub(super) struct Stage {
-    pub device: Arc<Device>,
-    pub scene: Arc<Scene>,
-    pub prepared: PreparedScene,
+/// One measurement of a setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Round {
+    /// Frame by frame.
+    pub samples: Samples,
+    /// Peak memory of the program, bytes; none if the system does not report it.
+    pub cpu_peak: Option<u64>,
+    /// Peak device memory, bytes.
+    pub device_peak: u64,
 }
 
-impl Stage {
-    pub fn new(device: &Arc<Device>, scene: Scene) -> Self {
-        let scene = Arc::new(scene);
-        Self { device: Arc::clone(device), prepared: PreparedScene::new(&scene), scene }
+impl Run {
+    /// Whether it measures the same as `other`.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.scene == other.scene && self.method == other.method && self.settings == other.settings
     }
 
-    /// The pose of a frame; warm-up frames have negative numbers.
-    pub fn pose(&self, frame: i64, settings: &Settings) -> Pose {
-        self.scene.pose(frame as f64 * settings.time_step)
+    /// Frames after which the picture of a still scene is complete.
+    pub fn completes_in(&self) -> u32 {
+        (estimators::method(&self.settings).warm_up)(&self.settings)
     }
 
-    /// A new renderer.
-    pub fn renderer(&self, settings: &Settings, pose: &Pose) -> Result<Renderer, BenchError> {
-        Ok(Renderer::with_scene(&self.device, self.prepared.clone(), settings, pose)?)
+    /// The samples of all rounds together, in the order of [`Samples::quantities`].
+    pub fn rounds(&self) -> impl Iterator<Item = &Samples> {
+        self.rounds.iter().map(|round| &round.samples)
     }
 
-    /// Measures `frames` frames and calls `look` after each.
-    pub fn measure(
-        &self,
-        method: &Method,
-        settings: &Settings,
-        frames: u32,
-        control: &mut Control<'_>,
-        look: &mut Look<'_>,
-    ) -> Result<Round, BenchError> {
-        restart_cpu_peak();
-        self.device.restart_memory_peak();
-        let first = -i64::from(warm_up(settings));
-        let mut source = FrameSource::new(self, method, settings, &self.pose(first, settings))?;
-        let mut samples = Samples::default();
-        for number in first..i64::from(frames) {
-            let (ms, figures) = source.render(&self.pose(number, settings), control)?;
-            if let Ok(number) = u32::try_from(number) {
-                samples.push(ms, &figures);
-                look(number, &mut source, control)?;
-            }
-        }
-        Ok(Round { samples, cpu_peak: cpu_peak(), device_peak: self.device.memory_peak() })
+    /// Peak memory of the program over all rounds, bytes.
+    pub fn cpu_peak(&self) -> Option<u64> {
+        self.rounds.iter().filter_map(|round| round.cpu_peak).max()
+    }
+
+    /// Peak device memory over all rounds, bytes.
+    pub fn device_peak(&self) -> u64 {
+        self.rounds.iter().map(|round| round.device_peak).max().unwrap_or(0)
+    }
+}
+
+/// The stages of the frames of `runs`: their passes, and the time between them.
+pub fn stages<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<&'static str> {
+    let mut stages: Vec<&'static str> = Vec::new();
+    for samples in runs.into_iter().filter_map(|run| run.rounds().next()) {
+        let missing: Vec<_> = samples.passes.0.keys().filter(|name| !stages.contains(name)).collect();
+        stages.extend(missing);
+    }
+    stages.push(OTHER);
+    stages
+}
+
+/// Quality of the pictures of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// The selected frames.
+    pub frames: Vec<FrameQuality>,
+    /// Frames until the picture is stationary after all motion stops.
+    pub settling_frames: u32,
+    /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
+    pub temporal_error: f64,
+    /// At the last moment.
+    pub still: Still,
+}
+
+/// A picture of one moment, from a fresh start until it stands still.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Still {
+    /// Frames until it stands still.
+    pub frames: u32,
+    /// Their time, ms.
+    pub ms: f64,
+    /// Error of the last one.
+    pub error: FrameQuality,
+}
+
+/// Error of one picture against the path tracer's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameQuality {
+    /// Number of the frame.
+    pub frame: u32,
+    /// Mean HDR-FLIP error, 0 to 1.
+    pub flip: f64,
+    /// Structural similarity of display values at the exposure of the path tracer's picture.
+    pub ssim: f64,
+    /// Mean relative error of luminance; none where the path tracer's picture is black.
+    pub relative_error: Option<f64>,
+}
+
+impl Quality {
+    /// Mean of a figure over the selected frames.
+    pub fn mean(&self, figure: fn(&FrameQuality) -> f64) -> f64 {
+        mean(&self.frames.iter().map(figure).collect::<Vec<_>>())
+    }
+
+    /// Mean relative error over those frames that have one.
+    pub fn relative_error(&self) -> Option<f64> {
+        let errors: Vec<f64> = self.frames.iter().filter_map(|frame| frame.relative_error).collect();
+        (!errors.is_empty()).then(|| mean(&errors))
+    }
+}
+
+impl FrameQuality {
+    pub(super) fn of(frame: u32, comparison: &Comparison) -> Self {
+        let metrics = comparison.metrics;
+        let relative_error = Some(metrics.mean_relative_error).filter(|error| error.is_finite());
+        Self { frame, flip: metrics.flip, ssim: metrics.ssim, relative_error }
     }
 }

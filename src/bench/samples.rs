@@ -4,10 +4,8 @@ use indexmap::IndexMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::estimators::{self, METHODS};
+use crate::estimators;
 use crate::report::FrameFigures;
-
-use super::report::Run;
 
 /// One column per quantity, one value per frame. Times in ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,7 +36,7 @@ impl<'de, Value: Deserialize<'de>> Deserialize<'de> for Columns<Value> {
         let columns = IndexMap::<String, Vec<Value>>::deserialize(deserializer)?;
         let known = |(name, column): (String, Vec<Value>)| {
             let passes = estimators::passes().map(|(_, pass)| pass.name);
-            let mut names = passes.chain(METHODS.iter().flat_map(|method| method.counters.iter().copied()));
+            let mut names = passes.chain(estimators::counters().map(|counter| counter.name));
             let name = names.find(|known| *known == name);
             Ok((name.ok_or_else(|| D::Error::custom("no pass and no counter has this name"))?, column))
         };
@@ -74,17 +72,6 @@ pub const TOTAL: &str = "total";
 pub const FPS: &str = "fps";
 /// The time between passes.
 pub const OTHER: &str = "other";
-
-/// The stages of the frames of `runs`: their passes, and the time between them.
-pub fn stages<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<&'static str> {
-    let mut stages: Vec<&'static str> = Vec::new();
-    for samples in runs.into_iter().filter_map(|run| run.rounds().next()) {
-        let missing: Vec<_> = samples.passes.0.keys().filter(|name| !stages.contains(name)).collect();
-        stages.extend(missing);
-    }
-    stages.push(OTHER);
-    stages
-}
 
 impl Samples {
     /// Adds a frame that took `wall_ms` from its start until the device had finished it.

@@ -1,18 +1,60 @@
-//! What renders the frames of a run: the renderer, or the path tracer with few samples a pixel.
+//! One measurement: warm-up, then frames by the renderer, or by the path tracer with few samples a pixel.
+//!
+//! A frame starts when the device has finished the previous one, so nothing overlaps: its time runs until the device has
+//! finished it, and the stages add up to it. Readback between frames is not included.
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::control::{work_of_frame, work_of_sample};
+use super::machine::{cpu_peak, restart_cpu_peak};
 use super::method::Method;
-use super::run::Stage;
+use super::run::Round;
+use super::samples::Samples;
 use super::{BenchError, Control};
+use crate::estimators;
 use crate::output::{Picture, tone_map};
 use crate::reference::{Film, Reference, ReferenceSettings};
-use crate::renderer::Renderer;
+use crate::renderer::{PreparedScene, Renderer};
 use crate::report::FrameFigures;
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
+use crate::vulkan::Device;
+
+/// Minimum number of warm-up frames: shaders compile and clocks rise.
+const LEAST_WARM_UP: u32 = 4;
+
+/// Frames before the measured ones: until the picture of a still scene is complete.
+pub fn warm_up(settings: &Settings) -> u32 {
+    (estimators::method(settings).warm_up)(settings).max(LEAST_WARM_UP)
+}
+
+/// Callback with the number of a measured frame and what rendered it.
+pub(super) type Look<'a> = dyn FnMut(u32, &mut FrameSource, &mut Control<'_>) -> Result<(), BenchError> + 'a;
+
+/// A scene prepared for measurement.
+pub(super) struct BenchScene {
+    pub device: Arc<Device>,
+    pub scene: Arc<Scene>,
+    pub prepared: PreparedScene,
+}
+
+impl BenchScene {
+    pub fn new(device: &Arc<Device>, scene: Scene) -> Self {
+        let scene = Arc::new(scene);
+        Self { device: Arc::clone(device), prepared: PreparedScene::new(&scene), scene }
+    }
+
+    /// The pose of a frame; warm-up frames have negative numbers.
+    pub fn pose(&self, frame: i64, settings: &Settings) -> Pose {
+        self.scene.pose(frame as f64 * settings.time_step)
+    }
+
+    /// A new renderer.
+    pub fn renderer(&self, settings: &Settings, pose: &Pose) -> Result<Renderer, BenchError> {
+        Ok(Renderer::with_scene(&self.device, self.prepared.clone(), settings, pose)?)
+    }
+}
 
 /// Renders frames by one method; its picture is that of the last frame.
 pub(super) enum FrameSource {
@@ -31,11 +73,16 @@ pub(super) struct PathTracer {
 
 impl FrameSource {
     /// Starts at `pose`.
-    pub fn new(stage: &Stage, method: &Method, settings: &Settings, pose: &Pose) -> Result<Self, BenchError> {
+    pub fn new(
+        scene: &BenchScene,
+        method: &Method,
+        settings: &Settings,
+        pose: &Pose,
+    ) -> Result<Self, BenchError> {
         Ok(match method.samples() {
-            None => Self::Renderer(Box::new(stage.renderer(settings, pose)?)),
+            None => Self::Renderer(Box::new(scene.renderer(settings, pose)?)),
             Some(samples) => Self::PathTracer(PathTracer {
-                scene: Arc::clone(&stage.scene),
+                scene: Arc::clone(&scene.scene),
                 settings: ReferenceSettings::like(settings),
                 exposure: settings.exposure,
                 samples,
@@ -78,6 +125,29 @@ impl FrameSource {
             Self::PathTracer(tracer) => Ok(tracer.picture.clone()),
         }
     }
+}
+
+/// Measures `frames` frames and calls `look` after each.
+pub(super) fn measure(
+    scene: &BenchScene,
+    (method, settings): (&Method, &Settings),
+    frames: u32,
+    control: &mut Control<'_>,
+    look: &mut Look<'_>,
+) -> Result<Round, BenchError> {
+    restart_cpu_peak();
+    scene.device.restart_memory_peak();
+    let first = -i64::from(warm_up(settings));
+    let mut source = FrameSource::new(scene, method, settings, &scene.pose(first, settings))?;
+    let mut samples = Samples::default();
+    for number in first..i64::from(frames) {
+        let (ms, figures) = source.render(&scene.pose(number, settings), control)?;
+        if let Ok(number) = u32::try_from(number) {
+            samples.push(ms, &figures);
+            look(number, &mut source, control)?;
+        }
+    }
+    Ok(Round { samples, cpu_peak: cpu_peak(), device_peak: scene.device.memory_peak() })
 }
 
 impl PathTracer {

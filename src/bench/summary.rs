@@ -8,7 +8,7 @@
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::report::Run;
+use super::run::Run;
 use super::samples::{FPS, Samples, TOTAL, Unit};
 use crate::statistics::{Spread, mean, percentile, student_t, variance};
 

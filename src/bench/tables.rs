@@ -1,12 +1,11 @@
 //! The report as tables, for Markdown, HTML and the terminal.
 
-use super::equal_time::EqualTime;
-use super::plan::Axis;
-use super::quality::FrameQuality;
-use super::report::{Report, Run};
-use super::samples::{FPS, TOTAL, stages};
+use super::axis::Axis;
+use super::report::{EqualTime, Report};
+use super::run::{FrameQuality, Run, stages};
+use super::samples::{FPS, TOTAL};
 use super::summary::{Noise, Summary};
-use crate::settings::Settings;
+use crate::estimators;
 
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +20,28 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
     /// Whether it belongs to the details.
     pub detail: bool,
+}
+
+impl Table {
+    /// A table of results.
+    pub(super) fn new<Head: Into<String>>(
+        title: impl Into<String>,
+        note: impl Into<String>,
+        columns: impl IntoIterator<Item = Head>,
+        rows: impl IntoIterator<Item = Vec<String>>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            note: note.into(),
+            columns: columns.into_iter().map(Into::into).collect(),
+            rows: rows.into_iter().collect(),
+            detail: false,
+        }
+    }
+
+    fn as_detail(self) -> Self {
+        Self { detail: true, ..self }
+    }
 }
 
 /// Runs arranged for one axis: columns are its values, rows the other varied settings.
@@ -53,10 +74,11 @@ pub fn tables(report: &Report) -> Vec<Table> {
     tables
 }
 
-/// The settings with tables and plots of their own: those with several values, and temporal sets.
+/// The settings with tables and plots of their own: those with several values, or else the main one of the method.
 pub(super) fn axes(report: &Report) -> Vec<Axis> {
     let varied = report.varied();
-    if varied.is_empty() { vec![Axis::TemporalSets] } else { varied }
+    let main = || report.runs.first().and_then(Axis::main).unwrap_or(Axis::Size);
+    if varied.is_empty() { vec![main()] } else { varied }
 }
 
 /// Arranges all runs for one axis.
@@ -94,14 +116,9 @@ fn label(run: &Run, varied: &[Axis]) -> String {
 pub(super) fn common_settings(report: &Report) -> String {
     let Some(first) = report.runs.first() else { return String::new() };
     let is_common = |axis: &Axis| report.runs.iter().all(|run| axis.text(run) == axis.text(first));
-    let axes = Axis::ALL.into_iter().filter(is_common);
-    axes.map(|axis| match axis {
-        Axis::Interleave => format!("{0}x{0} interleaving", axis.text(first)),
-        Axis::Size => format!("{} pixels", axis.text(first)),
-        _ => axis.phrase(first),
-    })
-    .collect::<Vec<_>>()
-    .join(", ")
+    let axes = Axis::all().into_iter().filter(is_common);
+    let phrase = |axis: Axis| axis.phrase(first) + if axis == Axis::Size { " pixels" } else { "" };
+    axes.map(phrase).collect::<Vec<_>>().join(", ")
 }
 
 /// Frame times in the layout of Tonna 2019, figure 24, and frames per second.
@@ -126,64 +143,55 @@ fn times(grid: &Grid<'_>, noise: &Noise) -> Vec<Table> {
             "Median; frames do not overlap here, as they do in the window.",
             &|summary| format!("{:.1}", summary.median(FPS)),
         ),
-        Table {
-            detail: true,
-            ..table(
-                format!("Confidence interval of the frame time, ± %, by {by}"),
-                "95 % confidence interval of the median of another run on this machine.",
-                &certain,
-            )
-        },
+        table(
+            format!("Confidence interval of the frame time, ± %, by {by}"),
+            "95 % confidence interval of the median of another run on this machine.",
+            &certain,
+        )
+        .as_detail(),
     ]
 }
 
 fn grid_table(grid: &Grid<'_>, title: String, note: &str, cell: &dyn Fn(&Run) -> Option<String>) -> Table {
-    let columns = std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect();
     let row = |row: &GridRow<'_>| {
         let cells = row.runs.iter().map(|run| run.and_then(cell).unwrap_or_default());
         std::iter::once(row.label.clone()).chain(cells).collect()
     };
-    Table { title, note: note.to_owned(), columns, rows: grid.rows.iter().map(row).collect(), detail: false }
+    Table::new(title, note, heads(grid), grid.rows.iter().map(row))
 }
 
-/// Heading of the row labels.
-fn corner(grid: &Grid<'_>) -> String {
-    match grid.axis {
-        Axis::TemporalSets => "T".to_owned(),
-        axis => axis.label().to_owned(),
-    }
-}
-
-/// Speed-up over a single set.
-fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
-    let ones = |row: &GridRow<'_>| single_set_time(row, noise);
-    if grid.axis != Axis::TemporalSets
-        || grid.columns.len() < 2
-        || !grid.rows.iter().any(|row| ones(row).is_some())
-    {
-        return None;
-    }
-    let columns = std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect();
-    let row = |row: &GridRow<'_>| {
-        let cell = |run: &Option<&Run>| {
-            let time = Summary::of((*run)?, noise)?.median(TOTAL);
-            Some(format!("{:.2}", ones(row)? / time))
-        };
-        let cells = row.runs.iter().map(|run| cell(run).unwrap_or_default());
-        std::iter::once(row.label.clone()).chain(cells).collect()
+/// Headings of the row labels and of the values.
+fn heads<'a>(grid: &'a Grid<'_>) -> impl Iterator<Item = &'a str> {
+    let corner = match grid.axis {
+        Axis::Number(axis) => axis.short.unwrap_or(axis.label),
+        axis => axis.label(),
     };
-    Some(Table {
-        title: "Speed-up over a single temporal set".to_owned(),
-        note: "Median frame time at T = 1 over that at T.".to_owned(),
-        columns,
-        rows: grid.rows.iter().map(row).collect(),
-        detail: false,
-    })
+    std::iter::once(corner).chain(grid.columns.iter().map(String::as_str))
 }
 
-/// Median frame time of the run with a single temporal set.
-pub(super) fn single_set_time(row: &GridRow<'_>, noise: &Noise) -> Option<f64> {
-    let one = row.runs.iter().flatten().find(|run| run.settings.vpl.temporal_sets == 1)?;
+/// Speed-up over undivided work.
+fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
+    let one = undivided(grid).filter(|_| grid.columns.len() > 1)?;
+    let ones: Vec<f64> = grid.rows.iter().filter_map(|row| undivided_ms(grid, row, noise)).collect();
+    let note = format!("Median frame time at {one} over that at each value.");
+    let cell = |run: &Run| {
+        let row = grid.rows.iter().find(|row| row.runs.iter().flatten().any(|other| other.is_same(run)))?;
+        Some(format!("{:.2}", undivided_ms(grid, row, noise)? / Summary::of(run, noise)?.median(TOTAL)))
+    };
+    (!ones.is_empty()).then(|| grid_table(grid, format!("Speed-up over {one}"), &note, &cell))
+}
+
+/// The value 1 of the axis as a phrase, where a greater one divides the work.
+pub(super) fn undivided(grid: &Grid<'_>) -> Option<String> {
+    match grid.axis {
+        Axis::Number(axis) if axis.divides_work => Some(axis.phrase(1)),
+        _ => None,
+    }
+}
+
+/// Median frame time of a row's run with undivided work.
+pub(super) fn undivided_ms(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Option<f64> {
+    let one = row.runs.iter().flatten().find(|run| grid.axis.value(run) == Some(1.0))?;
     Some(Summary::of(one, noise)?.median(TOTAL))
 }
 
@@ -197,15 +205,11 @@ fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
         };
         std::iter::once(name.to_owned()).chain(summaries.iter().map(cell)).collect::<Vec<_>>()
     };
-    Table {
-        title: format!("Stages of {} in ms, by {}", row.label, grid.axis.label()),
-        note: "Interquartile means over the frames: they add up to the total and ignore slow frames. \
-               `other` is the time between passes: recording, uploads, submission, waiting."
-            .to_owned(),
-        columns: std::iter::once(corner(grid)).chain(grid.columns.iter().cloned()).collect(),
-        rows: stages(row.runs.iter().copied().flatten()).into_iter().chain([TOTAL]).map(line).collect(),
-        detail: true,
-    }
+    let lines = stages(row.runs.iter().copied().flatten()).into_iter().chain([TOTAL]).map(line);
+    let note = "Interquartile means over the frames: they add up to the total and ignore slow frames. `other` is the time \
+                between passes: recording, uploads, submission, waiting.";
+    Table::new(format!("Stages of {} in ms, by {}", row.label, grid.axis.label()), note, heads(grid), lines)
+        .as_detail()
 }
 
 /// Distribution of frame times.
@@ -218,50 +222,51 @@ fn spread(report: &Report, noise: &Noise) -> Table {
         Some(std::iter::once(label(run, varied)).chain(times.map(milliseconds)).collect())
     };
     let varied = row_axes(report);
-    Table {
-        title: "Spread of the frame time in ms".to_owned(),
-        note: "low and high: 95 % confidence interval of the median of another run on this machine. p5 and p95: \
-               5th and 95th percentile of the frames."
-            .to_owned(),
-        columns: ["run", "median", "low", "high", "mean", "p5", "p95", "worst"].map(str::to_owned).into(),
-        rows: report.runs.iter().filter_map(|run| row(run, &varied)).collect(),
-        detail: true,
-    }
+    Table::new(
+        "Spread of the frame time in ms",
+        "low and high: 95 % confidence interval of the median of another run on this machine. p5 and p95: 5th and 95th \
+         percentile of the frames.",
+        ["run", "median", "low", "high", "mean", "p5", "p95", "worst"],
+        report.runs.iter().filter_map(|run| row(run, &varied)),
+    )
+    .as_detail()
 }
 
-/// VPLs, rays, memory.
+/// Counters of the methods, and memory.
 fn counters(report: &Report, noise: &Noise) -> Table {
     let mebibytes = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
+    let measured = |name: &str| {
+        report.runs.iter().flat_map(Run::rounds).any(|round| round.counters.0.contains_key(name))
+    };
+    let shown = estimators::counters().filter(|counter| counter.label.is_some() && measured(counter.name));
+    let shown: Vec<_> = shown.collect();
     let row = |run: &Run, varied: &[Axis]| {
         let summary = Summary::of(run, noise)?;
         let mut cells = vec![label(run, varied)];
-        for name in ["vpls.valid", "vpls.escaped", "vpls.stale", "vpls.invalidated", "vpls.shot"] {
-            cells.push(format!("{:.1}", summary.mean(name)));
-        }
-        cells.push(format!("{:.0}", summary.mean("shadow_rays")));
+        cells.extend(shown.iter().map(|counter| format!("{:.1}", summary.mean(counter.name))));
         cells.push(run.cpu_peak().map(mebibytes).unwrap_or_default());
         cells.push(mebibytes(run.device_peak()));
         Some(cells)
     };
-    let heads =
-        ["run", "valid", "escaped", "stale", "invalidated", "shot", "shadow rays", "CPU MiB", "device MiB"];
+    let labels = shown.iter().filter_map(|counter| counter.label);
+    let heads = ["run"].into_iter().chain(labels).chain(["CPU MiB", "device MiB"]);
     let varied = row_axes(report);
-    Table {
-        title: "VPLs, shadow rays and memory".to_owned(),
-        note: "Means over the frames; memory at its peak: of the whole program, and of its buffers and images on the \
-               device. On a CPU driver the latter is part of the former."
-            .to_owned(),
-        columns: heads.map(str::to_owned).into(),
-        rows: report.runs.iter().filter_map(|run| row(run, &varied)).collect(),
-        detail: true,
-    }
+    Table::new(
+        "Counters and memory",
+        "Means over the frames; memory at its peak: of the whole program, and of its buffers and images on the device. On a \
+         CPU driver the latter is part of the former.",
+        heads,
+        report.runs.iter().filter_map(|run| row(run, &varied)),
+    )
+    .as_detail()
 }
 
 /// The settings that row labels name.
 fn row_axes(report: &Report) -> Vec<Axis> {
     let mut axes = report.varied();
-    if !axes.contains(&Axis::TemporalSets) && !axes.contains(&Axis::Method) {
-        axes.insert(0, Axis::TemporalSets);
+    let main = report.runs.first().and_then(Axis::main).filter(|main| !axes.contains(main));
+    if let Some(main) = main.filter(|_| !axes.contains(&Axis::Method)) {
+        axes.insert(0, main);
     }
     axes
 }
@@ -290,16 +295,8 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
         cells.extend(errors(&still.error));
         Some(cells)
     };
-    let table =
-        |title: &str, note: String, columns: &[&str], row: &dyn Fn(&Run) -> Option<Vec<String>>| Table {
-            title: title.to_owned(),
-            note,
-            columns: columns.iter().map(|&head| head.to_owned()).collect(),
-            rows: report.runs.iter().filter_map(row).collect(),
-            detail: false,
-        };
     vec![
-        table(
+        Table::new(
             "Quality in motion, and after it stops",
             format!(
                 "Means over frames {} of the animation, against the path tracer with {spp} samples a pixel and as many \
@@ -308,16 +305,15 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
                  after that, W/m²/sr.",
                 frames.join(", ")
             ),
-            &["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"],
-            &moving,
+            ["run", "frame ms", "FLIP", "SSIM", "relative error %", "settling frames", "temporal error"],
+            report.runs.iter().filter_map(moving),
         ),
-        table(
+        Table::new(
             "Quality of a still picture",
             "The last of these moments from a fresh start: frames and time until the picture stands still, and its error \
-             then. The path tracer's is its first one."
-                .to_owned(),
-            &["run", "frames", "ms", "FLIP", "SSIM", "relative error %"],
-            &still,
+             then. The path tracer's is its first one.",
+            ["run", "frames", "ms", "FLIP", "SSIM", "relative error %"],
+            report.runs.iter().filter_map(still),
         ),
     ]
 }
@@ -326,24 +322,20 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
 fn equal_time(report: &Report) -> Option<Table> {
     let first = report.equal_time.first()?;
     let row = |equal: &EqualTime| {
-        let amount = equal.vpls.or(equal.method.samples()).map(|amount| amount.to_string());
+        let chosen = equal.setting.as_ref().map(|(setting, value)| format!("{setting} {value}"));
+        let samples = equal.method.samples().map(|samples| format!("{samples} samples"));
         let name = format!("{}, {}", equal.scene, equal.run);
-        let mut cells = vec![name, amount.unwrap_or_default(), milliseconds(equal.ms)];
+        let mut cells = vec![name, chosen.or(samples).unwrap_or_default(), milliseconds(equal.ms)];
         cells.extend(errors(&equal.error));
         cells
     };
-    Some(Table {
-        title: "Methods at equal time".to_owned(),
-        note: format!(
-            "Each with as many VPLs, or samples a pixel, that a frame takes about as long as one of {}; in motion, at frame {}.",
-            first.run, first.error.frame
-        ),
-        columns: ["run", "VPLs or samples", "frame ms", "FLIP", "SSIM", "relative error %"]
-            .map(str::to_owned)
-            .into(),
-        rows: report.equal_time.iter().map(row).collect(),
-        detail: false,
-    })
+    let note = format!(
+        "Each with so much of a setting, or so many samples a pixel, that a frame takes about as long as one of {}; in \
+         motion, at frame {}.",
+        first.run, first.error.frame
+    );
+    let columns = ["run", "chosen", "frame ms", "FLIP", "SSIM", "relative error %"];
+    Some(Table::new("Methods at equal time", note, columns, report.equal_time.iter().map(row)))
 }
 
 fn errors(quality: &FrameQuality) -> [String; 3] {
@@ -361,9 +353,4 @@ fn error(value: f64) -> String {
 
 fn percent(share: f64) -> String {
     format!("{:.1}", share * 100.0)
-}
-
-/// Whether settings are those of a scene's representative run.
-pub(super) fn is_shown(report: &Report, settings: &Settings) -> bool {
-    settings.vpl.temporal_sets == report.shown_sets()
 }

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use toml::Table as TomlTable;
+use toml::Value;
 
 use super::micro::micro;
 use super::options::RunOptions;
 use super::progress::controlled;
 use super::{CliError, device, say};
 use crate::bench::{
-    Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
+    Axis, Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
     lacks_models, read_report, tables,
 };
 use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
@@ -25,8 +25,6 @@ const FRAMES: u32 = 240;
 const ROUNDS: u32 = 2;
 /// Default samples a pixel of the path tracer's pictures.
 const SPP: u32 = 1024;
-/// Default temporal sets.
-const TEMPORAL_SETS: [u32; 5] = [1, 4, 8, 16, 32];
 /// Default size in pixels.
 const SIZE: [u32; 2] = [1024, 1024];
 /// Defaults on a CPU driver, which takes some 50 ms for such a frame.
@@ -104,39 +102,53 @@ pub(super) struct BenchOptions {
 /// The given settings, some with several values.
 #[derive(Clone, Debug)]
 pub(super) struct SweptSettings {
-    /// Those with one value.
+    /// The settings with one value.
     pub given: GivenSettings,
-    /// The values of those that accept several.
-    lists: BTreeMap<&'static str, Vec<String>>,
+    /// The given values of settings that accept several.
+    lists: BTreeMap<String, Vec<Value>>,
 }
 
 /// The settings that accept several values.
-const SWEPT: [&str; 5] = ["temporal_sets", "size", "vpls", "bounces", "interleave"];
+fn swept() -> Vec<Axis> {
+    Axis::all().into_iter().filter(|axis| *axis != Axis::Method).collect()
+}
+
+/// The size of pictures and the lists of the methods that are measured unless others are given.
+fn default_list(axis: Axis, on_cpu: bool) -> Option<String> {
+    match axis {
+        Axis::Size => Some(if on_cpu { ON_CPU.size } else { SIZE }.map(|side| side.to_string()).join("x")),
+        Axis::Number(axis) => axis.default_sweep.map(str::to_owned),
+        Axis::Method => None,
+    }
+}
+
+/// The values of a list in the syntax of the command line.
+fn values<'a>(axis: Axis, texts: impl Iterator<Item = &'a str>) -> Vec<Value> {
+    // The parser has checked the texts.
+    texts.filter_map(|text| Settings::value(axis.key(), text).ok()).collect()
+}
 
 impl clap::Args for SweptSettings {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let add_help = |argument: clap::Arg, more: &str| {
-            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-            argument.help(format!("{help}. {more}"))
-        };
-        let list = |command: clap::Command, name: &str| {
+        let more = |command: clap::Command, name: &str, text: &str| {
             command.mut_arg(name, |argument| {
-                add_help(argument.value_delimiter(','), "A list such as A,B measures each")
+                let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+                argument.help(format!("{help}. {text}"))
             })
         };
-        SWEPT
-            .into_iter()
-            .fold(GivenSettings::augment_args(command), list)
-            .mut_arg("temporal_sets", |argument| {
-                argument.default_value(TEMPORAL_SETS.map(|sets| sets.to_string()).join(","))
+        let list = |command: clap::Command, axis: Axis| {
+            let command = more(command, axis.key(), "A list such as A,B measures each");
+            command.mut_arg(axis.key(), |argument| {
+                let argument = argument.value_delimiter(',');
+                match default_list(axis, false) {
+                    Some(list) => argument.default_value(list),
+                    None => argument,
+                }
             })
-            .mut_arg("time_step", |argument| add_help(argument, "On a CPU driver the default is 1/20"))
-            .mut_arg("size", |argument| {
-                add_help(
-                    argument.default_value(SIZE.map(|side| side.to_string()).join("x")),
-                    "On a CPU driver the default is 256x256",
-                )
-            })
+        };
+        let command = swept().into_iter().fold(GivenSettings::augment_args(command), list);
+        let command = more(command, "time_step", "On a CPU driver the default is 1/20");
+        more(command, "size", "On a CPU driver the default is 256x256")
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {
@@ -147,9 +159,12 @@ impl clap::Args for SweptSettings {
 impl clap::FromArgMatches for SweptSettings {
     fn from_arg_matches(matches: &clap::ArgMatches) -> Result<Self, clap::Error> {
         let mut given = GivenSettings::from_arg_matches(matches)?;
-        let swept = SWEPT.into_iter().filter(|key| given.remove(key));
-        let values = |key| matches.get_many(key).map(|values| values.cloned().collect()).unwrap_or_default();
-        Ok(Self { lists: swept.map(|key| (key, values(key))).collect(), given })
+        let listed = swept().into_iter().filter(|axis| given.remove(axis.key()));
+        let list = |axis: Axis| {
+            let texts = matches.get_many::<String>(axis.key()).into_iter().flatten();
+            (axis.key().to_owned(), values(axis, texts.map(String::as_str)))
+        };
+        Ok(Self { lists: listed.map(list).collect(), given })
     }
 
     fn update_from_arg_matches(&mut self, matches: &clap::ArgMatches) -> Result<(), clap::Error> {
@@ -164,40 +179,23 @@ impl SweptSettings {
         let mut given = self.given.clone();
         for (key, values) in &self.lists {
             if let Some(value) = values.first() {
-                given.insert(key, value.as_str());
+                given.insert(key, value.clone());
             }
         }
         given
     }
 
-    /// The given values of a setting, or else `others`.
-    fn list<T: Clone>(&self, key: &str, value: impl Fn(&Settings) -> T, others: &[T]) -> Vec<T> {
-        let Some(texts) = self.lists.get(key) else { return others.to_vec() };
-        let tables = texts.iter().map(|text| TomlTable::from_iter([(key.to_owned(), text.as_str().into())]));
-        // The parser has checked the texts.
-        tables
-            .filter_map(|table| Settings::from_table(&table).ok())
-            .map(|settings| value(&settings))
-            .collect()
-    }
-
-    /// The given lists; otherwise those of the `old` plan; otherwise the scenes' values, with the default size and sets for all.
+    /// The given lists; otherwise those of the `old` plan; otherwise the default ones, or the scenes' values.
     fn sweep(&self, old: Option<&Sweep>, on_cpu: bool) -> Sweep {
-        let size = vec![if on_cpu { ON_CPU.size } else { SIZE }];
-        let default = Sweep { temporal_sets: TEMPORAL_SETS.into(), size, ..Sweep::default() };
-        let old = old.unwrap_or(&default);
-        Sweep {
-            methods: Vec::new(),
-            temporal_sets: self.list(
-                "temporal_sets",
-                |settings| settings.vpl.temporal_sets,
-                &old.temporal_sets,
-            ),
-            size: self.list("size", |settings| settings.size, &old.size),
-            vpls: self.list("vpls", |settings| settings.vpl.slots, &old.vpls),
-            bounces: self.list("bounces", |settings| settings.bounces, &old.bounces),
-            interleave: self.list("interleave", |settings| settings.vpl.interleave, &old.interleave),
-        }
+        let list = |axis: Axis| {
+            let default = || Some(values(axis, default_list(axis, on_cpu)?.split(',')));
+            let others = || match old {
+                Some(old) => old.settings.get(axis.key()).cloned(),
+                None => default(),
+            };
+            Some((axis.key().to_owned(), self.lists.get(axis.key()).cloned().or_else(others)?))
+        };
+        Sweep { methods: Vec::new(), settings: swept().into_iter().filter_map(list).collect() }
     }
 }
 
@@ -261,14 +259,21 @@ fn plan(options: &BenchOptions, old: Option<&Report>, device: &Arc<Device>) -> R
     if let (Some(old), true) = (old, sweep.methods.is_empty()) {
         sweep.methods = old.sweep.methods.clone();
     }
-    // Methods say how many sets they have.
-    if !sweep.methods.is_empty() && !options.settings.lists.contains_key("temporal_sets") {
-        sweep.temporal_sets.clear();
+    // Methods say what is swept by default.
+    let axes = || {
+        swept().into_iter().filter_map(|axis| if let Axis::Number(axis) = axis { Some(axis) } else { None })
+    };
+    if !sweep.methods.is_empty() {
+        let is_default = |key: &str| axes().any(|axis| axis.setting == key && axis.default_sweep.is_some());
+        sweep.settings.retain(|key, _| options.settings.lists.contains_key(key) || !is_default(key));
     }
-    // Sets may cast very different numbers of rays, so measure each.
+    // Frames that divide the work may cast very different numbers of rays, so measure each.
     let least = if on_cpu { ON_CPU.frames } else { FRAMES };
-    let stated = sweep.methods.iter().filter_map(Method::temporal_sets);
-    let default = sweep.temporal_sets.iter().copied().chain(stated).fold(least, u32::max);
+    let dividing: Vec<&str> = axes().filter(|axis| axis.divides_work).map(|axis| axis.setting).collect();
+    let values = dividing.iter().filter_map(|key| sweep.settings.get(*key)).flatten();
+    let values = values.filter_map(|value| u32::try_from(value.as_integer()?).ok());
+    let stated = sweep.methods.iter().flat_map(|method| dividing.iter().filter_map(|key| method.states(key)));
+    let default = values.chain(stated).fold(least, u32::max);
     let frames = options.frames.or(old.map(|old| old.frames)).unwrap_or(default);
     let rounds = options.rounds.or(old.map(|old| old.rounds)).unwrap_or(ROUNDS);
     let spp = options.spp.or(old.map(|old| old.spp)).unwrap_or(SPP);

@@ -9,7 +9,7 @@ use super::progress::frames_bar;
 use super::scene::{LoadedScene, load};
 use super::{CliError, device, say};
 use crate::estimators;
-use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplLook, VplManager};
+use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView, Vpls};
 use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
@@ -94,18 +94,19 @@ impl ViewOptions {
     /// Warns if the single VPL does not exist in the last frame.
     fn note_missing(&self, renderer: &Renderer) {
         let Some(slot) = self.single_vpl else { return };
-        let held = renderer.vpls().and_then(|vpls| vpls.slots().nth(slot as usize));
+        let held = renderer.estimator::<Vpls>().and_then(|vpls| vpls.manager().slots().nth(slot as usize));
         if held.is_none_or(|held| held.state != SlotState::Valid) {
             say::warning(&format!("--single-vpl {slot}: the slot holds no VPL; choose another one"));
         }
     }
 
     fn debug_view(&self) -> DebugView {
-        DebugView {
-            buffer: self.view.clone().into(),
-            lines: Vec::new(),
-            vpl: VplLook { set: self.view_set, vpl_paths: self.vpl_paths, single_vpl: self.single_vpl },
-        }
+        let view = DebugView { buffer: self.view.clone().into(), ..DebugView::default() };
+        view.with_options(&VplDebugView {
+            set: self.view_set,
+            vpl_paths: self.vpl_paths,
+            single_vpl: self.single_vpl,
+        })
     }
 }
 
@@ -127,7 +128,10 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;
     let recorded = scene.recording.last().map(|last| last.frame + 1);
-    let frames = options.frames.or(recorded).unwrap_or_else(|| u64::from(settings.vpl.temporal_sets));
+    let frames = options
+        .frames
+        .or(recorded)
+        .unwrap_or_else(|| (estimators::method(&settings).warm_up)(&settings).into());
     if let Some(json) = &json {
         check_apart(json, &target, frames, options)?;
     }
@@ -145,7 +149,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     replay.renderer().set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut replay, frames, &target)?;
     options.view.note_missing(replay.renderer());
-    if let Some(warning) = replay.renderer().vpls().and_then(VplManager::wasted_slots_warning) {
+    for warning in replay.renderer().warnings() {
         say::warning(&format!("{}: {warning}", scene.name));
     }
     let tracer = replay.renderer().tracer();

@@ -6,8 +6,8 @@ use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
 use super::edit::NewObject;
+use super::session::Selected;
 use super::split::RightSide;
-use super::stage::Selected;
 use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit};
 use crate::renderer::DebugView;
 use crate::scene::LightType;
@@ -60,8 +60,8 @@ pub enum Action {
     Split(Option<RightSide>),
     /// Divides the window between two methods, or no longer.
     ToggleSplit,
-    /// Shows the truth right of the divider, or no longer.
-    ToggleTruth,
+    /// Shows the reference right of the divider, or no longer.
+    ToggleReference,
     /// Moves the divider, share of the width.
     MoveDivider(f32),
     /// Shows or hides the error of the left side.
@@ -162,7 +162,9 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("F4", "copy the command line that renders this picture", KeyCode::F4, NONE, || Action::CopyCommand),
     bind("F5", "reload the scene", KeyCode::F5, NONE, || Action::Reload),
     bind("C", "compare with another method right of a divider", KeyCode::KeyC, NONE, || Action::ToggleSplit),
-    bind("G", "compare with the truth, by the path tracer", KeyCode::KeyG, NONE, || Action::ToggleTruth),
+    bind("G", "compare with the reference, by the path tracer", KeyCode::KeyG, NONE, || {
+        Action::ToggleReference
+    }),
     bind("X", "the error of the left side (FLIP)", KeyCode::KeyX, NONE, || Action::ToggleDifference),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
     bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),

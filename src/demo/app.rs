@@ -22,11 +22,11 @@ use super::loader::Loader;
 use super::log::Log;
 use super::panel::{self, PanelState, Places, is_map};
 use super::pointer::Pointer;
-use super::recorder::Recorder;
+use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::screenshot::Saving;
+use super::session::Session;
 use super::split::Split;
-use super::stage::Stage;
 use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
@@ -48,19 +48,9 @@ pub(super) struct App {
     failed: Option<DemoError>,
 }
 
-/// State of the recording.
-#[derive(Default)]
-pub(super) enum Recording {
-    #[default]
-    Off,
-    /// Starts with the renderer that is being built.
-    Waiting,
-    On(Box<Recorder>),
-}
-
 /// State while the window is open. Drop order: users of the device, then the device.
 pub(super) struct Open {
-    pub stage: Option<Stage>,
+    pub session: Option<Session>,
     pub split: Option<Split>,
     pub tour: Option<Tour>,
     /// Whether the tour is to begin with the first scene.
@@ -84,7 +74,7 @@ pub(super) struct Open {
     /// Textures of the user interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
     pub resolution: Resolution,
-    /// Of the last frame.
+    /// The viewport of the last frame.
     pub last_viewport: Viewport,
     /// Time of the last change of the viewport or the resolution.
     pub resized: Option<Instant>,
@@ -136,7 +126,7 @@ impl App {
         let scale = Some(window.scale_factor() as f32);
         let pace = if self.is_given("time_step") { Pace::Steps } else { Pace::RealTime };
         self.open = Some(Open {
-            stage: None,
+            session: None,
             split: None,
             tour: None,
             tour_waits: self.launch.tour,
@@ -207,7 +197,7 @@ impl App {
     }
 }
 
-/// What a dropped file is for.
+/// The action for a dropped file.
 fn action_of_file(path: PathBuf) -> Action {
     if is_map(&path) { Action::OpenMap(path) } else { Action::Open(path.to_string_lossy().into_owned()) }
 }

@@ -6,39 +6,39 @@ use super::action::Action;
 use super::app::Open;
 use super::clock::Clock;
 use super::screenshot::free_name;
-use super::stage::Stage;
+use super::session::Session;
 
 impl Open {
     /// The command line that renders the current scene. If the scene was edited or the camera moved, it is first
     /// saved to a new file.
     pub(super) fn command(&mut self) -> Option<String> {
-        let stage = self.stage.as_ref()?;
+        let session = self.session.as_ref()?;
         let camera_moved = self.flight.has_moved();
-        let stem = format!("glowworm-{}", stage.rest.name);
-        let saved = stage.saved.as_ref().filter(|saved| saved.is_current(stage));
-        let mut scene = saved.map_or(stage.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
-        if stage.headlamp.is_some() || saved.is_none() && (stage.edited || camera_moved) {
+        let stem = format!("glowworm-{}", session.live_scene.name);
+        let saved = session.saved.as_ref().filter(|saved| saved.is_current(session));
+        let mut scene = saved.map_or(session.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
+        if session.headlamp.is_some() || saved.is_none() && (session.edited || camera_moved) {
             let path: PathBuf = free_name(&stem, "toml").ok()?;
             scene = path.to_string_lossy().into_owned();
             self.actions.push(Action::Save(path));
         }
-        Some(command_line(stage, &scene, &self.clock))
+        Some(command_line(session, &scene, &self.clock))
     }
 }
 
 /// Renders as many frames as a picture takes to come to rest; all of them at one time if the animation is paused.
-fn command_line(stage: &Stage, scene: &str, clock: &Clock) -> String {
-    let mut settings = stage.settings.clone();
+fn command_line(session: &Session, scene: &str, clock: &Clock) -> String {
+    let mut settings = session.settings.clone();
     if clock.paused {
         settings.time_step = 0.0;
     }
-    let (frames, time) = (stage.renderer.frames_to_rest(), clock.time);
+    let (frames, time) = (session.renderer.frames_to_rest(), clock.time);
     let options: String = settings
         .differing_options()
         .into_iter()
         .map(|(option, value)| format!(" --{option}={value}"))
         .collect();
-    let out = quoted(&format!("{}.png", stage.rest.name));
+    let out = quoted(&format!("{}.png", session.live_scene.name));
     format!("glowworm render {} --frames {frames} --time {time}{options} --out {out}", quoted(scene))
 }
 

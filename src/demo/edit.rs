@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 use serde::Serialize;
 
-use super::stage::{Change, Selected, Stage};
+use super::session::{Change, Selected, Session, label};
 use crate::formats::{
     AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, MaterialEdit,
     ModelSource, Primitive, RotationEntry, ScaleEntry, SceneError, SpinEntry,
@@ -31,11 +31,9 @@ pub enum NewObject {
     File(PathBuf),
 }
 
-impl Stage {
+/// Edits of the document. One that is invalid is an error and changes nothing.
+impl Session {
     /// Changes a light of the document to `entry`.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
         self.edit(|document| {
@@ -47,9 +45,6 @@ impl Stage {
     }
 
     /// Changes an instance of the document to `entry`.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
         self.edit(|document| {
@@ -61,25 +56,16 @@ impl Stage {
     }
 
     /// Changes the materials of a name.
-    ///
-    /// # Errors
-    /// If the edit is invalid; then nothing changes.
     pub fn set_material(&mut self, edit: MaterialEdit) -> Result<Change, SceneError> {
         self.edit(|document| document.set_material(edit))
     }
 
     /// Changes the environment, or takes it away.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
         self.edit(|document| document.set_environment(environment))
     }
 
     /// Uses a file as the map of the environment; brightness and rotation stay.
-    ///
-    /// # Errors
-    /// Never, but like every edit.
     pub fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
         let now = self.document.environment().filter(|now| now.has_map()).cloned().unwrap_or_default();
         let map = EnvironmentEntry { asset: None, download: None, builtin: None, map: Some(map), ..now };
@@ -112,9 +98,6 @@ impl Stage {
     }
 
     /// Adds an object in view of the camera and selects it; the file of a model is read when the scene is built.
-    ///
-    /// # Errors
-    /// If the entry is invalid; then nothing changes.
     pub fn add_object(&mut self, object: NewObject) -> Result<Change, SceneError> {
         let place = Some(place_in_view(self).to_array());
         let size = SHAPE * self.radius;
@@ -162,15 +145,16 @@ impl Stage {
 }
 
 /// A place before what is in the middle of the picture.
-fn place_in_view(stage: &Stage) -> Vec3 {
-    let camera = &stage.pose.camera;
-    let distance = stage.pick(glam::Vec2::splat(0.5)).map_or(0.5 * stage.radius, |picked| picked.distance);
+fn place_in_view(session: &Session) -> Vec3 {
+    let camera = &session.pose.camera;
+    let distance =
+        session.pick(glam::Vec2::splat(0.5)).map_or(0.5 * session.radius, |picked| picked.distance);
     camera.eye + camera.forward() * (0.7 * distance)
 }
 
 /// `name`, with as many times " copy" as make it a name that no instance has.
-pub(super) fn free_name(stage: &Stage, name: &str) -> String {
-    let instances = || stage.document.instances();
+pub(super) fn free_name(session: &Session, name: &str) -> String {
+    let instances = || session.document.instances();
     let mut name = name.to_owned();
     while instances().any(|known| *known.name.as_ref().unwrap_or(&known.model) == name) {
         name += " copy";
@@ -179,15 +163,15 @@ pub(super) fn free_name(stage: &Stage, name: &str) -> String {
 }
 
 /// A light of this kind in view of the camera, with a power that suits the scene's size.
-pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
-    let camera = &stage.pose.camera;
-    let place = place_in_view(stage);
+pub(super) fn new_light(session: &Session, kind: LightType) -> LightEntry {
+    let camera = &session.pose.camera;
+    let place = place_in_view(session);
     // An irradiance of pi at a third of the scene's radius.
-    let away = 0.33 * stage.radius;
+    let away = 0.33 * session.radius;
     let intensity = WHITE * (std::f32::consts::PI * away * away);
     let name = (1..)
         .map(|number| format!("{} {number}", label(kind)))
-        .find(|name| stage.document.lights().all(|light| light.name.as_ref() != Some(name)));
+        .find(|name| session.document.lights().all(|light| light.name.as_ref() != Some(name)));
     let entry = LightEntry { name, ..LightEntry::of(kind) };
     match kind {
         LightType::Point => {
@@ -206,7 +190,7 @@ pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
             ..entry
         },
         LightType::Area => {
-            let half = 0.06 * stage.radius;
+            let half = 0.06 * session.radius;
             let corner = |x: f32, z: f32| (place + Vec3::new(x * half, 0.0, z * half)).to_array();
             let radiance = intensity / (4.0 * half * half);
             LightEntry {
@@ -215,16 +199,6 @@ pub(super) fn new_light(stage: &Stage, kind: LightType) -> LightEntry {
                 ..entry
             }
         }
-    }
-}
-
-/// Name of a kind of light.
-pub(super) fn label(kind: LightType) -> &'static str {
-    match kind {
-        LightType::Point => "point",
-        LightType::Spot => "spot",
-        LightType::Directional => "directional",
-        LightType::Area => "area",
     }
 }
 

@@ -5,17 +5,17 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::action::Action;
-use super::app::{App, Open, Recording};
+use super::app::{App, Open};
 use super::flight::Flight;
 use super::history::Sample;
 use super::loader::Built;
 use super::panel::{self, Shown};
 use super::recorder::Recorder;
+use super::recorder::Recording;
 use super::screenshot::Saving;
-use super::stage::{Change, Stage};
+use super::session::{Change, Session};
 use super::tour::Tour;
 use super::{DemoError, Launch};
-use crate::estimators::vpls::VplManager;
 use crate::vulkan::{Pane, Presented, UiDrawing};
 
 impl App {
@@ -24,7 +24,7 @@ impl App {
         self.take_saved();
         let Some(open) = &mut self.open else { return Ok(()) };
         open.follow_size();
-        let step = open.stage.as_ref().map_or(0.0, |stage| stage.settings.time_step);
+        let step = open.session.as_ref().map_or(0.0, |session| session.settings.time_step);
         open.clock.tick(step);
         open.follow_rate();
         open.fly();
@@ -35,20 +35,20 @@ impl App {
         let started = Instant::now();
         let (primitives, pixels_per_point) = open.run_panel(&self.launch);
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
-        let asked = open.panel.leaving.clone();
+        let asked = open.panel.pending.clone();
         for action in std::mem::take(&mut open.actions) {
             self.perform(action)?;
         }
         let Some(open) = &mut self.open else { return Ok(()) };
         open.press.end_frame();
-        if let Some(leave) = open.panel.leaving.clone().filter(|leave| asked.as_ref() != Some(leave)) {
-            self.log.event("unsaved", leave);
+        if let Some(pending) = open.panel.pending.clone().filter(|pending| asked.as_ref() != Some(pending)) {
+            self.log.event("unsaved", pending);
         }
         if open.places != open.panel.places {
             open.places.clone_from(&open.panel.places);
             self.log.event("layout", &open.places);
         }
-        open.draw_stage()?;
+        open.draw_session()?;
         if let Some(split) = &mut open.split
             && let Some(metrics) = split.take_log()
         {
@@ -56,10 +56,10 @@ impl App {
         }
         let drawing =
             UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
-        let panes = match (&open.stage, &open.split) {
-            (Some(stage), Some(split)) => split.panes(stage),
-            (Some(stage), None) => {
-                vec![Pane { picture: stage.renderer.display(), columns: [0.0, 1.0] }]
+        let panes = match (&open.session, &open.split) {
+            (Some(session), Some(split)) => split.panes(session),
+            (Some(session), None) => {
+                vec![Pane { picture: session.renderer.display(), columns: [0.0, 1.0] }]
             }
             (None, _) => Vec::new(),
         };
@@ -73,7 +73,7 @@ impl App {
             interval_ms: open.clock.interval_ms(),
             ui_cpu_ms,
             ui_device_ms: open.gpu.presenter.ui_ms(),
-            report: open.stage.as_ref().map(|stage| stage.report.clone()).unwrap_or_default(),
+            report: open.session.as_ref().map(|session| session.report.clone()).unwrap_or_default(),
         };
         self.log.shown(&sample);
         open.history.push(sample);
@@ -101,7 +101,7 @@ impl App {
                 open.show(built)?;
             }
             // Without any scene this is fatal.
-            Some(Err(error)) if open.stage.is_none() => return Err(error),
+            Some(Err(error)) if open.session.is_none() => return Err(error),
             Some(Err(error)) => {
                 self.log.event("scene-failed", error.to_string());
                 open.refuse(error)?;
@@ -135,18 +135,18 @@ impl App {
 impl Open {
     /// Shows a loaded scene, or the current one with a rebuilt renderer.
     fn show(&mut self, built: Built) -> Result<(), DemoError> {
-        match &mut self.stage {
-            Some(stage) if built.same && stage.name == built.name => {
-                let view = stage.renderer.view().clone();
-                let wanted = stage.settings.clone();
-                let goes_on = built.renderer.is_none();
-                let change = match stage.renew(built) {
+        match &mut self.session {
+            Some(session) if built.same && session.name == built.name => {
+                let view = session.renderer.view().clone();
+                let wanted = session.settings.clone();
+                let reuses_renderer = built.renderer.is_none();
+                let change = match session.renew(built) {
                     Ok(change) => change,
                     Err(error) => return self.refuse(error),
                 };
-                if goes_on {
+                if reuses_renderer {
                     if let Recording::On(recorder) = &mut self.recording {
-                        recorder.edited(stage);
+                        recorder.edited(session);
                     }
                     // Later edits may need another one.
                     if change == Change::Rebuild {
@@ -154,13 +154,13 @@ impl Open {
                     }
                     return Ok(());
                 }
-                stage.renderer.set_view(&view)?;
+                session.renderer.set_view(&view)?;
                 match &mut self.recording {
-                    Recording::On(recorder) => recorder.renewed(stage),
-                    Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(stage))),
+                    Recording::On(recorder) => recorder.renewed(session),
+                    Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(session))),
                     Recording::Off => {}
                 }
-                if stage.settings != wanted {
+                if session.settings != wanted {
                     self.actions.push(Action::Set(Box::new(wanted)));
                 }
                 // Edits made meanwhile may need another rebuild.
@@ -170,24 +170,24 @@ impl Open {
             }
             _ => {
                 // An edit of a scene that is no longer shown.
-                let Some(mut stage) = Stage::new(built) else { return Ok(()) };
+                let Some(mut session) = Session::new(built) else { return Ok(()) };
                 if let Some(view) = self.saved_view.take() {
-                    stage.renderer.set_view(&view)?;
+                    session.renderer.set_view(&view)?;
                 } else {
-                    let warning = stage.renderer.vpls().and_then(VplManager::wasted_slots_warning);
-                    stage
-                        .rest
+                    let warnings = session.renderer.warnings().into_iter();
+                    session
+                        .live_scene
                         .warnings
-                        .extend(warning.map(|warning| format!("{}: {warning}", stage.rest.name)));
-                    stage.rest.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-                    self.panel.message = stage.rest.warnings.join("; ");
-                    self.window.set_title(&format!("{} - glowworm", stage.name));
-                    self.flight = Flight::new(stage.radius, stage.rest.metres_per_unit);
+                        .extend(warnings.map(|warning| format!("{}: {warning}", session.live_scene.name)));
+                    session.live_scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
+                    self.panel.message = session.live_scene.warnings.join("; ");
+                    self.window.set_title(&format!("{} - glowworm", session.name));
+                    self.flight = Flight::new(session.radius, session.live_scene.metres_per_unit);
                     self.clock.time = 0.0;
                 }
                 self.split = None;
                 self.panel.hidden &= self.tour.take().is_none();
-                self.stage = Some(stage);
+                self.session = Some(session);
                 self.inspector.forget();
                 // A recording covers one scene.
                 if !matches!(self.recording, Recording::Off) {
@@ -208,19 +208,19 @@ impl Open {
             return Err(error);
         }
         self.panel.error = Some(error.to_string());
-        self.stage.as_mut().map_or(Ok(()), Stage::take_back)?;
+        self.session.as_mut().map_or(Ok(()), Session::revert)?;
         Ok(())
     }
 
     /// Goes on with the tour; the caption of a stop that begins.
     fn follow_tour(&mut self, launch: &Launch) -> Result<Option<&'static str>, DemoError> {
-        if self.stage.is_some() && std::mem::take(&mut self.tour_waits) {
+        if self.session.is_some() && std::mem::take(&mut self.tour_waits) {
             self.toggle_tour(launch.contact_sheet.clone())?;
         }
-        let (Some(stage), Some(tour)) = (&self.stage, &mut self.tour) else { return Ok(None) };
-        let own = stage.rest.pose(self.clock.time).camera;
+        let (Some(session), Some(tour)) = (&self.session, &mut self.tour) else { return Ok(None) };
+        let own = session.live_scene.pose(self.clock.time).camera;
         let seconds = self.clock.interval_ms() * 1e-3;
-        let Some(frame) = tour.advance(seconds, &own, stage, self.split.as_ref())? else {
+        let Some(frame) = tour.advance(seconds, &own, session, self.split.as_ref())? else {
             self.end_tour()?;
             return Ok(None);
         };
@@ -232,8 +232,8 @@ impl Open {
 
     /// Moves the camera by the held keys.
     fn fly(&mut self) {
-        let Some(stage) = &self.stage else { return };
-        let own = stage.rest.pose(self.clock.time).camera;
+        let Some(session) = &self.session else { return };
+        let own = session.live_scene.pose(self.clock.time).camera;
         self.flight.running = self.modifiers.shift_key();
         self.flight.advance(&own, self.clock.seconds() as f32);
     }
@@ -244,7 +244,7 @@ impl Open {
         let mut actions = Vec::new();
         let output = context.run_ui(input, |ui| {
             let mut shown = Shown {
-                stage: self.stage.as_ref(),
+                session: self.session.as_ref(),
                 split: self.split.as_ref(),
                 caption: self.tour.as_ref().map(Tour::caption),
                 assets: launch.assets.as_deref(),
@@ -266,17 +266,17 @@ impl Open {
         (context.tessellate(output.shapes, scale), scale)
     }
 
-    fn draw_stage(&mut self) -> Result<(), DemoError> {
-        let Some(stage) = &mut self.stage else { return Ok(()) };
-        self.inspector.refresh(stage)?;
-        let camera = self.flight.camera(&stage.rest.pose(self.clock.time).camera);
+    fn draw_session(&mut self) -> Result<(), DemoError> {
+        let Some(session) = &mut self.session else { return Ok(()) };
+        self.inspector.refresh(session)?;
+        let camera = self.flight.camera(&session.live_scene.pose(self.clock.time).camera);
         let pace = self.clock.exposure_pace();
-        stage.render(self.clock.time, camera, pace)?;
+        session.render(self.clock.time, camera, pace)?;
         if let Some(split) = &mut self.split {
-            split.render(stage, pace)?;
+            split.render(session, pace)?;
         }
         if let Recording::On(recorder) = &mut self.recording {
-            recorder.frame(stage);
+            recorder.frame(session);
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! Manipulation handles: arrows to move the selection, rings to rotate it, and light markers.
 //!
-//! In: the stage and the pointer. Out: the handle under the pointer, and the selected entry after a drag.
+//! In: the session and the pointer. Out: the handle under the pointer, and the selected entry after a drag.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
-use super::stage::{Selected, Stage};
+use super::session::{Selected, Session};
 use crate::bvh::Ray;
 use crate::formats::{AxisAngle, InstanceEntry, LightEntry, RotationEntry};
 use crate::scene::LightKind;
@@ -54,8 +54,8 @@ pub(super) struct Projector {
 
 impl Projector {
     /// For a picture in `viewport`, points.
-    pub fn new(stage: &Stage, viewport: Rect) -> Self {
-        Self { view_projection: stage.view_projection(), viewport }
+    pub fn new(session: &Session, viewport: Rect) -> Self {
+        Self { view_projection: session.view_projection(), viewport }
     }
 
     /// Projects a point; none behind the camera.
@@ -83,27 +83,27 @@ fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
 }
 
 /// Length of handles at `pivot`, scene units.
-fn reach(stage: &Stage, pivot: Vec3) -> f32 {
-    let camera = &stage.pose.camera;
+fn reach(session: &Session, pivot: Vec3) -> f32 {
+    let camera = &session.pose.camera;
     let depth = (pivot - camera.eye).dot(camera.forward()).max(camera.near);
     REACH * 2.0 * depth * (0.5 * camera.vertical_fov).tan()
 }
 
 /// Draws light markers, and the bounding box, handles and name of the selection.
-pub(super) fn paint(ui: &Ui, stage: &Stage, viewport: Rect, mode: Mode) {
-    let projector = Projector::new(stage, viewport);
+pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: Mode) {
+    let projector = Projector::new(session, viewport);
     let painter = ui.painter().with_clip_rect(viewport);
-    for light in 0..stage.document.lights().len() {
-        let selected = stage.selected == Some(Selected::Light(light));
-        if let Some(at) = mark(stage, &projector, light) {
-            painter.circle(at, 5.0, light_colour(stage, light), Stroke::new(1.5, edge(selected)));
+    for light in 0..session.document.lights().len() {
+        let selected = session.selected == Some(Selected::Light(light));
+        if let Some(at) = mark(session, &projector, light) {
+            painter.circle(at, 5.0, light_colour(session, light), Stroke::new(1.5, edge(selected)));
         }
     }
-    let Some(selected) = stage.selected else { return };
-    paint_box(&painter, stage, &projector, selected);
-    let Some(pivot) = stage.place_of(selected) else { return };
-    paint_name(&painter, &stage.name_of(selected), projector.point(pivot));
-    let reach = reach(stage, pivot);
+    let Some(selected) = session.selected else { return };
+    paint_box(&painter, session, &projector, selected);
+    let Some(pivot) = session.place_of(selected) else { return };
+    paint_name(&painter, &session.name_of(selected), projector.point(pivot));
+    let reach = reach(session, pivot);
     for (axis, colour) in AXES.into_iter().zip(COLOURS) {
         let points: Option<Vec<Pos2>> =
             lines(mode, pivot, axis, reach).into_iter().map(|point| projector.point(point)).collect();
@@ -123,15 +123,15 @@ fn edge(selected: bool) -> Color32 {
 }
 
 /// Window position of the marker of a light without a surface.
-fn mark(stage: &Stage, projector: &Projector, light: usize) -> Option<Pos2> {
-    let known = stage.pose.lights.get(stage.document.scene_light(light)?)?;
+fn mark(session: &Session, projector: &Projector, light: usize) -> Option<Pos2> {
+    let known = session.pose.lights.get(session.document.scene_light(light)?)?;
     let has_place = matches!(known.kind, LightKind::Point { .. } | LightKind::Spot { .. });
     // The headlamp is at the camera itself.
-    (has_place && stage.headlamp != Some(light)).then(|| projector.point(known.position)).flatten()
+    (has_place && session.headlamp != Some(light)).then(|| projector.point(known.position)).flatten()
 }
 
-fn light_colour(stage: &Stage, light: usize) -> Color32 {
-    let power = stage.document.lights().nth(light).and_then(|light| light.intensity.or(light.irradiance));
+fn light_colour(session: &Session, light: usize) -> Color32 {
+    let power = session.document.lights().nth(light).and_then(|light| light.intensity.or(light.irradiance));
     let power = Vec3::from_array(power.unwrap_or([1.0; 3]));
     let [r, g, b] = (power / power.max_element().max(1e-9)).to_array().map(crate::scene::linear_to_srgb);
     Color32::from_rgb(r, g, b)
@@ -147,18 +147,18 @@ fn paint_name(painter: &Painter, name: &str, pivot: Option<Pos2>) {
 }
 
 /// Draws the bounding box of an instance or of an area light's surface.
-fn paint_box(painter: &Painter, stage: &Stage, projector: &Projector, selected: Selected) {
+fn paint_box(painter: &Painter, session: &Session, projector: &Projector, selected: Selected) {
     let instance = match selected {
         Selected::Instance(index) => Some(index),
-        Selected::Light(index) => stage.document.light_instance(index),
+        Selected::Light(index) => session.document.light_instance(index),
     };
     let Some(instance) = instance else { return };
     let (Some(known), Some(transform)) =
-        (stage.scene.instances.get(instance), stage.pose.instances.get(instance))
+        (session.scene.instances.get(instance), session.pose.instances.get(instance))
     else {
         return;
     };
-    let (low, high) = stage.scene.meshes[known.mesh].bounds();
+    let (low, high) = session.scene.meshes[known.mesh].bounds();
     let corner = |i: usize| {
         let pick = |bit: usize, axis: usize| if i >> bit & 1 == 0 { low[axis] } else { high[axis] };
         projector.point(transform.transform_point3(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))))
@@ -173,21 +173,21 @@ fn paint_box(painter: &Painter, stage: &Stage, projector: &Projector, selected: 
 }
 
 /// The light whose marker is at a window position.
-pub(super) fn light_at(stage: &Stage, viewport: Rect, at: Pos2) -> Option<Selected> {
-    let projector = Projector::new(stage, viewport);
-    let distance = |light: usize| mark(stage, &projector, light).map(|mark| mark.distance(at));
-    let near = (0..stage.document.lights().len()).filter_map(|light| Some((distance(light)?, light)));
+pub(super) fn light_at(session: &Session, viewport: Rect, at: Pos2) -> Option<Selected> {
+    let projector = Projector::new(session, viewport);
+    let distance = |light: usize| mark(session, &projector, light).map(|mark| mark.distance(at));
+    let near = (0..session.document.lights().len()).filter_map(|light| Some((distance(light)?, light)));
     let nearest = near.filter(|(distance, _)| *distance < GRIP).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map(|(_, light)| Selected::Light(light))
 }
 
 impl HandleDrag {
     /// Starts a drag at a window position, if there is a handle.
-    pub fn begin(stage: &Stage, mode: Mode, viewport: Rect, at: Pos2) -> Option<Self> {
-        let selected = stage.selected?;
-        let pivot = stage.place_of(selected)?;
-        let projector = Projector::new(stage, viewport);
-        let reach = reach(stage, pivot);
+    pub fn begin(session: &Session, mode: Mode, viewport: Rect, at: Pos2) -> Option<Self> {
+        let selected = session.selected?;
+        let pivot = session.place_of(selected)?;
+        let projector = Projector::new(session, viewport);
+        let reach = reach(session, pivot);
         let distance = |axis: Vec3| {
             let points: Vec<Pos2> = lines(mode, pivot, axis, reach)
                 .into_iter()
@@ -198,13 +198,13 @@ impl HandleDrag {
         let nearest = AXES.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
         let original = match selected {
             Selected::Instance(index) => {
-                Entry::Instance(index, stage.document.instances().nth(index)?.clone())
+                Entry::Instance(index, session.document.instances().nth(index)?.clone())
             }
-            Selected::Light(index) => Entry::Light(index, stage.document.lights().nth(index)?.clone()),
+            Selected::Light(index) => Entry::Light(index, session.document.lights().nth(index)?.clone()),
         };
         let drag = Self { mode, axis: nearest, pivot, start: 0.0, original };
         let share = (at - viewport.min) / viewport.size();
-        let ray = stage.ray(Vec2::new(share.x, share.y));
+        let ray = session.ray(Vec2::new(share.x, share.y));
         let start = drag.place(&ray).filter(|_| distance(nearest) < GRIP)?;
         Some(Self { start, ..drag })
     }

@@ -3,8 +3,8 @@
 use glam::Vec2;
 
 use super::DemoError;
-use super::stage::Stage;
-use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution};
+use super::session::Session;
+use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution, Vpls};
 use crate::renderer::{DebugView, Line, Picked};
 
 /// Most VPLs to list.
@@ -59,20 +59,21 @@ impl Inspector {
     }
 
     /// Inspects the surface at a position of the picture.
-    pub fn look(&mut self, stage: &Stage, at: Vec2) {
-        self.point = stage.pick(at);
+    pub fn look(&mut self, session: &Session, at: Vec2) {
+        self.point = session.pick(at);
     }
 
     /// Updates the list for the current pose, and draws the visibility rays.
-    pub fn refresh(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
+    pub fn refresh(&mut self, session: &mut Session) -> Result<(), DemoError> {
         self.found.clear();
         let lines = match &self.point {
             None => Vec::new(),
             Some(point) => {
-                let renderer = &stage.renderer;
-                let Some(vpls) = renderer.vpls() else { return Ok(()) };
+                let renderer = &session.renderer;
+                let Some(estimator) = renderer.estimator::<Vpls>() else { return Ok(()) };
+                let vpls = estimator.manager();
                 let slots: Vec<SlotView> = vpls.slots().collect();
-                let contributions = renderer.inspect(&stage.pose, &point.surface);
+                let contributions = estimator.inspect(renderer.world(&session.pose), &point.surface);
                 self.found.extend(contributions.into_iter().take(LISTED).map(|contribution| {
                     let slot = slots[contribution.slot as usize];
                     Found {
@@ -88,8 +89,8 @@ impl Inspector {
         };
         if self.drawn || !lines.is_empty() {
             self.drawn = !lines.is_empty();
-            let view = DebugView { lines, ..stage.renderer.view().clone() };
-            stage.renderer.set_view(&view)?;
+            let view = DebugView { lines, ..session.renderer.view().clone() };
+            session.renderer.set_view(&view)?;
         }
         Ok(())
     }

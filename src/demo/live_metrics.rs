@@ -10,7 +10,7 @@ use crate::metrics::{CompareOptions, Image, Metrics, MetricsError, compare, temp
 /// Time between comparisons.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// What a picture shows, for the comparison of display values.
+/// The display values of a picture, for comparisons.
 #[derive(Clone)]
 pub(super) struct Shot {
     /// Width and height.
@@ -21,7 +21,7 @@ pub(super) struct Shot {
 
 /// The left picture against the right one.
 pub(super) struct Compared {
-    /// Of display values.
+    /// Errors of display values.
     pub metrics: Metrics,
     /// Mean change of luminance between the last two pictures of the left side; none for the first.
     pub temporal_error: Option<f64>,
@@ -31,13 +31,13 @@ pub(super) struct Compared {
     left: Image,
 }
 
-/// What the log says of a comparison.
+/// The log's entry for a comparison.
 #[derive(Serialize)]
 pub(super) struct Logged {
     #[serde(flatten)]
     metrics: Metrics,
     temporal_error: Option<f64>,
-    /// Of the truth, a pixel.
+    /// Samples of the reference, a pixel.
     samples: Option<u64>,
 }
 
@@ -58,7 +58,7 @@ impl LiveMetrics {
         self.last.as_ref()
     }
 
-    /// The last comparison for the log, once. `samples`: of the truth.
+    /// The last comparison for the log, once. `samples`: of the reference.
     pub fn take_log(&mut self, samples: Option<u64>) -> Option<Logged> {
         let is_new = std::mem::replace(&mut self.logged, self.version) != self.version;
         let Compared { metrics, temporal_error, .. } = self.last.as_ref().filter(|_| is_new)?;

@@ -15,7 +15,7 @@ use crate::settings::Settings;
 use crate::vulkan::Device;
 
 /// A request to load a scene.
-pub(super) struct Order {
+pub(super) struct LoadRequest {
     /// Scene, by name or file.
     pub name: String,
     /// The edited scene; none: read it from disk, with the settings of the command line over its own.
@@ -28,7 +28,7 @@ pub(super) struct Order {
 /// The current scene as it is to be.
 pub(super) struct Edited {
     pub document: SceneDocument,
-    /// What was read for it, so that it is not read again.
+    /// Its files, which need not be read again.
     pub read: ReadFiles,
     pub settings: Settings,
     /// The scene of the current renderer, if that may go on with another one.
@@ -68,7 +68,7 @@ impl Step {
 pub(super) struct Loader {
     launch: Launch,
     running: Option<Job>,
-    waiting: Option<Order>,
+    waiting: Option<LoadRequest>,
 }
 
 struct Job {
@@ -89,17 +89,17 @@ impl Loader {
         Self { launch: launch.clone(), running: None, waiting: None }
     }
 
-    /// Starts `order`, or queues it behind the running job.
-    pub fn start(&mut self, order: Order) {
+    /// Starts `request`, or queues it behind the running job.
+    pub fn start(&mut self, request: LoadRequest) {
         if self.running.is_some() {
-            self.waiting = Some(order);
+            self.waiting = Some(request);
             return;
         }
         let (sender, messages) = channel();
         let launch = self.launch.clone();
-        let name = order.name.clone();
+        let name = request.name.clone();
         let thread = std::thread::spawn(move || {
-            let built = in_own_pool("loader", || build(order, &launch, &sender));
+            let built = in_own_pool("loader", || build(request, &launch, &sender));
             // The receiver may be gone if the window was closed.
             let _ = sender.send(Message::Done(Box::new(built)));
         });
@@ -143,15 +143,15 @@ impl Loader {
         if let Some(job) = self.running.take() {
             let _ = job.thread.join();
         }
-        if let Some(order) = self.waiting.take() {
-            self.start(order);
+        if let Some(request) = self.waiting.take() {
+            self.start(request);
         }
     }
 }
 
-fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
+fn build(request: LoadRequest, launch: &Launch, sender: &Sender<Message>) -> Result<Built, DemoError> {
     let assets = launch.assets.as_deref();
-    let Order { name, edited, device, size } = order;
+    let LoadRequest { name, edited, device, size } = request;
     let same = edited.is_some();
     let (document, scene, read, settings, current) = match edited {
         Some(Edited { document, mut read, settings, current }) => {
@@ -166,8 +166,8 @@ fn build(order: Order, launch: &Launch, sender: &Sender<Message>) -> Result<Buil
         }
     };
     let scene = Arc::new(scene);
-    let goes_on = current.is_some_and(|current| scene.same_geometry_and_bindings(&current));
-    let renderer = if goes_on {
+    let reuses_renderer = current.is_some_and(|current| scene.same_geometry_and_bindings(&current));
+    let renderer = if reuses_renderer {
         None
     } else {
         let _ = sender.send(Message::Step(Step::Building));

@@ -15,6 +15,7 @@ mod handles;
 mod history;
 mod inspector;
 mod live_metrics;
+mod live_reference;
 mod loader;
 mod log;
 mod mouse;
@@ -24,10 +25,9 @@ mod pointer;
 mod recorder;
 mod resolution;
 mod screenshot;
+mod session;
 mod split;
-mod stage;
 mod tour;
-mod truth;
 mod undo;
 mod views;
 
@@ -42,7 +42,7 @@ use crate::renderer::RenderError;
 use crate::settings::{GivenSettings, SettingsError};
 use crate::vulkan::VulkanError;
 
-/// What the window starts with.
+/// The window starts with these.
 #[derive(Clone, Debug)]
 pub struct Launch {
     /// The scene, by name or file.

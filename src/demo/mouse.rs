@@ -84,14 +84,14 @@ impl Open {
             }
             MouseButton::Middle => {
                 let at = self.pointer_in_picture();
-                if let Some(picked) = self.stage.as_ref().and_then(|stage| stage.pick(at)) {
+                if let Some(picked) = self.session.as_ref().and_then(|session| session.pick(at)) {
                     self.pointer.begin(button, Drag::Orbit(picked.surface.position));
                 }
             }
             MouseButton::Left if self.inspector.is_on() => {
                 let at = self.pointer_in_picture();
-                if let Some(stage) = &self.stage {
-                    self.inspector.look(stage, at);
+                if let Some(session) = &self.session {
+                    self.inspector.look(session, at);
                 }
             }
             MouseButton::Left => self.choose(),
@@ -103,29 +103,29 @@ impl Open {
     fn choose(&mut self) {
         let (at, viewport) = (self.pointer_in_points(), self.panel.viewport(self.egui.egui_ctx()));
         let in_picture = self.pointer_in_picture();
-        let Some(stage) = &self.stage else { return };
+        let Some(session) = &self.session else { return };
         if self.panel.hidden {
             return;
         }
-        if let Some(drag) = HandleDrag::begin(stage, self.mode, viewport, at) {
+        if let Some(drag) = HandleDrag::begin(session, self.mode, viewport, at) {
             self.pointer.begin(MouseButton::Left, Drag::Handle(Box::new(drag)));
             return;
         }
-        let selected = light_at(stage, viewport, at).or_else(|| stage.selected_at(in_picture));
+        let selected = light_at(session, viewport, at).or_else(|| session.selected_at(in_picture));
         self.actions.push(Action::Select(selected));
     }
 
     /// Applies the drag of a handle to the selected entry, once per frame.
     pub(super) fn drag_handle(&mut self) {
-        let (Some(stage), Some(Drag::Handle(drag))) = (&self.stage, self.pointer.drag()) else { return };
-        let dragged = drag.dragged(&stage.ray(self.pointer_in_picture()));
+        let (Some(session), Some(Drag::Handle(drag))) = (&self.session, self.pointer.drag()) else { return };
+        let dragged = drag.dragged(&session.ray(self.pointer_in_picture()));
         let action = dragged.and_then(|entry| match entry {
             Entry::Instance(index, entry) => {
-                let changes = stage.document.instances().nth(index) != Some(&entry);
+                let changes = session.document.instances().nth(index) != Some(&entry);
                 changes.then(|| Action::EditInstance(index, Box::new(entry)))
             }
             Entry::Light(index, entry) => {
-                let changes = stage.document.lights().nth(index) != Some(&entry);
+                let changes = session.document.lights().nth(index) != Some(&entry);
                 changes.then(|| Action::EditLight(index, Box::new(entry)))
             }
         });
@@ -139,8 +139,8 @@ impl Open {
 
     pub(super) fn pointer_moved(&mut self, position: [f32; 2]) {
         let way = self.pointer.move_to(position);
-        let (Some(stage), Some(drag)) = (&self.stage, self.pointer.drag()) else { return };
-        let own = stage.rest.pose(self.clock.time).camera;
+        let (Some(session), Some(drag)) = (&self.session, self.pointer.drag()) else { return };
+        let own = session.live_scene.pose(self.clock.time).camera;
         match *drag {
             Drag::Handle(_) => {}
             Drag::Look => {

@@ -6,15 +6,16 @@ use serde_json::json;
 
 use super::DemoError;
 use super::action::Action;
-use super::app::{App, Open, Recording, slow_click_context};
+use super::app::{App, Open, slow_click_context};
 use super::edit::{free_name, new_light};
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_instance, moved_light};
-use super::loader::{Edited, Order};
-use super::panel::{Leave, Purpose};
+use super::loader::{Edited, LoadRequest};
+use super::panel::Purpose;
+use super::recorder::Recording;
 use super::resolution::COARSEST;
 use super::screenshot::{self, Saving};
-use super::stage::{Change, Saved, Selected, Stage, carry};
+use super::session::{Change, Saved, Selected, Session, carry};
 use super::undo::State;
 use crate::formats::{InstanceEntry, LightEntry, SceneError};
 use crate::settings::Settings;
@@ -24,7 +25,7 @@ impl App {
     pub(super) fn perform(&mut self, action: Action) -> Result<(), DemoError> {
         self.log.event("action", &action);
         let Some(open) = &mut self.open else { return Ok(()) };
-        let own = open.stage.as_ref().map(|stage| stage.rest.pose(open.clock.time).camera);
+        let own = open.session.as_ref().map(|session| session.live_scene.pose(open.clock.time).camera);
         match action {
             Action::ToggleHelp => open.panel.help = !open.panel.help,
             Action::DismissWelcome => {
@@ -61,16 +62,16 @@ impl App {
             Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
-                if open.may_leave(Leave::Open(name.clone())) {
+                if open.confirm_discard(Action::Open(name.clone())) {
                     open.panel.error = None;
-                    open.order(name, None);
+                    open.request_scene(name, None);
                 }
             }
             Action::Reload => {
-                if let Some(name) = open.stage.as_ref().map(|stage| stage.name.clone())
-                    && open.may_leave(Leave::Reload)
+                if let Some(name) = open.session.as_ref().map(|session| session.name.clone())
+                    && open.confirm_discard(Action::Reload)
                 {
-                    open.order(name, None);
+                    open.request_scene(name, None);
                 }
             }
             Action::SetCoarseness(pixels) => {
@@ -84,8 +85,8 @@ impl App {
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
             Action::Screenshot { exr } => {
-                if let Some(stage) = &open.stage {
-                    open.saving.push(screenshot::take(stage, exr)?);
+                if let Some(session) = &open.session {
+                    open.saving.push(screenshot::take(session, exr)?);
                 }
             }
             Action::ToggleRecording => open.toggle_recording(),
@@ -96,8 +97,8 @@ impl App {
                     open.egui.set_clipboard_text(command);
                 }
             }
-            Action::Quit => open.closing |= open.may_leave(Leave::Close),
-            other => open.look(other)?,
+            Action::Quit => open.closing |= open.confirm_discard(Action::Quit),
+            other => open.change(other)?,
         }
         Ok(())
     }
@@ -108,7 +109,7 @@ impl App {
         open.loader.stop();
         open.split = None;
         open.panel.forget_textures();
-        let stage = open.stage.take();
+        let session = open.session.take();
         let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
         let mode = open.gpu.presenter.mode();
         open.gpu.presenter.close();
@@ -116,10 +117,10 @@ impl App {
         open.recreate_ui();
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
-        if let Some(stage) = stage {
-            open.saved_view = Some(stage.renderer.view().clone());
-            let edited = stage.to_build(true);
-            open.order(stage.name, Some(edited));
+        if let Some(session) = session {
+            open.saved_view = Some(session.renderer.view().clone());
+            let edited = session.to_build(true);
+            open.request_scene(session.name, Some(edited));
         }
         Ok(())
     }
@@ -128,83 +129,83 @@ impl App {
 impl Open {
     /// Whether the scene has unsaved edits.
     pub(super) fn is_edited(&self) -> bool {
-        self.stage.as_ref().is_some_and(|stage| stage.edited)
+        self.session.as_ref().is_some_and(|session| session.edited)
     }
 
-    /// Whether the scene can be left: without unsaved edits, or because they are discarded, which the same again means.
-    /// Otherwise asks.
-    fn may_leave(&mut self, leave: Leave) -> bool {
-        let asked = self.panel.leaving.take();
-        let may = !self.is_edited() || asked.as_ref() == Some(&leave);
+    /// Whether an action may end the scene: there are no unsaved edits, or the user discards them by the same action again.
+    /// Otherwise the panel asks.
+    fn confirm_discard(&mut self, action: Action) -> bool {
+        let asked = self.panel.pending.take();
+        let may = !self.is_edited() || asked.as_ref() == Some(&action);
         if !may {
-            self.panel.leaving = Some(leave);
+            self.panel.pending = Some(action);
         }
         may
     }
 
-    /// Executes the actions that edit or load documents.
-    pub(super) fn change(&mut self, action: Action) {
+    /// Executes the actions that edit the document; the others choose what is shown.
+    fn change(&mut self, action: Action) -> Result<(), DemoError> {
         match action {
             Action::Select(selected) => {
-                if let Some(stage) = &mut self.stage {
-                    stage.selected = selected;
+                if let Some(session) = &mut self.session {
+                    session.selected = selected;
                 }
             }
             Action::ToggleHandles => {
                 self.mode = if self.mode == Mode::Move { Mode::Turn } else { Mode::Move }
             }
-            Action::EditLight(index, entry) => self.edit(|stage| stage.set_light(index, *entry)),
-            Action::EditInstance(index, entry) => self.edit(|stage| stage.set_instance(index, *entry)),
-            Action::EditMaterial(edit) => self.edit(|stage| stage.set_material(*edit)),
+            Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),
+            Action::EditInstance(index, entry) => self.edit(|session| session.set_instance(index, *entry)),
+            Action::EditMaterial(edit) => self.edit(|session| session.set_material(*edit)),
             Action::EditEnvironment(entry) => {
-                self.edit(|stage| stage.set_environment(entry.map(|entry| *entry)))
+                self.edit(|session| session.set_environment(entry.map(|entry| *entry)))
             }
             Action::OpenMap(path) => {
                 self.panel.error = None;
-                self.edit(|stage| stage.set_map(path));
+                self.edit(|session| session.set_map(path));
             }
             Action::AskMap => self.panel.scene.ask_for(Purpose::Map, ""),
-            Action::AddObject(object) => self.edit(|stage| stage.add_object(object)),
+            Action::AddObject(object) => self.edit(|session| session.add_object(object)),
             Action::AskModel => self.panel.scene.ask_for(Purpose::Model, ""),
-            Action::AddLight(kind) => self.edit(|stage| stage.add_light(new_light(stage, kind))),
+            Action::AddLight(kind) => self.edit(|session| session.add_light(new_light(session, kind))),
             Action::Duplicate => self.duplicate(),
             Action::Delete => {
-                self.edit(|stage| match stage.selected {
-                    Some(Selected::Light(index)) => stage.remove_light(index),
-                    Some(Selected::Instance(index)) => stage.remove_instance(index),
+                self.edit(|session| match session.selected {
+                    Some(Selected::Light(index)) => session.remove_light(index),
+                    Some(Selected::Instance(index)) => session.remove_instance(index),
                     None => Ok(Change::Live),
                 });
             }
             Action::ToggleHeadlamp => self.toggle_headlamp(),
             Action::AskOpen => self.panel.scene.ask_for(Purpose::Open, ""),
             Action::AskSave => {
-                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
-            // [`App::perform`] and [`Open::look`] handle all others.
-            _ => {}
+            other => self.look(other)?,
         }
+        Ok(())
     }
 
     /// Requests a scene, as edited or from disk.
-    fn order(&mut self, name: String, edited: Option<Edited>) {
-        let order = Order {
+    fn request_scene(&mut self, name: String, edited: Option<Edited>) {
+        let request = LoadRequest {
             name,
             edited,
             device: std::sync::Arc::clone(&self.gpu.device),
             size: self.picture_size(),
         };
-        self.loader.start(order);
+        self.loader.start(request);
     }
 
     /// Executes an edit, and rebuilds the renderer if needed.
-    fn edit(&mut self, edit: impl FnOnce(&mut Stage) -> Result<Change, SceneError>) {
-        let Some(stage) = &mut self.stage else { return };
-        let before = stage.state();
-        let change = edit(stage);
-        if change.is_ok() && stage.state() != before {
-            stage.undo.remember(before, self.press);
+    fn edit(&mut self, edit: impl FnOnce(&mut Session) -> Result<Change, SceneError>) {
+        let Some(session) = &mut self.session else { return };
+        let before = session.state();
+        let change = edit(session);
+        if change.is_ok() && session.state() != before {
+            session.undo.remember(before, self.press);
         }
         self.take(change);
     }
@@ -219,21 +220,21 @@ impl Open {
     }
 
     fn step_back(&mut self) -> Result<(), DemoError> {
-        let state = self.stage.as_mut().and_then(|stage| stage.undo.back(stage.state()));
+        let state = self.session.as_mut().and_then(|session| session.undo.back(session.state()));
         self.go_to(state)
     }
 
     fn step_forward(&mut self) -> Result<(), DemoError> {
-        let state = self.stage.as_mut().and_then(|stage| stage.undo.forward(stage.state()));
+        let state = self.session.as_mut().and_then(|session| session.undo.forward(session.state()));
         self.go_to(state)
     }
 
     /// Goes to a state that was before or after the current one; the window keeps its size.
     fn go_to(&mut self, state: Option<State>) -> Result<(), DemoError> {
-        let (Some(state), Some(stage)) = (state, &mut self.stage) else { return Ok(()) };
-        let settings = Settings { size: stage.settings.size, ..state.settings.clone() };
-        let change = stage.go_to(&state);
-        let differs = settings != stage.settings;
+        let (Some(state), Some(session)) = (state, &mut self.session) else { return Ok(()) };
+        let settings = Settings { size: session.settings.size, ..state.settings.clone() };
+        let change = session.go_to(&state);
+        let differs = settings != session.settings;
         self.take(change);
         if differs { self.set(&settings) } else { Ok(()) }
     }
@@ -241,9 +242,9 @@ impl Open {
     /// Builds the scene of the current document, with a renderer of its own if the current one cannot go on with it, or if a
     /// recording waits for one.
     pub(super) fn rebuild(&mut self) {
-        let Some(stage) = &self.stage else { return };
-        let edited = stage.to_build(matches!(self.recording, Recording::Waiting));
-        self.order(stage.name.clone(), Some(edited));
+        let Some(session) = &self.session else { return };
+        let edited = session.to_build(matches!(self.recording, Recording::Waiting));
+        self.request_scene(session.name.clone(), Some(edited));
     }
 
     /// Starts a recording with a new renderer, since the picture depends on its history; or saves the current
@@ -256,7 +257,7 @@ impl Open {
             }
             Recording::Waiting => {}
             Recording::On(recorder) => {
-                let name = self.stage.as_ref().map_or("scene", |stage| stage.rest.name.as_str());
+                let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
                 match screenshot::free_name(&format!("glowworm-{name}-recording"), "toml") {
                     Ok(path) => self.saving.push(recorder.save(path)),
                     Err(error) => self.panel.error = Some(error),
@@ -266,25 +267,25 @@ impl Open {
     }
 
     fn duplicate(&mut self) {
-        self.edit(|stage| {
+        self.edit(|session| {
             // Offset the copy, so that both are visible.
-            let way = glam::Vec3::splat(0.05 * stage.radius);
-            match stage.selected {
+            let way = glam::Vec3::splat(0.05 * session.radius);
+            match session.selected {
                 Some(Selected::Light(index)) => {
-                    let Some(light) = stage.document.lights().nth(index) else { return Ok(Change::Live) };
+                    let Some(light) = session.document.lights().nth(index) else { return Ok(Change::Live) };
                     let name = light.name.as_ref().map(|name| format!("{name} copy"));
                     let copy = LightEntry { name, ..light.clone() };
-                    stage.add_light(moved_light(&copy, way))
+                    session.add_light(moved_light(&copy, way))
                 }
                 Some(Selected::Instance(index)) => {
-                    let Some(instance) = stage.document.instances().nth(index) else {
+                    let Some(instance) = session.document.instances().nth(index) else {
                         return Ok(Change::Live);
                     };
                     let copy = InstanceEntry {
-                        name: Some(free_name(stage, instance.name.as_ref().unwrap_or(&instance.model))),
+                        name: Some(free_name(session, instance.name.as_ref().unwrap_or(&instance.model))),
                         ..instance.clone()
                     };
-                    stage.add_instance(moved_instance(&copy, way))
+                    session.add_instance(moved_instance(&copy, way))
                 }
                 None => Ok(Change::Live),
             }
@@ -293,15 +294,15 @@ impl Open {
 
     /// Attaches the selected light to the camera, and detaches the one attached before.
     fn toggle_headlamp(&mut self) {
-        self.edit(|stage| {
-            if let Some(lamp) = stage.headlamp.take() {
-                let Some(light) = stage.document.lights().nth(lamp) else { return Ok(Change::Live) };
+        self.edit(|session| {
+            if let Some(lamp) = session.headlamp.take() {
+                let Some(light) = session.document.lights().nth(lamp) else { return Ok(Change::Live) };
                 let mut light = light.clone();
-                carry(&mut light, &stage.pose.camera);
-                return stage.set_light(lamp, light);
+                carry(&mut light, &session.pose.camera);
+                return session.set_light(lamp, light);
             }
-            if let Some(Selected::Light(index)) = stage.selected {
-                stage.headlamp = Some(index);
+            if let Some(Selected::Light(index)) = session.selected {
+                session.headlamp = Some(index);
             }
             Ok(Change::Live)
         });
@@ -309,39 +310,43 @@ impl Open {
 
     /// Saves the current scene with the current camera.
     fn save(&mut self, path: PathBuf) {
-        let Some(stage) = &mut self.stage else { return };
-        let camera = self.flight.has_moved().then_some(&stage.pose.camera);
-        let text = stage.document_to_save(camera).text_to_save(&path);
-        stage.edited = false;
-        stage.saved = Some(Saved { path: path.clone(), camera: stage.pose.camera });
+        let Some(session) = &mut self.session else { return };
+        let camera = self.flight.has_moved().then_some(&session.pose.camera);
+        let text = session.document_to_save(camera).text_to_save(&path);
+        session.edited = false;
+        session.saved = Some(Saved { path: path.clone(), camera: session.pose.camera });
         self.saving.push(Saving::text(path, text));
     }
 
     /// Changes the settings of the current scene, so that it can be taken back; a change of the window's size alone cannot.
     fn set_and_remember(&mut self, settings: &Settings) -> Result<(), DemoError> {
-        let Some(before) = self.stage.as_ref().map(Stage::state) else { return Ok(()) };
+        let Some(before) = self.session.as_ref().map(Session::state) else { return Ok(()) };
         self.set(settings)?;
-        if let Some(stage) = &mut self.stage
-            && stage.settings != (Settings { size: stage.settings.size, ..before.settings.clone() })
+        if let Some(session) = &mut self.session
+            && session.settings != (Settings { size: session.settings.size, ..before.settings.clone() })
         {
-            stage.undo.remember(before, self.press);
+            session.undo.remember(before, self.press);
         }
         Ok(())
     }
 
     /// Changes the settings of the current scene.
     pub(super) fn set(&mut self, settings: &Settings) -> Result<(), DemoError> {
-        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let Some(session) = &mut self.session else { return Ok(()) };
         if let Err(error) = settings.check() {
             self.panel.error = Some(error.to_string());
             return Ok(());
         }
-        match stage.renderer.set_settings(settings, &stage.pose).map_err(DemoError::from) {
+        match session.renderer.set_settings(settings, &session.pose).map_err(DemoError::from) {
             Ok(()) => {
-                if settings.size == stage.settings.size {
+                if settings.size == session.settings.size {
                     self.resolution.forget();
                 }
-                stage.settings.clone_from(settings);
+                let method = |of: &Settings| (of.indirect, of.reflections);
+                if method(settings) != method(&session.settings) {
+                    self.panel.message = session.renderer.warnings().join("; ");
+                }
+                session.settings.clone_from(settings);
             }
             Err(error) if error.is_device_lost() => return Err(error),
             Err(error) => self.panel.error = Some(error.to_string()),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::screenshot::Saving;
-use super::stage::Stage;
+use super::session::Session;
 use crate::formats::SceneDocument;
 use crate::scene::{Pose, RecordedFrame};
 use crate::settings::Settings;
@@ -21,43 +21,53 @@ pub(super) struct Recorder {
     edited: Option<String>,
 }
 
+/// State of the recording.
+#[derive(Default)]
+pub(super) enum Recording {
+    #[default]
+    Off,
+    /// Starts with the renderer that is being built.
+    Waiting,
+    On(Box<Recorder>),
+}
+
 impl Recorder {
-    /// Starts with the next frame, the first of the stage's renderer.
-    pub fn new(stage: &Stage) -> Self {
+    /// Starts with the next frame, the first of the session's renderer.
+    pub fn new(session: &Session) -> Self {
         Self {
-            document: stage.made_document(),
+            document: session.document_of_renderer(),
             frames: Vec::new(),
             next: 0,
             last_pose: None,
-            last_settings: stage.settings.clone(),
+            last_settings: session.settings.clone(),
             new_scene: None,
             edited: None,
         }
     }
 
-    /// Notes that the stage's renderer was rebuilt.
-    pub fn renewed(&mut self, stage: &Stage) {
-        self.new_scene = Some(stage.made_document().text());
+    /// Notes that the session's renderer was rebuilt.
+    pub fn renewed(&mut self, session: &Session) {
+        self.new_scene = Some(session.document_of_renderer().text());
         self.edited = None;
         self.last_pose = None;
     }
 
-    /// Notes that the stage's renderer goes on with an edited scene.
-    pub fn edited(&mut self, stage: &Stage) {
-        self.edited = Some(stage.made_document().text());
+    /// Notes that the session's renderer goes on with an edited scene.
+    pub fn edited(&mut self, session: &Session) {
+        self.edited = Some(session.document_of_renderer().text());
         self.last_pose = None;
     }
 
     /// Records a frame.
-    pub fn frame(&mut self, stage: &Stage) {
-        let mut frame = RecordedFrame::between(self.next, self.last_pose.as_ref(), &stage.pose);
+    pub fn frame(&mut self, session: &Session) {
+        let mut frame = RecordedFrame::between(self.next, self.last_pose.as_ref(), &session.pose);
         frame.scene = self.new_scene.take();
         frame.edited = self.edited.take();
-        if frame.scene.is_some() || self.last_settings != stage.settings {
-            frame.settings = Some(stage.settings.clone());
-            self.last_settings.clone_from(&stage.settings);
+        if frame.scene.is_some() || self.last_settings != session.settings {
+            frame.settings = Some(session.settings.clone());
+            self.last_settings.clone_from(&session.settings);
         }
-        self.last_pose = Some(stage.pose.clone());
+        self.last_pose = Some(session.pose.clone());
         if !frame.is_empty() {
             self.frames.push(frame);
         }

@@ -5,7 +5,8 @@
 use std::time::{Duration, Instant};
 
 use super::action::Action;
-use super::app::{Open, Recording};
+use super::app::Open;
+use super::recorder::Recording;
 use super::split::Right;
 use crate::settings::Settings;
 use crate::statistics::percentile;
@@ -103,8 +104,8 @@ impl Open {
         }
         self.resized = None;
         let size = self.picture_size();
-        if let Some(stage) = self.stage.as_ref().filter(|stage| stage.settings.size != size) {
-            let settings = Settings { size, ..stage.settings.clone() };
+        if let Some(session) = self.session.as_ref().filter(|session| session.settings.size != size) {
+            let settings = Settings { size, ..session.settings.clone() };
             self.actions.push(Action::Set(Box::new(settings)));
         }
     }
@@ -112,15 +113,16 @@ impl Open {
     /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
     /// needs the machine, or a picture must keep its size.
     pub fn follow_rate(&mut self) {
-        let is_reference = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
+        let is_reference =
+            self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Reference(_)));
         let is_busy = self.loader.progress().is_some() || self.resized.is_some();
         let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
-        let stage = self.stage.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
-        let Some(stage) = stage else {
+        let session = self.session.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
+        let Some(session) = session else {
             self.resolution.frames.clear();
             return;
         };
-        let (aim, cost) = (self.aim_ms(stage.settings.target_fps), stage.report.figures.total_ms);
+        let (aim, cost) = (self.aim_ms(session.settings.target_fps), session.report.figures.total_ms);
         let changed = match aim {
             Some(aim) => self.resolution.judge(self.clock.interval_ms(), cost, aim),
             None => std::mem::replace(&mut self.resolution.coarseness, 1) != 1,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 use super::DemoError;
-use super::stage::Stage;
+use super::session::Session;
 use crate::output::{OutputFile, PictureTarget};
 
 /// Most files of one name in a folder.
@@ -37,9 +37,9 @@ impl Saving {
 }
 
 /// Reads back the last frame's picture and writes it to the current folder under a new name.
-pub(super) fn take(stage: &Stage, exr: bool) -> Result<Saving, DemoError> {
-    let picture = stage.renderer.read_picture(false)?;
-    let stem = format!("glowworm-{}", stage.rest.name.replace(['/', '\\'], "-"));
+pub(super) fn take(session: &Session, exr: bool) -> Result<Saving, DemoError> {
+    let picture = session.renderer.read_picture(false)?;
+    let stem = format!("glowworm-{}", session.live_scene.name.replace(['/', '\\'], "-"));
     let thread = std::thread::spawn(move || {
         let path = free_name(&stem, if exr { "exr" } else { "png" })?;
         let target = PictureTarget::new(&path, false).map_err(|error| error.to_string())?;

@@ -9,10 +9,10 @@ use image::{Rgb, RgbImage};
 use super::DemoError;
 use super::action::Action;
 use super::live_metrics::Shot;
+use super::session::Session;
 use super::split::{Right, RightSide, Split};
-use super::stage::Stage;
 use super::undo::Undo;
-use crate::estimators::vpls::PathStyle;
+use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
 use crate::renderer::DebugView;
 use crate::scene::Camera;
@@ -28,13 +28,13 @@ const COLUMNS: usize = 3;
 /// A stop.
 struct Stop {
     caption: &'static str,
-    /// What happens, and when, seconds after the stop begins.
+    /// Acts, and when they happen, seconds after the stop begins.
     acts: &'static [(f64, Act)],
     /// How far the camera sways about its target, degrees, and how often.
     sway: [f32; 2],
 }
 
-/// What happens at a stop.
+/// Something that happens at a stop.
 #[derive(Clone, Copy)]
 enum Act {
     Sets(u32),
@@ -44,7 +44,7 @@ enum Act {
     Pause(bool),
     /// Direct light alone right of the divider, which sways.
     Compare,
-    Truth,
+    Reference,
     /// One picture again.
     Join,
 }
@@ -81,8 +81,8 @@ const STOPS: [Stop; 6] = [
         sway: [4.0, 1.0],
     },
     Stop {
-        caption: "The truth. A path tracer goes on as long as nothing moves; the picture on the left is compared with it.",
-        acts: &[(0.0, Act::Join), (0.0, Act::Pause(true)), (0.0, Act::Truth)],
+        caption: "The reference. A path tracer goes on as long as nothing moves; the picture on the left is compared with it.",
+        acts: &[(0.0, Act::Join), (0.0, Act::Pause(true)), (0.0, Act::Reference)],
         sway: [0.0, 1.0],
     },
 ];
@@ -90,7 +90,7 @@ const STOPS: [Stop; 6] = [
 /// The tour under way.
 pub(super) struct Tour {
     stop: usize,
-    /// Since the stop began, seconds.
+    /// Time since the stop began, seconds.
     time: f64,
     /// Acts of the stop that are over.
     acts: usize,
@@ -99,7 +99,7 @@ pub(super) struct Tour {
     sheet: Option<(PathBuf, Vec<Shot>)>,
 }
 
-/// What the end of the tour goes back to.
+/// The state that the end of the tour restores.
 pub(super) struct Before {
     pub settings: Settings,
     pub view: DebugView,
@@ -110,7 +110,7 @@ pub(super) struct Before {
     pub undo: Undo,
 }
 
-/// What a frame of the tour does.
+/// The work of a frame of the tour.
 pub(super) struct TourFrame {
     pub actions: Vec<Action>,
     pub camera: Camera,
@@ -125,7 +125,7 @@ impl Tour {
         Self { stop: 0, time: 0.0, acts: 0, before, sheet }
     }
 
-    /// What is to be read.
+    /// The text to be read.
     pub fn caption(&self) -> &'static str {
         STOPS.get(self.stop).map_or("", |stop| stop.caption)
     }
@@ -135,7 +135,7 @@ impl Tour {
         &mut self,
         seconds: f64,
         own: &Camera,
-        stage: &Stage,
+        session: &Session,
         split: Option<&Split>,
     ) -> Result<Option<TourFrame>, DemoError> {
         // The first frame of all may come after a long load.
@@ -143,13 +143,13 @@ impl Tour {
         self.time += if first { 0.0 } else { seconds };
         let ends = self.time >= STOP;
         if ends {
-            self.take_shot(stage, split)?;
+            self.take_shot(session, split)?;
             (self.stop, self.time, self.acts) = (self.stop + 1, 0.0, 0);
         }
         let Some(stop) = STOPS.get(self.stop) else { return Ok(None) };
         let due = stop.acts.iter().filter(|(at, _)| *at <= self.time).count();
         let mut actions: Vec<Action> =
-            stop.acts[self.acts..due].iter().map(|(_, act)| self.action(*act, stage)).collect();
+            stop.acts[self.acts..due].iter().map(|(_, act)| self.action(*act, session)).collect();
         self.acts = due;
         let share = (self.time / STOP) as f32;
         if let Some(Right::Renderer(_)) = split.map(|split| &split.right) {
@@ -177,37 +177,41 @@ impl Tour {
         Ok((self.before, true))
     }
 
-    fn action(&self, act: Act, stage: &Stage) -> Action {
+    fn action(&self, act: Act, session: &Session) -> Action {
         match act {
             Act::Sets(sets) => {
-                let vpl =
-                    VplSettings { temporal_sets: sets.min(stage.settings.vpl.slots), ..stage.settings.vpl };
-                Action::Set(Box::new(Settings { vpl, indirect: Indirect::Vpls, ..stage.settings.clone() }))
+                let vpl = VplSettings {
+                    temporal_sets: sets.min(session.settings.vpl.slots),
+                    ..session.settings.vpl
+                };
+                Action::Set(Box::new(Settings { vpl, indirect: Indirect::VPLS, ..session.settings.clone() }))
             }
             Act::FewVpls(few) => {
                 let pool = if few { FEW } else { self.before.settings.vpl.pool };
-                let vpl = VplSettings { pool, ..stage.settings.vpl };
-                Action::Set(Box::new(Settings { vpl, ..stage.settings.clone() }))
+                let vpl = VplSettings { pool, ..session.settings.vpl };
+                Action::Set(Box::new(Settings { vpl, ..session.settings.clone() }))
             }
             Act::Paths(shown) => {
-                let mut view = stage.renderer.view().clone();
-                view.vpl.vpl_paths = shown.then(PathStyle::default);
+                let mut view = session.renderer.view().clone();
+                view.change_options(|options: &mut VplDebugView| {
+                    options.vpl_paths = shown.then(PathStyle::default)
+                });
                 Action::View(Box::new(view))
             }
             Act::Pause(paused) => Action::Pause(paused),
             Act::Compare => {
-                let direct = Settings { indirect: Indirect::None, ..stage.settings.clone() };
+                let direct = Settings { indirect: Indirect::NONE, ..session.settings.clone() };
                 Action::Split(Some(RightSide::Settings(Box::new(direct))))
             }
-            Act::Truth => Action::Split(Some(RightSide::Truth)),
+            Act::Reference => Action::Split(Some(RightSide::Reference)),
             Act::Join => Action::Split(None),
         }
     }
 
     /// Keeps what is on screen for the sheet.
-    fn take_shot(&mut self, stage: &Stage, split: Option<&Split>) -> Result<(), DemoError> {
+    fn take_shot(&mut self, session: &Session, split: Option<&Split>) -> Result<(), DemoError> {
         let Some((_, shots)) = &mut self.sheet else { return Ok(()) };
-        let mut shot = stage.shot()?;
+        let mut shot = session.shot()?;
         if let Some(split) = split
             && let Some(right) = split.right_shot()?
         {

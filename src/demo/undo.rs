@@ -1,4 +1,4 @@
-//! What can be taken back: edits of the scene, and settings.
+//! Undo: edits of the scene, and settings, can be taken back.
 
 use crate::formats::SceneDocument;
 use crate::settings::Settings;
@@ -6,11 +6,11 @@ use crate::settings::Settings;
 /// Steps to keep.
 const KEPT: usize = 200;
 
-/// What an edit changes.
+/// The state that an edit changes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct State {
     pub document: SceneDocument,
-    /// Of any size: that of the window is not taken back.
+    /// Settings; their size is not taken back, since it is the window's.
     pub settings: Settings,
     pub headlamp: Option<usize>,
 }

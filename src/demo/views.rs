@@ -4,21 +4,22 @@ use std::path::PathBuf;
 
 use super::DemoError;
 use super::action::Action;
-use super::app::{Open, Recording};
+use super::app::Open;
+use super::recorder::Recording;
 use super::split::{Right, RightSide, Split};
 use super::tour::{Before, Tour};
 use crate::estimators;
-use crate::estimators::vpls::{PathStyle, SlotState};
+use crate::estimators::vpls::{PathStyle, SlotState, VplDebugView, Vpls};
 use crate::renderer::DebugView;
 use crate::settings::Settings;
 
 impl Open {
-    /// Executes the actions that choose what is shown; the others are edits.
+    /// Executes the actions that choose what is shown.
     pub(super) fn look(&mut self, action: Action) -> Result<(), DemoError> {
         match action {
             Action::Split(side) => self.divide(side)?,
             Action::ToggleSplit => self.toggle_split()?,
-            Action::ToggleTruth => self.toggle_truth()?,
+            Action::ToggleReference => self.toggle_reference()?,
             Action::MoveDivider(at) => self.change_split(|split| split.at = at),
             Action::ToggleDifference => {
                 self.change_split(|split| split.shows_difference = !split.shows_difference);
@@ -26,13 +27,13 @@ impl Open {
             Action::View(view) => self.view(&view)?,
             Action::StepBuffer(by) => self.step_buffer(by)?,
             Action::StepVpl(by) => self.step_vpl(by)?,
-            Action::AllVpls => self.change_view(|view| view.vpl.single_vpl = None)?,
-            Action::TogglePaths => self.change_view(|view| {
-                let paths = &mut view.vpl.vpl_paths;
-                *paths = if paths.is_some() { None } else { Some(PathStyle::default()) };
+            Action::AllVpls => self.change_vpl_view(|view| view.single_vpl = None)?,
+            Action::TogglePaths => self.change_vpl_view(|view| {
+                view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
             })?,
             Action::ToggleInspector => self.inspector.toggle(),
-            edit => self.change(edit),
+            // [`App::perform`](super::app::App::perform) and [`Open::change`] have taken all others.
+            _ => {}
         }
         Ok(())
     }
@@ -42,13 +43,13 @@ impl Open {
         if self.tour.is_some() {
             return self.end_tour();
         }
-        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let Some(session) = &mut self.session else { return Ok(()) };
         let before = Before {
-            settings: stage.settings.clone(),
-            view: stage.renderer.view().clone(),
+            settings: session.settings.clone(),
+            view: session.renderer.view().clone(),
             camera: self.flight.moved(),
             paused: self.clock.paused,
-            undo: std::mem::take(&mut stage.undo),
+            undo: std::mem::take(&mut session.undo),
         };
         self.tour = Some(Tour::new(before, sheet));
         self.split = None;
@@ -58,7 +59,7 @@ impl Open {
 
     /// Ends the tour where it is; everything goes back to how it was.
     pub(super) fn end_tour(&mut self) -> Result<(), DemoError> {
-        let (Some(tour), Some(stage)) = (self.tour.take(), &mut self.stage) else { return Ok(()) };
+        let (Some(tour), Some(session)) = (self.tour.take(), &mut self.session) else { return Ok(()) };
         let (before, closes) = tour.end()?;
         self.closing |= closes;
         self.panel.hidden = false;
@@ -68,8 +69,8 @@ impl Open {
             Some(camera) => self.flight.go_to(camera),
             None => self.flight.home(),
         }
-        stage.undo = before.undo;
-        let settings = Settings { size: stage.settings.size, ..before.settings };
+        session.undo = before.undo;
+        let settings = Settings { size: session.settings.size, ..before.settings };
         self.view(&before.view)?;
         self.set(&settings)
     }
@@ -77,14 +78,14 @@ impl Open {
     /// Divides the window between two methods, the same at first, or goes back to one picture.
     pub(super) fn toggle_split(&mut self) -> Result<(), DemoError> {
         let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
-        let settings = self.stage.as_ref().map(|stage| Box::new(stage.settings.clone()));
+        let settings = self.session.as_ref().map(|session| Box::new(session.settings.clone()));
         self.divide(settings.filter(|_| !is_on).map(RightSide::Settings))
     }
 
-    /// Shows the truth right of the divider, or goes back to one picture.
-    pub(super) fn toggle_truth(&mut self) -> Result<(), DemoError> {
-        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Truth(_)));
-        self.divide((!is_on).then_some(RightSide::Truth))
+    /// Shows the reference right of the divider, or goes back to one picture.
+    pub(super) fn toggle_reference(&mut self) -> Result<(), DemoError> {
+        let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Reference(_)));
+        self.divide((!is_on).then_some(RightSide::Reference))
     }
 
     pub(super) fn change_split(&mut self, change: impl FnOnce(&mut Split)) {
@@ -95,15 +96,15 @@ impl Open {
 
     /// Divides the window, shows something else right of the divider, or goes back to one picture.
     pub(super) fn divide(&mut self, side: Option<RightSide>) -> Result<(), DemoError> {
-        let (Some(stage), Some(side)) = (&mut self.stage, side) else {
+        let (Some(session), Some(side)) = (&mut self.session, side) else {
             self.split = None;
             return Ok(());
         };
         let had_renderer = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
         let restarts = matches!(side, RightSide::Settings(_)) && !had_renderer;
         let done = match &mut self.split {
-            Some(split) => split.show(&self.gpu.device, stage, side),
-            None => Split::new(&self.gpu.device, stage, side).map(|split| self.split = Some(split)),
+            Some(split) => split.show(&self.gpu.device, session, side),
+            None => Split::new(&self.gpu.device, session, side).map(|split| self.split = Some(split)),
         };
         match done {
             Err(error) if error.is_device_lost() => return Err(error),
@@ -113,23 +114,27 @@ impl Open {
         if let Recording::On(recorder) = &mut self.recording
             && restarts
         {
-            recorder.renewed(stage);
+            recorder.renewed(session);
         }
         Ok(())
     }
 
     pub(super) fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
-        match &mut self.stage {
-            Some(stage) => Ok(stage.renderer.set_view(view)?),
+        match &mut self.session {
+            Some(session) => Ok(session.renderer.set_view(view)?),
             None => Ok(()),
         }
     }
 
     pub(super) fn change_view(&mut self, change: impl FnOnce(&mut DebugView)) -> Result<(), DemoError> {
-        let Some(stage) = &self.stage else { return Ok(()) };
-        let mut view = stage.renderer.view().clone();
+        let Some(session) = &self.session else { return Ok(()) };
+        let mut view = session.renderer.view().clone();
         change(&mut view);
         self.view(&view)
+    }
+
+    fn change_vpl_view(&mut self, change: impl FnOnce(&mut VplDebugView)) -> Result<(), DemoError> {
+        self.change_view(|view| view.change_options(change))
     }
 
     pub(super) fn step_buffer(&mut self, by: i32) -> Result<(), DemoError> {
@@ -143,14 +148,13 @@ impl Open {
 
     /// Steps to the next or previous valid VPL; from all VPLs to the first.
     pub(super) fn step_vpl(&mut self, by: i32) -> Result<(), DemoError> {
-        let Some(stage) = &self.stage else { return Ok(()) };
-        let Some(vpls) = stage.renderer.vpls() else { return Ok(()) };
-        let slots = vpls.slots();
+        let Some(session) = &self.session else { return Ok(()) };
+        let Some(vpls) = session.renderer.estimator::<Vpls>() else { return Ok(()) };
+        let slots = vpls.manager().slots();
         let valid: Vec<u32> =
             slots.filter(|slot| slot.state == SlotState::Valid).map(|slot| slot.slot).collect();
-        self.change_view(|view| {
-            let look = &mut view.vpl;
-            let next = match look.single_vpl {
+        self.change_vpl_view(|view| {
+            let next = match view.single_vpl {
                 None => 0,
                 Some(now) if by > 0 => valid.iter().position(|slot| *slot > now).unwrap_or(0),
                 Some(now) => {
@@ -158,9 +162,9 @@ impl Open {
                     before.unwrap_or(valid.len().saturating_sub(1))
                 }
             };
-            look.single_vpl = valid.get(next).copied();
+            view.single_vpl = valid.get(next).copied();
             // Show its path too.
-            look.vpl_paths.get_or_insert_default();
+            view.vpl_paths.get_or_insert_default();
         })
     }
 }

@@ -1,34 +1,39 @@
-//! What computes indirect light: one folder a method.
+//! Estimators compute indirect light; each method has a folder.
 //!
 //! In: the visible surfaces, the tracer and the world. Out: irradiance, W/m^2, without the albedo of the visible surface. An
 //! estimator names its passes, its views and its counters; reports, the window and `--view` list what it names.
 
+mod method;
 pub mod none;
 pub mod vpls;
 
 use std::any::Any;
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 pub use crate::bvh::World;
 pub use crate::denoise::SignalNoise;
 use crate::gpu_scene::tracer::TracerVariant;
+pub use method::{Axis, CounterInfo, Method, MethodPasses};
+
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::effect_view;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
 use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
-use crate::settings::{Indirect, Settings};
+use crate::settings::Settings;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 
-/// What an estimator is made with.
+/// An estimator is made with these.
 #[derive(Clone)]
 pub struct EstimatorContext<'a> {
     /// The device.
     pub device: &'a Arc<Device>,
-    /// What its shaders are made for.
+    /// Its shaders are made for this variant.
     pub tracer: TracerVariant,
     /// The settings, which were checked.
     pub settings: &'a Settings,
@@ -56,20 +61,8 @@ pub struct Hits<'a> {
     pub reflection: &'a Image,
 }
 
-/// The passes of a method, in the order of the frame.
-#[derive(Clone, Copy, Debug)]
-pub struct MethodPasses {
-    /// On the CPU, while the device draws the frame before.
-    pub cpu: &'static [PassInfo],
-    /// On the device.
-    pub device: &'static [PassInfo],
-}
-
 /// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].
 pub trait Estimator: Any + Send {
-    /// What it names.
-    fn method(&self) -> Method;
-
     /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
     fn cycle(&self) -> u32 {
         1
@@ -86,7 +79,7 @@ pub trait Estimator: Any + Send {
         Vec::new()
     }
 
-    /// What it counted in [`Self::update`], by name; dots nest.
+    /// The counts of [`Self::update`], by name; dots nest.
     fn counters(&self) -> Counters {
         Counters::default()
     }
@@ -124,6 +117,7 @@ pub trait Estimator: Any + Send {
     }
 
     /// Lights surfaces that are not on the screen: adds weight times irradiance, an unbiased estimate, to the reflection.
+    /// A method that does not says so by [`Method::lights_hits`].
     ///
     /// # Errors
     /// Where the device fails.
@@ -136,7 +130,7 @@ pub trait Estimator: Any + Send {
         Ok(())
     }
 
-    /// What the device counted in the frame, to be read back; it goes to [`Self::add_device_counters`].
+    /// The counts of the device, which are read back and go to [`Self::add_device_counters`].
     fn device_counters(&self) -> Option<&Buffer> {
         None
     }
@@ -154,12 +148,12 @@ pub trait Estimator: Any + Send {
     /// No frame is on its way.
     fn change_scene(&mut self, _world: World<'_>) {}
 
-    /// Looks at `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
+    /// Shows `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]
     /// need for it.
     ///
     /// # Errors
     /// Where the device fails.
-    fn look_at(&mut self, _view: &DebugView) -> Result<(), VulkanError> {
+    fn set_view(&mut self, _view: &DebugView) -> Result<(), VulkanError> {
         Ok(())
     }
 
@@ -192,9 +186,14 @@ pub trait Estimator: Any + Send {
     fn lines(&self) -> Vec<Line> {
         Vec::new()
     }
+
+    /// Users should know these facts about its work on the scene, a sentence each.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
-/// What to show. The default is the picture, at no cost.
+/// The view that a frame shows. The default is the picture, at no cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DebugView {
@@ -202,64 +201,112 @@ pub struct DebugView {
     pub buffer: Cow<'static, str>,
     /// Lines to draw over everything.
     pub lines: Vec<Line>,
-    /// What to look at of `--indirect vpls`.
+    /// The options of the method's views by name; the method knows their type.
     #[serde(flatten)]
-    pub vpl: vpls::VplLook,
+    pub options: Map<String, Value>,
+}
+
+impl DebugView {
+    /// The options of a method's views. What is not set has its default.
+    pub fn options<Options: DeserializeOwned + Default>(&self) -> Options {
+        serde_json::from_value(Value::Object(self.options.clone())).unwrap_or_default()
+    }
+
+    /// Replaces the options of the method's views.
+    pub fn set_options<Options: Serialize>(&mut self, options: &Options) {
+        self.options = match serde_json::to_value(options) {
+            Ok(Value::Object(options)) => options,
+            _ => Map::new(),
+        };
+    }
+
+    /// The view with these options.
+    #[must_use]
+    pub fn with_options<Options: Serialize>(mut self, options: &Options) -> Self {
+        self.set_options(options);
+        self
+    }
+
+    /// Changes the options of a method's views.
+    pub fn change_options<Options: Serialize + DeserializeOwned + Default>(
+        &mut self,
+        change: impl FnOnce(&mut Options),
+    ) {
+        let mut options = self.options();
+        change(&mut options);
+        self.set_options(&options);
+    }
 }
 
 impl Default for DebugView {
     fn default() -> Self {
-        Self { buffer: COMBINED.into(), lines: Vec::new(), vpl: vpls::VplLook::default() }
+        Self { buffer: COMBINED.into(), lines: Vec::new(), options: Map::new() }
     }
 }
 
-/// What a method's view reads and writes.
+/// A method's view reads and writes these.
 pub struct ViewInputs<'a> {
-    /// What its passes have read.
+    /// Its passes have read these.
     pub frame: &'a FrameInputs<'a>,
     /// Factor of the picture's exposure.
     pub exposure: &'a Buffer,
-    /// What is shown, RGBA8.
+    /// The shown picture, RGBA8.
     pub display: &'a Image,
+}
+
+/// One line a method. [`register`] adds those of other crates.
+static METHODS: RwLock<&[Method]> = RwLock::new(&[vpls::METHOD, none::METHOD]);
+
+/// All methods.
+pub fn methods() -> &'static [Method] {
+    *METHODS.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Adds a method of another crate, such as a test's, before anything else uses the library.
+pub fn register(method: Method) {
+    method.indirect.add();
+    let mut methods = METHODS.write().unwrap_or_else(PoisonError::into_inner);
+    // Whoever has read the list keeps the old one, so it is never freed.
+    *methods = Vec::leak([*methods, &[method]].concat());
+}
+
+/// The method that the settings name.
+///
+/// # Panics
+/// If it was not registered: settings that were parsed name only methods that are.
+pub fn method(settings: &Settings) -> &'static Method {
+    let found = methods().iter().find(|method| method.indirect == settings.indirect);
+    found.unwrap_or_else(|| panic!("--indirect {:?} is not registered", settings.indirect))
 }
 
 /// Makes the estimator that the settings name.
 ///
 /// # Errors
-/// Where the device cannot do with it.
+/// Where the device does not support it.
 pub fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
-    Ok(match context.settings.indirect {
-        Indirect::Vpls => Box::new(vpls::Vpls::new(context)?),
-        Indirect::None => Box::new(none::NoIndirect::new(context)?),
-    })
+    (method(context.settings).make)(context)
 }
-
-/// What a method names.
-#[derive(Clone, Copy, Debug)]
-pub struct Method {
-    /// As in `--indirect`.
-    pub name: &'static str,
-    /// Its passes.
-    pub passes: MethodPasses,
-    /// Its views.
-    pub views: &'static [View],
-    /// Its counters.
-    pub counters: &'static [&'static str],
-}
-
-/// All methods.
-pub const METHODS: [Method; 2] = [vpls::METHOD, none::METHOD];
 
 /// All passes in the order of the frame, each with the name of its method, or `shared` by all.
 pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     let shared = |passes: &'static [PassInfo]| passes.iter().map(|pass| ("shared", pass));
-    let cpu = METHODS.iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name, pass)));
+    let cpu = methods().iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name(), pass)));
     let device =
-        METHODS.iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name, pass)));
+        methods().iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name(), pass)));
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
+}
+
+/// All counters of all methods, by name.
+pub fn counters() -> impl Iterator<Item = &'static CounterInfo> {
+    methods().iter().flat_map(|method| method.counters)
+}
+
+/// All axes of all methods.
+pub fn axes() -> impl Iterator<Item = &'static Axis> {
+    methods().iter().flat_map(|method| method.axes)
 }
 
 /// The views of what all methods share, then those of methods and of effects.
 pub fn views() -> impl Iterator<Item = &'static View> {
-    VIEWS.iter().chain(METHODS.iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
+    VIEWS.iter().chain(methods().iter().flat_map(|method| method.views)).chain(&effect_view::VIEWS)
 }

@@ -2,14 +2,19 @@
 
 use std::sync::Arc;
 
-use super::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses};
+use super::{Estimator, EstimatorContext, IrradianceSignal, Method};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
+use crate::settings::Indirect;
 use crate::vulkan::{Device, Frame, Image, VulkanError, vk};
 
-/// It has no passes.
-pub const METHOD: Method =
-    Method { name: "none", passes: MethodPasses { cpu: &[], device: &[] }, views: &[], counters: &[] };
+/// Its light is zero everywhere, so hits need no more.
+pub const METHOD: Method = Method {
+    rays: |_| 0,
+    lights_hits: true,
+    gives_light: false,
+    ..Method::new(Indirect::NONE, "no indirect light", |context| Ok(Box::new(NoIndirect::new(context)?)))
+};
 
 /// The estimator.
 pub struct NoIndirect {
@@ -31,10 +36,6 @@ impl NoIndirect {
 }
 
 impl Estimator for NoIndirect {
-    fn method(&self) -> Method {
-        METHOD
-    }
-
     fn record(&mut self, frame: &mut Frame<'_>, _: &FrameInputs<'_>) -> Result<(), VulkanError> {
         if !std::mem::replace(&mut self.is_clear, true) {
             frame.clear_image(&self.irradiance, [0.0; 4]);

@@ -2,26 +2,15 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::Named;
 use super::tracer_hardware::HardwareTracer;
 use super::tracer_software::SoftwareTracer;
 use crate::bvh::TwoLevelBvh;
 use crate::bvh::gpu::GpuAlphaMasks;
 use crate::bvh::thin_surfaces::GpuThinSurfaces;
+pub use crate::report::RayTracer;
 use crate::vulkan::shaders::PerTracer;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, VulkanError};
-
-/// One of the tracers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RayTracer {
-    /// The two-level BVH in storage buffers: every device.
-    Software,
-    /// Ray queries: devices that offer them.
-    Hardware,
-}
 
 impl RayTracer {
     /// The tracers that a device supports.

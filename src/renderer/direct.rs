@@ -6,13 +6,14 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4};
 
 use crate::effects::soft_shadows::SoftShadows;
+use crate::estimators;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::direct_shading::{DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
 use crate::scene::Pose;
-use crate::settings::{Direct, Indirect, Settings};
+use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
 
 /// The passes.
@@ -95,6 +96,6 @@ impl DirectPasses {
 
 /// Mean irradiance by the environment, W/m^2: of thin surfaces with nothing behind them.
 pub(super) fn ambient(settings: &Settings, pose: &Pose) -> Vec3 {
-    let environment = pose.environment.as_ref().filter(|_| settings.indirect != Indirect::None);
+    let environment = pose.environment.as_ref().filter(|_| estimators::method(settings).gives_light);
     environment.map_or(Vec3::ZERO, |environment| environment.mean() * PI)
 }

@@ -46,7 +46,7 @@ impl Renderer {
             self.estimator.change(&context)?;
         } else {
             let mut estimator = estimators::make(&context)?;
-            estimator.look_at(&self.view)?;
+            estimator.set_view(&self.view)?;
             // Frames in flight are counted by the old one.
             let reports = self.finish()?;
             self.reports = reports;

@@ -1,4 +1,4 @@
-//! Asking about the scene under a pixel: which surface, and which VPLs light it.
+//! The surface under a pixel.
 
 use glam::Vec2;
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::{RenderError, Renderer};
-use crate::estimators::Estimator;
+use crate::estimators::{self, Estimator, Method};
 use crate::report::{
     CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
 };
@@ -12,6 +12,7 @@ use crate::vulkan::FrameTimes;
 /// A frame on its way.
 pub(super) struct Pending {
     pub frame: u64,
+    pub method: &'static Method,
     pub cpu_ms: Vec<f64>,
     pub counters: Counters,
 }
@@ -32,15 +33,14 @@ impl Renderer {
 
     /// The passes of a frame, in order.
     pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(&*self.estimator).copied().collect()
+        frame_passes(estimators::method(&self.settings)).copied().collect()
     }
 }
 
 /// The passes of a frame, in order.
-fn frame_passes(estimator: &dyn Estimator) -> impl Iterator<Item = &'static PassInfo> {
-    let of_method = estimator.method().passes;
-    let cpu = CPU_PASSES.iter().chain(of_method.cpu);
-    cpu.chain(&SHARED_PASSES).chain(of_method.device).chain(&LAST_PASSES)
+fn frame_passes(method: &Method) -> impl Iterator<Item = &'static PassInfo> {
+    let cpu = CPU_PASSES.iter().chain(method.passes.cpu);
+    cpu.chain(&SHARED_PASSES).chain(method.passes.device).chain(&LAST_PASSES)
 }
 
 /// Joins what the CPU knows of a frame with the device's times.
@@ -49,8 +49,8 @@ pub(super) fn report(
     estimator: &dyn Estimator,
     times: &FrameTimes,
 ) -> Option<FrameReport> {
-    let Pending { frame, cpu_ms, mut counters } = pending.pop_front()?;
-    let mut passes: PassTimes = frame_passes(estimator).map(|pass| (pass.name, 0.0)).collect();
+    let Pending { frame, method, cpu_ms, mut counters } = pending.pop_front()?;
+    let mut passes: PassTimes = frame_passes(method).map(|pass| (pass.name, 0.0)).collect();
     passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
     // Passes of views are not part of the frame.
     for (name, ms) in &times.passes {

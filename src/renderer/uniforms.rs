@@ -68,7 +68,7 @@ impl Renderer {
     }
 
     /// The world as the last frame showed it, but for `pose`.
-    pub(crate) fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
+    pub fn world<'a>(&'a self, pose: &'a Pose) -> World<'a> {
         World { scene: &self.scene, pose, bvh: &self.bvh }
     }
 }

@@ -1,11 +1,11 @@
-//! What is shown instead of the picture, or drawn over it: ways to look into a frame.
+//! Debug views: they stand in place of the picture, or are drawn over it.
 //!
 //! In: a [`DebugView`]. Out: which passes run after `combine`; with the default view none does.
 
 use glam::Vec3;
 
 use super::{DebugView, RenderError, Renderer};
-use crate::estimators::{Estimator, ViewInputs};
+use crate::estimators::{self, Estimator, ViewInputs};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass, COMBINED, number_of};
 use crate::passes::effect_view::{EffectViewPass, VIEWS, Visualization};
 use crate::passes::frame_inputs::FrameInputs;
@@ -20,14 +20,14 @@ pub(super) struct ViewPasses {
     overlay: Option<OverlayPass>,
 }
 
-/// What the passes of the frame have made and a view shows.
+/// The results of the frame's passes that a view shows.
 pub(super) struct ViewFrame<'a> {
     pub view: &'a DebugView,
     pub inputs: &'a FrameInputs<'a>,
     pub irradiance: &'a Image,
     pub direct_shadows: &'a Image,
     pub direct: &'a Image,
-    /// What the view shows of an effect, if it is one of these.
+    /// The image of an effect, if the view shows one.
     pub effect: Option<(&'a Image, Visualization)>,
     /// World-space bounds of all that is visible.
     pub bounds: (Vec3, Vec3),
@@ -81,7 +81,7 @@ impl Renderer {
     /// # Errors
     /// Where the device cannot make what the view needs; the view then stays as it was.
     pub fn set_view(&mut self, view: &DebugView) -> Result<(), RenderError> {
-        self.estimator.look_at(view)?;
+        self.estimator.set_view(view)?;
         if *view != DebugView::default() {
             if self.views.buffer.is_none() {
                 self.views.buffer =
@@ -98,12 +98,25 @@ impl Renderer {
         Ok(())
     }
 
+    /// Users should know these facts about the method and the scene, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let method = estimators::method(&self.settings);
+        let mut warnings = self.estimator.warnings();
+        if self.passes.reflections.is_some() && !method.lights_hits {
+            warnings.push(format!(
+                "--indirect {}: it cannot light what reflections see beyond the screen, so that lacks indirect light there",
+                method.name()
+            ));
+        }
+        warnings
+    }
+
     /// The view that is shown.
     pub fn view(&self) -> &DebugView {
         &self.view
     }
 
-    /// What the last frame shows: RGBA8, sRGB-encoded. Another image after a change of size.
+    /// The display image of the last frame: RGBA8, sRGB-encoded. A change of size makes another image.
     pub fn display(&self) -> &Image {
         self.passes.combine.display()
     }

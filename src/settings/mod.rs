@@ -7,6 +7,7 @@
 
 mod effects;
 mod error;
+mod indirect;
 mod options;
 mod setting;
 mod svgf;
@@ -16,6 +17,7 @@ mod vpls;
 
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
+pub use indirect::Indirect;
 pub use options::GivenSettings;
 pub use svgf::SvgfSettings;
 pub use vpls::{MissingSets, Sequence, VplSettings};
@@ -27,15 +29,6 @@ pub(crate) use value::{Kind, read_seconds};
 
 use setting::settings;
 use value::{choice, choices, whole};
-
-/// What computes indirect light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Indirect {
-    /// Virtual point lights: instant radiosity with temporal sets.
-    Vpls,
-    /// Direct light only, which costs least.
-    None,
-}
 
 /// Shadows of direct light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -86,7 +79,7 @@ settings! {
     used if |_| true;
 
     /// Method of indirect light.
-    "indirect" indirect: Indirect = Indirect::Vpls, choice::<Indirect>();
+    "indirect" indirect: Indirect = Indirect::VPLS, choice::<Indirect>();
     /// Shadows of direct light.
     "direct" direct: Direct = Direct::Hard, choice::<Direct>();
     /// What glossy surfaces mirror.

@@ -54,6 +54,18 @@ fn known(place: &str) -> String {
 }
 
 impl Settings {
+    /// The value of the setting `key` that a text of the command line stands for.
+    ///
+    /// # Errors
+    /// If there is no such setting, or the text is not allowed.
+    pub(crate) fn value(key: &str, text: &str) -> Result<toml::Value, SettingsError> {
+        let table = Table::from_iter([(key.to_owned(), text.into())]);
+        let settings = Self::from_table(&table)?;
+        Ok(all()
+            .find(|setting| setting.key == key)
+            .map_or_else(|| text.into(), |setting| setting.value(&settings)))
+    }
+
     /// The defaults, overridden by `table`, flat or with subtables of groups.
     ///
     /// # Errors

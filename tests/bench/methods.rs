@@ -71,12 +71,12 @@ fn all_are_shown_at_equal_time() {
     let equal = &report.equal_time;
     // The path tracer once.
     assert_eq!(equal.iter().map(|equal| equal.run.name()).collect::<Vec<_>>(), METHODS[..4]);
-    assert!(equal[3].method.samples() > Some(0) && equal[3].vpls.is_none() && equal[0].vpls.is_some());
+    assert!(equal[3].method.samples() > Some(0) && equal[3].setting.is_none() && equal[0].setting.is_some());
     // It has the samples for about that time, however busy the machine is.
     let ratio = equal[3].ms / equal[0].ms;
     assert!((0.2..5.0).contains(&ratio), "{ratio}");
     let pictures = |kind| report.pictures.iter().filter(|entry| entry.kind == kind).count();
-    assert_eq!(pictures(PictureKind::Truth), 1);
+    assert_eq!(pictures(PictureKind::Reference), 1);
     assert_eq!([PictureKind::EqualTime, PictureKind::FlipMap].map(pictures), [4; 2]);
     for entry in &report.pictures {
         let picture = image::open(DONE.folder.path().join("a/pictures").join(&entry.file)).unwrap();

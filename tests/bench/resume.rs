@@ -21,7 +21,16 @@ fn plan() -> Plan {
         rounds: 2,
         quality: true,
         spp: 4,
-        sweep: Sweep { temporal_sets: vec![1, 2], size: vec![[24, 16]], vpls: vec![16], ..Sweep::default() },
+        sweep: Sweep {
+            methods: Vec::new(),
+            settings: [
+                ("temporal_sets", vec![1.into(), 2.into()]),
+                ("size", vec![vec![24, 16].into()]),
+                ("vpls", vec![16.into()]),
+            ]
+            .map(|(key, values)| (key.to_owned(), values))
+            .into(),
+        },
         // They take long to stand still.
         settings: toml::toml! { antialiasing = "none" reflections = "none" },
     }

@@ -12,7 +12,7 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-use crate::desk::{PATIENCE, atom, root};
+use crate::x_server::{PATIENCE, atom, root};
 
 /// XdndVersion in the highest byte, and that the kinds of data fit into the message.
 const VERSION: u32 = 5 << 24;

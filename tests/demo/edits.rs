@@ -5,9 +5,9 @@ use std::fs;
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::screen::Screen;
 use crate::window::{Demo, is_action};
+use crate::x_server::XServer;
 
 const SMALL: [&str; 8] = [
     "--antialiasing=none",
@@ -44,8 +44,8 @@ fn saved(demo: &mut Demo<'_>) -> String {
 #[test]
 fn a_material_is_picked_edited_recorded_and_saved() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &[&["cornell-box"][..], &SMALL].concat());
     let seen = demo.now();
     demo.key_for("ctrl+r", "toggle-recording");
     demo.wait_after(seen, "recording", |event| event["event"] == "scene");
@@ -102,7 +102,7 @@ fn inspect_the_wall(demo: &mut Demo<'_>) {
 #[test]
 fn a_map_is_dropped_chosen_dimmed_and_saved() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     let scene = "[[models]]\nname = \"ball\"\nprimitive = \"sphere\"\n[[instances]]\nmodel = \"ball\"\n\
@@ -113,7 +113,7 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
     }
     fs::write(file("broken.hdr"), "#?RADIANCE\nnothing\n").unwrap();
     let ball = file("ball.toml");
-    let mut demo = Demo::start(&desk, &[&[ball.to_str().unwrap(), "--exposure=0"][..], &SMALL].concat());
+    let mut demo = Demo::start(&server, &[&[ball.to_str().unwrap(), "--exposure=0"][..], &SMALL].concat());
     let black = settled(&mut demo);
 
     let seen = demo.now();
@@ -170,9 +170,9 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
 #[test]
 fn lights_get_an_extent_which_is_saved() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     // High enough for the panel to show the sliders.
-    let mut demo = Demo::start(&desk, &[&SMALL[..], &["--size=160x600"]].concat());
+    let mut demo = Demo::start(&server, &[&SMALL[..], &["--size=160x600"]].concat());
     demo.frames(3);
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");
@@ -195,8 +195,8 @@ fn lights_get_an_extent_which_is_saved() {
 #[test]
 fn objects_are_copied_and_deleted() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &[&["cornell-box"][..], &SMALL].concat());
     demo.wait("scene", |event| event["event"] == "scene");
     let before = settled(&mut demo);
     // The tall box.
@@ -221,8 +221,8 @@ fn objects_are_copied_and_deleted() {
 #[test]
 fn objects_are_added() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &[&["cornell-box"][..], &SMALL].concat());
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &[&["cornell-box"][..], &SMALL].concat());
     let before = settled(&mut demo);
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");

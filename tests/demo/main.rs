@@ -5,7 +5,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-mod desk;
 mod drop;
 mod edits;
 mod log;
@@ -19,6 +18,7 @@ mod smooth;
 mod split;
 mod tour;
 mod window;
+mod x_server;
 
 use std::sync::Mutex;
 

@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{Demo, is_action};
+use crate::x_server::XServer;
 
 /// Menu in the bar, method, and the setting that it is of.
 const METHODS: [(&str, &str, &str); 6] = [
@@ -19,9 +19,9 @@ const METHODS: [(&str, &str, &str); 6] = [
 #[test]
 fn every_method_is_chosen_in_turn_while_lights_move() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     let arguments = ["--reflections=none", "--size=320x180", "--vpls=64", "--bounces=2", "--validate"];
-    let mut demo = Demo::start(&desk, &arguments);
+    let mut demo = Demo::start(&server, &arguments);
     demo.frames(12);
     for (menu, method, setting) in METHODS {
         demo.click_thing(menu);

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{CACHE, Demo, WELCOMED, is_action};
+use crate::x_server::XServer;
 
 const SMALL: [&str; 8] = [
     "cornell-box",
@@ -31,10 +31,10 @@ fn is_question(event: &Value, what: &str) -> bool {
 #[test]
 fn the_first_lines_are_shown_until_they_are_dismissed() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     // Another test may have left it, or none.
     let _ = std::fs::remove_file(Path::new(CACHE).join("glowworm").join(WELCOMED));
-    let mut demo = Demo::start_as_it_is(&desk, &SMALL);
+    let mut demo = Demo::start_as_it_is(&server, &SMALL);
     demo.screen().keep("25-welcome");
     let seen = demo.now();
     demo.click_thing_at_once("Got it", [10, 10]);
@@ -44,7 +44,7 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
     let mut since = demo.events()[seen..].iter();
     assert!(!since.any(|event| is_action(event, "select")), "the click reaches the picture as well");
     demo.close();
-    let mut demo = Demo::start_as_it_is(&desk, &SMALL);
+    let mut demo = Demo::start_as_it_is(&server, &SMALL);
     demo.frames(6);
     assert!(!shows(&mut demo, "Got it"), "the first lines come back");
     demo.close();
@@ -53,8 +53,8 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
 #[test]
 fn edits_are_not_lost_without_a_question() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");
     let seen = demo.now();
@@ -64,7 +64,7 @@ fn edits_are_not_lost_without_a_question() {
     // Closing asks; Escape goes on with the scene.
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
-    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.wait_after(seen, "question", |event| is_question(event, "quit"));
     demo.screen().keep("26-unsaved");
     assert!(shows(&mut demo, "Discard"));
     demo.input(&["key", "Escape"]);
@@ -87,7 +87,7 @@ fn edits_are_not_lost_without_a_question() {
     demo.key_for("Tab", "toggle-panel");
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
-    demo.wait_after(seen, "question", |event| is_question(event, "close"));
+    demo.wait_after(seen, "question", |event| is_question(event, "quit"));
     demo.click_thing("Save …");
     demo.frames(3);
     demo.screen().keep("27-save");
@@ -104,8 +104,8 @@ fn edits_are_not_lost_without_a_question() {
 #[test]
 fn the_keyboard_reaches_the_panel_and_comes_back() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("F6", "toggle-keyboard");
     // Scene, three methods, T = 1.
     for _ in 0..4 {
@@ -133,8 +133,8 @@ fn the_keyboard_reaches_the_panel_and_comes_back() {
 #[test]
 fn a_number_keeps_the_keyboard_only_under_the_pointer() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
     demo.click_thing("scrub value");
     let seen = demo.now();

@@ -3,15 +3,15 @@
 use std::fs;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::Demo;
+use crate::x_server::XServer;
 
 #[test]
 fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(
-        &desk,
+        &server,
         &[
             "--antialiasing=none",
             "--reflections=none",

@@ -1,8 +1,8 @@
 //! Recordings replay to the same pixels; saved scenes load to the same scene.
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{Demo, is_action};
+use crate::x_server::XServer;
 
 const SMALL: [&str; 6] = ["--size", "240x150", "--vpls=64", "--temporal-sets=4", "--bounces=2", "--validate"];
 
@@ -10,8 +10,8 @@ const SMALL: [&str; 6] = ["--size", "240x150", "--vpls=64", "--temporal-sets=4",
 #[test]
 fn the_command_renders_to_what_is_on_screen() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.frames(3);
     demo.key_for("space", "toggle-pause");
     demo.input(&["keydown", "d"]);
@@ -38,8 +38,8 @@ fn the_command_renders_to_what_is_on_screen() {
 #[test]
 fn a_recording_renders_to_what_was_on_screen() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.frames(3);
     let seen = demo.now();
     demo.key_for("ctrl+r", "toggle-recording");

@@ -1,9 +1,9 @@
 //! A session that uses every feature once.
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::screen::Screen;
 use crate::window::{Demo, is_action, is_frame};
+use crate::x_server::XServer;
 
 /// Small enough for a CPU driver with validation.
 const SMALL: [&str; 9] = [
@@ -21,8 +21,8 @@ const SMALL: [&str; 9] = [
 #[test]
 fn a_session_from_start_to_end() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
 
     // It opens on the built-in scene, which moves.
     let scene = demo.wait("scene", |event| event["event"] == "scene");

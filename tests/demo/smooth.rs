@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{Demo, is_action, is_frame};
+use crate::x_server::XServer;
 
 /// Most sessions. Other load on the machine delays different frames each time, so the best run of each part of a session
 /// counts.
@@ -21,14 +21,14 @@ type Part = (&'static str, u64);
 #[ignore = "measures frame times, so it must run alone: ./test --test demo smooth -- --ignored"]
 fn frames_are_even_while_one_scrubs_picks_edits_and_loads() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     // Longest frame over median of each part, and the panel's share of a frame; the least of all runs.
     let mut best: Option<(Vec<(&str, f64)>, f64)> = None;
     let is_even = |(parts, panel): &(Vec<(&str, f64)>, f64)| {
         parts.iter().all(|(_, longest)| *longest <= LONGEST) && *panel <= PANEL_SHARE
     };
     for _ in 0..RUNS {
-        let (log, parts) = session(&desk);
+        let (log, parts) = session(&server);
         let (mut run, mut panel) = judge(&log, &parts);
         if let Some((earlier, least)) = best {
             run.iter_mut().zip(&earlier).for_each(|(part, earlier)| part.1 = part.1.min(earlier.1));
@@ -45,8 +45,8 @@ fn frames_are_even_while_one_scrubs_picks_edits_and_loads() {
 
 /// Scrubs, picks, edits and loads another scene while the animation plays: stationary frames are much cheaper and would
 /// distort the median.
-fn session(desk: &Desk) -> (Value, Vec<Part>) {
-    let mut demo = Demo::start(desk, &["--size", "640x360", "--vpls=64"]);
+fn session(server: &XServer) -> (Value, Vec<Part>) {
+    let mut demo = Demo::start(server, &["--size", "640x360", "--vpls=64"]);
     let mut parts = Vec::new();
     let mut begins = |demo: &mut Demo<'_>, part: &'static str| {
         parts.push((part, demo.last_frame()["frame"].as_u64().unwrap() + 1));

@@ -1,10 +1,10 @@
-//! The divided window: methods side by side, the truth, the error; and edits that are taken back.
+//! The divided window: methods side by side, the reference, the error; and edits that are taken back.
 
 use serde_json::Value;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::{Demo, is_action};
+use crate::x_server::XServer;
 
 const SMALL: [&str; 7] = [
     "--antialiasing=none",
@@ -27,10 +27,10 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
-fn methods_and_truth_stand_side_by_side() {
+fn methods_and_the_reference_stand_side_by_side() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.frames(6);
 
     // The same method on both sides, while a board turns: no difference, not by a bit.
@@ -58,31 +58,31 @@ fn methods_and_truth_stand_side_by_side() {
         event["details"]["move-divider"].as_f64().is_some_and(|at| at < 0.4)
     });
 
-    // The truth, once nothing moves.
+    // The reference, once nothing moves.
     demo.key_for("space", "toggle-pause");
-    demo.key_for("g", "toggle-truth");
+    demo.key_for("g", "toggle-reference");
     let early = metrics(&mut demo, "first samples", |details| !details["samples"].is_null());
     let late = metrics(&mut demo, "more samples", |details| {
         details["samples"].as_u64() >= early["samples"].as_u64().map(|samples| 16 * samples)
     });
     let ssim = |metrics: &Value| number(&metrics["ssim"]);
-    assert!(ssim(&late) > ssim(&early), "the truth does not converge: {early}, {late}");
-    demo.screen().keep("21-truth");
+    assert!(ssim(&late) > ssim(&early), "the reference does not converge: {early}, {late}");
+    demo.screen().keep("21-reference");
     let before = demo.screen().picture();
     demo.key_for("x", "toggle-difference");
     let difference = demo.screen();
     difference.keep("22-difference");
     assert!(difference.picture().difference(&before) > 3.0, "no error is shown");
     demo.key_for("x", "toggle-difference");
-    demo.key_for("g", "toggle-truth");
+    demo.key_for("g", "toggle-reference");
     demo.close();
 }
 
 #[test]
 fn edits_and_settings_are_taken_back_and_made_again() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
-    let mut demo = Demo::start(&desk, &SMALL);
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
     demo.click_thing("Scene");
     demo.click_thing("Lights and objects");

@@ -3,15 +3,15 @@
 use std::collections::HashSet;
 
 use crate::ONE_AT_A_TIME;
-use crate::desk::Desk;
 use crate::window::Demo;
+use crate::x_server::XServer;
 
 #[test]
 fn the_tour_shows_six_stops_and_leaves_a_contact_sheet() {
     let _one = ONE_AT_A_TIME.lock();
-    let Some(desk) = Desk::open() else { return };
+    let Some(server) = XServer::open() else { return };
     let arguments = ["--tour", "--contact-sheet=tour.png", "--size=320x180", "--vpls=64", "--validate"];
-    let mut demo = Demo::start(&desk, &arguments);
+    let mut demo = Demo::start(&server, &arguments);
     demo.wait("the end", |event| event["event"] == "closed");
     let events = demo.events().to_vec();
     let captions: Vec<String> = events

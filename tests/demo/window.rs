@@ -18,10 +18,10 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-use crate::desk::{Desk, atom, property, root, wait_until};
 use crate::drop::drop_file;
 use crate::log::Log;
 use crate::screen::Screen;
+use crate::x_server::{XServer, atom, property, root, wait_until};
 
 /// Tests do not use the user's cache of devices, but drivers keep compiled shaders there too.
 pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
@@ -42,7 +42,7 @@ const FIRST_PING: u32 = 0x4000_0000;
 
 /// The program in its window.
 pub struct Demo<'d> {
-    desk: &'d Desk,
+    server: &'d XServer,
     child: Child,
     log: Log,
     pub folder: TempDir,
@@ -53,19 +53,19 @@ pub struct Demo<'d> {
 
 impl<'d> Demo<'d> {
     /// Starts the program and waits until it shows its scene.
-    pub fn start(desk: &'d Desk, arguments: &[&str]) -> Self {
+    pub fn start(server: &'d XServer, arguments: &[&str]) -> Self {
         // The first lines were read before.
         let cache = Path::new(CACHE).join("glowworm");
         std::fs::create_dir_all(&cache).unwrap();
         std::fs::write(cache.join(WELCOMED), "").unwrap();
-        Self::start_as_it_is(desk, arguments)
+        Self::start_as_it_is(server, arguments)
     }
 
     /// The same, whether the first lines were read or not.
-    pub fn start_as_it_is(desk: &'d Desk, arguments: &[&str]) -> Self {
+    pub fn start_as_it_is(server: &'d XServer, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let said = folder.path().join("stderr.txt");
-        let child = desk
+        let child = server
             .command(env!("CARGO_BIN_EXE_glowworm"))
             .args(["demo", "-vv", "--json", "log.json"])
             .args(arguments)
@@ -75,8 +75,8 @@ impl<'d> Demo<'d> {
             .stderr(File::create(&said).unwrap())
             .spawn()
             .unwrap();
-        let (log, connection) = (Log::open(&said), desk.connect());
-        let mut demo = Self { desk, child, log, folder, window: 0, connection, pings: FIRST_PING };
+        let (log, connection) = (Log::open(&said), server.connect());
+        let mut demo = Self { server, child, log, folder, window: 0, connection, pings: FIRST_PING };
         demo.wait("the scene", |event| event["event"] == "scene");
         demo.window = demo.find_window();
         demo.take_keyboard();
@@ -188,7 +188,7 @@ impl<'d> Demo<'d> {
     }
 
     fn xdotool(&self, arguments: &[&str]) {
-        let status = self.desk.command("xdotool").args(arguments).status().unwrap();
+        let status = self.server.command("xdotool").args(arguments).status().unwrap();
         assert!(status.success(), "xdotool {arguments:?}");
     }
 
@@ -294,7 +294,7 @@ impl<'d> Demo<'d> {
 
     /// Drops a file on the window.
     pub fn drop_file(&self, file: &Path) {
-        drop_file(self.desk.display(), self.window, file);
+        drop_file(self.server.display(), self.window, file);
     }
 
     /// Asks the window manager for another size.
@@ -348,7 +348,7 @@ impl<'d> Demo<'d> {
         let seen = self.now();
         self.xdotool(&["key", "alt+F4"]);
         let asked = self.wait_after(seen, "question", |event| event["event"] == "unsaved");
-        assert_eq!(asked["details"], "close");
+        assert_eq!(asked["details"], "quit");
         self.close()
     }
 

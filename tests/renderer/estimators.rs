@@ -1,12 +1,19 @@
 //! Estimators that know nothing of VPLs: none, and a toy of this file's own.
 
-use std::sync::Arc;
+use std::ffi::OsString;
+use std::fs;
+use std::sync::{Arc, Once};
 
-use glowworm::estimators::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses};
+use clap::ValueEnum;
+use glowworm::cli::{self, CliError};
+use glowworm::estimators::{
+    self, CounterInfo, Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses,
+};
+use glowworm::passes::buffer_view::View;
 use glowworm::passes::frame_inputs::FrameInputs;
-use glowworm::renderer::{PreparedScene, Renderer};
+use glowworm::renderer::Renderer;
 use glowworm::report::{Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
-use glowworm::settings::{Indirect, Settings};
+use glowworm::settings::{Indirect, Reflections, Settings};
 use glowworm::vulkan::{ComputePipeline, Device, Frame, Image, ImageDescription, VulkanError, shaders, vk};
 
 use super::support::{Lab, indirect, layer, luminance, mean, scene};
@@ -20,6 +27,14 @@ struct Ambient {
     irradiance: Image,
 }
 
+const METHOD: Method = Method {
+    passes: MethodPasses { cpu: &[], device: &[PassInfo { name: "ambient", colour: [1, 2, 3] }] },
+    views: &[View { name: "ambient-view", label: "Ambient", about: "Nothing more" }],
+    counters: &[CounterInfo::listed("ambient.lamps", "lamps")],
+    warm_up: |_| 3,
+    ..Method::new(Indirect::new("ambient", "The same irradiance everywhere"), "ambient light", Ambient::make)
+};
+
 impl Ambient {
     fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
         let pipeline = ComputePipeline::new(context.device, "ambient", shaders::AMBIENT_COMP)?;
@@ -28,18 +43,8 @@ impl Ambient {
 }
 
 impl Estimator for Ambient {
-    fn method(&self) -> Method {
-        const PASSES: [PassInfo; 1] = [PassInfo { name: "ambient", colour: [1, 2, 3] }];
-        Method {
-            name: "ambient",
-            passes: MethodPasses { cpu: &[], device: &PASSES },
-            views: &[],
-            counters: &["lamps"],
-        }
-    }
-
     fn counters(&self) -> Counters {
-        Counters([("lamps", 1)].into_iter().collect())
+        Counters([("ambient.lamps", 1)].into_iter().collect())
     }
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
@@ -73,14 +78,20 @@ fn of_methods<'a>(names: &[&'a str]) -> Vec<&'a str> {
     names.iter().copied().filter(|name| shared.clone().all(|pass| pass.name != *name)).collect()
 }
 
+/// Registers the toy, once a program.
+fn register() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| estimators::register(METHOD));
+}
+
 #[test]
 fn a_toy_estimator_is_shown_timed_counted_and_resized() {
     let Some(lab) = Lab::open() else { return };
-    let (scene, settings) = (scene(STUDIO), settings(1, 1));
+    register();
+    let scene = scene(STUDIO);
+    let settings = Settings { indirect: METHOD.indirect, ..settings(1, 1) };
     let pose = scene.pose(0.0);
-    let prepared = PreparedScene::new(&scene);
-    let mut renderer =
-        Renderer::with_estimator(&lab.device, prepared, &settings, &pose, &Ambient::make).unwrap();
+    let mut renderer = Renderer::new(&lab.device, &scene, &settings, &pose).unwrap();
     for size in [settings.size, [33, 20]] {
         renderer.set_settings(&Settings { size, ..settings.clone() }, &pose).unwrap();
         renderer.render(&pose).unwrap();
@@ -90,8 +101,74 @@ fn a_toy_estimator_is_shown_timed_counted_and_resized() {
         let names: Vec<&str> = figures.passes.keys().copied().collect();
         assert_eq!(of_methods(&names), ["bvh_update", "ambient"]);
         assert!(names.contains(&"gbuffer") && names.ends_with(&["combine", "taa"]), "{names:?}");
-        assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("lamps") == 1);
+        assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("ambient.lamps") == 1);
     }
+}
+
+/// Runs the program in this one, where the toy is registered.
+fn program(arguments: &[&str]) -> Result<(), CliError> {
+    cli::run(["glowworm"].iter().chain(arguments).map(OsString::from))
+}
+
+#[test]
+fn a_toy_estimator_is_everywhere_without_another_edit() {
+    if Lab::open().is_none() {
+        return;
+    }
+    register();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let json =
+        |name: &str| -> serde_json::Value { serde_json::from_slice(&fs::read(path(name)).unwrap()).unwrap() };
+
+    // The menus of the panel offer these values, and clap lists them in the help.
+    let offered: Vec<&str> = Indirect::value_variants().iter().map(|value| value.name()).collect();
+    assert_eq!(offered, ["vpls", "none", "ambient"]);
+
+    // A scene file names it; its picture, its report and its view are there.
+    fs::write(
+        path("scene.toml"),
+        STUDIO.to_owned() + "\n[settings]\nindirect = \"ambient\"\nsize = [24, 16]\n",
+    )
+    .unwrap();
+    let (out, report) = (path("a.png"), path("a.json"));
+    program(&["render", &path("scene.toml"), "--view", "ambient-view", "--out", &out, "--json", &report])
+        .unwrap();
+    let rendered = json("a.json");
+    assert_eq!(rendered["settings"]["indirect"], "ambient");
+    assert_eq!(rendered["frames"].as_array().unwrap().len(), 3, "it says how many frames complete a picture");
+    assert!(rendered["frames"][0]["passes"]["ambient"].is_number());
+    assert_eq!(rendered["frames"][0]["ambient"]["lamps"], 1);
+
+    // Passes and benchmarks list it.
+    program(&["info", "--passes", "--json", &path("passes.json")]).unwrap();
+    let listed = json("passes.json");
+    assert!(listed["passes"].as_array().unwrap().iter().any(|pass| pass["method"] == "ambient"), "{listed}");
+    let size = ["--size=24x16", "--frames=2", "--rounds=1"];
+    let bench = ["bench", &path("scene.toml"), "--methods=ambient,none", "--out", &path("bench")];
+    program(&[&bench[..], &size].concat()).unwrap();
+    let measured = json("bench/bench.json");
+    assert_eq!(measured["runs"][0]["method"], "ambient");
+    assert_eq!(measured["runs"][0]["summary"]["ambient_lamps"]["mean"], 1.0);
+    let page = fs::read_to_string(path("bench/bench.md")).unwrap();
+    assert!(page.contains("| lamps |"), "{page}");
+
+    let error = program(&["render", "cornell-box", "--indirect", "ambiant", "--out", &out]).unwrap_err();
+    assert!(error.to_string().contains("ambient"), "{error}");
+}
+
+#[test]
+fn who_uses_a_method_that_cannot_light_hits_is_told() {
+    let Some(lab) = Lab::open() else { return };
+    register();
+    let scene = scene(STUDIO);
+    let warnings = |reflections| {
+        let settings = Settings { indirect: METHOD.indirect, reflections, ..settings(1, 1) };
+        lab.rendered(&scene, &settings, 1).warnings()
+    };
+    assert!(warnings(Reflections::None).is_empty());
+    let told = warnings(Reflections::Rays);
+    assert!(told.len() == 1 && told[0].starts_with("--indirect ambient: it cannot light"), "{told:?}");
 }
 
 #[test]
@@ -99,7 +176,7 @@ fn without_an_estimator_there_is_direct_light_only() {
     let Some(lab) = Lab::open() else { return };
     let scene = scene(STUDIO);
     let vpls = settings(2, 2);
-    let none = Settings { indirect: Indirect::None, ..vpls.clone() };
+    let none = Settings { indirect: Indirect::NONE, ..vpls.clone() };
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &none, 2);
     assert!(indirect(&renderer).iter().flatten().all(|channel| *channel == 0.0));

@@ -31,7 +31,7 @@ fn brighter(pose: &Pose) -> Pose {
 fn it_follows_the_light_and_comes_to_rest_where_it_would_begin() {
     let Some(lab) = Lab::open() else { return };
     let scene = named_scene("playroom", None);
-    let settings = Settings { indirect: Indirect::None, ..exact([96, 54]) };
+    let settings = Settings { indirect: Indirect::NONE, ..exact([96, 54]) };
     let dark = scene.pose(0.0);
     let bright = brighter(&dark);
     let mut fresh = lab.renderer(&scene, &settings, &bright);

@@ -37,7 +37,7 @@ fn sheets_take_what_they_say() {
     let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
     let model = "[[models]]\nname = \"pane\"\npath = \"pane.obj\"\n[[instances]]\nmodel = \"pane\"\n";
     write("scene.toml", &(model.to_owned() + &lamp.repeat(5)));
-    let settings = |size| Settings { size, indirect: Indirect::None, ..plain() };
+    let settings = |size| Settings { size, indirect: Indirect::NONE, ..plain() };
     let grown = |material: &str| {
         write("pane.mtl", &format!("newmtl pane\nKd 0.5 0.5 0.5\n{material}\n"));
         let scene = named_scene(folder.path().join("scene.toml").to_str().unwrap(), None);

@@ -148,7 +148,7 @@ fn all_in_use() -> (Settings, u32) {
     let effects = EffectSettings { reflection_depth: 3, ..EffectSettings::default() };
     let settings = Settings {
         size: [64, 48],
-        indirect: Indirect::Vpls,
+        indirect: Indirect::VPLS,
         reflections: Reflections::Auto,
         antialiasing: Antialiasing::Taa,
         vpl,

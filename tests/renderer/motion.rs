@@ -4,7 +4,9 @@ use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{MissingSets, Settings, VplSettings};
 
-use super::support::{Lab, channel, indirect, layer, luminance, mean, plain, relative_differences, scene};
+use super::support::{
+    Lab, channel, indirect, layer, luminance, mean, plain, relative_differences, scene, set_counts,
+};
 
 const HALL: &str = r#"
 [[models]]
@@ -75,7 +77,7 @@ fn uncovered_brightness(lab: &Lab, missing_sets: MissingSets) -> (f32, f32) {
     for step in 1..=STEPS {
         renderer.render(&strafed(&rest, f32::from(step) * STEP)).unwrap();
     }
-    let counts = renderer.read_set_counts().unwrap();
+    let counts = set_counts(&renderer);
     let new: Vec<usize> = (0..counts.len()).filter(|&pixel| counts[pixel] == 1).collect();
     assert!(new.len() > 40, "only {} pixels are new", new.len());
     let over = |picture: Vec<[f32; 3]>| mean(new.iter().map(|&pixel| luminance(&picture[pixel])));
@@ -113,7 +115,7 @@ fn a_moving_object_keeps_its_history() {
         renderer.render(&pose_at(frame)).unwrap();
     }
     let instances = channel(&renderer.read_picture(true).unwrap(), "instance");
-    let counts = renderer.read_set_counts().unwrap();
+    let counts = set_counts(&renderer);
     let on_crate: Vec<u32> =
         instances.iter().zip(&counts).filter(|(id, _)| **id == 2.0).map(|(_, count)| *count).collect();
     assert!(on_crate.len() > 100, "the crate covers {} pixels", on_crate.len());
@@ -144,7 +146,7 @@ fn what_has_moved_is_forgotten() {
     }
     let fresh = lab.rendered(&scene, &settings, SETS);
     assert!(renderer.read_picture(true).unwrap().colour == fresh.read_picture(true).unwrap().colour);
-    let counts = renderer.read_set_counts().unwrap();
+    let counts = set_counts(&renderer);
     let whole = counts.iter().filter(|count| **count == SETS).count();
     assert!(whole as f32 > 0.98 * counts.len() as f32, "{whole} pixels have all sets");
 }

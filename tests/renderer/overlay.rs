@@ -1,13 +1,13 @@
 //! Lines, points and light paths lie where they should.
 
 use glam::{Affine3A, Vec2, Vec3};
-use glowworm::estimators::vpls::{InvalidationReason, PathStyle, SlotState, VplLook, reason_colour};
+use glowworm::estimators::vpls::{InvalidationReason, PathStyle, SlotState, VplDebugView, reason_colour};
 use glowworm::output::Picture;
 use glowworm::renderer::{DebugView, Line, Renderer};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, channel, scene};
+use super::support::{Lab, channel, scene, vpls};
 use super::views::{STUDIO, settings, view};
 
 const SIDE: usize = 64;
@@ -40,16 +40,18 @@ fn vpls_are_drawn_where_they_are() {
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
-    let slots: Vec<_> =
-        renderer.vpls().unwrap().slots().filter(|slot| slot.state == SlotState::Valid).collect();
+    let slots: Vec<_> = vpls(&renderer).slots().filter(|slot| slot.state == SlotState::Valid).collect();
     let (mut seen, mut hidden) = (0, 0);
     for slot in &slots {
         let Some((x, y, depth)) = project(&pose.camera, slot.position) else { continue };
         // Its own point comes last on its path.
-        let look =
-            VplLook { vpl_paths: Some(PathStyle::Bounce), single_vpl: Some(slot.slot), ..VplLook::default() };
-        let paths = DebugView { vpl: look, ..view("depth") };
-        let plain = DebugView { vpl: VplLook { vpl_paths: None, ..look }, ..view("depth") };
+        let look = VplDebugView {
+            vpl_paths: Some(PathStyle::Bounce),
+            single_vpl: Some(slot.slot),
+            ..VplDebugView::default()
+        };
+        let paths = view("depth").with_options(&look);
+        let plain = view("depth").with_options(&VplDebugView { vpl_paths: None, ..look });
         let plain = shown(&mut renderer, &pose, &plain);
         let drawn = shown(&mut renderer, &pose, &paths);
         let in_front = depth <= channel(&drawn, "depth")[y * SIDE + x] * 1.005;
@@ -140,15 +142,15 @@ fn vpls_that_became_invalid_flash_with_their_reason() {
     );
     // The block comes between the lamp and the wall behind it.
     pose.instances[1] = Affine3A::from_translation(Vec3::new(-1.0, 1.6, -0.6)) * pose.instances[1];
-    let look = VplLook { vpl_paths: Some(PathStyle::Bounce), ..VplLook::default() };
-    let paths = DebugView { vpl: look, ..view("depth") };
+    let look = VplDebugView { vpl_paths: Some(PathStyle::Bounce), ..VplDebugView::default() };
+    let paths = view("depth").with_options(&look);
     let drawn = shown(&mut renderer, &pose, &paths);
     let depths = channel(&drawn, "depth");
     let (mut flashing, mut in_front) = (0, 0);
-    for slot in renderer.vpls().unwrap().slots() {
-        let last = renderer.vpls().unwrap().history(slot.slot).and_then(|history| history.invalidation);
+    for slot in vpls(&renderer).slots() {
+        let last = vpls(&renderer).history(slot.slot).and_then(|history| history.invalidation);
         let Some(last) = last else { continue };
-        assert_eq!(last.frame, renderer.vpls().unwrap().frame());
+        assert_eq!(last.frame, vpls(&renderer).frame());
         let Some((x, y, depth)) = project(&pose.camera, last.position) else { continue };
         if depth > depths[y * SIDE + x] * 1.005 {
             continue;

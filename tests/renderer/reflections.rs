@@ -74,7 +74,7 @@ pub(super) const SKY: &str = "[environment]\ncolour = [0.2, 0.3, 0.5]\n";
 pub(super) fn settings(denoise: Denoise) -> Settings {
     let effects = EffectSettings { denoise, reflection_roughness: 1.0, ..EffectSettings::default() };
     let (direct, reflections) = (Direct::Soft, Reflections::Rays);
-    Settings { size: SIZE, indirect: Indirect::None, direct, reflections, effects, ..plain() }
+    Settings { size: SIZE, indirect: Indirect::NONE, direct, reflections, effects, ..plain() }
 }
 
 pub(super) fn colour(renderer: &Renderer) -> Vec<[f32; 3]> {

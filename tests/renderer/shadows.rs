@@ -38,7 +38,7 @@ impl Mask {
 }
 
 fn drawn(lab: &Lab, scene: &Arc<Scene>, size: [u32; 2]) -> Picture {
-    let settings = Settings { size, indirect: Indirect::None, ..plain() };
+    let settings = Settings { size, indirect: Indirect::NONE, ..plain() };
     lab.rendered(scene, &settings, 1).read_picture(true).unwrap()
 }
 

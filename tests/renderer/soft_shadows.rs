@@ -114,7 +114,7 @@ translation = [-1.4, 3, 0.8]"#;
 fn settings(denoise: Denoise) -> Settings {
     Settings {
         size: SIZE,
-        indirect: Indirect::None,
+        indirect: Indirect::NONE,
         direct: Direct::Soft,
         effects: EffectSettings { denoise, ..EffectSettings::default() },
         ..plain()
@@ -289,7 +289,7 @@ fn all_in_use(direct: Direct, antialiasing: Antialiasing, denoise: Denoise) -> (
     let vpl = VplSettings { slots: 64, temporal_sets: 4, budget: 16, ..VplSettings::default() };
     let settings = Settings {
         size: [64, 48],
-        indirect: Indirect::Vpls,
+        indirect: Indirect::VPLS,
         direct,
         reflections: Reflections::Rays,
         antialiasing,

@@ -48,7 +48,7 @@ vfov_deg = 60
 const SIZE: [u32; 2] = [96, 64];
 
 fn direct_only(antialiasing: Antialiasing) -> Settings {
-    Settings { size: SIZE, indirect: Indirect::None, antialiasing, ..plain() }
+    Settings { size: SIZE, indirect: Indirect::NONE, antialiasing, ..plain() }
 }
 
 fn colour(renderer: &Renderer) -> Vec<[f32; 3]> {

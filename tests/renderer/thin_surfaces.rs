@@ -23,7 +23,7 @@ fn settings(tracer: RayTracer) -> Settings {
         RayTracer::Software => TracerKind::Software,
         RayTracer::Hardware => TracerKind::Hardware,
     };
-    Settings { tracer, indirect: Indirect::None, exposure: Some(0.0), ..exact(SIZE) }
+    Settings { tracer, indirect: Indirect::NONE, exposure: Some(0.0), ..exact(SIZE) }
 }
 
 /// A device that can do with `tracer`; without one the test is skipped.

@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glowworm::estimators::vpls::{SlotState, VplLook};
+use glowworm::estimators::vpls::{SlotState, VplDebugView};
 use glowworm::output::Picture;
 use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};
 
-use super::support::{Lab, assets, layer, luminance, mean, named_scene, plain, skip};
+use super::support::{Lab, assets, layer, luminance, mean, named_scene, plain, skip, vpls};
 
 /// Seconds from frame to frame: things move a long way.
 const STEP: f64 = 0.1;
@@ -116,12 +116,9 @@ fn views_follow_the_tracer() {
     let scene = all_kinds();
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &settings(TracerKind::Software), 4);
-    let valid =
-        renderer.vpls().unwrap().slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
-    let view = DebugView {
-        vpl: VplLook { single_vpl: Some(valid.unwrap() as u32), ..VplLook::default() },
-        ..DebugView::default()
-    };
+    let valid = vpls(&renderer).slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
+    let options = VplDebugView { single_vpl: Some(valid.unwrap() as u32), ..VplDebugView::default() };
+    let view = DebugView::default().with_options(&options);
     renderer.set_view(&view).unwrap();
     let mut shown = [TracerKind::Software, TracerKind::Hardware].map(|tracer| {
         renderer.set_settings(&settings(tracer), &pose).unwrap();

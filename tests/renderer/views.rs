@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::estimators;
-use glowworm::estimators::vpls::{SlotState, VplLook};
+use glowworm::estimators::vpls::{SlotState, VplDebugView};
 use glowworm::output::{Picture, tone_map};
 use glowworm::passes::effect_view::VIEWS;
 use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Direct, Reflections, Settings, VplSettings};
 
-use super::support::{Lab, channel, layer, mean, plain, scene};
+use super::support::{Lab, channel, inspect, layer, mean, plain, scene, set_counts, vpls};
 
 pub const STUDIO: &str = r#"
 [[models]]
@@ -67,11 +67,11 @@ pub fn view(buffer: &'static str) -> DebugView {
 }
 
 fn of_set(buffer: &'static str, set: u32) -> DebugView {
-    DebugView { vpl: VplLook { set, ..VplLook::default() }, ..view(buffer) }
+    view(buffer).with_options(&VplDebugView { set, ..VplDebugView::default() })
 }
 
 fn single(buffer: &'static str, single_vpl: Option<u32>) -> DebugView {
-    DebugView { vpl: VplLook { single_vpl, ..VplLook::default() }, ..view(buffer) }
+    view(buffer).with_options(&VplDebugView { single_vpl, ..VplDebugView::default() })
 }
 
 /// Stands still for all sets; then the camera and the block move a little, and the picture is what the view
@@ -194,6 +194,13 @@ fn views_of_layers_show_them() {
     assert_eq!(checked, 15);
 }
 
+/// The settings with the method that has this view.
+fn with_method_of(buffer: &str, settings: Settings) -> Settings {
+    let mut methods = estimators::methods().iter();
+    let method = methods.find(|method| method.views.iter().any(|view| view.name == buffer));
+    Settings { indirect: method.map_or(settings.indirect, |method| method.indirect), ..settings }
+}
+
 #[test]
 fn every_view_shows_something_of_its_own() {
     let Some(lab) = Lab::open() else { return };
@@ -206,7 +213,7 @@ fn every_view_shows_something_of_its_own() {
         let settings = if is_effect {
             Settings { direct: Direct::Soft, reflections: Reflections::Rays, ..settings(4, 2) }
         } else {
-            settings(4, 2)
+            with_method_of(buffer, settings(4, 2))
         };
         let (renderer, picture) = picture(&lab, &scene, &settings, &view);
         assert_eq!(renderer.view(), &view);
@@ -243,7 +250,7 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     for set in 0..SETS {
         let view = of_set("set-reprojected", set);
         let (renderer, picture) = picture(&lab, &scene, &settings(SETS, 1), &view);
-        by_renderer = renderer.read_set_counts().unwrap();
+        by_renderer = set_counts(&renderer);
         for (count, pixel) in counted.iter_mut().zip(&picture.display) {
             *count += u32::from(pixel[..3] != [255, 0, 255]);
         }
@@ -270,17 +277,17 @@ fn a_single_vpl_lights_what_it_sees() {
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
-    let valid = renderer.vpls().unwrap().slots().filter(|slot| slot.state == SlotState::Valid);
+    let valid = vpls(&renderer).slots().filter(|slot| slot.state == SlotState::Valid);
     let slots: Vec<u32> = valid.map(|slot| slot.slot).step_by(37).collect();
     assert!(slots.len() >= 3);
     for slot in slots {
         let single_vpl = Some(slot);
-        let weight = renderer.vpls().unwrap().counters().valid as f32;
+        let weight = vpls(&renderer).counters().valid as f32;
         let mut found = (Vec::new(), Vec::new());
         for y in 0..SIDE {
             for x in 0..SIDE {
                 let picked = renderer.pick(&pose, Vec2::new(x as f32, y as f32) + 0.5).unwrap();
-                let of_slot = renderer.inspect(&pose, &picked.surface);
+                let of_slot = inspect(&renderer, &pose, &picked.surface);
                 let light = of_slot.into_iter().find(|light| light.slot == slot && light.visible);
                 found.0.push(light.map_or(Vec3::ZERO, |light| light.irradiance * weight));
                 found.1.push(Vec3::splat(if light.is_some() { 1.0 } else { 0.0 }));
@@ -317,7 +324,7 @@ fn what_the_inspector_lists_adds_up_to_the_picture() {
         for (index, expected) in indirect.iter().enumerate().step_by(7) {
             let (x, y) = (index as u32 % SIDE, index as u32 / SIDE);
             let picked = renderer.pick(&pose, Vec2::new(x as f32, y as f32) + 0.5).unwrap();
-            let listed = renderer.inspect(&pose, &picked.surface);
+            let listed = inspect(&renderer, &pose, &picked.surface);
             let sum: Vec3 = listed.iter().filter(|vpl| vpl.visible).map(|vpl| vpl.irradiance).sum();
             // Short rays add what the bound takes away.
             let difference = if clamp > 0.0 { sum - *expected } else { (sum - *expected).abs() };

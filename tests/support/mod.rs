@@ -7,10 +7,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glowworm::estimators::vpls::{VplContribution, VplManager, Vpls};
 use glowworm::formats::load_scene;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
-use glowworm::scene::{Pose, Scene};
+use glowworm::scene::{Pose, Scene, WorldSurface};
 use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
@@ -130,6 +131,21 @@ pub fn layer(picture: &Picture, name: &str) -> Vec<[f32; 3]> {
 /// The one channel of a layer.
 pub fn channel(picture: &Picture, name: &str) -> Vec<f32> {
     picture.layers.iter().find(|layer| layer.name == name).unwrap().channels[0].1.clone()
+}
+
+/// The VPLs of a renderer that lights by them.
+pub fn vpls(renderer: &Renderer) -> &VplManager {
+    renderer.estimator::<Vpls>().unwrap().manager()
+}
+
+/// The VPLs that face a surface point.
+pub fn inspect(renderer: &Renderer, pose: &Pose, at: &WorldSurface) -> Vec<VplContribution> {
+    renderer.estimator::<Vpls>().unwrap().inspect(renderer.world(pose), at)
+}
+
+/// How many temporal sets have seen the surface of each pixel of the last frame.
+pub fn set_counts(renderer: &Renderer) -> Vec<u32> {
+    renderer.read_irradiance_alpha().unwrap().into_iter().map(|count| count.round() as u32).collect()
 }
 
 /// Indirect irradiance of the last frame.

@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::bvh::Ray;
 use crate::estimators::World;
-use crate::estimators::vpls::inspect::geometry_bound_of;
 use crate::estimators::vpls::manager::contribution;
-use crate::estimators::vpls::{GpuVpl, VplManager, samples, set_step};
+use crate::estimators::vpls::{GpuVpl, VplManager, geometry_bound_of, samples, set_step};
 use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
 use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};

@@ -39,7 +39,7 @@ pub struct SceneMicro {
     pub rays: Vec<RayRun>,
     /// Building, updating and uploading the BVH, then each pass.
     pub times: Vec<TimeRun>,
-    /// What was not measured, and why.
+    /// Measurements that were omitted, and why.
     pub notes: Vec<String>,
 }
 
@@ -149,20 +149,13 @@ fn rays(scene: &SceneMicro, turns: u32) -> Table {
         .chain(over)
         .collect()
     };
-    Table {
-        title: format!("Rays of {}", scene.scene.name),
-        note: format!(
-            "Median of {turns} turns; `over`: relative speed, median over the turns. `differing`: results \
-             that differ from those of the first tracer."
-        ),
-        columns: fixed.map(str::to_owned).into_iter().chain(over).collect(),
-        rows: scene
-            .rays
-            .iter()
-            .flat_map(|run| run.tracers.iter().map(move |tracer| row(run, tracer)))
-            .collect(),
-        detail: false,
-    }
+    let note = format!(
+        "Median of {turns} turns; `over`: relative speed, median over the turns. `differing`: results that differ from \
+         those of the first tracer."
+    );
+    let rows = scene.rays.iter().flat_map(|run| run.tracers.iter().map(move |tracer| row(run, tracer)));
+    let columns = fixed.map(str::to_owned).into_iter().chain(over);
+    Table::new(format!("Rays of {}", scene.scene.name), note, columns, rows)
 }
 
 fn times(scene: &SceneMicro, turns: u32) -> Table {
@@ -171,11 +164,7 @@ fn times(scene: &SceneMicro, turns: u32) -> Table {
         vec![run.what.clone(), milliseconds(median), milliseconds(p5), milliseconds(p95)]
     };
     let [width, height] = scene.settings.size;
-    Table {
-        title: format!("Times of {} in ms", scene.scene.name),
-        note: format!("Median of {turns} turns; passes at {width}x{height}, in frames that do not overlap."),
-        columns: ["what", "ms", "5 %", "95 %"].map(str::to_owned).to_vec(),
-        rows: scene.times.iter().map(row).collect(),
-        detail: false,
-    }
+    let note = format!("Median of {turns} turns; passes at {width}x{height}, in frames that do not overlap.");
+    let title = format!("Times of {} in ms", scene.scene.name);
+    Table::new(title, note, ["what", "ms", "5 %", "95 %"], scene.times.iter().map(row))
 }

@@ -10,6 +10,7 @@ use std::time::Instant;
 use glam::Vec3;
 use indexmap::IndexMap;
 
+use super::super::source::warm_up;
 use super::super::{BenchError, Control};
 use super::report::TimeRun;
 use super::shader::failed;
@@ -126,7 +127,7 @@ impl PassFrames {
         let poses = poses(&prepared.scene);
         let renderer = Renderer::with_scene(device, prepared.clone(), settings, &poses[0])?;
         let mut frames = Self { renderer, poses, frame: 0 };
-        for _ in 0..=settings.vpl.temporal_sets {
+        for _ in 0..=warm_up(settings) {
             frames.render(Motion::Still)?;
         }
         Ok(frames)

@@ -8,10 +8,9 @@ use super::settings::{name_of, presets};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::split::RightSide;
-use crate::settings::{Indirect, Settings};
+use crate::estimators;
+use crate::settings::Settings;
 
-/// Temporal sets to choose from.
-const SETS: [u32; 5] = [1, 4, 8, 16, 32];
 /// Presets that are in the bar, the first ones.
 const QUALITIES: usize = 3;
 
@@ -33,16 +32,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
     ui.horizontal_wrapped(|ui| {
         rate(ui, shown);
         scenes(ui, state, shown, actions);
-        let Some(stage) = shown.stage else { return };
+        let Some(session) = shown.session else { return };
         let places = &mut state.places;
-        let mut settings = stage.settings.clone();
+        let mut settings = session.settings.clone();
         methods(ui, &mut settings, places);
-        if settings.indirect == Indirect::Vpls {
-            sets(ui, &mut settings, places);
-        }
+        axes(ui, &mut settings, places);
         ui.separator();
-        for (name, what, preset) in presets(&stage.settings).into_iter().take(QUALITIES) {
-            let label = ui.selectable_label(preset == stage.settings, name).on_hover_text(what);
+        for (name, what, preset) in presets(&session.settings).into_iter().take(QUALITIES) {
+            let label = ui.selectable_label(preset == session.settings, name).on_hover_text(what);
             place(ui, places, name, &label);
             if label.clicked() {
                 settings = preset;
@@ -51,19 +48,19 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
         ui.separator();
         let split = ui
             .selectable_label(shown.split.is_some(), "split")
-            .on_hover_text("Another method or the truth right of a divider (C).");
+            .on_hover_text("Another method or the reference right of a divider (C).");
         place(ui, places, "split", &split);
         if split.clicked() {
             let same = RightSide::Settings(Box::new(settings.clone()));
             actions.push(Action::Split(shown.split.is_none().then_some(same)));
         }
-        if settings != stage.settings {
+        if settings != session.settings {
             actions.push(Action::Set(Box::new(settings)));
         }
     });
 }
 
-/// Of the last half second.
+/// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
@@ -75,7 +72,7 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
 
 /// A menu with a picture of each scene; what lacks its models says so.
 fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let name = shown.stage.map_or("none", |stage| stage.name.as_str());
+    let name = shown.session.map_or("none", |session| session.name.as_str());
     let combo =
         ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).height(600.0).truncate();
     let menu = combo.show_ui(ui, |ui| {
@@ -129,14 +126,60 @@ fn method<Method: ValueEnum + PartialEq>(
     place(ui, places, name, &menu.response.on_hover_text(what));
 }
 
-fn sets(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
-    ui.separator();
-    ui.label("T").on_hover_text("Temporal sets: so many frames share the work of one.");
-    for count in SETS.into_iter().filter(|count| *count <= settings.vpl.slots) {
-        let label = ui.selectable_label(settings.vpl.temporal_sets == count, count.to_string());
-        place(ui, places, &format!("T = {count}"), &label);
-        if label.clicked() {
-            settings.vpl.temporal_sets = count;
+/// Values to choose from of the settings that the method's short name states.
+fn axes(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
+    for axis in estimators::method(settings).axes {
+        let (Some(short), Some(values)) = (axis.short, axis.default_sweep) else { continue };
+        ui.separator();
+        ui.label(short).on_hover_text(axis.label);
+        for value in values.split(',').filter_map(|value| value.parse().ok()) {
+            let mut chosen = settings.clone();
+            (axis.set)(&mut chosen, value);
+            // Others are out of range.
+            if (axis.get)(&chosen) == value {
+                let label = ui.selectable_label(chosen == *settings, value.to_string());
+                place(ui, places, &format!("{short} = {value}"), &label);
+                if label.clicked() {
+                    *settings = chosen;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Event, Modifiers, PointerButton, RawInput, Rect, pos2, vec2};
+
+    use super::*;
+    use crate::settings::Indirect;
+
+    #[test]
+    fn the_menu_offers_every_method_that_is_registered() {
+        let context = egui::Context::default();
+        let mut settings = Settings::default();
+        let mut run = |events: Vec<Event>| {
+            let mut places = Places::new();
+            let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0)));
+            let input = RawInput { screen_rect, events, ..RawInput::default() };
+            let _ = context.run_ui(input, |ui| methods(ui, &mut settings, &mut places));
+            places
+        };
+        run(Vec::new());
+        let [left, top, right, bottom] = run(Vec::new())["method"];
+        let pos = pos2(0.5 * (left + right), 0.5 * (top + bottom));
+        let button = |pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::default(),
+        };
+        run(vec![Event::PointerMoved(pos), button(true)]);
+        run(vec![button(false)]);
+        run(Vec::new());
+        let open = run(Vec::new());
+        for value in Indirect::value_variants() {
+            assert!(open.contains_key(&format!("method {}", value.name())), "{open:?}");
         }
     }
 }

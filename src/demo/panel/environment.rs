@@ -10,7 +10,7 @@ use super::{PanelState, Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
 use crate::formats::EnvironmentEntry;
 
-/// What the first colour is, W/m^2/sr.
+/// The first colour, W/m^2/sr.
 const COLOUR: [f32; 3] = [0.5; 3];
 /// Strength of a map: the most, and the least above 0.
 const STRENGTH: [f32; 2] = [100.0, 0.01];
@@ -22,8 +22,8 @@ pub(super) fn show(
     places: &mut Places,
     actions: &mut Vec<Action>,
 ) {
-    let Some(stage) = shown.stage else { return };
-    let now = stage.document.environment();
+    let Some(session) = shown.session else { return };
+    let now = session.document.environment();
     kind(ui, now, actions);
     ui.horizontal(|ui| {
         let typed = &mut state.scene.map;

@@ -1,15 +1,15 @@
-//! What is shown in place of the picture or over it, in a line at the lower edge.
+//! The legend: a line at the lower edge names what stands in place of the picture or over it.
 
 use egui::{Align2, Area, Color32, Frame, Id, RichText, Sense, Ui, vec2};
 
+use super::vpls;
 use crate::estimators::views;
-use crate::estimators::vpls::{VPL_VISIBILITY, path_legend};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::DebugView;
 
 pub(super) fn show(ui: &Ui, view: &DebugView) {
     let buffer = views().find(|known| known.name == view.buffer && known.name != COMBINED);
-    let paths = view.vpl.vpl_paths;
+    let paths = vpls::legend(view);
     if buffer.is_none() && paths.is_none() {
         return;
     }
@@ -18,10 +18,10 @@ pub(super) fn show(ui: &Ui, view: &DebugView) {
         // One line, however wide the last one was.
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         Frame::NONE.fill(Color32::from_black_alpha(190)).inner_margin(2.0).show(ui, |ui| {
-            if let Some(style) = paths {
+            if let Some((title, entries)) = paths {
                 ui.horizontal(|ui| {
-                    ui.label(white(&format!("paths by {}:", style.label().to_lowercase())));
-                    for (name, [r, g, b]) in path_legend(style) {
+                    ui.label(white(&title));
+                    for (name, [r, g, b]) in entries {
                         let [r, g, b] = [r, g, b].map(|channel| (channel * 255.0) as u8);
                         let (place, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
                         ui.painter().rect_filled(place, 2.0, Color32::from_rgb(r, g, b));
@@ -30,9 +30,7 @@ pub(super) fn show(ui: &Ui, view: &DebugView) {
                 });
             }
             if let Some(buffer) = buffer {
-                let chooses = buffer.name == VPL_VISIBILITY && view.vpl.single_vpl.is_none();
-                let hint = if chooses { " (choose one with , and .)" } else { "" };
-                ui.label(white(&format!("{}{hint}", buffer.label)));
+                ui.label(white(&format!("{}{}", buffer.label, vpls::hint(view))));
             }
         });
     });

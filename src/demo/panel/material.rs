@@ -5,7 +5,7 @@ use egui::{ScrollArea, Slider, SliderClamping, Ui, Window};
 use super::objects::power;
 use super::{PanelState, Places, Shown, place, place_track};
 use crate::demo::action::Action;
-use crate::demo::stage::Stage;
+use crate::demo::session::Session;
 use crate::formats::MaterialEdit;
 use crate::scene::{Alpha, Material};
 
@@ -13,21 +13,21 @@ use crate::scene::{Alpha, Material};
 const NORMAL_SCALE: f32 = 4.0;
 
 pub(super) fn show(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let (Some(stage), Some(index)) = (shown.stage, shown.inspector.material()) else { return };
-    let Some(material) = stage.scene.materials.get(index) else { return };
+    let (Some(session), Some(index)) = (shown.session, shown.inspector.material()) else { return };
+    let Some(material) = session.scene.materials.get(index) else { return };
     let (viewport, places) = (state.viewport(ui.ctx()), &mut state.places);
     let window = Window::new("Material").fixed_pos(viewport.min + egui::vec2(8.0, 8.0)).resizable(false);
     let height = viewport.height() * 0.5;
     let content = |ui: &mut Ui| {
         ui.strong(if material.name.is_empty() { "(no name)" } else { &material.name });
-        let files = stage.read.materials();
+        let files = session.read.materials();
         let own = files.get(index);
         let Some(file) = own.or_else(|| files.iter().find(|file| file.name == material.name)) else {
             ui.label("A light: edit it under Lights and objects.");
             return;
         };
         // What an entry of [[lights]] makes emit has its radiance from there.
-        let edit = edited(ui, stage, file, own.is_some(), places);
+        let edit = edited(ui, session, file, own.is_some(), places);
         actions.extend(edit.map(|edit| Action::EditMaterial(Box::new(edit))));
     };
     window.show(ui.ctx(), |ui| ScrollArea::vertical().max_height(height).show(ui, content));
@@ -36,13 +36,13 @@ pub(super) fn show(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
 /// The widgets; returns another edit, if there is one.
 fn edited(
     ui: &mut Ui,
-    stage: &Stage,
+    session: &Session,
     file: &Material,
     own_emission: bool,
     places: &mut Places,
 ) -> Option<MaterialEdit> {
     let mut now = file.clone();
-    let edit = stage.document.material_edit(&file.name);
+    let edit = session.document.material_edit(&file.name);
     if let Some(edit) = edit {
         edit.apply(&mut now);
     }

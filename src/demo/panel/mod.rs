@@ -3,7 +3,6 @@
 mod bar;
 mod environment;
 mod help;
-mod inspector;
 mod legend;
 mod material;
 mod notices;
@@ -16,6 +15,7 @@ mod thumbnails;
 mod time;
 mod unsaved;
 mod views;
+mod vpls;
 mod welcome;
 
 use std::collections::BTreeMap;
@@ -25,21 +25,20 @@ use std::time::{Duration, Instant};
 use egui::{Frame, Id, Rect, Response, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 
 use super::action::Action;
-use super::app::Recording;
 use super::clock::Clock;
 use super::gpu::Gpu;
 use super::handles::{self, Mode};
 use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
+use super::recorder::Recording;
 use super::resolution::Resolution;
+use super::session::Session;
 use super::split::Split;
-use super::stage::Stage;
 
 pub(super) use scene::{Purpose, is_map};
-pub(super) use unsaved::Leave;
 
-/// What is loaded sooner needs no word.
+/// A scene that is loaded sooner needs no word.
 const SOON: Duration = Duration::from_millis(500);
 /// Width of the panel, points.
 const WIDTH: f32 = 250.0;
@@ -64,8 +63,8 @@ pub(super) struct PanelState {
     pub error: Option<String>,
     /// The last status message.
     pub message: String,
-    /// What is to be done once edits are saved or discarded.
-    pub leaving: Option<Leave>,
+    /// The action that waits until edits are saved or discarded.
+    pub pending: Option<Action>,
     pub scene: scene::SceneState,
     split: split::SplitState,
     pub places: Places,
@@ -107,9 +106,9 @@ impl PanelState {
 
 /// Input of the panel.
 pub(super) struct Shown<'a> {
-    pub stage: Option<&'a Stage>,
+    pub session: Option<&'a Session>,
     pub split: Option<&'a Split>,
-    /// Of the tour.
+    /// The caption of the tour.
     pub caption: Option<&'static str>,
     pub assets: Option<&'a Path>,
     pub clock: &'a mut Clock,
@@ -148,14 +147,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     notices::error(ui, state);
     unsaved::show(ui, state, &mut actions);
     state.scene.ask(ui.ctx(), &mut actions);
-    if shown.stage.is_none() {
+    if shown.session.is_none() {
         notices::loading(ui, viewport, shown.loader);
     }
     if state.hidden {
         return actions;
     }
-    if let Some(stage) = shown.stage.filter(|_| !state.bare) {
-        overlays(ui, state, stage, shown.mode);
+    if let Some(session) = shown.session.filter(|_| !state.bare) {
+        overlays(ui, state, session, shown.mode);
     }
     let bar = egui::Panel::top("bar").exact_size(bar::height(ui.ctx().content_rect().width()));
     bar.resizable(false).frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
@@ -173,21 +172,21 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     split::show(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
         material::show(ui, state, shown, &mut actions);
-        inspector::show(ui, viewport, shown, &mut actions);
+        vpls::inspector(ui, viewport, shown, &mut actions);
     }
     release_number(ui.ctx(), state);
-    if state.welcome && shown.stage.is_some() {
+    if state.welcome && shown.session.is_some() {
         welcome::show(ui, state, &mut actions);
     }
     actions
 }
 
-/// What is drawn over the picture.
-fn overlays(ui: &Ui, state: &PanelState, stage: &Stage, mode: Mode) {
+/// Draws handles, legend and hints over the picture.
+fn overlays(ui: &Ui, state: &PanelState, session: &Session, mode: Mode) {
     let viewport = state.viewport(ui.ctx());
-    handles::paint(ui, stage, viewport, mode);
-    legend::show(ui, stage.renderer.view());
-    if stage.camera_is_outside() {
+    handles::paint(ui, session, viewport, mode);
+    legend::show(ui, session.renderer.view());
+    if session.camera_is_outside() {
         let hint = "The camera has left the scene: Home brings it back.";
         notices::caption(ui, viewport, hint);
     }
@@ -237,7 +236,7 @@ fn follow_focus(ui: &mut Ui, state: &mut PanelState) {
     }
 }
 
-/// What goes on, in the same room whatever it is, so that nothing below moves.
+/// Shows what goes on, in the same space whatever it is, so that nothing below moves.
 fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
     let (room, _) = ui.allocate_exact_size(vec2(ui.available_width(), STATUS), Sense::hover());
     let mut ui = ui.new_child(UiBuilder::new().max_rect(room));
@@ -284,7 +283,7 @@ fn place(ui: &Ui, places: &mut Places, name: &str, response: &Response) {
     }
 }
 
-/// The same of a slider's track, without the value and the text beside it.
+/// Records the rectangle of a slider's track, without the value and the text beside it.
 fn place_track(ui: &Ui, places: &mut Places, name: &str, slider: &Response) {
     let width = ui.spacing().slider_width.min(slider.rect.width());
     let rect = slider.rect.with_max_x(slider.rect.min.x + width);

@@ -1,4 +1,4 @@
-//! What is said over the picture: errors, captions, that a scene is loaded.
+//! Notices over the picture: errors, captions, that a scene is loaded.
 
 use egui::{Align2, Area, Color32, Frame, Id, Rect, RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::demo::loader::Loader;
 /// Widest text, points.
 const WIDEST: f32 = 720.0;
 
-/// What the tour says, or a hint, at the lower edge of the picture.
+/// Shows a caption of the tour, or a hint, at the lower edge of the picture.
 pub(super) fn caption(ui: &Ui, viewport: Rect, caption: &str) {
     let at = viewport.center_bottom() - egui::vec2(0.0, 12.0);
     let area = Area::new(Id::new("caption")).fixed_pos(at).pivot(Align2::CENTER_BOTTOM).interactable(false);

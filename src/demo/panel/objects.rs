@@ -5,9 +5,9 @@ use glam::Vec3;
 
 use super::{Places, Shown, keep_keyboard, place, place_track};
 use crate::demo::action::Action;
-use crate::demo::edit::{Motion, NewObject, label};
+use crate::demo::edit::{Motion, NewObject};
 use crate::demo::handles::Mode;
-use crate::demo::stage::{Selected, Stage, carry};
+use crate::demo::session::{Selected, Session, carry, label};
 use crate::formats::{
     AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry,
 };
@@ -16,8 +16,8 @@ use crate::scene::LightType;
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
-    let Some(stage) = shown.stage else { return };
-    list(ui, stage, actions);
+    let Some(session) = shown.session else { return };
+    list(ui, session, actions);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
@@ -28,8 +28,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
             }
         }
     });
-    add_object(ui, stage, places, actions);
-    let Some(selected) = stage.selected else {
+    add_object(ui, session, places, actions);
+    let Some(selected) = session.selected else {
         ui.small("Click an object or a light in the picture to select it.");
         return;
     };
@@ -50,24 +50,24 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     });
     match selected {
         Selected::Light(index) => {
-            if let Some(entry) = stage.document.lights().nth(index) {
-                light(ui, stage, (index, entry), places, actions);
+            if let Some(entry) = session.document.lights().nth(index) {
+                light(ui, session, (index, entry), places, actions);
             }
         }
         Selected::Instance(index) => {
-            if let Some(entry) = stage.document.instances().nth(index) {
-                instance(ui, stage, index, entry, actions);
+            if let Some(entry) = session.document.instances().nth(index) {
+                instance(ui, session, index, entry, actions);
             }
         }
     }
 }
 
 /// Shapes, models that are in the scene, and files.
-fn add_object(ui: &mut Ui, stage: &Stage, places: &mut Places, actions: &mut Vec<Action>) {
+fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut Vec<Action>) {
     let combo = ComboBox::from_id_salt("add object").selected_text("add an object").width(150.0);
     let menu = combo.show_ui(ui, |ui| {
         let shapes = Primitive::ALL.map(|shape| (shape.label(), NewObject::Shape(shape)));
-        let models = stage.document.models().map(|model| (model, NewObject::Model(model.to_owned())));
+        let models = session.document.models().map(|model| (model, NewObject::Model(model.to_owned())));
         for (name, object) in shapes.into_iter().chain(models) {
             let label = ui.selectable_label(false, name);
             place(ui, places, &format!("add {name}"), &label);
@@ -82,36 +82,36 @@ fn add_object(ui: &mut Ui, stage: &Stage, places: &mut Places, actions: &mut Vec
     place(ui, places, "add an object", &menu.response);
 }
 
-fn list(ui: &mut Ui, stage: &Stage, actions: &mut Vec<Action>) {
+fn list(ui: &mut Ui, session: &Session, actions: &mut Vec<Action>) {
     let mut entry = |ui: &mut Ui, this: Selected, name: String| {
-        if ui.selectable_label(stage.selected == Some(this), name).clicked() {
+        if ui.selectable_label(session.selected == Some(this), name).clicked() {
             actions.push(Action::Select(Some(this)));
         }
     };
     ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
-        let lights = (0..stage.document.lights().len()).map(Selected::Light);
-        let instances = (0..stage.document.instances().len()).map(Selected::Instance);
-        lights.chain(instances).for_each(|known| entry(ui, known, stage.name_of(known)));
+        let lights = (0..session.document.lights().len()).map(Selected::Light);
+        let instances = (0..session.document.instances().len()).map(Selected::Instance);
+        lights.chain(instances).for_each(|known| entry(ui, known, session.name_of(known)));
     });
 }
 
 fn light(
     ui: &mut Ui,
-    stage: &Stage,
+    session: &Session,
     (index, entry): (usize, &LightEntry),
     places: &mut Places,
     actions: &mut Vec<Action>,
 ) {
     let mut light = entry.clone();
-    let speed = 2e-3 * stage.radius;
+    let speed = 2e-3 * session.radius;
     if let Some(name) = &mut light.name {
         let field = ui.add(TextEdit::singleline(name).desired_width(150.0));
         keep_keyboard(ui, &field);
     }
-    if stage.headlamp == Some(index) {
+    if session.headlamp == Some(index) {
         // The document has where it was when it was attached.
         let mut now = light.clone();
-        carry(&mut now, &stage.pose.camera);
+        carry(&mut now, &session.pose.camera);
         ui.add_enabled_ui(false, |ui| place_of_light(ui, &mut now, speed));
     } else {
         place_of_light(ui, &mut light, speed);
@@ -128,15 +128,15 @@ fn light(
     if light.kind == LightType::Spot {
         cone(ui, &mut light);
     }
-    extent(ui, &mut light, stage.radius, places);
-    let mut headlamp = stage.headlamp == Some(index);
+    extent(ui, &mut light, session.radius, places);
+    let mut headlamp = session.headlamp == Some(index);
     let can_go = light.kind != LightType::Area;
     let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "attached to the camera (H)"));
     if check.changed() {
         actions.push(Action::ToggleHeadlamp);
     }
     if light.instance.is_none() {
-        motion(ui, &mut light.animation, stage.radius);
+        motion(ui, &mut light.animation, session.radius);
     }
     if light != *entry {
         actions.push(Action::EditLight(index, Box::new(light)));
@@ -181,10 +181,10 @@ fn quad(ui: &mut Ui, polygon: &mut [[f32; 3]; 4], speed: f32) {
     }
 }
 
-fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, actions: &mut Vec<Action>) {
+fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry, actions: &mut Vec<Action>) {
     let mut instance = entry.clone();
     let mut place = instance.translation.unwrap_or_default();
-    vector(ui, "position", Some(&mut place), 2e-3 * stage.radius);
+    vector(ui, "position", Some(&mut place), 2e-3 * session.radius);
     if Some(place) != instance.translation && place != [0.0; 3] {
         instance.translation = Some(place);
     }
@@ -217,7 +217,7 @@ fn instance(ui: &mut Ui, stage: &Stage, index: usize, entry: &InstanceEntry, act
             });
         }
     }
-    motion(ui, &mut instance.animation, stage.radius);
+    motion(ui, &mut instance.animation, session.radius);
     if instance != *entry {
         actions.push(Action::EditInstance(index, Box::new(instance)));
     }
@@ -268,7 +268,7 @@ fn cone(ui: &mut Ui, light: &mut LightEntry) {
     });
 }
 
-/// What shines: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
+/// The extent of a light: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
 fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut Places) {
     let (name, unit, most, value) = match light.kind {
         LightType::Point | LightType::Spot => ("radius", "", 0.2 * scene_radius, &mut light.radius),

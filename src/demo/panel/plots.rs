@@ -1,23 +1,14 @@
-//! Plots of the last frames: frame intervals, pass times, VPL counters.
+//! Plots of the last frames: frame intervals, pass times, counters of the method.
 
 use egui::{Color32, Grid, RichText, Ui};
 use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
 use super::Shown;
 use crate::demo::history::Sample;
-use crate::estimators;
+use crate::estimators::{self, CounterInfo};
 
 /// Height of a plot, points.
 const HEIGHT: f32 = 120.0;
-
-/// Counters to plot, with label and colour; skipped if the method lacks them.
-const COUNTERS: [(&str, &str, Color32); 5] = [
-    ("vpls.valid", "valid", Color32::from_rgb(110, 200, 110)),
-    ("vpls.escaped", "escaped", Color32::from_rgb(110, 160, 230)),
-    ("vpls.stale", "stale", Color32::from_rgb(200, 200, 90)),
-    ("vpls.invalidated", "invalidated", Color32::from_rgb(230, 90, 80)),
-    ("vpls.shot", "shot", Color32::from_rgb(230, 160, 60)),
-];
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     let samples: Vec<&Sample> = shown.history.samples().collect();
@@ -38,20 +29,25 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     for name in names.iter().rev() {
         figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
     }
-    let counters = COUNTERS.into_iter().filter(|(key, ..)| last.report.figures.counters.0.contains_key(key));
-    let counters: Vec<_> = counters.collect();
+    let Some(session) = shown.session else { return };
+    let method = estimators::method(&session.settings);
+    let plotted = |counter: &CounterInfo| {
+        let [r, g, b] = counter.colour?;
+        Some((counter.name, counter.label?, Color32::from_rgb(r, g, b)))
+    };
+    let counters: Vec<_> = method.counters.iter().filter_map(plotted).collect();
     if counters.is_empty() {
         return;
     }
     ui.separator();
-    ui.small("VPLs");
+    ui.small(method.label);
     let count = |sample: &Sample, key: &str| sample.report.figures.counters.get(key);
-    plot("vpls", "VPLs", ui, |plot| {
+    plot("counters", method.label, ui, |plot| {
         for (key, name, colour) in &counters {
             plot.line(line(name, *colour, samples.iter().map(|sample| count(sample, key) as f64)));
         }
     });
-    Grid::new("counters").num_columns(2).show(ui, |ui| {
+    Grid::new("counts").num_columns(2).show(ui, |ui| {
         for (key, name, colour) in &counters {
             ui.label(RichText::new(*name).small().color(*colour));
             ui.small(count(last, key).to_string());

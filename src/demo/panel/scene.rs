@@ -7,8 +7,8 @@ use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use super::{PanelState, Places, Shown, keep_keyboard, place};
 use crate::demo::action::Action;
-use crate::demo::app::Recording;
 use crate::demo::edit::NewObject;
+use crate::demo::recorder::Recording;
 
 /// Text field and file dialog.
 #[derive(Default)]
@@ -24,9 +24,9 @@ pub(in crate::demo) struct SceneState {
 pub(in crate::demo) enum Purpose {
     Open,
     Save,
-    /// Of an environment.
+    /// The map of an environment.
     Map,
-    /// Of an object that is added.
+    /// The model of an object that is added.
     Model,
 }
 

@@ -34,9 +34,9 @@ pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings)
 }
 
 pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let Some(stage) = shown.stage else { return };
-    let mut settings = stage.settings.clone();
-    let [.., (name, what, dissertation)] = presets(&stage.settings);
+    let Some(session) = shown.session else { return };
+    let mut settings = session.settings.clone();
+    let [.., (name, what, dissertation)] = presets(&session.settings);
     if ui.selectable_label(dissertation == settings, name).on_hover_text(what).clicked() {
         settings = dissertation;
     }
@@ -44,14 +44,14 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     for group in GROUPS {
         ui.separator();
         ui.small(group.title);
-        ui.add_enabled_ui((group.in_use)(&stage.settings), |ui| {
+        ui.add_enabled_ui((group.in_use)(&session.settings), |ui| {
             for setting in group.settings {
                 row(ui, setting, &mut settings, &defaults);
             }
         });
     }
     coarseness(ui, shown.resolution, actions);
-    if settings != stage.settings {
+    if settings != session.settings {
         actions.push(Action::Set(Box::new(settings)));
     }
 }
@@ -173,7 +173,7 @@ mod tests {
             GROUPS.iter().filter(|group| (group.in_use)(settings)).map(|group| group.table).collect()
         };
         let plain = Settings { reflections: Reflections::None, ..Settings::default() };
-        let none = Settings { indirect: Indirect::None, ..Settings::default() };
+        let none = Settings { indirect: Indirect::NONE, ..Settings::default() };
         assert_eq!(
             in_use(&Settings::default()),
             ["settings", "settings.effects", "settings.svgf", "settings.vpls"]

@@ -1,4 +1,4 @@
-//! The divided window: divider, what each side shows, the truth's picture, the error of the left side.
+//! The divided window: divider, what each side shows, the reference's picture, the error of the left side.
 
 use std::time::Duration;
 
@@ -10,44 +10,45 @@ use egui::{
 use super::settings::{name_of, row};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
+use crate::demo::live_reference::{ENOUGH, LiveReference};
+use crate::demo::session::Session;
 use crate::demo::split::{Right, RightSide, Split};
-use crate::demo::stage::Stage;
-use crate::demo::truth::{ENOUGH, Truth};
+use crate::estimators;
 use crate::plot::magma;
 use crate::report::FrameReport;
-use crate::settings::{self, Indirect, Settings};
+use crate::settings::{self, Settings};
 
 /// Half the width of what can be gripped of the divider, points.
 const GRIP: f32 = 6.0;
 /// How far below the bar the sides say what they are, points.
 const LABELS_AT: f32 = 8.0;
-/// What can be chosen of the right side.
+/// Settings of the right side that can be chosen.
 const CHOICES: [&str; 7] =
     ["indirect", "temporal_sets", "bounces", "direct", "reflections", "antialiasing", "denoise"];
 
 /// Pictures of the CPU, as textures.
 #[derive(Default)]
 pub(in crate::demo) struct SplitState {
-    truth: Option<(u64, TextureHandle)>,
+    reference: Option<(u64, TextureHandle)>,
     difference: Option<(u64, TextureHandle)>,
 }
 
-/// What the CPU has drawn, below everything else.
+/// Paints the pictures of the CPU, below everything else.
 pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
     let viewport = state.viewport(ui.ctx());
     let state = &mut state.split;
-    if let Right::Truth(truth) = &split.right
-        && let Some(progress) = truth.progress()
+    if let Right::Reference(reference) = &split.right
+        && let Some(progress) = reference.progress()
     {
-        let shown = state.truth.take().filter(|(version, _)| *version == truth.version);
+        let shown = state.reference.take().filter(|(version, _)| *version == reference.version);
         let (version, texture) = shown.unwrap_or_else(|| {
             let size = progress.shot.size.map(|side| side as usize);
             let image = ColorImage::from_rgba_unmultiplied(size, bytemuck::cast_slice(&progress.shot.pixels));
-            (truth.version, ui.ctx().load_texture("truth", image, TextureOptions::NEAREST))
+            (reference.version, ui.ctx().load_texture("reference", image, TextureOptions::NEAREST))
         });
         let right = viewport.with_min_x(divider_of(viewport, split.at));
         paint(ui, &texture, right, viewport);
-        state.truth = Some((version, texture));
+        state.reference = Some((version, texture));
     }
     if !split.shows_difference {
         state.difference = None;
@@ -102,7 +103,7 @@ fn scale(ui: &Ui, viewport: Rect) {
 
 /// The divider, and what both sides are.
 pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let (Some(stage), Some(split)) = (shown.stage, shown.split) else { return };
+    let (Some(session), Some(split)) = (shown.session, shown.split) else { return };
     let viewport = state.viewport(ui.ctx());
     let places = &mut state.places;
     let x = divider_of(viewport, split.at);
@@ -126,28 +127,33 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
     };
     let left = pos2(x - 10.0, viewport.top() + LABELS_AT);
     label("left side", left, Align2::RIGHT_TOP, &mut |ui| {
-        ui.label(RichText::new(described(&stage.settings)).strong());
-        ui.label(milliseconds(&stage.report));
+        ui.label(RichText::new(described(&session.settings)).strong());
+        ui.label(milliseconds(&session.report));
         numbers(ui, split);
     });
     let right = pos2(x + 10.0, viewport.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
-        right_side(ui, (stage, split), places, actions);
+        right_side(ui, (session, split), places, actions);
     });
 }
 
-fn right_side(ui: &mut Ui, (stage, split): (&Stage, &Split), places: &mut Places, actions: &mut Vec<Action>) {
+fn right_side(
+    ui: &mut Ui,
+    (session, split): (&Session, &Split),
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
     ui.horizontal(|ui| {
-        let is_truth = matches!(split.right, Right::Truth(_));
-        for (name, what, truth) in [
+        let is_reference = matches!(split.right, Right::Reference(_));
+        for (name, what, reference) in [
             ("method", "The same world at the same moment by other settings.", false),
-            ("truth", "The path tracer, while nothing moves (G).", true),
+            ("reference", "The path tracer, while nothing moves (G).", true),
         ] {
-            let choice = ui.selectable_label(is_truth == truth, name).on_hover_text(what);
+            let choice = ui.selectable_label(is_reference == reference, name).on_hover_text(what);
             place(ui, places, name, &choice);
-            if choice.clicked() && is_truth != truth {
-                let settings = RightSide::Settings(Box::new(stage.settings.clone()));
-                actions.push(Action::Split(Some(if truth { RightSide::Truth } else { settings })));
+            if choice.clicked() && is_reference != reference {
+                let settings = RightSide::Settings(Box::new(session.settings.clone()));
+                actions.push(Action::Split(Some(if reference { RightSide::Reference } else { settings })));
             }
         }
         let difference = ui
@@ -159,7 +165,7 @@ fn right_side(ui: &mut Ui, (stage, split): (&Stage, &Split), places: &mut Places
         }
     });
     match &split.right {
-        Right::Truth(truth) => progress(ui, truth),
+        Right::Reference(reference) => progress(ui, reference),
         Right::Renderer(other) => {
             ui.label(RichText::new(described(&other.settings)).strong());
             ui.label(milliseconds(&other.report));
@@ -167,7 +173,7 @@ fn right_side(ui: &mut Ui, (stage, split): (&Stage, &Split), places: &mut Places
             let folded = egui::CollapsingHeader::new("change").default_open(false);
             let header = folded.show(ui, |ui| {
                 for setting in CHOICES.into_iter().filter_map(settings::find) {
-                    row(ui, setting, &mut settings, &stage.settings);
+                    row(ui, setting, &mut settings, &session.settings);
                 }
             });
             place(ui, places, "change", &header.header_response);
@@ -178,8 +184,8 @@ fn right_side(ui: &mut Ui, (stage, split): (&Stage, &Split), places: &mut Places
     }
 }
 
-fn progress(ui: &mut Ui, truth: &Truth) {
-    let Some(progress) = truth.progress() else {
+fn progress(ui: &mut Ui, reference: &LiveReference) {
+    let Some(progress) = reference.progress() else {
         ui.label("waits until nothing moves (Space pauses)");
         return;
     };
@@ -208,11 +214,8 @@ fn milliseconds(report: &FrameReport) -> String {
     format!("{:.1} ms", report.figures.total_ms)
 }
 
-/// What lights a picture.
+/// Names the methods that light a picture.
 fn described(settings: &Settings) -> String {
-    let indirect = match settings.indirect {
-        Indirect::Vpls => format!("vpls, T = {}", settings.vpl.temporal_sets),
-        Indirect::None => "no indirect light".to_owned(),
-    };
+    let indirect = estimators::method(settings).short_name(settings);
     format!("{indirect}; {}, {}", name_of(&settings.direct), name_of(&settings.antialiasing))
 }

@@ -1,40 +1,16 @@
 //! The question before edits are lost.
 
 use egui::{Id, Modal, Ui};
-use serde::Serialize;
 
 use super::{PanelState, place};
 use crate::demo::action::Action;
 
-/// What ends the edits of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(in crate::demo) enum Leave {
-    /// Closing the window.
-    Close,
-    /// Opening another scene.
-    Open(String),
-    /// Reading the same one again.
-    Reload,
-}
-
-impl Leave {
-    /// The action that does it.
-    pub fn action(self) -> Action {
-        match self {
-            Self::Close => Action::Quit,
-            Self::Open(name) => Action::Open(name),
-            Self::Reload => Action::Reload,
-        }
-    }
-}
-
 pub(super) fn show(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
-    let Some(leave) = state.leaving.clone() else { return };
-    let what = match &leave {
-        Leave::Close => "Closing".to_owned(),
-        Leave::Open(name) => format!("Opening {}", super::scene::short(name)),
-        Leave::Reload => "Reloading".to_owned(),
+    let Some(pending) = state.pending.clone() else { return };
+    let what = match &pending {
+        Action::Open(name) => format!("Opening {}", super::scene::short(name)),
+        Action::Reload => "Reloading".to_owned(),
+        _ => "Closing".to_owned(),
     };
     let modal = Modal::new(Id::new("unsaved")).show(ui.ctx(), |ui| {
         ui.set_max_width(320.0);
@@ -56,9 +32,9 @@ pub(super) fn show(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
     if saves {
         actions.push(Action::AskSave);
     } else if discards {
-        actions.push(leave.action());
+        actions.push(pending);
     }
     if saves || stays || modal.should_close() {
-        state.leaving = None;
+        state.pending = None;
     }
 }

@@ -9,7 +9,7 @@ const LINES: [&str; 5] = [
     "All light in this room is computed as you watch: click a lamp or a ball and drag it by its arrows.",
     "Fly with W A S D, Q and E; look around with the right mouse button; Home brings you back.",
     "The bar at the top chooses the scene, the method, temporal sets (T) and quality.",
-    "C compares two methods side by side, G shows the path traced truth, X the error.",
+    "C compares two methods side by side, G shows the path traced reference, X the error.",
     "F1 lists all keys; F2 begins a tour of one minute.",
 ];
 

@@ -13,8 +13,9 @@ mod hit_light;
 mod indirect_reprojection;
 mod indirect_shading;
 mod indirect_shadows;
-pub(crate) mod inspect;
+mod inspect;
 pub mod manager;
+mod method;
 mod path_lines;
 mod set_buffers;
 mod staleness;
@@ -28,21 +29,20 @@ use std::time::Instant;
 
 use bytemuck::Zeroable;
 
+pub(crate) use inspect::geometry_bound_of;
 pub use manager::{
     Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
     VplContribution, VplCounters, VplManager,
 };
+pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
-pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplLook, shows_a_set};
+pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
 
-use super::{
-    DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, SignalNoise,
-    ViewInputs, World,
-};
+use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, SignalNoise, ViewInputs, World};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
-use crate::report::{Counters, PassInfo};
+use crate::report::Counters;
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
@@ -59,38 +59,6 @@ use view::{VplViewPass, VplViewSources};
 use vpl_buffer::{UploadedSet, VplBuffer, VplUniforms, rays_of};
 use vpl_light::VplLightPass;
 
-/// What it names.
-pub const METHOD: Method = Method { name: "vpls", passes: PASSES, views: VIEWS, counters: &COUNTERS };
-
-const PASSES: MethodPasses = MethodPasses {
-    cpu: &[
-        PassInfo { name: "vpl_invalidation", colour: [214, 95, 95] },
-        PassInfo { name: "vpl_replacement", colour: [242, 142, 43] },
-    ],
-    device: &[
-        PassInfo { name: "indirect_shadows", colour: [31, 111, 180] },
-        PassInfo { name: "indirect_shading", colour: [98, 182, 222] },
-        PassInfo { name: "indirect_reprojection", colour: [148, 103, 189] },
-        PassInfo { name: "hit_light", colour: [70, 130, 160] },
-    ],
-};
-
-const COUNTERS: [&str; 14] = [
-    "vpls.slots",
-    "vpls.valid",
-    "vpls.useful",
-    "vpls.escaped",
-    "vpls.stale",
-    "vpls.invalidated",
-    "vpls.shot",
-    InvalidationReason::LightTurnedAway.counter(),
-    InvalidationReason::FacesAway.counter(),
-    InvalidationReason::Occluded.counter(),
-    InvalidationReason::ParentInvalid.counter(),
-    InvalidationReason::LightChanged.counter(),
-    InvalidationReason::NoSlot.counter(),
-    SHADOW_RAYS,
-];
 /// Occlusion rays from pixels to VPLs.
 const SHADOW_RAYS: &str = "shadow_rays";
 
@@ -109,7 +77,7 @@ pub struct Vpls {
     passes: Passes,
     /// The VPLs of the frame's set on the device; none before the first frame.
     uploaded: Option<UploadedSet>,
-    look: VplLook,
+    view: VplDebugView,
     views: ViewPasses,
     /// Made when reflections first need it.
     hit_light: Option<HitLightPass>,
@@ -165,7 +133,7 @@ impl Vpls {
             frame_set: FrameSet::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
-            look: VplLook::default(),
+            view: VplDebugView::default(),
             views: ViewPasses::default(),
             hit_light: None,
             tracer: context.tracer,
@@ -216,10 +184,6 @@ impl Passes {
 }
 
 impl Estimator for Vpls {
-    fn method(&self) -> Method {
-        METHOD
-    }
-
     fn cycle(&self) -> u32 {
         self.settings.vpl.temporal_sets
     }
@@ -246,7 +210,7 @@ impl Estimator for Vpls {
             drawn,
             flux: self.manager.set_flux(),
             single: (
-                self.look.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
+                self.view.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
                 self.manager.usable_vpls() as f32,
             ),
         };
@@ -360,18 +324,19 @@ impl Estimator for Vpls {
         self.manager.change_scene();
     }
 
-    fn look_at(&mut self, view: &DebugView) -> Result<(), VulkanError> {
+    fn set_view(&mut self, view: &DebugView) -> Result<(), VulkanError> {
         let draws_view = VIEWS.iter().any(|known| known.name == view.buffer);
         if draws_view && self.views.vpl_view.is_none() {
             self.views.vpl_view = Some(VplViewPass::new(&self.device)?);
         }
-        if view.vpl.single_vpl.is_some() && self.views.vpl_light.is_none() {
+        let options: VplDebugView = view.options();
+        if options.single_vpl.is_some() && self.views.vpl_light.is_none() {
             let size = self.settings.size;
             self.views.vpl_light = Some(VplLightPass::new(&self.device, self.tracer, size)?);
         }
-        self.look = view.vpl;
+        self.view = options;
         if view.buffer == VPL_USEFULNESS {
-            self.look.vpl_paths = Some(PathStyle::Usefulness);
+            self.view.vpl_paths = Some(PathStyle::Usefulness);
         }
         Ok(())
     }
@@ -382,7 +347,7 @@ impl Estimator for Vpls {
         inputs: &FrameInputs<'_>,
     ) -> Result<Option<&Image>, VulkanError> {
         let (Some(pass), Some(set)) = (&self.views.vpl_light, &self.uploaded) else { return Ok(None) };
-        if self.look.single_vpl.is_none() {
+        if self.view.single_vpl.is_none() {
             return Ok(None);
         }
         pass.record(frame, inputs, set, self.frame_set.single)?;
@@ -402,16 +367,20 @@ impl Estimator for Vpls {
             sampled_irradiance: self.passes.indirect_shadows.output(),
             irradiance: single.unwrap_or(self.passes.indirect_reprojection.output()),
             drawn: (&self.passes.sets, self.frame_set.set),
-            shown: (self.passes.shown(), self.look.set),
+            shown: (self.passes.shown(), self.view.set),
         };
         pass.record(frame, inputs, &sources, view)
     }
 
     fn lines(&self) -> Vec<Line> {
-        let VplLook { vpl_paths, single_vpl, .. } = self.look;
+        let VplDebugView { vpl_paths, single_vpl, .. } = self.view;
         let height = self.settings.size[1];
         let lines = |style| PathView { style, single: single_vpl, height }.lines(&self.manager);
         vpl_paths.map(lines).unwrap_or_default()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.manager.wasted_slots_warning().into_iter().collect()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::scene::luminance;
 
 /// Frames during which an invalid VPL is still seen.
 const FLASH_FRAMES: u32 = 30;
-/// What is left of the opacity of hidden parts.
+/// Hidden parts keep this share of their opacity.
 const HIDDEN: f32 = 0.2;
 /// Opacity of the lines of all paths together; a single path is opaque.
 const LINE_OPACITY: f32 = 0.35;
@@ -26,7 +26,7 @@ const USELESS: Vec3 = Vec3::new(1.0, 0.55, 0.1);
 /// Golden ratio: numbers times this are spread over the circle of hues.
 const GOLDEN: f32 = 0.618_034;
 
-/// What to draw.
+/// Selects the paths to draw.
 pub(super) struct PathView {
     pub style: PathStyle,
     /// Draw the path of this slot only.
@@ -114,7 +114,7 @@ pub fn reason_colour(reason: InvalidationReason) -> [f32; 3] {
     }
 }
 
-/// What the colours of a style mean, as display values; none where each number has its own.
+/// The meaning of the colours of a style, as display values; none where each number has its own colour.
 pub fn path_legend(style: PathStyle) -> Vec<(&'static str, [f32; 3])> {
     let entries = match style {
         PathStyle::Bounce => vec![

@@ -58,7 +58,7 @@ pub const VIEWS: &[View] = &[
     },
 ];
 
-/// What the colours of light paths mean.
+/// The colours of light paths show one of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathStyle {
@@ -91,16 +91,24 @@ impl PathStyle {
     }
 }
 
-/// What to look at of the method.
+/// The options of the method's views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct VplLook {
+pub struct VplDebugView {
     /// Which temporal set the views `set-buffer` and `set-reprojected` show.
+    #[serde(skip_serializing_if = "is_first")]
     pub set: u32,
     /// Draw VPLs as points and their paths as lines.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub vpl_paths: Option<PathStyle>,
     /// Show the light and the path of the VPL in this slot alone, as bright as if all VPLs were like it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub single_vpl: Option<u32>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_first(set: &u32) -> bool {
+    *set == 0
 }
 
 /// Whether a view shows one of the sets.
@@ -113,7 +121,7 @@ pub struct VplViewPass {
     pipeline: ComputePipeline,
 }
 
-/// What the pass reads besides [`ViewInputs`].
+/// The pass reads these besides [`ViewInputs`].
 pub struct VplViewSources<'a> {
     /// The VPLs of the frame's set.
     pub vpls: &'a UploadedSet,

@@ -7,7 +7,6 @@ use glam::{Mat4, Vec2, Vec3};
 use serde::Serialize;
 
 use super::DemoError;
-use super::edit::label;
 use super::live_metrics::Shot;
 use super::loader::{Built, Edited};
 use super::undo::{State, Undo};
@@ -29,7 +28,7 @@ pub enum Selected {
 }
 
 /// The current scene.
-pub(super) struct Stage {
+pub(super) struct Session {
     /// Name or file it was loaded by.
     pub name: String,
     pub settings: Settings,
@@ -37,13 +36,13 @@ pub(super) struct Stage {
     /// The document with all edits.
     pub document: SceneDocument,
     /// The document that `scene` was built from.
-    made: SceneDocument,
-    /// What was read for it.
+    built_document: SceneDocument,
+    /// The files that were read for it.
     pub read: ReadFiles,
     /// The scene of the renderer.
     pub scene: Arc<Scene>,
-    /// The edited scene at rest.
-    pub rest: Scene,
+    /// The scene with the edits that need no rebuild.
+    pub live_scene: Scene,
     /// Radius of the scene's bounding sphere.
     pub radius: f32,
     pub selected: Option<Selected>,
@@ -60,7 +59,7 @@ pub(super) struct Stage {
     pub report: FrameReport,
 }
 
-/// What a file holds.
+/// A file that holds the scene.
 pub(super) struct Saved {
     pub path: PathBuf,
     pub camera: Camera,
@@ -68,8 +67,8 @@ pub(super) struct Saved {
 
 impl Saved {
     /// Whether there were neither edits since then nor another camera.
-    pub fn is_current(&self, stage: &Stage) -> bool {
-        !stage.edited && self.camera == stage.pose.camera
+    pub fn is_current(&self, session: &Session) -> bool {
+        !session.edited && self.camera == session.pose.camera
     }
 }
 
@@ -82,23 +81,23 @@ pub(super) enum Change {
     Rebuild,
 }
 
-impl Stage {
+impl Session {
     /// None if the built scene has no renderer of its own.
     pub fn new(built: Built) -> Option<Self> {
         let Built { name, document, scene, read, settings, renderer, .. } = built;
         let renderer = renderer?;
-        let rest = Scene::clone(&scene);
-        let pose = rest.pose(0.0);
+        let live_scene = Scene::clone(&scene);
+        let pose = live_scene.pose(0.0);
         let (low, high) = renderer.bvh().bounds();
         Some(Self {
             name,
             settings,
             renderer,
-            made: document.clone(),
+            built_document: document.clone(),
             document,
             read,
             scene,
-            rest,
+            live_scene,
             radius: 0.5 * low.distance(high),
             selected: None,
             headlamp: None,
@@ -118,12 +117,12 @@ impl Stage {
             Some(renderer) => (self.renderer, self.settings) = (renderer, settings),
             None => self.renderer.set_scene(&scene, &pose)?,
         }
-        (self.made, self.scene, self.read, self.pose) = (document, scene, read, pose);
-        self.rest = Scene::clone(&self.scene);
+        (self.built_document, self.scene, self.read, self.pose) = (document, scene, read, pose);
+        self.live_scene = Scene::clone(&self.scene);
         Ok(self.apply()?)
     }
 
-    /// What can be taken back, as it is.
+    /// The current state, which can be taken back.
     pub fn state(&self) -> State {
         State { document: self.document.clone(), settings: self.settings.clone(), headlamp: self.headlamp }
     }
@@ -137,11 +136,11 @@ impl Stage {
         self.apply()
     }
 
-    /// What to build for the document as it is. With `anew` the whole of it with a renderer of its own; else, where that is
+    /// Prepares the build of the document as it is. With `anew` it is the whole of it with a renderer of its own; else, where that is
     /// enough, only with other materials and environment, so that the renderer goes on with the rest in the pose.
     pub fn to_build(&self, anew: bool) -> Edited {
-        let document = if !anew && is_arranged_alike(&self.made, &self.document) {
-            self.made.with_appearance_of(&self.document)
+        let document = if !anew && is_arranged_alike(&self.built_document, &self.document) {
+            self.built_document.with_appearance_of(&self.document)
         } else {
             self.document.clone()
         };
@@ -154,20 +153,20 @@ impl Stage {
     }
 
     /// Takes back the edits that could not be built.
-    pub fn take_back(&mut self) -> Result<(), SceneError> {
+    pub fn revert(&mut self) -> Result<(), SceneError> {
         if self.apply()? == Change::Rebuild {
-            self.document = self.document.with_appearance_of(&self.made);
+            self.document = self.document.with_appearance_of(&self.built_document);
         }
         if self.apply()? == Change::Rebuild {
-            self.document = self.made.clone();
+            self.document = self.built_document.clone();
             self.apply()?;
         }
         Ok(())
     }
 
     /// The document that the renderer was built from, with its settings.
-    pub fn made_document(&self) -> SceneDocument {
-        let mut document = self.made.clone();
+    pub fn document_of_renderer(&self) -> SceneDocument {
+        let mut document = self.built_document.clone();
         document.set_settings(self.settings.differing());
         document
     }
@@ -183,13 +182,13 @@ impl Stage {
         Ok(())
     }
 
-    /// What the last frame shows.
+    /// The picture of the last frame.
     pub fn shot(&self) -> Result<Shot, RenderError> {
         Ok(Shot { size: self.settings.size, pixels: self.renderer.read_display()? })
     }
 
     fn pose_at(&self, time: f64, camera: Camera) -> Pose {
-        let mut pose = Pose { camera, ..self.rest.pose(time) };
+        let mut pose = Pose { camera, ..self.live_scene.pose(time) };
         let lamp = self.headlamp.and_then(|index| self.document.scene_light(index));
         if let Some(light) = lamp.and_then(|index| pose.lights.get_mut(index)) {
             light.position = camera.eye;
@@ -214,40 +213,40 @@ impl Stage {
 
     /// Applies the document to the rest pose, if that needs no rebuild.
     fn apply(&mut self) -> Result<Change, SceneError> {
-        let (made, now) = (&self.made, &self.document);
+        let (made, now) = (&self.built_document, &self.document);
         if !is_arranged_alike(made, now) || !made.has_appearance_of(now) {
             return Ok(Change::Rebuild);
         }
-        let mut rest = Scene::clone(&self.scene);
-        let areas = rest.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
+        let mut live = Scene::clone(&self.scene);
+        let areas = live.lights.iter().filter(|light| matches!(light.kind, LightKind::Area { .. }));
         let mut areas: std::collections::VecDeque<_> = areas.cloned().collect();
-        rest.lights.clear();
+        live.lights.clear();
         for (index, entry) in self.document.lights().enumerate() {
             match self.document.light(entry)? {
-                Some(light) => rest.lights.push(light),
-                None if self.document.scene_light(index).is_some() => rest.lights.extend(areas.pop_front()),
+                Some(light) => live.lights.push(light),
+                None if self.document.scene_light(index).is_some() => live.lights.extend(areas.pop_front()),
                 None => {}
             }
         }
         // Lights without an entry: instances with emissive materials.
-        rest.lights.extend(areas);
-        for (instance, entry) in rest.instances.iter_mut().zip(self.document.instances()) {
+        live.lights.extend(areas);
+        for (instance, entry) in live.instances.iter_mut().zip(self.document.instances()) {
             let placement = self.document.placement(entry)?;
             (instance.transform, instance.animation) = (placement.transform, placement.animation);
         }
-        let made = self.made.lights().filter_map(|light| light.polygon);
+        let made = self.built_document.lights().filter_map(|light| light.polygon);
         let polygons = self.document.lights().enumerate().filter(|(_, light)| light.polygon.is_some());
         for ((index, light), made) in polygons.zip(made) {
             let placement = self.document.polygon_placement(light, made)?;
-            let instance = self.document.light_instance(index).and_then(|i| rest.instances.get_mut(i));
+            let instance = self.document.light_instance(index).and_then(|i| live.instances.get_mut(i));
             if let Some(instance) = instance {
                 (instance.transform, instance.animation) = (placement.transform, placement.animation);
             }
         }
-        if let (Some(environment), Some(entry)) = (&mut rest.environment, self.document.environment()) {
+        if let (Some(environment), Some(entry)) = (&mut live.environment, self.document.environment()) {
             (environment.radiance, environment.rotation) = self.document.environment_numbers(entry)?;
         }
-        self.rest = rest;
+        self.live_scene = live;
         Ok(Change::Live)
     }
 
@@ -341,6 +340,16 @@ impl Stage {
 
     fn extent(&self) -> Vec2 {
         Vec2::from_array(self.settings.size.map(|side| side as f32))
+    }
+}
+
+/// Name of a kind of light.
+pub(super) fn label(kind: LightType) -> &'static str {
+    match kind {
+        LightType::Point => "point",
+        LightType::Spot => "spot",
+        LightType::Directional => "directional",
+        LightType::Area => "area",
     }
 }
 

@@ -42,14 +42,14 @@ pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 /// An X server without a screen, and a window manager on it.
-pub struct Desk {
+pub struct XServer {
     server: Child,
     manager: Option<Child>,
     display: String,
     _settings: TempDir,
 }
 
-impl Desk {
+impl XServer {
     /// Starts both; skips the test if they are not installed.
     pub fn open() -> Option<Self> {
         let missing = ["Xvfb", "openbox", "xdotool"].into_iter().find(|program| !is_installed(program));
@@ -69,16 +69,16 @@ impl Desk {
         let settings = tempfile::tempdir().unwrap();
         let file = settings.path().join("rc.xml");
         std::fs::write(&file, MANAGER).unwrap();
-        let mut desk = Self { server, manager: None, display, _settings: settings };
-        let mut manager = desk.command("openbox");
+        let mut server = Self { server, manager: None, display, _settings: settings };
+        let mut manager = server.command("openbox");
         manager.arg("--config-file").arg(file).stderr(Stdio::null());
-        desk.manager = Some(manager.spawn().unwrap());
-        let connection = desk.connect();
+        server.manager = Some(manager.spawn().unwrap());
+        let connection = server.connect();
         // Disable key repeat: on a busy machine a press lasts long.
         let once = ChangeKeyboardControlAux::new().auto_repeat_mode(AutoRepeatMode::OFF);
         connection.change_keyboard_control(&once).unwrap().check().unwrap();
         wait_for_manager(&connection);
-        Some(desk)
+        Some(server)
     }
 
     /// A connection that hears what windows tell the root window.
@@ -102,7 +102,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for XServer {
     fn drop(&mut self) {
         for child in self.manager.iter_mut().chain([&mut self.server]) {
             let _ = child.kill();

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::live_metrics::Shot;
 use super::loader::in_own_pool;
-use super::stage::Stage;
+use super::session::Session;
 use crate::output::tone_map;
 use crate::reference::{Reference, ReferenceSettings};
 use crate::scene::{Pose, Scene};
@@ -22,18 +22,18 @@ const INTERVAL: Duration = Duration::from_millis(250);
 /// A picture as far as it is.
 pub(super) struct Progress {
     pub shot: Shot,
-    /// A pixel.
+    /// Samples a pixel.
     pub samples: u64,
     /// Standard error over the mean luminance.
     pub error: Option<f64>,
-    /// Since the first sample.
+    /// Time since the first sample.
     pub elapsed: Duration,
 }
 
 /// The path tracer of the world as it stood in the last frame.
 #[derive(Default)]
-pub(super) struct Truth {
-    /// Of the last frame.
+pub(super) struct LiveReference {
+    /// The world of the last frame.
     last: Option<Key>,
     run: Option<Run>,
     shown: Option<Progress>,
@@ -41,7 +41,7 @@ pub(super) struct Truth {
     pub version: u64,
 }
 
-/// What the picture depends on.
+/// The picture depends on these.
 #[derive(Clone)]
 struct Key {
     scene: Arc<Scene>,
@@ -55,16 +55,16 @@ struct Run {
     thread: Option<JoinHandle<()>>,
 }
 
-impl Truth {
+impl LiveReference {
     /// Starts again where anything has changed; the path tracer waits until nothing does.
-    pub fn follow(&mut self, stage: &Stage) {
-        let same = self.last.as_ref().is_some_and(|last| last.is_of(stage));
+    pub fn follow(&mut self, session: &Session) {
+        let same = self.last.as_ref().is_some_and(|last| last.is_of(session));
         if !same {
             (self.run, self.shown) = (None, None);
             self.last = Some(Key {
-                scene: Arc::clone(stage.renderer.scene()),
-                pose: stage.pose.clone(),
-                settings: stage.settings.clone(),
+                scene: Arc::clone(session.renderer.scene()),
+                pose: session.pose.clone(),
+                settings: session.settings.clone(),
             });
         } else if let (None, Some(key)) = (&self.run, &self.last) {
             self.run = Some(Run::start(key.clone()));
@@ -90,10 +90,10 @@ impl Progress {
 }
 
 impl Key {
-    fn is_of(&self, stage: &Stage) -> bool {
-        Arc::ptr_eq(&self.scene, stage.renderer.scene())
-            && self.pose == stage.pose
-            && self.settings == stage.settings
+    fn is_of(&self, session: &Session) -> bool {
+        Arc::ptr_eq(&self.scene, session.renderer.scene())
+            && self.pose == session.pose
+            && self.settings == session.settings
     }
 }
 
@@ -146,9 +146,9 @@ mod tests {
     use crate::metrics::{CompareOptions, compare};
 
     /// Root mean square error of display values.
-    fn rmse(ours: &Shot, truth: &Shot) -> f64 {
+    fn rmse(ours: &Shot, reference: &Shot) -> f64 {
         let image = |shot: &Shot| shot.clone().image("shot").unwrap();
-        compare(&image(ours), &image(truth), &CompareOptions::default()).unwrap().metrics.rmse
+        compare(&image(ours), &image(reference), &CompareOptions::default()).unwrap().metrics.rmse
     }
 
     #[test]
@@ -166,13 +166,13 @@ mod tests {
         }
         let mut picture = film.picture();
         tone_map(&mut picture, settings.exposure, film.covered());
-        let truth = Shot { size: settings.size, pixels: picture.display };
+        let reference = Shot { size: settings.size, pixels: picture.display };
         let progress: Vec<Progress> = run.progress.iter().collect();
         let (first, last) = (&progress[0], progress.last().unwrap());
         assert_eq!(last.samples, ENOUGH);
-        // That of the reference counts, too.
+        // The noise of the reference counts, too.
         let expected = (last.samples as f64).recip() + (4.0 * ENOUGH as f64).recip();
-        let ratio = rmse(&last.shot, &truth) / rmse(&first.shot, &truth);
+        let ratio = rmse(&last.shot, &reference) / rmse(&first.shot, &reference);
         let wanted = (expected * first.samples as f64).sqrt();
         // Random samples would fall as this; those of a low-discrepancy sequence fall faster.
         assert!(ratio < 1.5 * wanted, "{ratio}, not {wanted}");
