@@ -13,7 +13,8 @@ const VIEW: [&str; 5] = ["--eye", "0.45,0.4,-0.5", "--target=0.1,0.15,0.3", "--v
 
 /// Positions of the visible surfaces.
 fn positions(run: &Run, name: &str) -> Vec<Vec3> {
-    layer(&Picture::read_exr(Path::new(&run.path(name))).unwrap(), "position")
+    let picture = Picture::read_exr(Path::new(&run.path(name))).unwrap();
+    layer(&picture, "position").into_iter().map(Vec3::from).collect()
 }
 
 #[test]
