@@ -7,34 +7,59 @@ use crate::settings::Settings;
 use crate::statistics::percentile;
 use crate::vulkan::DeviceInfo;
 
-/// A pass: its name is that of its timer, label and report key, and of a GPU pass's file and shader.
+/// A row among the times of a frame: a pass, whose name is that of its timer, label and shader, or a stage of several passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassInfo {
     /// Its name.
     pub name: &'static str,
     /// Its colour in plots, sRGB.
     pub colour: [u8; 3],
+    /// The stage that it is a part of, whose time is the sum of its parts and which stands before them.
+    pub stage: Option<&'static str>,
+}
+
+impl PassInfo {
+    /// A pass by itself, or a stage.
+    pub const fn new(name: &'static str, colour: [u8; 3]) -> Self {
+        Self { name, colour, stage: None }
+    }
+
+    /// A pass that is a part of a stage.
+    pub const fn part(stage: &'static str, name: &'static str, colour: [u8; 3]) -> Self {
+        Self { name, colour, stage: Some(stage) }
+    }
 }
 
 /// The CPU's passes that all methods share; those of the method follow.
-pub const CPU_PASSES: [PassInfo; 1] = [PassInfo { name: "bvh_update", colour: [140, 86, 75] }];
+pub const CPU_PASSES: [PassInfo; 1] = [PassInfo::new("bvh_update", [140, 86, 75])];
 /// The device's passes that all methods share, before those of the method.
 pub const SHARED_PASSES: [PassInfo; 9] = [
-    PassInfo { name: "gbuffer", colour: [237, 201, 72] },
-    PassInfo { name: "reprojection", colour: [214, 176, 120] },
-    PassInfo { name: "soft_shadows_trace", colour: [150, 120, 20] },
-    PassInfo { name: "svgf_temporal", colour: [205, 120, 120] },
-    PassInfo { name: "svgf_variance", colour: [225, 160, 150] },
-    PassInfo { name: "svgf_atrous", colour: [180, 70, 90] },
-    PassInfo { name: "direct_shadows", colour: [182, 153, 45] },
-    PassInfo { name: "direct_shading", colour: [89, 161, 79] },
-    PassInfo { name: "thin_surfaces", colour: [118, 183, 178] },
+    PassInfo::new("gbuffer", [237, 201, 72]),
+    PassInfo::new("reprojection", [214, 176, 120]),
+    PassInfo::new("soft_shadows_trace", [150, 120, 20]),
+    PassInfo::new("soft_shadows_svgf_temporal", [205, 120, 120]),
+    PassInfo::new("soft_shadows_svgf_variance", [225, 160, 150]),
+    PassInfo::new("soft_shadows_svgf_atrous", [180, 70, 90]),
+    PassInfo::new("direct_shadows", [182, 153, 45]),
+    PassInfo::new("direct_shading", [89, 161, 79]),
+    PassInfo::new("thin_surfaces", [118, 183, 178]),
 ];
 /// The device's passes that all methods share, after those of the method.
-pub const LAST_PASSES: [PassInfo; 3] = [
-    PassInfo { name: "reflections_trace", colour: [120, 80, 170] },
-    PassInfo { name: "combine", colour: [227, 119, 194] },
-    PassInfo { name: "taa", colour: [188, 128, 189] },
+pub const LAST_PASSES: [PassInfo; 14] = [
+    PassInfo::new("indirect_spatial_filter", [158, 120, 180]),
+    PassInfo::new("indirect_svgf_temporal", [170, 130, 200]),
+    PassInfo::new("indirect_svgf_variance", [190, 160, 215]),
+    PassInfo::new("indirect_svgf_atrous", [130, 90, 170]),
+    PassInfo::new("reflections_trace", [120, 80, 170]),
+    PassInfo::new("reflections_svgf_temporal", [210, 110, 150]),
+    PassInfo::new("reflections_svgf_variance", [230, 150, 180]),
+    PassInfo::new("reflections_svgf_atrous", [185, 65, 120]),
+    PassInfo::new("combine", [227, 119, 194]),
+    PassInfo::part("combine", "radiance", [227, 119, 194]),
+    PassInfo::part("combine", "exposure", [237, 160, 210]),
+    PassInfo::part("combine", "tone_map", [200, 90, 170]),
+    PassInfo::new("taa", [188, 128, 189]),
+    PassInfo::new("taa_average", [208, 168, 209]),
 ];
 
 /// The commit that the program was built from, or `unknown` outside a git checkout.
@@ -43,7 +68,7 @@ pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
     None => "unknown",
 };
 
-/// Milliseconds of each pass, in the order of the frame.
+/// Milliseconds of each pass and stage, in the order of the frame.
 pub type PassTimes = IndexMap<&'static str, f64>;
 
 /// The counts of a method in a frame, by name. Dots nest: `vpls.valid` is the key `valid` of the object `vpls` in JSON.

@@ -228,7 +228,7 @@ fn passes_are_listed_without_a_device() {
     let of = |method: &str| {
         listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
     };
-    assert_eq!(of("vpls").len(), 6);
+    assert_eq!(of("vpls").len(), 12);
     assert_eq!(of("shared").len() + of("vpls").len(), PASS_NAMES.len());
     assert!(of("shared").contains(&"gbuffer") && of("shared").contains(&"taa"));
     let report = json(&run, "passes.json");

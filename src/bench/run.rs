@@ -64,11 +64,12 @@ impl Run {
     }
 }
 
-/// The stages of the frames of `runs`: their passes, and the time between them.
+/// The stages of the frames of `runs`: their passes, those of several parts as one, and the time between them.
 pub fn stages<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<&'static str> {
     let mut stages: Vec<&'static str> = Vec::new();
     for samples in runs.into_iter().filter_map(|run| run.rounds().next()) {
-        let missing: Vec<_> = samples.passes.0.keys().filter(|name| !stages.contains(name)).collect();
+        let whole = samples.passes.0.keys().filter(|name| !estimators::is_part(name));
+        let missing: Vec<_> = whole.filter(|name| !stages.contains(name)).collect();
         stages.extend(missing);
     }
     stages.push(OTHER);

@@ -81,7 +81,7 @@ impl Samples {
         let mut stages = 0.0;
         for (name, ms) in &figures.passes {
             let ms = rounded(*ms);
-            stages += ms;
+            stages += if estimators::is_part(name) { 0.0 } else { ms };
             self.passes.0.entry(name).or_default().push(ms);
         }
         self.other_ms.push(rounded(total - stages));

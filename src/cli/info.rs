@@ -62,7 +62,7 @@ pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
             estimators::passes().map(|(method, pass)| PassInfo { name: pass.name, method }).collect();
         let report = PassesReport { commit: COMMIT, passes };
         let lines: String =
-            report.passes.iter().map(|pass| format!("{:<22}{}\n", pass.name, pass.method)).collect();
+            report.passes.iter().map(|pass| format!("{:<28}{}\n", pass.name, pass.method)).collect();
         say::print(&lines)?;
         return json.map_or(Ok(()), |json| Ok(json.save_json(&report)?));
     }

@@ -296,6 +296,11 @@ pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
     shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
 }
 
+/// Whether a row of a frame's times is a part of a stage, whose time holds it already.
+pub fn is_part(name: &str) -> bool {
+    passes().any(|(_, pass)| pass.name == name && pass.stage.is_some())
+}
+
 /// All counters of all methods, by name.
 pub fn counters() -> impl Iterator<Item = &'static CounterInfo> {
     methods().iter().flat_map(|method| method.counters)

@@ -9,7 +9,7 @@ use crate::report::{
 };
 use crate::vulkan::FrameTimes;
 
-/// A frame on its way.
+/// A frame in flight.
 pub(super) struct Pending {
     pub frame: u64,
     pub method: &'static Method,
@@ -58,6 +58,11 @@ pub(super) fn report(
             *pass += ms;
         }
     }
+    for (stage, part) in frame_passes(method).filter_map(|pass| Some((pass.stage?, pass.name))) {
+        passes[stage] += passes[part];
+    }
     estimator.add_device_counters(&mut counters, &times.readback);
-    Some(FrameReport { frame, figures: FrameFigures { total_ms: passes.values().sum(), passes, counters } })
+    let whole = frame_passes(method).filter(|pass| pass.stage.is_none());
+    let total_ms = whole.map(|pass| passes[pass.name]).sum();
+    Some(FrameReport { frame, figures: FrameFigures { total_ms, passes, counters } })
 }

@@ -82,25 +82,42 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
     }
 }
 
-/// The passes of `--indirect vpls`, in the order of the frame.
-pub const PASS_NAMES: [&str; 19] = [
+/// The passes and stages of `--indirect vpls`, in the order of the frame.
+pub const PASS_NAMES: [&str; 36] = [
     "bvh_update",
     "vpl_invalidation",
     "vpl_replacement",
     "gbuffer",
     "reprojection",
     "soft_shadows_trace",
-    "svgf_temporal",
-    "svgf_variance",
-    "svgf_atrous",
+    "soft_shadows_svgf_temporal",
+    "soft_shadows_svgf_variance",
+    "soft_shadows_svgf_atrous",
     "direct_shadows",
     "direct_shading",
-    "sheets",
+    "thin_surfaces",
     "indirect_shadows",
+    "cluster_visibility",
+    "vpl_sampling",
+    "bias_compensation",
     "indirect_shading",
+    "discontinuity_filter",
     "indirect_reprojection",
+    "set_reprojection",
+    "irradiance_upsampling",
     "hit_light",
+    "indirect_spatial_filter",
+    "indirect_svgf_temporal",
+    "indirect_svgf_variance",
+    "indirect_svgf_atrous",
     "reflections_trace",
+    "reflections_svgf_temporal",
+    "reflections_svgf_variance",
+    "reflections_svgf_atrous",
     "combine",
+    "radiance",
+    "exposure",
+    "tone_map",
     "taa",
+    "taa_average",
 ];

@@ -25,7 +25,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
     ui.small("milliseconds of each pass, stacked");
     let last = samples[samples.len() - 1];
     let names: Vec<&str> = last.report.figures.passes.keys().copied().collect();
-    passes(ui, &samples, &names);
+    let whole: Vec<&str> = names.iter().copied().filter(|name| !estimators::is_part(name)).collect();
+    passes(ui, &samples, &whole);
     for name in names.iter().rev() {
         figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
     }

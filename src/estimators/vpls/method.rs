@@ -13,7 +13,7 @@ pub const METHOD: Method = Method {
     warm_up: |settings| settings.vpl.temporal_sets,
     axes: AXES,
     cost: Some(&AXES[1]),
-    variants: &["vpls@T=1", "vpls@T=4", "vpls@direct=rays"],
+    variants: &["vpls@T=1", "vpls@T=4", "vpls@direct=soft"],
     rays: |Settings { vpl, .. }| vpl.slots.div_ceil(vpl.temporal_sets * vpl.interleave.pow(2)),
     lights_hits: true,
     ..Method::new(Indirect::VPLS, "VPLs", |context| Ok(Box::new(Vpls::new(context)?)))
@@ -56,14 +56,20 @@ const MOST_VPLS: u32 = 65_536;
 
 const PASSES: MethodPasses = MethodPasses {
     cpu: &[
-        PassInfo { name: "vpl_invalidation", colour: [214, 95, 95] },
-        PassInfo { name: "vpl_replacement", colour: [242, 142, 43] },
+        PassInfo::new("vpl_invalidation", [214, 95, 95]),
+        PassInfo::new("vpl_replacement", [242, 142, 43]),
     ],
     device: &[
-        PassInfo { name: "indirect_shadows", colour: [31, 111, 180] },
-        PassInfo { name: "indirect_shading", colour: [98, 182, 222] },
-        PassInfo { name: "indirect_reprojection", colour: [148, 103, 189] },
-        PassInfo { name: "hit_light", colour: [70, 130, 160] },
+        PassInfo::new("indirect_shadows", [31, 111, 180]),
+        PassInfo::part("indirect_shadows", "cluster_visibility", [91, 151, 205]),
+        PassInfo::part("indirect_shadows", "vpl_sampling", [31, 111, 180]),
+        PassInfo::part("indirect_shadows", "bias_compensation", [20, 75, 125]),
+        PassInfo::new("indirect_shading", [98, 182, 222]),
+        PassInfo::part("indirect_shading", "discontinuity_filter", [98, 182, 222]),
+        PassInfo::new("indirect_reprojection", [148, 103, 189]),
+        PassInfo::part("indirect_reprojection", "set_reprojection", [148, 103, 189]),
+        PassInfo::part("indirect_reprojection", "irradiance_upsampling", [178, 143, 209]),
+        PassInfo::new("hit_light", [70, 130, 160]),
     ],
 };
 
