@@ -172,7 +172,8 @@ pub(crate) mod tests {
     use super::super::hit_buffers::TextureData;
     use super::TextureUseData as TextureUse;
     use super::*;
-    use crate::bvh::thin_surfaces::{GpuThinSurface, GpuThinTriangle};
+    // The shaders' names.
+    use crate::bvh::thin_surfaces::{GpuThinSurface as GpuSheet, GpuThinTriangle as GpuSheetTriangle};
     use crate::vulkan::{Reflection, shaders};
 
     /// Whether a struct of a shader has these members at these offsets.
@@ -273,10 +274,10 @@ pub(crate) mod tests {
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
-        same_layout!(shaders::CAST_RAYS_COMP.software, GpuThinTriangle, uvs, colours, pad);
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuSheetTriangle, uvs, colours, pad);
         same_layout!(
             shaders::CAST_RAYS_COMP.software,
-            GpuThinSurface,
+            GpuSheet,
             passed,
             base,
             reflectance,
