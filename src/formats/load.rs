@@ -6,7 +6,8 @@ use std::time::Instant;
 use glam::Affine3A;
 
 use super::error::SceneError;
-use super::scene_file::{ReadFiles, SceneFile, load_toml};
+use super::scene_file::schema::SceneFile;
+use super::scene_file::{ReadFiles, load_toml};
 use super::{default_view, gltf, obj};
 use crate::builtin;
 use crate::scene::{Instance, Scene};

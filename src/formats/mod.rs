@@ -4,6 +4,7 @@
 //! without a camera or light get both: see `default_view`, which casts rays and therefore stands above the BVH.
 
 mod default_view;
+mod document;
 mod environment_map;
 mod error;
 mod gltf;
@@ -12,9 +13,11 @@ mod load;
 mod obj;
 mod scene_file;
 
+pub use document::{ModelSource, Placement, SceneDocument};
 pub use error::{Place, SceneError};
 pub use load::{load_scene, missing_asset, scene_of_text};
-pub use scene_file::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, MaterialEdit,
-    ModelSource, Placement, Primitive, ReadFiles, RotationEntry, ScaleEntry, SceneDocument, SpinEntry,
+pub use scene_file::schema::{
+    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, Primitive,
+    RotationEntry, ScaleEntry, SpinEntry,
 };
+pub use scene_file::{MaterialEdit, ReadFiles};

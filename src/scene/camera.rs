@@ -1,12 +1,10 @@
 //! A pinhole camera.
 
-use std::sync::Arc;
-
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
-use super::{BoundingSphere, Scene};
+use super::bounds::BoundingSphere;
 
 /// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,127 +86,5 @@ impl Camera {
             glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far);
         let shift = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, (-self.shift).extend(0.0).extend(1.0));
         if self.shift == Vec2::ZERO { centred } else { shift * centred }
-    }
-}
-
-/// Overrides of parts of the scene's camera.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CameraOverride {
-    /// Eye point, world space.
-    pub eye: Option<Vec3>,
-    /// A point at the centre of the picture.
-    pub target: Option<Vec3>,
-    /// Vertical field of view, radians.
-    pub vertical_fov: Option<f32>,
-}
-
-impl CameraOverride {
-    /// Whether nothing is overridden.
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl Scene {
-    /// Overrides parts of the camera. Another eye or target removes its animation; another eye also fits near and far
-    /// to the scene's bounds. If the up vector is parallel to the view direction, -z or y replaces it.
-    ///
-    /// # Errors
-    /// If eye and target are equal; the scene is unchanged then.
-    pub fn override_camera(&mut self, parts: &CameraOverride) -> Result<(), &'static str> {
-        let mut camera = self.camera;
-        camera.eye = parts.eye.unwrap_or(camera.eye);
-        camera.target = parts.target.unwrap_or(camera.target);
-        camera.vertical_fov = parts.vertical_fov.unwrap_or(camera.vertical_fov);
-        let forward = (camera.target - camera.eye).try_normalize().ok_or("eye and target must differ")?;
-        let is_up = |up: &Vec3| forward.cross(*up).length() > 1e-3;
-        camera.up = [camera.up, Vec3::NEG_Z, Vec3::Y].into_iter().find(is_up).unwrap_or(camera.up);
-        let is_moved = parts.eye.is_some() || parts.target.is_some();
-        if parts.eye.is_some() {
-            camera.fit_depths(&self.bounding_sphere(&self.pose(0.0)), 0.0);
-        }
-        if is_moved {
-            self.camera_animation = None;
-        }
-        self.camera = camera;
-        if !parts.is_none() {
-            for frame in Arc::make_mut(&mut self.recording) {
-                match &mut frame.camera {
-                    Some(recorded) if !is_moved => recorded.vertical_fov = camera.vertical_fov,
-                    // A scene that was opened during the recording needs the overridden camera, too.
-                    recorded => *recorded = frame.scene.is_some().then_some(camera),
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Animation, Instance, Mesh, RecordedFrame, Rotation};
-    use super::*;
-
-    fn moving() -> Scene {
-        let mut scene = Scene::new("box");
-        scene.meshes.push(Mesh::cuboid("box", Vec3::splat(0.5), 0).into());
-        let placed = glam::Affine3A::from_translation(Vec3::splat(0.25));
-        scene.instances.push(Instance::fixed("box", 0, placed));
-        let rotation = Rotation { axis: Vec3::Y, speed: 1.0, pivot: Some(Vec3::ZERO) };
-        scene.camera_animation = Some(Animation { rotation: Some(rotation), ..Animation::default() });
-        scene.recording = Arc::new(vec![RecordedFrame {
-            camera: Some(Camera::looking(Vec3::X, Vec3::ZERO)),
-            ..RecordedFrame::default()
-        }]);
-        scene
-    }
-
-    #[test]
-    fn each_part_is_overridden_separately() {
-        let scene = moving();
-        let mut wide = scene.clone();
-        wide.override_camera(&CameraOverride { vertical_fov: Some(1.5), ..Default::default() }).unwrap();
-        assert_eq!(wide.camera, Camera { vertical_fov: 1.5, ..scene.camera });
-        assert_eq!(wide.camera_animation, scene.camera_animation);
-        let recorded = wide.recording[0].camera.unwrap();
-        assert_eq!((recorded.eye, recorded.vertical_fov), (Vec3::X, 1.5));
-
-        let mut turned = scene.clone();
-        turned.override_camera(&CameraOverride { target: Some(Vec3::Y), ..Default::default() }).unwrap();
-        assert_eq!(turned.camera, Camera { target: Vec3::Y, ..scene.camera });
-        assert_eq!((turned.camera_animation, turned.recording[0].camera), (None, None));
-
-        let mut same = scene.clone();
-        same.override_camera(&CameraOverride::default()).unwrap();
-        assert_eq!((same.camera, same.recording[0].camera), (scene.camera, scene.recording[0].camera));
-    }
-
-    #[test]
-    fn depth_range_contains_the_scene() {
-        let mut scene = moving();
-        let bounds = scene.bounding_sphere(&scene.pose(0.0));
-        let eye = bounds.center + 40.0 * bounds.radius * Vec3::X;
-        scene.override_camera(&CameraOverride { eye: Some(eye), ..Default::default() }).unwrap();
-        let Camera { near, far, .. } = scene.camera;
-        assert!(near < 39.0 * bounds.radius && far > 41.0 * bounds.radius, "{near} {far}");
-        assert_eq!(scene.camera.up, Vec3::Y);
-    }
-
-    #[test]
-    fn a_view_from_above_has_an_up_vector() {
-        let mut scene = moving();
-        let above = CameraOverride { eye: Some(Vec3::Y), target: Some(Vec3::ZERO), ..Default::default() };
-        scene.override_camera(&above).unwrap();
-        assert_eq!(scene.camera.up, Vec3::NEG_Z);
-    }
-
-    #[test]
-    fn eye_and_target_must_differ() {
-        let mut scene = moving();
-        let camera = scene.camera;
-        let parts = CameraOverride { eye: Some(camera.target), ..Default::default() };
-        assert!(scene.override_camera(&parts).is_err());
-        assert_eq!(scene.camera, camera);
     }
 }

@@ -1,10 +1,8 @@
 //! Surface materials, their textures and alpha masks.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 
-use super::Scene;
-use super::mesh::Surface;
-use super::texture_use::{Attributes, TextureUse, Wrap, wrapped};
+use super::texture_use::{TextureUse, Wrap, wrapped};
 use crate::bsdf::Bsdf;
 
 /// What dielectrics reflect at normal incidence in glTF.
@@ -142,40 +140,8 @@ impl Material {
         self.texture_uses().into_iter().flatten()
     }
 
-    /// Its reflection at a point (textures bilinear, level 0).
-    pub fn bsdf_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Bsdf {
-        let at = at.into();
-        self.bsdf(scene, texel(scene, self.base_colour_texture, &at), &at)
-    }
-
-    /// The same, where the texture of the base colour has the colour `texel`.
-    pub(crate) fn bsdf(&self, scene: &Scene, base: Vec3, at: &Attributes) -> Bsdf {
-        let data = texel(scene, self.metallic_roughness_texture, at);
-        self.bsdf_of(base * at.colour.truncate(), data)
-    }
-
-    /// Its reflection, averaged over its textures.
-    pub fn mean_bsdf(&self, scene: &Scene) -> Bsdf {
-        self.bsdf_of(mean(scene, self.base_colour_texture), mean(scene, self.metallic_roughness_texture))
-    }
-
-    /// Looks up the normal map at a point of an object.
-    pub(crate) fn map_normal(&self, scene: &Scene, surface: &mut Surface) {
-        let (Some(map), true) = (&self.normal_texture, surface.tangent.w != 0.0) else { return };
-        let [x, y, z] = (map.sample(scene, &surface.attributes) * 2.0 - 1.0).to_array();
-        let normal = surface.normal;
-        let tangent = surface.tangent.truncate().normalize_or_zero();
-        let bitangent = normal.cross(tangent) * surface.tangent.w.signum();
-        let slope = (tangent * x + bitangent * y) * self.normal_scale;
-        surface.mapped_normal = (slope + normal * z).normalize_or(normal);
-    }
-
-    /// Base colour, averaged over its texture.
-    pub fn mean_base(&self, scene: &Scene) -> Vec3 {
-        self.base_colour * mean(scene, self.base_colour_texture)
-    }
-
-    fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
+    /// Its reflection where its textures have these values.
+    pub(super) fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
         Bsdf {
             base: self.reflected_base() * texel,
             metallic: self.metallic * data.z,
@@ -190,25 +156,6 @@ impl Material {
         self.base_colour * (1.0 - self.transmission * (1.0 - self.metallic))
     }
 
-    /// Share of the light that it reflects at a point, averaged over all directions by the cosine: what a light path keeps.
-    pub fn albedo_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        self.bsdf_at(scene, at).mean_albedo()
-    }
-
-    /// Radiance of the front side at a point, W/m^2/sr.
-    pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        if self.is_emissive() {
-            self.emission * texel(scene, self.emission_texture, &at.into())
-        } else {
-            Vec3::ZERO
-        }
-    }
-
-    /// Radiance of the front side, averaged over its texture.
-    pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
-        self.emission * mean(scene, self.emission_texture)
-    }
-
     /// Where its alpha mask is read.
     #[inline]
     pub(crate) fn mask_coordinates(&self, uvs: [Vec2; 2]) -> Vec2 {
@@ -220,17 +167,6 @@ impl Material {
         self.alpha == Alpha::Blend || self.transmission > 0.0
     }
 
-    /// How much of a thin surface is there at a point: its share of an opaque surface's reflection; and what that lets pass.
-    pub fn thin_surface_at(&self, scene: &Scene, at: impl Into<Attributes>) -> ThinSurface {
-        let at = at.into();
-        let texel = self.base_colour_texture.map_or(Vec4::ONE, |texture| {
-            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), texture.wrap)
-        });
-        let colour = texel * at.colour;
-        let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };
-        ThinSurface { coverage, passed: self.passed() * colour.truncate() }
-    }
-
     /// What a thin surface lets pass where its coat reflects nothing, to be multiplied with its texture.
     pub(crate) fn passed(&self) -> Vec3 {
         self.base_colour * (self.transmission * (1.0 - self.metallic))
@@ -240,14 +176,6 @@ impl Material {
     pub fn is_emissive(&self) -> bool {
         self.emission != Vec3::ZERO
     }
-}
-
-fn texel(scene: &Scene, texture: Option<TextureUse>, at: &Attributes) -> Vec3 {
-    texture.map_or(Vec3::ONE, |texture| texture.sample(scene, at))
-}
-
-fn mean(scene: &Scene, texture: Option<TextureUse>) -> Vec3 {
-    texture.map_or(Vec3::ONE, |texture| scene.textures[texture.texture].mean())
 }
 
 /// A point of a thin surface.

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
+use super::bounds::bounds_of;
 use super::material::Material;
 use super::texture_use::Attributes;
 
@@ -268,14 +269,6 @@ fn append_details<T: Copy>(all: &mut Vec<T>, more: Vec<T>, [first, total]: [usiz
         all.extend(more);
         all.resize(total, default);
     }
-}
-
-/// Bounds (min, max) of `points`; none for no points.
-pub(crate) fn bounds_of(points: impl Iterator<Item = Vec3>) -> Option<(Vec3, Vec3)> {
-    points.fold(None, |bounds, point| match bounds {
-        None => Some((point, point)),
-        Some((min, max)) => Some((min.min(point), max.max(point))),
-    })
 }
 
 #[cfg(test)]

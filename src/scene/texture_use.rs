@@ -2,9 +2,7 @@
 //!
 //! In: interpolated texture coordinates. Out: a place on the image.
 
-use glam::{Mat2, Vec2, Vec3, Vec4};
-
-use super::Scene;
+use glam::{Mat2, Vec2, Vec4};
 
 /// What lies beyond the borders of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -61,7 +59,7 @@ fn fraction(x: f32) -> f32 {
 /// A texture as a material uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureUse {
-    /// Index into [`Scene::textures`].
+    /// Index into `Scene::textures`.
     pub texture: usize,
     /// Which of the vertices' texture coordinates: 0 or 1.
     pub set: usize,
@@ -85,11 +83,6 @@ impl TextureUse {
     #[inline]
     pub fn coordinates(&self, uvs: [Vec2; 2]) -> Vec2 {
         self.matrix * uvs[self.set] + self.offset
-    }
-
-    /// Linear colour (level 0, bilinear).
-    pub(crate) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
-        scene.textures[self.texture].sample_wrapped(self.coordinates(at.uvs), self.wrap)
     }
 }
 

@@ -4,7 +4,9 @@
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
-use super::{Attributes, Pose, Scene, Surface, SurfacePoint};
+use super::contents::{Pose, Scene};
+use super::mesh::{Surface, SurfacePoint};
+use super::texture_use::Attributes;
 
 /// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks. Both terms
 /// are lengths in the scene, so it is scale-invariant: the rounding error of `p` grows with its components, and near

@@ -22,7 +22,7 @@ pub(crate) struct Entry<'a> {
 
 /// Where a table is in its file.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum At {
+pub(crate) enum At {
     /// The whole file.
     File,
     /// The table of this key.
@@ -135,7 +135,7 @@ pub(super) fn line_of(text: &str, span: &Range<usize>) -> usize {
 }
 
 /// Degrees that convert back to exactly these radians, if such exist.
-pub(super) fn degrees_of(radians: f32) -> f32 {
+pub(crate) fn degrees_of(radians: f32) -> f32 {
     let near = radians.to_degrees();
     let neighbours = [near, near.next_up(), near.next_down()];
     neighbours.into_iter().find(|degrees| degrees.to_radians() == radians).unwrap_or(near)

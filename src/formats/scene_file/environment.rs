@@ -32,7 +32,7 @@ pub(super) fn environment_of(
 }
 
 /// Radiance, W/m^2/sr, or with a map its factor; and rotation, radians.
-pub(super) fn numbers_of(entry: &Entry, given: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
+pub(crate) fn numbers_of(entry: &Entry, given: &EnvironmentEntry) -> Result<(Vec3, f32), SceneError> {
     let strength = entry.number("strength", given.strength.unwrap_or(1.0))?;
     if strength < 0.0 {
         return Err(entry.error(format!("strength must not be negative, is {strength}")));

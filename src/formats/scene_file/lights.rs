@@ -66,7 +66,7 @@ fn extent(entry: &Entry, light: &LightEntry) -> Result<(f32, f32), SceneError> {
 }
 
 /// The light of a single entry; none for an area light, which needs the scene.
-pub(super) fn single_light(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
+pub(crate) fn single_light(path: &Path, light: &LightEntry) -> Result<Option<Light>, SceneError> {
     let name = light.name.clone().unwrap_or_else(|| "light".to_owned());
     let entry = Entry::edited(path, format!("light \"{name}\""));
     check_keys(&entry, light)?;
@@ -220,7 +220,7 @@ fn light_instance(
 }
 
 /// The entry of a light; none for an area light.
-pub(super) fn entry_of(light: &Light) -> Option<LightEntry> {
+pub(crate) fn entry_of(light: &Light) -> Option<LightEntry> {
     let entry = LightEntry { name: Some(light.name.clone()), ..LightEntry::of(LightType::Point) };
     let radius = (light.radius > 0.0).then_some(light.radius);
     let (position, direction) = (Some(light.position.to_array()), Some(light.direction.to_array()));

@@ -95,7 +95,7 @@ impl MaterialEdit {
     }
 
     /// Checks the values, as for a scene file at `path`.
-    pub(super) fn check_alone(&self, path: &Path) -> Result<(), SceneError> {
+    pub(crate) fn check_alone(&self, path: &Path) -> Result<(), SceneError> {
         self.check(&Entry::edited(path, format!("material \"{}\"", self.name)))
     }
 }

@@ -13,7 +13,7 @@ use crate::scene::{Animation, Keyframe, MAX_COORDINATE, Rotation};
 const MAX_TIME: f64 = 1e9;
 
 /// Object to world of an instance at rest: scaled, rotated, then translated.
-pub(super) fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
+pub(crate) fn transform_of(entry: &Entry, instance: &InstanceEntry) -> Result<Affine3A, SceneError> {
     let translation = entry.place("translation", instance.translation.unwrap_or_default())?;
     let rotation = rotation_of(entry, instance.rotation)?;
     let scale = match instance.scale {
@@ -70,7 +70,7 @@ fn rotation_of(entry: &Entry, rotation: Option<RotationEntry>) -> Result<Quat, S
 }
 
 /// The animation of a table, if it has one; keyframe times must be ascending.
-pub(super) fn animation_of(
+pub(crate) fn animation_of(
     owner: &Entry,
     animation: Option<&AnimationEntry>,
 ) -> Result<Option<Animation>, SceneError> {

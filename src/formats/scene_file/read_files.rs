@@ -66,7 +66,7 @@ impl ReadFiles {
     }
 
     /// What was read for `scene`, which is now written as `file`. A scene without a scene file is one model.
-    pub(super) fn named(self, file: &SceneFile, scene: &Scene) -> Self {
+    pub(crate) fn named(self, file: &SceneFile, scene: &Scene) -> Self {
         let models = self.models.unwrap_or_else(|| {
             let names = file.models.iter().map(|model| model.name.clone());
             let parts = Scene {

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 use toml_edit::{ArrayOfTables, DocumentMut, Item, TableLike};
 
-use super::document::SceneDocument;
-use super::schema::SceneFile;
+use super::SceneDocument;
+use crate::formats::scene_file::schema::SceneFile;
 use crate::scene::RecordedFrame;
 use crate::settings::Settings;
 

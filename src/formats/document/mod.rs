@@ -3,24 +3,24 @@
 //! In: a scene by name or file. Out: its entries, the light or placement of a single entry, and the text of an
 //! equivalent scene file. Scenes without a scene file get a generated one.
 
+mod text;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::build::load_toml;
-use super::entry::{Entry, degrees_of};
-use super::environment::numbers_of;
-use super::lights::{entry_of, single_light};
-use super::material_edit::MaterialEdit;
-use super::motion::{animation_of, transform_of};
-use super::read_files::ReadFiles;
-use super::schema::{
+use super::error::SceneError;
+use super::gltf;
+use super::load::{self, Source};
+use super::scene_file::entry::{Entry, degrees_of};
+use super::scene_file::environment::numbers_of;
+use super::scene_file::lights::{entry_of, single_light};
+use super::scene_file::motion::{animation_of, transform_of};
+use super::scene_file::schema::{
     CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, ModelEntry, Primitive, SceneFile,
 };
-use crate::formats::error::SceneError;
-use crate::formats::gltf;
-use crate::formats::load::{self, Source};
+use super::scene_file::{MaterialEdit, ReadFiles, load_toml};
 use crate::scene::{Animation, Camera, Light, LightType, Scene};
 
 /// The Cornell box as a scene file.
@@ -35,21 +35,21 @@ model = \"cornell-box\"
 /// A scene being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneDocument {
-    pub(super) file: SceneFile,
+    file: SceneFile,
     /// The `[settings]` table.
-    pub(super) settings: toml::Table,
+    settings: toml::Table,
     /// The file that error messages name.
-    pub(super) path: PathBuf,
+    path: PathBuf,
     /// The scene file that it was opened from, if there is one.
-    pub(super) origin: Option<Arc<Origin>>,
+    origin: Option<Arc<Origin>>,
 }
 
 /// A scene file as it was opened.
 #[derive(Debug, PartialEq)]
-pub(super) struct Origin {
-    pub text: String,
+struct Origin {
+    text: String,
     /// What it holds, as in [`SceneDocument::table`].
-    pub table: toml::Table,
+    table: toml::Table,
 }
 
 /// What a model is made from.
