@@ -25,8 +25,7 @@ ChosenLight choose_light(Seen seen, float pick) {
     ChosenLight chosen = ChosenLight(0u, 0.0, vec3(0.0));
     float total = 0.0;
     float chosen_weight = 0.0;
-    // Mesa 22.3 compiles a shader anew each frame for a count that is a uniform alone.
-    uint count = seen.surface.depth > 0.0 ? sampled_lights() : 0u;
+    uint count = sampled_lights();
     for (uint i = 0u; i < count; i++) {
         vec3 radiance = unshadowed_radiance(i, seen);
         float weight = luminance(radiance);
