@@ -13,7 +13,7 @@ ChosenLight choose_light(ShadingPoint point, float pick) {
     ChosenLight chosen = ChosenLight(0u, 0.0, vec3(0.0));
     float total = 0.0;
     float chosen_weight = 0.0;
-    // Mesa 22.3 compiles a shader anew each frame for a count that is a uniform alone.
+    // Where no surface is nothing is sampled.
     uint count = point.surface.depth > 0.0 ? sampled_lights() : 0u;
     for (uint i = 0u; i < count; i++) {
         vec3 radiance = unshadowed_radiance(i, point);

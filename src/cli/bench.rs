@@ -27,7 +27,7 @@ const ROUNDS: u32 = 2;
 const SPP: u32 = 1024;
 /// Default size in pixels.
 const SIZE: [u32; 2] = [1024, 1024];
-/// Defaults on a CPU driver, which takes some 50 ms for such a frame.
+/// Defaults on a CPU device, which takes some 50 ms for such a frame.
 pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
 pub(super) struct OnCpu {
@@ -40,7 +40,7 @@ pub(super) struct OnCpu {
 const HELP: &str = "\
 A frame's time runs from its start until the device has finished it; frames do not overlap and are not presented. Each \
 run warms up until all set buffers are filled; then all settings are measured at the same moments of the animation. \
-Defaults on a CPU driver: 256x256 pixels, 1/20 s per frame, 20 frames or, if greater, one per temporal set. \
+Defaults on a CPU device: 256x256 pixels, 1/20 s per frame, 20 frames or, if greater, one per temporal set. \
 --out receives report.html, bench.json (everything), bench.csv, bench.md, plots/ and pictures/; with --quality and several \
 --methods also their pictures at equal frame time, with maps of their errors; unfinished/ holds the \
 results of an interrupted run. --against exits with 3 if something is slower or worse beyond noise; to compare an existing report, \
@@ -58,7 +58,7 @@ pub(super) struct BenchOptions {
     #[arg(long, conflicts_with = "scenes")]
     pub models: bool,
     /// Frames to measure in each run; fewer than the temporal sets miss some sets. More: narrower confidence intervals.
-    /// Otherwise that of --against, or 240, or on a CPU driver the most temporal sets, but at least 20.
+    /// Otherwise that of --against, or 240, or on a CPU device the most temporal sets, but at least 20.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// Measurements of each setting. From two on, confidence intervals come from the variance between rounds. Otherwise
@@ -147,8 +147,8 @@ impl clap::Args for SweptSettings {
             })
         };
         let command = swept().into_iter().fold(GivenSettings::augment_args(command), list);
-        let command = more(command, "time_step", "On a CPU driver the default is 1/20");
-        more(command, "size", "On a CPU driver the default is 256x256")
+        let command = more(command, "time_step", "On a CPU device the default is 1/20");
+        more(command, "size", "On a CPU device the default is 256x256")
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {

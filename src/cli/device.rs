@@ -16,11 +16,11 @@ pub(super) fn open(options: &DeviceOptions) -> Result<Arc<Device>, CliError> {
     Ok(Device::open(&instance(options)?, options.device.as_deref())?)
 }
 
-/// Notes that the device is a slow CPU driver.
+/// Notes that the device is a slow CPU.
 pub(super) fn note_slow(device: &Device) {
     let info = device.info();
     if info.is_cpu() {
-        say::note(&format!("{} is a slow CPU driver; glowworm info lists all devices", info.name));
+        say::note(&format!("{} is a slow CPU; glowworm info lists all devices", info.name));
     }
 }
 

@@ -11,10 +11,12 @@ use crate::scene::{CameraOverride, MAX_COORDINATE, Scene};
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct CameraOptions {
-    /// Eye point, in scene units. Otherwise the scene's. With --eye or --target the camera does not move.
+    /// Eye point, in scene units. Otherwise the scene's. With --eye or --target the camera does not move, and
+    /// its near and far planes enclose the whole scene.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     eye: Option<Vec3>,
-    /// The point at the centre of the picture, in scene units. Otherwise the scene's.
+    /// The point at the centre of the picture, in scene units. Otherwise the scene's. Looking straight up or down, -z is up in the
+    /// picture.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     target: Option<Vec3>,
     /// Vertical field of view in degrees, 0.01 to 170. Otherwise the scene's.

@@ -30,12 +30,14 @@ struct Row {
 
 /// The page of a program.
 pub(super) fn page(program: &Command) -> String {
-    let mut rows: Vec<(Row, Vec<&str>)> = Vec::new();
+    let mut rows: Vec<(Row, Vec<String>)> = Vec::new();
     let global = program.get_arguments().filter(|option| option.is_global_set());
     let of_commands = program.get_subcommands().flat_map(|command| {
-        command.get_arguments().filter(|of| of.get_long().is_some()).map(|of| (command.get_name(), of))
+        let name = format!("`{}`", command.get_name());
+        command.get_arguments().map(move |option| (name.clone(), option))
     });
-    for (command, option) in of_commands.chain(global.map(|option| ("every command", option))) {
+    let all = of_commands.chain(global.map(|option| ("Every command".to_owned(), option)));
+    for (command, option) in all.filter(|(_, option)| option.get_long().is_some()) {
         let row = row(option);
         match rows.iter_mut().find(|(known, _)| *known == row) {
             Some((_, commands)) => commands.push(command),
@@ -52,29 +54,24 @@ pub(super) fn page(program: &Command) -> String {
                 group.title, group.table
             );
         }
-        let is_own =
-            |(row, commands): &(Row, Vec<&str>)| row.heading == group.title && commands.contains(&"render");
-        let own: Vec<_> = rows.extract_if(.., |row| is_own(row)).collect();
-        page += &table(own.iter().map(|(row, _)| row));
+        page += &table(&mut rows, |row, commands| {
+            row.heading == group.title && commands.iter().any(|command| command == "`render`")
+        });
     }
 
     // List the others by the commands that have them.
-    while let Some((_, commands)) = rows.iter().max_by_key(|(_, commands)| commands.len()) {
+    while let Some((_, commands)) = rows.iter().rev().max_by_key(|(_, commands)| commands.len()) {
         let commands = commands.clone();
-        let own: Vec<_> = rows.extract_if(.., |(_, of)| *of == commands).collect();
-        let names: Vec<_> = commands.iter().map(|name| format!("`{name}`")).collect();
-        page += &format!(
-            "\n## {}\n{}",
-            names.join(", ").replace("`every command`", "Every command"),
-            table(own.iter().map(|(row, _)| row))
-        );
+        page += &format!("\n## {}\n", commands.join(", "));
+        page += &table(&mut rows, |_, of| *of == commands);
     }
     page
 }
 
-fn table<'a>(rows: impl Iterator<Item = &'a Row>) -> String {
-    let lines: String = rows.map(|row| row.text.as_str()).collect();
-    format!("\n| option | default | |\n|---|---|---|\n{lines}")
+/// Takes the rows that are wanted out of `rows`, as a table.
+fn table(rows: &mut Vec<(Row, Vec<String>)>, wanted: impl Fn(&Row, &[String]) -> bool) -> String {
+    let lines = rows.extract_if(.., |(row, commands)| wanted(row, commands)).map(|(row, _)| row.text);
+    format!("\n| option | default | |\n|---|---|---|\n{}", lines.collect::<String>())
 }
 
 fn row(option: &Arg) -> Row {

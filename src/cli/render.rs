@@ -56,7 +56,9 @@ pub(super) struct ViewOptions {
     /// The temporal set that set-buffer and set-reprojected show.
     #[arg(long, value_name = "K", default_value = "0")]
     view_set: u32,
-    /// Draw VPLs as points and their paths as lines, coloured by this.
+    /// Draw VPLs as points and their paths as lines, coloured by this; hidden parts are dimmed, and invalidated ones flash in the
+    /// colour of their reason: light turned away white, surfaces face away cyan, occluded red, parent invalid pink, light changed
+    /// yellow.
     #[arg(long, value_name = "COLOURS", value_enum)]
     vpl_paths: Option<PathStyle>,
     /// Show the light and path of the VPL in this slot only, scaled up by the number of VPLs.

@@ -273,10 +273,10 @@ pub(crate) mod tests {
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
-        same_layout!(shaders::CAST_RAYS_COMP.software, GpuSheetTriangle, uvs, colours, pad);
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuThinTriangle, uvs, colours, pad);
         same_layout!(
             shaders::CAST_RAYS_COMP.software,
-            GpuSheet,
+            GpuThinSurface,
             passed,
             base,
             reflectance,

@@ -3,7 +3,7 @@
 //! the line of docs/OPTIONS.md.
 
 use super::Settings;
-use super::value::{Kind, text_of};
+use super::value::{Kind, text_of, text_of_seconds};
 
 /// A setting.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,11 @@ impl Setting {
 
     /// Its value in the syntax of the command line.
     pub fn text(&self, settings: &Settings) -> String {
-        text_of(&self.value(settings))
+        let value = self.value(settings);
+        match (self.kind, value.as_float()) {
+            (Kind::Seconds { .. }, Some(seconds)) => text_of_seconds(seconds),
+            _ => text_of(&value),
+        }
     }
 
     /// Sets it to a value in the syntax of the command line.

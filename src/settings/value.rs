@@ -226,6 +226,14 @@ pub(crate) fn read_seconds(text: &str) -> Option<f64> {
     }
 }
 
+/// Seconds, as a fraction where that is shorter: `1/60`, `0.02`.
+pub(super) fn text_of_seconds(seconds: f64) -> String {
+    let decimal = seconds.to_string();
+    let fraction = format!("1/{}", (1.0 / seconds).round());
+    let is_exact = read_seconds(&fraction) == Some(seconds);
+    if is_exact && fraction.len() < decimal.len() { fraction } else { decimal }
+}
+
 /// A value in the syntax of the command line.
 pub(super) fn text_of(value: &Value) -> String {
     match value {

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use glowworm::estimators;
 use glowworm::bench::{Noise, OTHER, Report, Summary, TOTAL, milliseconds, read_report, tables};
+use glowworm::estimators;
 use serde_json::Value;
 
 use super::program::{PASS_NAMES, Run, stderr};

@@ -7,8 +7,7 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-/// The cache of all runs: what a person's says of devices is none of a test's business, but drivers keep compiled
-/// shaders there too.
+/// The cache of all runs, where drivers keep compiled shaders: tests leave a person's alone.
 pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
 
 /// A run of the program in a folder of its own.

@@ -163,6 +163,23 @@ fn rays_are_cast_only_where_they_matter() {
 }
 
 #[test]
+fn temporal_sets_share_the_rays_of_a_frame() {
+    let Some(lab) = Lab::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let pose = scene.pose(0.0);
+    let rays = |temporal_sets: u32| {
+        let base = cornell(512, temporal_sets, 1);
+        let settings = Settings { vpl: VplSettings { refresh: 0, ..base.vpl }, ..base };
+        let mut renderer = lab.renderer(&scene, &settings, &pose);
+        (0..temporal_sets).for_each(|_| renderer.render(&pose).unwrap());
+        let reports = renderer.finish().unwrap();
+        mean(reports.iter().map(|report| report.figures.counters.get("shadow_rays") as f32))
+    };
+    let ratio = rays(1) / rays(16);
+    assert!(ratio >= 14.0, "T = 16 casts only {ratio} times fewer rays");
+}
+
+#[test]
 fn no_vpl_is_lost_where_a_frame_has_very_many() {
     let Some(lab) = Lab::open() else { return };
     let scene = named_scene("cathedral", None);
