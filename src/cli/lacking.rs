@@ -4,7 +4,7 @@ use super::CliError;
 
 /// Options of a subcommand that is lacking; nobody reads them.
 #[derive(Clone, Debug, clap::Args)]
-pub(super) struct Ignored {
+pub struct Ignored {
     #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
     _arguments: Vec<String>,
 }
@@ -17,7 +17,7 @@ fn lacking(subcommand: &str, feature: &str) -> Result<(), CliError> {
 pub(super) mod demo {
     pub use super::Ignored as DemoOptions;
 
-    pub fn demo(_: DemoOptions, _: &[&str]) -> Result<(), super::CliError> {
+    pub fn demo(_: DemoOptions) -> Result<(), super::CliError> {
         super::lacking("demo", "window")
     }
 }
@@ -26,7 +26,7 @@ pub(super) mod demo {
 pub(super) mod bench {
     pub use super::Ignored as BenchOptions;
 
-    pub fn bench(_: &BenchOptions, _: &[&str]) -> Result<(), super::CliError> {
+    pub fn bench(_: &BenchOptions) -> Result<(), super::CliError> {
         super::lacking("bench", "bench")
     }
 }
