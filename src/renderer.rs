@@ -187,7 +187,7 @@ impl Renderer {
             unjittered: *unjittered,
         };
         let gbuffer = self.passes.gbuffer.record(&mut frame, &gbuffer_inputs)?;
-        if !clock.is_frozen() {
+        if self.passes.follows_surfaces && !clock.is_frozen() {
             let surfaces = ReprojectionInputs::of(frame_uniforms, scene, gbuffer);
             self.passes.reprojection.record(&mut frame, &surfaces)?;
         }

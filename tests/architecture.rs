@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 const SOURCE: [(&str, &str); 5] =
     [("rs", "//!"), ("glsl", "//"), ("comp", "//"), ("vert", "//"), ("frag", "//")];
 
-/// Every path that the map names: the first word of each line.
+/// Every path that the map names: at the beginning of each line, with commas between.
 fn named() -> BTreeSet<PathBuf> {
     let text = include_str!("../ARCHITECTURE.md");
     let start = text.find("```text\nglowworm, test").expect("the map begins with the two commands");
     let map = text[start..].split("```").nth(1).unwrap();
-    let first = |line: &str| Some(PathBuf::from(line.split([' ', ',']).next()?));
-    map.lines().skip(1).filter(|line| !line.is_empty() && !line.starts_with(' ')).filter_map(first).collect()
+    let paths =
+        |line: &'static str| line.split("  ").next().unwrap_or_default().split(", ").map(PathBuf::from);
+    map.lines().skip(1).filter(|line| !line.is_empty()).flat_map(paths).collect()
 }
 
 /// All folders below a folder, itself included, and all files.

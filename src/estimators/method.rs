@@ -1,6 +1,7 @@
 //! The description of a method, so that nothing else needs to know it by name.
 
 use super::{Estimator, EstimatorContext};
+use crate::denoise::SignalNoise;
 use crate::passes::buffer_view::View;
 use crate::report::PassInfo;
 use crate::settings::{Indirect, Settings};
@@ -36,6 +37,8 @@ pub struct Method {
     pub lights_hits: bool,
     /// Whether it gives any light.
     pub gives_light: bool,
+    /// What is known of the noise of its irradiance, which decides how that is denoised.
+    pub noise: SignalNoise,
 }
 
 /// A whole number among the settings, along which a method's quality and cost change.
@@ -116,6 +119,7 @@ impl Method {
             rays: |_| 1,
             lights_hits: false,
             gives_light: true,
+            noise: SignalNoise::None,
         }
     }
 

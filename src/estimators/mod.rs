@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 pub use crate::bvh::World;
-pub use crate::denoise::SignalNoise;
 use crate::gpu_scene::tracer::TracerVariant;
 pub use method::{Axis, CounterInfo, Method, MethodPasses};
 
@@ -89,11 +88,6 @@ pub trait Estimator: Any + Send {
     /// # Errors
     /// Where the device fails.
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError>;
-
-    /// What is known of the noise of its signal, whatever the frame.
-    fn noise(&self) -> SignalNoise {
-        SignalNoise::None
-    }
 
     /// The irradiance of the last frame before it is denoised.
     fn signal(&self) -> IrradianceSignal<'_>;

@@ -17,7 +17,7 @@ pub struct FrameInputs<'a> {
     pub versions: SceneVersions,
     /// The visible surfaces.
     pub gbuffer: &'a GBuffer,
-    /// The surfaces of this and the last frame, and where each was then.
+    /// The surfaces of this and the last frame, and where each was then; of one texel where nothing follows surfaces.
     pub reprojection: &'a Reprojection,
     /// The frame's number, and its place in the cycle of a static scene.
     pub clock: FrameClock,

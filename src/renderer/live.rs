@@ -28,8 +28,9 @@ impl Renderer {
 
         // Make what is to be another one.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
-        let made_of =
-            |of: &Settings| (of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf);
+        let made_of = |of: &Settings| {
+            (of.indirect, of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf)
+        };
         let remade = || self.passes.remade(&device, variant, &self.scene, settings);
         let passes =
             if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::direct::{DirectPasses, ShadowPasses};
-use crate::denoise::{Denoiser, Use};
+use crate::denoise::{Denoiser, SignalNoise, Use};
 use crate::effects::reflections::{Reflections, traces_reflections};
-use crate::estimators::Estimator;
+use crate::estimators::{self, Estimator};
 use crate::gpu_scene::scene_buffers::SceneBuffers;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::combine::CombinePass;
@@ -14,13 +14,15 @@ use crate::passes::gbuffer::GBufferPass;
 use crate::passes::reprojection::ReprojectionPass;
 use crate::passes::taa::TaaPass;
 use crate::scene::Scene;
-use crate::settings::{Antialiasing, Settings};
+use crate::settings::{Antialiasing, Direct, Settings};
 use crate::vulkan::{Device, Image, VulkanError};
 
 /// The passes.
 pub(super) struct SharedPasses {
     pub gbuffer: GBufferPass,
     pub reprojection: ReprojectionPass,
+    /// Whether anything follows surfaces from frame to frame; otherwise the reprojection is of one texel and not recorded.
+    pub follows_surfaces: bool,
     pub direct: DirectPasses,
     /// Only where reflection rays are traced.
     pub reflections: Option<Reflections>,
@@ -61,9 +63,12 @@ impl SharedPasses {
         let size = settings.size;
         let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
+        let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
+        let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
         Ok(Self {
             gbuffer,
-            reprojection: ReprojectionPass::new(device, size)?,
+            reprojection: ReprojectionPass::new(device, if follows_surfaces { size } else { [1, 1] })?,
+            follows_surfaces,
             direct: DirectPasses::new(device, tracer, settings)?,
             reflections: reflections.then(|| Reflections::new(device, tracer, settings)).transpose()?,
             combine: CombinePass::new(device, tracer.thin_surfaces, size)?,
@@ -85,7 +90,7 @@ pub(super) fn indirect_denoiser(
     settings: &Settings,
 ) -> Result<Denoiser, VulkanError> {
     let extent = estimator.signal().noisy.extent();
-    Denoiser::new(device, Use::Indirect, estimator.noise(), extent, settings)
+    Denoiser::new(device, Use::Indirect, estimators::method(settings).noise, extent, settings)
 }
 
 /// What one of the views of effects shows; none where the effect is not in use, or it is another view.

@@ -15,8 +15,8 @@ fn computed(settings: &Settings) -> u64 {
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
     // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
     let tiles = of_step(16 * set_step) * 256 * 5;
-    pixels * (if settings.antialiasing == Antialiasing::Taa { 140 } else { 108 })
-        + of_step(2) * 40
+    pixels * (if settings.antialiasing == Antialiasing::Taa { 116 } else { 84 })
+        + of_step(2) * 24
         + of_step(set_step) * (16 + 8 * sets)
         + tiles
         + sets * 48 * (vpls + 64)
@@ -25,7 +25,7 @@ fn computed(settings: &Settings) -> u64 {
 /// What thin sheets add with so many lamps.
 fn of_sheets(settings: &Settings, lamps: u64) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
-    pixels * (32 + 4 * lamps - 4 * lamps.div_ceil(32))
+    pixels * (24 + 4 * lamps - 4 * lamps.div_ceil(32))
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
 
-use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, SignalNoise, ViewInputs, World};
+use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, ViewInputs, World};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
@@ -262,10 +262,6 @@ impl Estimator for Vpls {
         }
         self.uploaded = Some(uploaded);
         Ok(())
-    }
-
-    fn noise(&self) -> SignalNoise {
-        SignalNoise::Variance
     }
 
     fn signal(&self) -> IrradianceSignal<'_> {
