@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use toml::Value;
 
-use super::micro::micro;
+use super::micro::{MicroOptions, micro};
 use super::options::RunOptions;
 use super::progress::controlled;
+use super::table_text::text;
 use super::{CliError, device, say};
 use crate::bench::{
-    Axis, Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, Table, compare_reports,
+    Axis, Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, compare_reports,
     lacks_models, read_report, tables,
 };
 use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
@@ -28,11 +29,11 @@ const SPP: u32 = 1024;
 /// Default size in pixels.
 const SIZE: [u32; 2] = [1024, 1024];
 /// Defaults on a CPU device, which takes some 50 ms for such a frame.
-pub(super) const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
+const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
 
-pub(super) struct OnCpu {
+struct OnCpu {
     frames: u32,
-    pub size: [u32; 2],
+    size: [u32; 2],
     time_step: f64,
 }
 
@@ -207,7 +208,7 @@ pub(super) fn bench(options: &BenchOptions) -> Result<(), CliError> {
     let folder = Folder::new(&options.out)?;
     let device = device::open(&options.run.device)?;
     if options.micro {
-        return micro(options, &device, &folder, json.as_ref());
+        return micro(micro_options(options, &device)?, &device, &folder, json.as_ref());
     }
     let earlier = if options.resume { folder.earlier()?.map(|(_, report)| report) } else { None };
     let mut plan = plan(options, earlier.as_ref().or(old.as_ref()), &device)?;
@@ -235,15 +236,35 @@ pub(super) fn bench(options: &BenchOptions) -> Result<(), CliError> {
     }
 }
 
+/// The scenes of the options, if they name any.
+fn given_scenes(options: &BenchOptions) -> Result<Option<Vec<String>>, CliError> {
+    Ok(match options {
+        _ if options.models => Some(models(options)?),
+        _ if !options.scenes.is_empty() => Some(options.scenes.clone()),
+        _ => None,
+    })
+}
+
+fn micro_options(options: &BenchOptions, device: &Device) -> Result<MicroOptions, CliError> {
+    let mut given = options.settings.first();
+    if device.is_cpu() && !given.has("size") {
+        given.insert("size", ON_CPU.size.map(i64::from).to_vec());
+    }
+    Ok(MicroOptions {
+        scenes: given_scenes(options)?.unwrap_or_else(|| BENCH_SCENES.map(str::to_owned).into()),
+        settings: given,
+        assets: options.run.files.assets_folder(),
+        rays: options.rays as usize,
+        rounds: options.rounds,
+    })
+}
+
 /// The plan of the options; defaults come from the `old` report, except for `--quality`.
 fn plan(options: &BenchOptions, old: Option<&Report>, device: &Arc<Device>) -> Result<Plan, CliError> {
     let old = old.map(|report| &report.plan);
-    let scenes = match old {
-        _ if options.models => models(options)?,
-        _ if !options.scenes.is_empty() => options.scenes.clone(),
-        Some(old) => old.scenes.clone(),
-        None => BENCH_SCENES.map(str::to_owned).into(),
-    };
+    let scenes = given_scenes(options)?
+        .or_else(|| old.map(|old| old.scenes.clone()))
+        .unwrap_or_else(|| BENCH_SCENES.map(str::to_owned).into());
     let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
     settings.extend(options.settings.given.table().clone());
     let on_cpu = device.is_cpu();
@@ -281,7 +302,7 @@ fn plan(options: &BenchOptions, old: Option<&Report>, device: &Arc<Device>) -> R
 }
 
 /// The scenes whose models are present.
-pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
+fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
     let assets = options.run.files.assets_folder();
     let mut scenes = Vec::new();
     for scene in BENCH_SCENES_OF_ASSETS {
@@ -292,22 +313,6 @@ pub(super) fn models(options: &BenchOptions) -> Result<Vec<String>, CliError> {
         }
     }
     Ok(scenes)
-}
-
-/// Formats a table for the terminal.
-pub(super) fn text(table: &Table) -> String {
-    let lines = || std::iter::once(&table.columns).chain(&table.rows);
-    let width =
-        |column: usize| lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max();
-    let mut text = format!("{}\n", table.title);
-    for line in lines() {
-        for (column, cell) in line.iter().enumerate() {
-            let width = width(column).unwrap_or(0);
-            text += &if column == 0 { format!("{cell:<width$}") } else { format!("  {cell:>width$}") };
-        }
-        text.push('\n');
-    }
-    text
 }
 
 /// Prints the changes; an error if anything is slower.

@@ -3,13 +3,12 @@
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-use serde::Serialize;
-
+use super::compare_report::{self, CompareReport};
 use super::progress::frames_bar;
-use super::{CliError, compare_text, say};
+use super::{CliError, say};
 use crate::metrics::{
-    CompareOptions, Comparison, Encoding, Exposures, Image, MetricsError, PixelError, Sequence,
-    SequenceMetrics, pixel_errors,
+    CompareOptions, Comparison, Encoding, Image, MetricsError, PixelError, Sequence, SequenceMetrics,
+    pixel_errors,
 };
 use crate::output::{NumberedPath, OutputError, OutputFile};
 use crate::plot::{Heatmap, PlotFile, round_limit, short};
@@ -73,29 +72,6 @@ pub(super) enum HeatmapOf {
     Absolute,
 }
 
-/// The JSON of `compare`.
-#[derive(Debug, Serialize)]
-pub(super) struct CompareReport {
-    pub image: String,
-    pub reference: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub layer: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reference_layer: Option<String>,
-    pub width: usize,
-    pub height: usize,
-    pub encoding: Encoding,
-    /// Exposure of linear pictures, stops.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub exposure: Option<f32>,
-    /// The exposures of HDR-FLIP, of the last frame.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub flip_exposures: Option<Exposures>,
-    /// For a single picture only the means.
-    #[serde(flatten)]
-    pub metrics: SequenceMetrics,
-}
-
 /// Inputs and outputs of a comparison, with checked names.
 struct Job<'a> {
     arguments: &'a CompareArguments,
@@ -113,12 +89,12 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), CliError> {
     let job = Job::new(arguments)?;
     let report = job.run()?;
     if let Some(plot) = &job.plot {
-        plot.save(&compare_text::curves(&report))?;
+        plot.save(&compare_report::curves(&report))?;
     }
     if let Some(json) = &job.json {
         json.save_json(&report)?;
     }
-    say::print(&compare_text::table(&report))
+    say::print(&compare_report::table(&report))
 }
 
 impl<'a> Job<'a> {

@@ -7,7 +7,7 @@ mod bench;
 #[cfg(feature = "bench")]
 mod compare;
 #[cfg(feature = "bench")]
-mod compare_text;
+mod compare_report;
 mod dataset;
 #[cfg(feature = "window")]
 mod demo;
@@ -26,6 +26,8 @@ mod reference;
 mod render;
 mod say;
 mod scene;
+#[cfg(feature = "bench")]
+mod table_text;
 
 #[cfg(not(feature = "window"))]
 use lacking::demo;

@@ -29,6 +29,7 @@ mod session;
 mod split;
 mod tour;
 mod undo;
+mod viewport;
 mod views;
 
 use std::path::PathBuf;

@@ -25,6 +25,8 @@ mod physical;
 mod pipeline;
 #[cfg(feature = "window")]
 mod present;
+#[cfg(feature = "window")]
+mod present_slot;
 mod ray_query;
 mod reflect;
 mod sampler;
@@ -66,7 +68,9 @@ pub use pass::{Pass, Resource};
 pub use physical::DeviceInfo;
 pub use pipeline::{ComputePipeline, GraphicsDescription, GraphicsPipeline};
 #[cfg(feature = "window")]
-pub use present::{Pane, Presented, Presenter, Viewport};
+pub use present::{Presented, Presenter};
+#[cfg(feature = "window")]
+pub use present_slot::{Pane, Viewport};
 pub use reflect::{BindingKind, Reflection};
 pub use sampler::Sampler;
 pub use shared_set::SharedSet;

@@ -11,6 +11,7 @@ mod log;
 mod methods;
 mod newcomer;
 mod opening;
+mod pointer;
 mod replay;
 mod screen;
 mod session;

@@ -35,8 +35,6 @@ const ON_SCREEN: u64 = 6;
 const SETTLED: u64 = 24;
 /// Time in which 4 stops of automatic exposure shrink to less than its last step, .02 stops: seven time constants.
 const ADAPTED: Duration = Duration::from_millis(1100);
-/// Frames without motion after which the panel counts as stationary: its sections fold and unfold over several frames.
-const AT_REST: usize = 3;
 /// Pings of this program count up from here; the window manager's own are small numbers.
 const FIRST_PING: u32 = 0x4000_0000;
 
@@ -46,7 +44,7 @@ pub struct Demo<'d> {
     child: Child,
     log: Log,
     pub folder: TempDir,
-    window: Window,
+    pub window: Window,
     connection: RustConnection,
     pings: u32,
 }
@@ -206,90 +204,10 @@ impl<'d> Demo<'d> {
         self.wait_after(seen, action, |event| is_action(event, action));
     }
 
-    pub fn move_to(&mut self, [x, y]: [i32; 2]) {
-        let window = self.window.to_string();
-        self.input(&["mousemove", "--window", &window, &x.to_string(), &y.to_string()]);
-    }
-
-    pub fn click(&mut self, at: [i32; 2]) {
-        self.move_to(at);
-        self.input(&["mousedown", "1"]);
-        self.input(&["mouseup", "1"]);
-    }
-
-    /// Moves the pointer to a pixel of the picture.
-    pub fn move_to_picture(&mut self, at: [i32; 2]) {
-        let at = self.in_picture(at);
-        self.move_to(at);
-    }
-
-    /// Clicks a pixel of the picture.
-    pub fn click_picture(&mut self, at: [i32; 2]) {
-        let at = self.in_picture(at);
-        self.click(at);
-    }
-
-    /// Drags from one pixel of the picture to another.
-    pub fn drag_picture(&mut self, from: [i32; 2], to: [i32; 2]) {
-        let [from, to] = [from, to].map(|at| self.in_picture(at));
-        self.drag(from, to);
-    }
-
-    fn in_picture(&mut self, at: [i32; 2]) -> [i32; 2] {
-        let viewport = self.viewport();
-        [0, 1].map(|axis| at[axis] + viewport[axis] as i32)
-    }
-
     /// Where the picture is in the window: left, top, right, bottom.
-    fn viewport(&mut self) -> [u32; 4] {
+    pub fn viewport(&mut self) -> [u32; 4] {
         let layout = self.events().iter().rfind(|event| event["event"] == "layout").unwrap();
         [0, 1, 2, 3].map(|side| layout["details"]["picture"][side].as_f64().unwrap() as u32)
-    }
-
-    /// Drags with the left button, in steps, as a hand does.
-    pub fn drag(&mut self, from: [i32; 2], to: [i32; 2]) {
-        self.move_to(from);
-        self.input(&["mousedown", "1"]);
-        for step in 1..=8 {
-            self.move_to([0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * step / 8));
-        }
-        self.input(&["mouseup", "1"]);
-    }
-
-    /// Clicks a widget of the panel by its name in the log.
-    pub fn click_thing(&mut self, name: &str) {
-        let at = self.place(name);
-        self.click(at);
-    }
-
-    /// Clicks a widget of the panel or over the picture, from another place, all of it between two frames.
-    pub fn click_thing_at_once(&mut self, name: &str, from: [i32; 2]) {
-        let at = self.place(name);
-        self.move_to_picture(from);
-        let window = self.window.to_string();
-        let [x, y] = at.map(|pixels| pixels.to_string());
-        self.input(&["mousemove", "--window", &window, &x, &y, "mousedown", "1", "mouseup", "1"]);
-    }
-
-    /// Drags the centre of a widget of the panel to the right, in points.
-    pub fn drag_thing(&mut self, name: &str, way: i32) {
-        let [x, y] = self.place(name);
-        self.drag([x, y], [x + way, y]);
-    }
-
-    /// The centre of a widget of the panel, once the layout is stationary.
-    fn place(&mut self, name: &str) -> [i32; 2] {
-        let mut rect = None;
-        wait_until(name, || {
-            let events = self.log.events();
-            let layout = events.iter().rposition(|event| event["event"] == "layout").unwrap();
-            let frames = events[layout..].iter().filter(|event| is_frame(event)).count();
-            rect = events[layout]["details"][name].as_array().cloned();
-            // The frame of the layout itself counts as well.
-            frames > AT_REST && rect.is_some()
-        });
-        let side = |i: usize| rect.as_ref().unwrap()[i].as_f64().unwrap();
-        [(side(0) + side(2)) / 2.0, (side(1) + side(3)) / 2.0].map(|at| at as i32)
     }
 
     /// Drops a file on the window.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::gltf::*;
+use super::gltf_files::*;
 use super::*;
 
 /// The change `change` to a good file makes loading fail with one line that has all of `parts`.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::gltf::{buffer, data_uri, document, glb, png};
+use super::gltf_files::{buffer, data_uri, document, glb, png};
 use super::program::{Run, assert_fails, stderr};
 use super::*;
 

@@ -8,7 +8,7 @@ use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::{Camera, spot_falloff};
 use serde_json::{Value, json};
 
-use super::gltf::{add_accessor, buffer, document, glb, load_glb};
+use super::gltf_files::{add_accessor, buffer, document, glb, load_glb};
 use super::*;
 
 /// Radiance of each pixel, without indirect light.

@@ -11,6 +11,7 @@ mod broken_scene_files;
 mod documents;
 mod environments;
 mod gltf;
+mod gltf_files;
 mod gltf_pictures;
 mod lights;
 mod made;

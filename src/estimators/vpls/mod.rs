@@ -16,6 +16,7 @@ mod indirect_shadows;
 mod inspect;
 pub mod manager;
 mod method;
+mod passes;
 mod path_lines;
 mod set_buffers;
 mod staleness;
@@ -47,16 +48,14 @@ use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 use hit_light::HitLightPass;
-use indirect_reprojection::IndirectReprojectionPass;
-use indirect_shading::IndirectShadingPass;
-use indirect_shadows::IndirectShadowsPass;
 pub(crate) use indirect_shadows::samples;
+use passes::Passes;
 use path_lines::PathView;
+use set_buffers::DrawnSet;
 pub(crate) use set_buffers::set_step;
-use set_buffers::{DrawnSet, SetBuffers};
 use staleness::Staleness;
 use view::{VplViewPass, VplViewSources};
-use vpl_buffer::{UploadedSet, VplBuffer, VplUniforms, rays_of};
+use vpl_buffer::{UploadedSet, VplUniforms, rays_of};
 use vpl_light::VplLightPass;
 
 /// Occlusion rays from pixels to VPLs.
@@ -83,18 +82,6 @@ pub struct Vpls {
     hit_light: Option<HitLightPass>,
     tracer: TracerVariant,
     device: Arc<Device>,
-}
-
-/// The device's half.
-struct Passes {
-    vpls: VplBuffer,
-    indirect_shadows: IndirectShadowsPass,
-    indirect_shading: IndirectShadingPass,
-    indirect_reprojection: IndirectReprojectionPass,
-    /// What the sets have drawn.
-    sets: SetBuffers,
-    /// What they drew before they became others: shown until all of the new ones have been drawn.
-    settled: Option<SetBuffers>,
 }
 
 /// The set whose turn it is.
@@ -156,30 +143,6 @@ impl Vpls {
     fn irradiance_scale(&self) -> f32 {
         let flux: f32 = self.frame_set.flux.iter().sum();
         power_of_two_near(flux / (6.0 * self.median_segment_length * self.median_segment_length)).recip()
-    }
-}
-
-impl Passes {
-    /// The sets that the picture is made of.
-    fn shown(&self) -> &SetBuffers {
-        self.settled.as_ref().unwrap_or(&self.sets)
-    }
-
-    fn new(
-        device: &Arc<Device>,
-        tracer: TracerVariant,
-        settings: &Settings,
-        instances: usize,
-    ) -> Result<Self, VulkanError> {
-        let Settings { size, ref vpl, .. } = *settings;
-        Ok(Self {
-            vpls: VplBuffer::new(device, vpl)?,
-            indirect_shadows: IndirectShadowsPass::new(device, tracer, settings)?,
-            indirect_shading: IndirectShadingPass::new(device, vpl)?,
-            indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
-            sets: SetBuffers::new(device, size, vpl, instances)?,
-            settled: None,
-        })
     }
 }
 

@@ -1,10 +1,34 @@
-//! Output of `compare`: a table, and curves over the frames of a sequence.
+//! The report of `compare`: its JSON, a table, and curves over the frames of a sequence.
 
 use std::fmt::Write as _;
 
-use super::compare::CompareReport;
-use crate::metrics::{Encoding, FrameMetrics, Metrics};
+use serde::Serialize;
+
+use crate::metrics::{Encoding, Exposures, FrameMetrics, Metrics, SequenceMetrics};
 use crate::plot::{Axis, Curves, Line, Panel, short};
+
+/// The JSON of `compare`.
+#[derive(Debug, Serialize)]
+pub(super) struct CompareReport {
+    pub image: String,
+    pub reference: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_layer: Option<String>,
+    pub width: usize,
+    pub height: usize,
+    pub encoding: Encoding,
+    /// Exposure of linear pictures, stops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<f32>,
+    /// The exposures of HDR-FLIP, of the last frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip_exposures: Option<Exposures>,
+    /// For a single picture only the means.
+    #[serde(flatten)]
+    pub metrics: SequenceMetrics,
+}
 
 /// A figure of one frame; none if undefined.
 type Figure = fn(&FrameMetrics) -> Option<f64>;

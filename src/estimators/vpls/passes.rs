@@ -1,0 +1,49 @@
+//! The device's half of the estimator: its passes and set buffers.
+
+use std::sync::Arc;
+
+use super::indirect_reprojection::IndirectReprojectionPass;
+use super::indirect_shading::IndirectShadingPass;
+use super::indirect_shadows::IndirectShadowsPass;
+use super::set_buffers::SetBuffers;
+use super::vpl_buffer::VplBuffer;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::settings::Settings;
+use crate::vulkan::{Device, VulkanError};
+
+/// The passes and what the temporal sets hold on the device.
+pub(super) struct Passes {
+    pub vpls: VplBuffer,
+    pub indirect_shadows: IndirectShadowsPass,
+    pub indirect_shading: IndirectShadingPass,
+    pub indirect_reprojection: IndirectReprojectionPass,
+    /// The sets that this frame and the next ones render.
+    pub sets: SetBuffers,
+    /// The sets from before a change of settings. They are shown until all of `sets` have been rendered.
+    pub settled: Option<SetBuffers>,
+}
+
+impl Passes {
+    /// The sets that the picture is made of.
+    pub fn shown(&self) -> &SetBuffers {
+        self.settled.as_ref().unwrap_or(&self.sets)
+    }
+
+    /// Makes the passes and empty set buffers.
+    pub fn new(
+        device: &Arc<Device>,
+        tracer: TracerVariant,
+        settings: &Settings,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        let Settings { size, ref vpl, .. } = *settings;
+        Ok(Self {
+            vpls: VplBuffer::new(device, vpl)?,
+            indirect_shadows: IndirectShadowsPass::new(device, tracer, settings)?,
+            indirect_shading: IndirectShadingPass::new(device, vpl)?,
+            indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
+            sets: SetBuffers::new(device, size, vpl, instances)?,
+            settled: None,
+        })
+    }
+}
