@@ -63,7 +63,7 @@ impl SharedPasses {
         let size = settings.size;
         let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
-        let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
+        let is_noisy = (estimators::method(settings).noise)(settings) == SignalNoise::Unknown;
         let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
         Ok(Self {
             gbuffer,
@@ -89,8 +89,8 @@ pub(super) fn indirect_denoiser(
     estimator: &dyn Estimator,
     settings: &Settings,
 ) -> Result<Denoiser, VulkanError> {
-    let extent = estimator.signal().noisy.extent();
-    Denoiser::new(device, Use::Indirect, estimators::method(settings).noise, extent, settings)
+    let (noise, extent) = ((estimators::method(settings).noise)(settings), estimator.signal().noisy.extent());
+    Denoiser::new(device, Use::Indirect, noise, extent, settings)
 }
 
 /// What one of the views of effects shows; none where the effect is not in use, or it is another view.
