@@ -60,7 +60,11 @@ fn mistakes_are_one_line_each() {
         (&["cornell-box"][..], 2, "--out"),
         (&["cornell-box", "--out", "a", "--format", "pbrt"], 2, "--format"),
         (&["cornell-box", "--out", "a", "--bounces", "many"], 2, "--bounces"),
-        (&["cornell-box", "--out", "a", "--size", "0x4"], 2, "--size 0x4: must be 1x1 to 16384x16384"),
+        (
+            &["cornell-box", "--out", "a", "--size", "0x4"],
+            2,
+            "--size 0x4: must be a width and a height, 1x1 to 16384x16384",
+        ),
         (&["cornell-box", "--out", "a", "--spp", "0"], 2, "--spp"),
         (&["no-such-scene", "--out", "a"], 1, "no-such-scene"),
         (&["cornell-box", "--out", "a/b"], 1, "--out a/b: there is no folder a"),

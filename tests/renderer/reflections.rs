@@ -149,16 +149,8 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
         let scene =
             stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = {metallic}"), "");
         let expected = expected(&scene, 1024);
-        // Several seeds, as one run averages 64 frames.
-        let mut ours = vec![[0.0; 3]; expected.len()];
-        let seeds = if roughness == 0.0 { 1 } else { 3 };
-        for seed in 0..seeds {
-            let settings = Settings { seed, ..settings(Denoise::None) };
-            let picture = lab.rendered(&scene, &settings, FRAMES).read_picture(true).unwrap();
-            for (sum, pixel) in ours.iter_mut().zip(seen(&picture)) {
-                (0..3).for_each(|i| sum[i] += pixel[i] / seeds as f32);
-            }
-        }
+        let frames = if roughness == 0.0 { 64 } else { 192 };
+        let ours = lab.mean_of_frames(&scene, &settings(Denoise::None), frames, seen);
         assert_agree(&format!("roughness {roughness}, metallic {metallic}"), &ours, &expected);
     }
 }

@@ -158,16 +158,9 @@ fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
     (0..direct.len()).map(|at| [0, 1, 2].map(|i| sum(at, i))).collect()
 }
 
-/// The mean of the pictures of two seeds.
-fn mean_of_seeds(of: impl Fn(u32) -> Vec<[f32; 3]>) -> Vec<[f32; 3]> {
-    let half = |(a, b): (&[f32; 3], &[f32; 3])| [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
-    of(1).iter().zip(&of(2)).map(half).collect()
-}
-
-/// The mean of still pictures of two seeds, without a denoiser.
+/// The mean of 128 frames without a denoiser.
 fn mean_of_rays(lab: &Lab, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
-    let of = |seed| direct(&lab.rendered(scene, &Settings { seed, ..settings(Denoise::None) }, FRAMES));
-    mean_of_seeds(of)
+    lab.mean_of_frames(scene, &settings(Denoise::None), 128, |picture| layer(picture, "direct"))
 }
 
 #[test]
@@ -197,14 +190,12 @@ fn area_lights_count_once_beside_reflections() {
             let expected: Vec<[f32; 3]> = (0..lit.len())
                 .map(|at| [0, 1, 2].map(|i| lit[at][i] + share * (one[at][i] - none[at][i])))
                 .collect();
-            let of = |seed| {
-                let plain = settings(Denoise::None);
-                let effects =
-                    EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
-                let settings = Settings { seed, effects, reflections: Reflections::Rays, ..plain };
-                lab.rendered(&scene, &settings, FRAMES).read_picture(false).unwrap().colour
-            };
-            assert_agree(&format!("{what}, mirrored by {share}"), &mean_of_seeds(of), &expected);
+            let plain = settings(Denoise::None);
+            let effects =
+                EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
+            let settings = Settings { effects, reflections: Reflections::Rays, ..plain };
+            let ours = lab.mean_of_frames(&scene, &settings, 128, |picture| picture.colour.clone());
+            assert_agree(&format!("{what}, mirrored by {share}"), &ours, &expected);
         }
     }
 }
@@ -255,7 +246,7 @@ fn a_hundred_lamps_take_one_ray() {
     let lamps: Vec<String> = (0..100).map(lamp).collect();
     let scene = yard(&lamps.join("\n[[lights]]\n"));
     let expected = layer(&reference(&scene, SIZE, 0, 512), "direct");
-    let ours = direct(&lab.rendered(&scene, &settings(Denoise::None), FRAMES));
+    let ours = lab.mean_of_frames(&scene, &settings(Denoise::None), 64, |picture| layer(picture, "direct"));
     assert_agree("a hundred lamps", &ours, &expected);
     // Denoised, after 32 frames.
     let denoised = direct(&lab.rendered(&scene, &settings(Denoise::Svgf), 32));

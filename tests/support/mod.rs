@@ -58,6 +58,30 @@ impl Lab {
         }
         renderer
     }
+
+    /// The mean of what `read` takes of the pictures of `frames` frames with independent random numbers: the camera trembles by
+    /// less than is seen, so that the picture is never frozen.
+    pub fn mean_of_frames(
+        &self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        frames: u32,
+        read: impl Fn(&Picture) -> Vec<[f32; 3]>,
+    ) -> Vec<[f32; 3]> {
+        let mut pose = scene.pose(0.0);
+        let (x, mut mean) = (pose.camera.eye.x, Vec::new());
+        let mut renderer = self.renderer(scene, settings, &pose);
+        for frame in 0..frames {
+            pose.camera.eye.x = x + 1e-5 * (frame % 2) as f32;
+            renderer.render(&pose).unwrap();
+            let seen = read(&renderer.read_picture(true).unwrap());
+            mean.resize(seen.len(), [0.0; 3]);
+            for (mean, pixel) in mean.iter_mut().zip(seen) {
+                (0..3).for_each(|i| mean[i] += pixel[i] / frames as f32);
+            }
+        }
+        mean
+    }
 }
 
 impl Drop for Lab {
