@@ -3,7 +3,7 @@
     python3 scripts/study_scenes.py FOLDER
 
 All are in metres and watts, stand still, and are made of nothing but numbers, so every run writes the same bytes. Each has
-one difficulty of indirect light, surfaces of albedo 0.2 to 0.85, some saturated, some curved or tilted, and thin things:
+one difficulty of indirect light, surfaces of albedo 0.2 to 0.85, some saturated, some curved or tilted, and thin objects:
 
     corridor    a long way from the only lamp to what is seen
     blinds      a sun of which little enters, through narrow slits

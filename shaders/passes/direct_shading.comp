@@ -30,7 +30,7 @@ layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo
 // What arrives over what would without shadows.
 layout(set = 0, binding = 13, rgba16f) uniform readonly image2D shadow;
 
-// Of lamps, behind hard shadows.
+// The radiance of punctual lights, behind hard shadows.
 vec3 hard_shadowed(ShadingPoint point, ivec2 pixel) {
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {

@@ -78,7 +78,7 @@ vec4 history_at(vec2 place) {
 }
 
 // The colour on the way to the mean of those around where it leaves their box: their standard deviation, within their range. Next to
-// a lamp the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
+// a light the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
 vec3 clipped(vec3 colour, ivec2 pixel) {
     vec3 sum = vec3(0.0);
     vec3 squares = vec3(0.0);

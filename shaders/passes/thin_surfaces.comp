@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // Thin surfaces between the eye and what a pixel sees, from front to back: with T what the thin surfaces before one let pass, c its share
 // that is there, and its BSDF's directional albedos, each adds
-//   T c (emission + BSDF of lamps) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
+//   T c (emission + BSDF of punctual lights) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
 // Out: both sums, and what all thin surfaces let pass of the light behind. Irradiance is that of the surface behind; before the open sky
 // it is the environment's mean, and that light is in the first sum.
 #include "frame.glsl"
@@ -36,7 +36,7 @@ layout(push_constant) uniform Push {
 // Thin surfaces that are seen one behind the other, at most.
 const int MOST_THIN_SURFACES = 8;
 
-// What the lamps send to the eye by both lobes.
+// The radiance of punctual lights by both lobes towards the eye.
 vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {

@@ -87,9 +87,9 @@ impl Session {
     pub fn remove_light(&mut self, index: usize) -> Result<Change, SceneError> {
         self.selected = None;
         self.headlamp = match self.headlamp {
-            Some(lamp) if lamp == index => None,
-            Some(lamp) if lamp > index => Some(lamp - 1),
-            lamp => lamp,
+            Some(light) if light == index => None,
+            Some(light) if light > index => Some(light - 1),
+            light => light,
         };
         self.edit(|document| {
             document.remove_light(index);

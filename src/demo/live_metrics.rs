@@ -65,7 +65,7 @@ impl LiveMetrics {
         Some(Logged { metrics: *metrics, temporal_error: *temporal_error, samples })
     }
 
-    /// Forgets the last comparison, and that on its way.
+    /// Forgets the last comparison, and the one in flight.
     pub fn forget(&mut self) {
         (self.running, self.last) = (None, None);
     }

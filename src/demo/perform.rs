@@ -295,11 +295,11 @@ impl Open {
     /// Attaches the selected light to the camera, and detaches the one attached before.
     fn toggle_headlamp(&mut self) {
         self.edit(|session| {
-            if let Some(lamp) = session.headlamp.take() {
-                let Some(light) = session.document.lights().nth(lamp) else { return Ok(Change::Live) };
+            if let Some(index) = session.headlamp.take() {
+                let Some(light) = session.document.lights().nth(index) else { return Ok(Change::Live) };
                 let mut light = light.clone();
                 carry(&mut light, &session.pose.camera);
-                return session.set_light(lamp, light);
+                return session.set_light(index, light);
             }
             if let Some(Selected::Light(index)) = session.selected {
                 session.headlamp = Some(index);

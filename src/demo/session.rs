@@ -189,8 +189,8 @@ impl Session {
 
     fn pose_at(&self, time: f64, camera: Camera) -> Pose {
         let mut pose = Pose { camera, ..self.live_scene.pose(time) };
-        let lamp = self.headlamp.and_then(|index| self.document.scene_light(index));
-        if let Some(light) = lamp.and_then(|index| pose.lights.get_mut(index)) {
+        let headlamp = self.headlamp.and_then(|index| self.document.scene_light(index));
+        if let Some(light) = headlamp.and_then(|index| pose.lights.get_mut(index)) {
             light.position = camera.eye;
             light.direction = camera.forward();
         }

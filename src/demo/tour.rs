@@ -57,13 +57,13 @@ const STOPS: [Stop; 6] = [
         sway: [4.0, 1.0],
     },
     Stop {
-        caption: "Virtual point lights. Light paths start at the lamps; where they meet a surface they leave a point that \
+        caption: "Virtual point lights. Light paths start at the lights; where they meet a surface they leave a point that \
                   shines for the light that bounces there.",
         acts: &[(0.0, Act::FewVpls(true)), (0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
         sway: [4.0, 1.0],
     },
     Stop {
-        caption: "Invalidation. A lamp sways: points that its light reaches no more are invalidated, flash, and are \
+        caption: "Invalidation. A light sways: points that its light reaches no more are invalidated, flash, and are \
                   replaced, a few in each frame.",
         acts: &[(0.0, Act::Pause(false))],
         sway: [0.0, 1.0],

@@ -132,14 +132,14 @@ pub trait Estimator: Any + Send {
     /// Adds what the device counted in a finished frame.
     fn add_device_counters(&self, _counters: &mut Counters, _read_back: &[u8]) {}
 
-    /// Goes on with other settings, another size or tracer. No frame is on its way.
+    /// Goes on with other settings, another size or tracer. No frame is in flight.
     ///
     /// # Errors
-    /// Where the device cannot do with them; it then goes on with the old ones.
+    /// Where the device does not support them; it then goes on with the old ones.
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError>;
 
     /// Goes on with a scene that [is built like](crate::scene::Scene::same_geometry_and_bindings) the last one, with other materials, lights or environment.
-    /// No frame is on its way.
+    /// No frame is in flight.
     fn change_scene(&mut self, _world: World<'_>) {}
 
     /// Shows `view` from the next frame on: makes what [`Self::shown_irradiance`], [`Self::draw_view`] and [`Self::lines`]

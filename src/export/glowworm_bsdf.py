@@ -1,4 +1,4 @@
-"""glowworm's surfaces as a BSDF of Mitsuba 3: glTF 2.0's metallic-roughness with energy compensation, and thin sheets.
+"""glowworm's surfaces as a BSDF of Mitsuba 3: glTF 2.0's metallic-roughness with energy compensation, and thin surfaces.
 
     python glowworm_bsdf.py [PICTURE.exr]     renders scene.xml beside this file with it
     import glowworm_bsdf                      registers it, once a variant is set; then
@@ -7,7 +7,7 @@
 Without this file, `mitsuba scene.xml` renders Mitsuba's own materials, which come near. The equations are those of
 src/bsdf.rs. Parameters: base_color (spectrum or texture), metallic and roughness (number or texture), f0 (spectrum) and
 f90 (number): reflectance of the dielectric at normal and grazing incidence; transmission (number): share of the base
-colour that passes as through a thin sheet; vertex_color (texture): a factor of the base colour; normal_map (texture) and
+colour that passes as through a thin surface; vertex_color (texture): a factor of the base colour; normal_map (texture) and
 normal_scale (number), in the frame of vertex_tangent, whose bitangent's side is vertex_side. Both sides are the same.
 """
 

@@ -122,7 +122,7 @@ impl SceneBuffers {
         Ok((materials(device, scene, &self.colours)?, environment))
     }
 
-    /// Goes on with them. No frame is on its way.
+    /// Replaces the materials and the environment. No frame is in flight.
     pub fn replace(&mut self, materials: Buffer, environment: Option<EnvironmentTexture>) {
         self.materials = materials;
         if let Some(environment) = environment {
@@ -270,7 +270,7 @@ fn mask_plus_one(material: &Material) -> u32 {
 }
 
 /// What the emission of each instance's materials is multiplied by, since area lights may be changed or taken away:
-/// radiance now over radiance at rest.
+/// radiance now over the radiance that the scene states.
 fn emission_factors(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
     let mut factors = vec![Vec3::ONE; scene.instances.len()];
     for light in &scene.lights {

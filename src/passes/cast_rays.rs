@@ -94,7 +94,7 @@ impl RayCaster {
     /// milliseconds that the device took.
     ///
     /// # Errors
-    /// Where the device fails or cannot do with so many.
+    /// Where the device fails or does not support so many.
     pub fn cast_occluded(&mut self, count: u32) -> Result<f64, VulkanError> {
         self.cast(true, count)
     }
@@ -102,7 +102,7 @@ impl RayCaster {
     /// Asks what rays meet first, else as [`Self::cast_occluded`].
     ///
     /// # Errors
-    /// Where the device fails or cannot do with so many.
+    /// Where the device fails or does not support so many.
     pub fn cast_closest(&mut self, count: u32) -> Result<f64, VulkanError> {
         self.cast(false, count)
     }

@@ -18,7 +18,7 @@ impl Renderer {
     /// was made with them.
     ///
     /// # Errors
-    /// Where the device cannot do with them; the renderer then goes on with the old ones.
+    /// Where the device does not support them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
         let device = Arc::clone(&self.device);
         let kind = tracer_choice::choose(device.info(), settings.tracer)?;
@@ -78,7 +78,7 @@ impl Renderer {
     /// renderer that was made with the scene.
     ///
     /// # Errors
-    /// Where the device cannot do with it; the renderer then goes on with the old one.
+    /// Where the device does not support it; the renderer then goes on with the old one.
     pub fn set_scene(&mut self, scene: &Arc<Scene>, pose: &Pose) -> Result<(), RenderError> {
         if !scene.same_geometry_and_bindings(&self.scene) {
             let settings = self.settings.clone();
@@ -113,7 +113,7 @@ impl Renderer {
     /// the count of frames.
     ///
     /// # Errors
-    /// Where the device cannot do with it; the renderer then goes on with the old one.
+    /// Where the device does not support it; the renderer then goes on with the old one.
     pub fn replace_scene(
         &mut self,
         scene: PreparedScene,
@@ -129,7 +129,7 @@ impl Renderer {
     }
 
     /// Has automatic exposure go `pace` of its way, in stops, in the next frame, above 0; 1: all of it at once, as in every
-    /// frame before which this is not called. The first frame, and a picture at rest, are shown alike whatever it is.
+    /// frame before which this is not called. The first frame and a converged picture are shown alike whatever it is.
     pub fn set_exposure_pace(&mut self, pace: f32) {
         self.passes.combine.pace.set(pace);
     }

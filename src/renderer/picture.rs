@@ -54,7 +54,7 @@ impl Light {
         }
     }
 
-    /// What the GGX lobe of each pixel sends to the eye of what is no lamp. Twin: `radiance_at` in shaders/include/radiance.glsl.
+    /// Radiance that the GGX lobe of each pixel reflects to the eye, without that of punctual lights. Twin: `radiance_at` in shaders/include/radiance.glsl.
     fn reflected(&self) -> Vec<[f32; 4]> {
         let pixels = self.specular_albedo.iter().zip(&self.irradiance).zip(&self.mirrored);
         let of = |((albedo, e), mirrored): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {

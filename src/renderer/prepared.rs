@@ -24,7 +24,7 @@ impl PreparedScene {
         Self { scene: Arc::clone(scene), bvh, bvh_ms }
     }
 
-    /// Its BVH, of the scene at rest.
+    /// The BVH of the scene without animation.
     pub fn bvh(&self) -> &TwoLevelBvh {
         &self.bvh
     }

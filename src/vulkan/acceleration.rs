@@ -317,7 +317,7 @@ fn triangle_geometry<'a>(start: u64, run: &TriangleRun) -> vk::AccelerationStruc
         .vertex_stride(VERTEX_STRIDE)
         .max_vertex(last_vertex)
         .index_type(vk::IndexType::NONE_KHR);
-    // Shaders multiply what sheets let pass, each once.
+    // Shaders multiply the transmittances of thin surfaces, each once.
     let once = vk::GeometryFlagsKHR::NO_DUPLICATE_ANY_HIT_INVOCATION;
     let flags = if run.opaque { vk::GeometryFlagsKHR::OPAQUE } else { once };
     vk::AccelerationStructureGeometryKHR::default()

@@ -45,7 +45,7 @@ fn each_method_is_one_run_with_what_it_states() {
 fn errors_are_those_against_the_path_tracer() {
     let report = report();
     let flip = |method: &str| quality(&report, method).mean(|frame: &FrameQuality| frame.flip);
-    // More samples near the truth; without indirect light nothing does.
+    // More samples approach the reference; without indirect light nothing does.
     assert!(
         flip("reference@128") < 0.5 * flip("reference@2"),
         "{} {}",

@@ -10,7 +10,7 @@ use glowworm::settings::{Settings, VplSettings};
 use serde_json::Value;
 
 use super::program::{PASS_NAMES, Run, assert_fails, stderr};
-use super::support::{Lab, named_scene};
+use super::support::{GpuFixture, named_scene};
 
 fn small(run: &Run, scene: &str) -> (String, Value) {
     let output = run.glowworm(&[
@@ -126,14 +126,14 @@ fn options_that_do_not_go_together_are_refused() {
 
 #[test]
 fn all_tracers_answer_alike() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("playroom", None);
     let pose = scene.pose(0.0);
     let prepared = PreparedScene::new(&scene);
     let settings = Settings { size: [128, 128], ..Settings::default() };
     let sets = ray_sets(&prepared, &pose, &settings, 20_000);
     let mut own = OwnTracer(prepared.bvh());
-    let mut shaders = ShaderTracer::all(&lab.device, prepared.bvh()).unwrap();
+    let mut shaders = ShaderTracer::all(&gpu.device, prepared.bvh()).unwrap();
     let mut obvhs = Obvhs::new(&scene, &pose).unwrap();
     for (set, query) in sets.iter().flat_map(|set| Query::ALL.map(|query| (set, query))) {
         let expected = own.cast(set, query).unwrap().answers;
@@ -152,7 +152,7 @@ fn all_tracers_answer_alike() {
 
 #[test]
 fn shadow_rays_are_those_of_real_frames() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let pose = scene.pose(0.0);
     for interleave in [1, 4] {
@@ -161,7 +161,7 @@ fn shadow_rays_are_those_of_real_frames() {
             vpl: VplSettings { slots: 64, temporal_sets: 1, interleave, ..VplSettings::default() },
             ..Settings::default()
         };
-        let mut renderer = lab.rendered(&scene, &settings, 1);
+        let mut renderer = gpu.rendered(&scene, &settings, 1);
         let cast = renderer.finish().unwrap()[0].figures.counters.get("shadow_rays");
         let sets = ray_sets(&PreparedScene::new(&scene), &pose, &settings, 1 << 20);
         let rays = sets.iter().find(|set| set.kind == RayKind::Shadow).unwrap().rays.len();

@@ -12,7 +12,7 @@ use glowworm::bench::{Bench, BenchError, Control, Folder, Plan, Report, Samples,
 use glowworm::vulkan::Device;
 
 use super::program::{CACHE, Run, assert_fails, stderr};
-use super::support::Lab;
+use super::support::GpuFixture;
 
 fn plan() -> Plan {
     Plan {
@@ -77,16 +77,16 @@ fn pictures(folder: &Path) -> Vec<Vec<u8>> {
 
 #[test]
 fn interruptions_change_nothing() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let temporary = tempfile::tempdir().unwrap();
     let [whole, parts] = ["whole", "parts"].map(|name| temporary.path().join(name));
-    let mut uninterrupted = bench(&lab.device, &whole);
+    let mut uninterrupted = bench(&gpu.device, &whole);
     go_on(&mut uninterrupted, None).unwrap();
     uninterrupted.write().unwrap();
 
     let mut done = Vec::new();
     let report = loop {
-        let mut bench = bench(&lab.device, &parts);
+        let mut bench = bench(&gpu.device, &parts);
         bench.resume().unwrap();
         match go_on(&mut bench, Some(90)) {
             Ok(()) => {
@@ -106,12 +106,12 @@ fn interruptions_change_nothing() {
 
 #[test]
 fn another_plan_is_not_gone_on_with() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path().join("a");
-    assert!(go_on(&mut bench(&lab.device, &folder), Some(90)).is_err());
+    assert!(go_on(&mut bench(&gpu.device, &folder), Some(90)).is_err());
     let other = Plan { frames: 4, ..plan() };
-    let mut bench = Bench::new(&lab.device, other, Folder::new(&folder).unwrap(), None).unwrap();
+    let mut bench = Bench::new(&gpu.device, other, Folder::new(&folder).unwrap(), None).unwrap();
     let error = bench.resume().unwrap_err().to_string();
     assert!(error.contains("was started with another --frames"), "{error}");
 }

@@ -55,7 +55,7 @@ fn a_material_is_picked_edited_recorded_and_saved() {
     // The wall at the back turns into metal, live.
     inspect_the_wall(&mut demo);
     let seen = demo.now();
-    demo.drag_thing("metallic", 60);
+    demo.drag_widget("metallic", 60);
     let edit = demo.wait_after(seen, "edit", |event| is_action(event, "edit-material"));
     assert_eq!(edit["details"]["edit-material"]["name"], "white");
     demo.wait_after(seen, "the edited scene", is_edited);
@@ -75,7 +75,7 @@ fn a_material_is_picked_edited_recorded_and_saved() {
     // Taken back, nothing of it is left.
     inspect_the_wall(&mut demo);
     let seen = demo.now();
-    demo.click_thing("reset material");
+    demo.click_widget("reset material");
     demo.wait_after(seen, "the scene of the file", is_edited);
     demo.key_for("i", "toggle-inspector");
     demo.frames(16);
@@ -130,13 +130,13 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
     let said = failed["details"].as_str().unwrap();
     assert!(said.contains("broken.hdr") && said.contains("decoded") && !said.contains('\n'), "{said}");
     demo.screen().keep("16-map-broken");
-    demo.click_thing("dismiss");
+    demo.click_widget("dismiss");
     assert!(settled(&mut demo) == blue, "a broken map changes the picture");
 
     // Another by its name.
-    demo.click_thing("Scene");
-    demo.click_thing("Environment");
-    demo.click_thing("map");
+    demo.click_widget("Scene");
+    demo.click_widget("Environment");
+    demo.click_widget("map");
     let seen = demo.now();
     demo.input(&["type", file("red.exr").to_str().unwrap()]);
     demo.input(&["key", "Return"]);
@@ -146,7 +146,7 @@ fn a_map_is_dropped_chosen_dimmed_and_saved() {
 
     // Its slider dims it, without another scene.
     let seen = demo.now();
-    demo.drag_thing("strength", -40);
+    demo.drag_widget("strength", -40);
     demo.wait_after(seen, "dimming", |event| is_action(event, "edit-environment"));
     let dim = settled(&mut demo);
     dim.keep("17-map-dimmed");
@@ -174,14 +174,14 @@ fn lights_get_an_extent_which_is_saved() {
     // High enough for the panel to show the sliders.
     let mut demo = Demo::start(&server, &[&SMALL[..], &["--size=160x600"]].concat());
     demo.frames(3);
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
     for (kind, slider) in [("add point", "light radius"), ("add directional", "light angle")] {
         let seen = demo.now();
-        demo.click_thing(kind);
+        demo.click_widget(kind);
         demo.wait_after(seen, kind, |event| is_action(event, "add-light"));
         let seen = demo.now();
-        demo.drag_thing(slider, 30);
+        demo.drag_widget(slider, 30);
         demo.wait_after(seen, slider, |event| is_action(event, "edit-light"));
         assert!(!demo.events()[seen..].iter().any(is_edited), "a scene was built for a number");
     }
@@ -224,11 +224,11 @@ fn objects_are_added() {
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &[&["cornell-box"][..], &SMALL].concat());
     let before = settled(&mut demo);
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
-    demo.click_thing("add an object");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
+    demo.click_widget("add an object");
     let seen = demo.now();
-    demo.click_thing("add sphere");
+    demo.click_widget("add sphere");
     demo.wait_after(seen, "addition", |event| is_action(event, "add-object"));
     demo.wait_after(seen, "the edited scene", |event| event["event"] == "scene");
     demo.screen().keep("30-sphere");

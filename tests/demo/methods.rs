@@ -24,9 +24,9 @@ fn every_method_is_chosen_in_turn_while_lights_move() {
     let mut demo = Demo::start(&server, &arguments);
     demo.frames(12);
     for (menu, method, setting) in METHODS {
-        demo.click_thing(menu);
+        demo.click_widget(menu);
         let seen = demo.now();
-        demo.click_thing(&format!("{menu} {method}"));
+        demo.click_widget(&format!("{menu} {method}"));
         let set = demo.wait_after(seen, method, |event| is_action(event, "set"));
         assert_eq!(set["details"]["set"][setting], method, "{set}");
         let takes_vpls = set["details"]["set"]["indirect"] == "vpls";
@@ -37,7 +37,7 @@ fn every_method_is_chosen_in_turn_while_lights_move() {
         let [red, green, blue] = before.mean();
         assert!(red.min(green).min(blue) > 5.0, "{menu} {method}: black");
         assert!(before.colours() > 1000, "{menu} {method}: {} colours", before.colours());
-        // The swaying lamp lights something else by now.
+        // The swaying light lights something else by now.
         demo.frames(6);
         assert!(demo.screen().picture().difference(&before) > 0.5, "{menu} {method}: nothing moves");
     }

@@ -37,7 +37,7 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
     let mut demo = Demo::start_as_it_is(&server, &SMALL);
     demo.screen().keep("25-welcome");
     let seen = demo.now();
-    demo.click_thing_at_once("Got it", [10, 10]);
+    demo.click_widget_at_once("Got it", [10, 10]);
     demo.wait_after(seen, "dismissal", |event| is_action(event, "dismiss-welcome"));
     demo.frames(3);
     assert!(!shows(&mut demo, "Got it"));
@@ -55,10 +55,10 @@ fn edits_are_not_lost_without_a_question() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &SMALL);
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
     let seen = demo.now();
-    demo.click_thing("add point");
+    demo.click_widget("add point");
     demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
 
     // Closing asks; Escape goes on with the scene.
@@ -73,22 +73,22 @@ fn edits_are_not_lost_without_a_question() {
 
     // Another scene asks too, and the same edits can be discarded.
     let seen = demo.now();
-    demo.click_thing("scenes");
+    demo.click_widget("scenes");
     demo.screen().keep("27-scenes");
-    demo.click_thing("scene playroom");
+    demo.click_widget("scene playroom");
     demo.wait_after(seen, "question", |event| is_question(event, "open"));
-    demo.click_thing("Discard");
+    demo.click_widget("Discard");
     demo.wait_after(seen, "scene", |event| event["details"]["name"] == "playroom");
 
     // Without the panel, too, it asks and saves.
     let seen = demo.now();
-    demo.click_thing("add point");
+    demo.click_widget("add point");
     demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
     demo.key_for("Tab", "toggle-panel");
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
     demo.wait_after(seen, "question", |event| is_question(event, "quit"));
-    demo.click_thing("Save …");
+    demo.click_widget("Save …");
     demo.frames(3);
     demo.screen().keep("27-save");
     demo.input(&["key", "Return"]);
@@ -136,7 +136,7 @@ fn a_number_keeps_the_keyboard_only_under_the_pointer() {
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
-    demo.click_thing("scrub value");
+    demo.click_widget("scrub value");
     let seen = demo.now();
     demo.input(&["type", "5"]);
     demo.wait_after(seen, "time", |event| is_action(event, "scrub"));

@@ -29,7 +29,7 @@ fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     // The error is in the second line of the file; the current scene stays.
     fs::write(demo.path("broken.toml"), "name = \"broken\"\nlight = 3\n").unwrap();
     let seen = demo.now();
-    demo.click_thing("path");
+    demo.click_widget("path");
     demo.input(&["type", "broken.toml"]);
     demo.input(&["key", "Return"]);
     let failed = demo.wait_after(seen, "failure", |event| event["event"] == "scene-failed");
@@ -37,7 +37,7 @@ fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     assert!(said.contains("broken.toml:2") && said.contains("light"), "{said}");
     let after = demo.screen();
     after.keep("10-broken");
-    demo.click_thing("dismiss");
+    demo.click_widget("dismiss");
     let after = demo.screen();
     assert!(after.picture() == before, "a broken scene changes the picture");
 

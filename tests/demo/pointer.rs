@@ -52,13 +52,13 @@ impl Demo<'_> {
     }
 
     /// Clicks a widget of the panel by its name in the log.
-    pub fn click_thing(&mut self, name: &str) {
+    pub fn click_widget(&mut self, name: &str) {
         let at = self.place(name);
         self.click(at);
     }
 
     /// Clicks a widget of the panel or over the picture, from another place, all of it between two frames.
-    pub fn click_thing_at_once(&mut self, name: &str, from: [i32; 2]) {
+    pub fn click_widget_at_once(&mut self, name: &str, from: [i32; 2]) {
         let at = self.place(name);
         self.move_to_picture(from);
         let window = self.window.to_string();
@@ -67,7 +67,7 @@ impl Demo<'_> {
     }
 
     /// Drags the centre of a widget of the panel to the right, in points.
-    pub fn drag_thing(&mut self, name: &str, way: i32) {
+    pub fn drag_widget(&mut self, name: &str, way: i32) {
         let [x, y] = self.place(name);
         self.drag([x, y], [x + way, y]);
     }

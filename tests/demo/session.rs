@@ -76,10 +76,10 @@ fn assert_vpls_are_replaced(demo: &mut Demo<'_>) {
 }
 
 fn dragging_a_light_changes_the_indirect_light(demo: &mut Demo<'_>) {
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
     let seen = demo.now();
-    demo.click_thing("add point");
+    demo.click_widget("add point");
     demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
     // Indirect light alone.
     demo.key_for("v", "step-buffer");
@@ -175,11 +175,11 @@ fn paths_and_single_vpls(demo: &mut Demo<'_>) {
 
 fn a_preset_takes_effect(demo: &mut Demo<'_>) {
     // Close one section, so that the other is in view.
-    demo.click_thing("Lights and objects");
-    demo.click_thing("Settings");
+    demo.click_widget("Lights and objects");
+    demo.click_widget("Settings");
     assert_eq!(demo.last_frame()["measured"]["vpls"]["slots"], 64);
     let seen = demo.now();
-    demo.click_thing("draft");
+    demo.click_widget("draft");
     demo.wait_after(seen, "settings", |event| is_action(event, "set"));
     demo.wait_after(seen, "128 VPLs", |event| event["measured"]["vpls"]["slots"] == 128);
     demo.screen().keep("7-settings");

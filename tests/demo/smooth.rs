@@ -55,15 +55,15 @@ fn session(server: &XServer) -> (Value, Vec<Part>) {
     begins(&mut demo, "playing");
     demo.frames(20);
     begins(&mut demo, "scrubbing");
-    demo.drag_thing("scrub", 60);
+    demo.drag_widget("scrub", 60);
     begins(&mut demo, "picking");
     for x in [30, 120, 220, 320] {
         demo.click_picture([x, 250]);
     }
     begins(&mut demo, "a new light");
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
-    demo.click_thing("add spot");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
+    demo.click_widget("add spot");
     begins(&mut demo, "dragging it");
     demo.drag_picture([355, 180], [300, 180]);
     begins(&mut demo, "copying it");
@@ -73,12 +73,12 @@ fn session(server: &XServer) -> (Value, Vec<Part>) {
     demo.frames(6);
     begins(&mut demo, "loading");
     let seen = demo.now();
-    demo.click_thing("Lights and objects");
-    demo.click_thing("Scene");
-    demo.click_thing("path");
+    demo.click_widget("Lights and objects");
+    demo.click_widget("Scene");
+    demo.click_widget("path");
     demo.input(&["type", "cornell-box"]);
     demo.input(&["key", "Return"]);
-    demo.click_thing("Discard");
+    demo.click_widget("Discard");
     demo.wait_after(seen, "another scene", |event| event["details"]["name"] == "cornell-box");
     begins(&mut demo, "another scene");
     demo.frames(10);

@@ -36,24 +36,24 @@ fn methods_and_the_reference_stand_side_by_side() {
     // The same method on both sides, while a board turns: no difference, not by a bit.
     demo.key_for("c", "toggle-split");
     for _ in 0..4 {
-        let same = metrics(&mut demo, "metrics while things move", |_| true);
+        let same = metrics(&mut demo, "metrics while objects move", |_| true);
         assert_eq!((number(&same["flip"]), number(&same["rmse"])), (0.0, 0.0), "{same}");
     }
     metrics(&mut demo, "motion", |details| details["temporal_error"].as_f64() > Some(0.0));
     demo.screen().keep("20-split");
 
     // Each method in turn on the left.
-    for thing in ["T = 1", "T = 16", "draft"] {
+    for widget in ["T = 1", "T = 16", "draft"] {
         let seen = demo.now();
-        demo.click_thing(thing);
-        demo.wait_after(seen, thing, |event| is_action(event, "set"));
-        let differs = metrics(&mut demo, thing, |details| number(&details["flip"]) > 1e-3);
+        demo.click_widget(widget);
+        demo.wait_after(seen, widget, |event| is_action(event, "set"));
+        let differs = metrics(&mut demo, widget, |details| number(&details["flip"]) > 1e-3);
         assert!(number(&differs["ssim"]) < 1.0, "{differs}");
     }
 
     // The divider follows the pointer.
     let seen = demo.now();
-    demo.drag_thing("divider", -120);
+    demo.drag_widget("divider", -120);
     demo.wait_after(seen, "divider further left", |event| {
         event["details"]["move-divider"].as_f64().is_some_and(|at| at < 0.4)
     });
@@ -84,8 +84,8 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
-    demo.click_thing("Scene");
-    demo.click_thing("Lights and objects");
+    demo.click_widget("Scene");
+    demo.click_widget("Lights and objects");
     let settled = |demo: &mut Demo<'_>| {
         demo.settle();
         demo.screen().picture()
@@ -93,10 +93,10 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     demo.input(&["key", "Escape"]);
     let start = settled(&mut demo);
     let mut edits = 0;
-    for thing in ["add point", "add spot", "T = 1", "add directional", "T = 8"] {
+    for widget in ["add point", "add spot", "T = 1", "add directional", "T = 8"] {
         let seen = demo.now();
-        demo.click_thing(thing);
-        demo.wait_after(seen, thing, |event| is_action(event, "add-light") || is_action(event, "set"));
+        demo.click_widget(widget);
+        demo.wait_after(seen, widget, |event| is_action(event, "add-light") || is_action(event, "set"));
         edits += 1;
     }
     for _ in 0..15 {

@@ -5,7 +5,7 @@ use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, wall};
 
 /// A wall on which each pixel's light is random, given the column's share of the width.
@@ -18,8 +18,8 @@ fn mean(texels: &[Vec4]) -> f32 {
 }
 
 /// The light that is left after 4 and after 16 frames of one that was switched off after 60, as a share.
-fn left(lab: &Lab, settings: &SvgfSettings, light: impl Fn(f32, f32) -> f32) -> [f32; 2] {
-    let mut bench = Bench::new(&lab.device, settings);
+fn left(gpu: &GpuFixture, settings: &SvgfSettings, light: impl Fn(f32, f32) -> f32) -> [f32; 2] {
+    let mut bench = Bench::new(&gpu.device, settings);
     let mut numbers = Random::new(31);
     for _ in 0..60 {
         bench.denoise(&random_wall(&mut numbers, &light));
@@ -39,13 +39,13 @@ fn shadow(seen: f32, random: f32) -> f32 {
 
 #[test]
 fn a_light_that_is_switched_off_is_forgotten() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings::default();
     // One ray a pixel to a light of which half is seen; a penumbra as wide as the picture; a rough reflection; a mirror.
-    let half = left(&lab, &settings, |_, random| shadow(0.5, random));
-    let penumbra = left(&lab, &settings, shadow);
-    let rough = left(&lab, &settings, |_, random| -4.0 * (1.0 - random).max(1e-6).ln());
-    let mirror = left(&lab, &settings, |x, _| 1.0 + x);
+    let half = left(&gpu, &settings, |_, random| shadow(0.5, random));
+    let penumbra = left(&gpu, &settings, shadow);
+    let rough = left(&gpu, &settings, |_, random| -4.0 * (1.0 - random).max(1e-6).ln());
+    let mirror = left(&gpu, &settings, |x, _| 1.0 + x);
     println!(
         "left after 4 and 16 frames: half {half:?}, penumbra {penumbra:?}, rough {rough:?}, mirror {mirror:?}"
     );
@@ -54,16 +54,16 @@ fn a_light_that_is_switched_off_is_forgotten() {
     }
     // Of what less than a tenth of the light reaches, 16 rays in 25 pixels tell little.
     assert!(penumbra[0] < 0.05 && penumbra[1] < 0.02, "{penumbra:?}");
-    let never = left(&lab, &SvgfSettings { clamp: 0.0, ..settings }, |_, random| shadow(0.5, random));
+    let never = left(&gpu, &SvgfSettings { clamp: 0.0, ..settings }, |_, random| shadow(0.5, random));
     assert!(never[0] > 0.75 && never[1] > 0.35, "{never:?}");
 }
 
 #[test]
 fn a_light_that_is_switched_on_shows() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut numbers = Random::new(32);
     for (before, after) in [(0.0, 0.5), (0.1, 0.8)] {
-        let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+        let mut bench = Bench::new(&gpu.device, &SvgfSettings::default());
         for _ in 0..60 {
             bench.denoise(&random_wall(&mut numbers, |_, random| shadow(before, random)));
         }
@@ -90,21 +90,21 @@ struct Rare {
 }
 
 /// Mean luminance over a part of the width.
-fn truth(x: f32) -> f32 {
+fn signal(x: f32) -> f32 {
     1.0 + (x * 20.0).sin().signum() * 0.5
 }
 
-/// What still noise converges to: its mean, and SSIM of a frame with the truth, means over the frames from 40 to 100.
-fn converged(lab: &Lab, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
+/// What still noise converges to: its mean, and SSIM of a frame with the reference, means over the frames from 40 to 100.
+fn converged(gpu: &GpuFixture, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
     let table = include_bytes!("../../src/gpu_scene/blue_noise.bin");
-    let mut bench = Bench::new(&lab.device, settings);
+    let mut bench = Bench::new(&gpu.device, settings);
     let mut numbers = Random::new(33);
     let image = |texels: &dyn Fn(usize) -> f32| {
         let pixels = (0..WIDTH * HEIGHT).map(|index| [(texels(index) / 4.0).min(1.0); 3]).collect();
         Image::from_display("picture", [WIDTH, HEIGHT], pixels).unwrap()
     };
     let part = |index: usize| (index % WIDTH) as f32 / (WIDTH - 1) as f32;
-    let reference = image(&|index| truth(part(index)));
+    let reference = image(&|index| signal(part(index)));
     let mut sums = [0.0; 2];
     for frame in 0..100 {
         let mut random = |index: usize| {
@@ -114,7 +114,7 @@ fn converged(lab: &Lab, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
             if rare.noise == Noise::Blue { (byte + white) / 256.0 } else { white }
         };
         let mut light =
-            |index| if random(index) < rare.chance { truth(part(index)) / rare.chance } else { 0.0 };
+            |index| if random(index) < rare.chance { signal(part(index)) / rare.chance } else { 0.0 };
         bench.denoise(&wall(|index| Vec3::splat(light(index))));
         if frame >= 40 {
             let output = bench.output();
@@ -130,12 +130,12 @@ fn converged(lab: &Lab, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
 
 #[test]
 fn rare_light_keeps_its_energy() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings { firefly: 0.0, ..SvgfSettings::default() };
     for chance in [0.02, 0.5] {
         let rare = Rare { noise: Noise::White, chance };
         let [filtered, noisy] =
-            [settings.levels, 0].map(|levels| converged(&lab, &SvgfSettings { levels, ..settings }, rare));
+            [settings.levels, 0].map(|levels| converged(&gpu, &SvgfSettings { levels, ..settings }, rare));
         println!("{rare:?}: mean and SSIM {filtered:?}, without a filter {noisy:?}");
         assert!((filtered[0] / noisy[0] - 1.0).abs() < 0.01, "{filtered:?}, {noisy:?}");
         assert!(filtered[1] > noisy[1] + 0.1, "{filtered:?}, {noisy:?}");
@@ -144,7 +144,7 @@ fn rare_light_keeps_its_energy() {
 
 #[test]
 fn what_is_at_rest_is_kept() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let default = SvgfSettings::default();
     let never = SvgfSettings { clamp: 0.0, firefly: 0.0, ..default };
     // Rare samples of 50 times the mean; a shadow's, of noise as effects have it and of independent numbers.
@@ -155,13 +155,13 @@ fn what_is_at_rest_is_kept() {
         (Noise::White, 0.5, 0.002, 0.01),
     ] {
         let rare = Rare { noise, chance };
-        let without = converged(&lab, &never, rare);
+        let without = converged(&gpu, &never, rare);
         for (settings, of_mean) in [
             (SvgfSettings { clamp: default.clamp, ..never }, 0.005),
             (SvgfSettings { firefly: default.firefly, ..never }, darker),
             (default, darker),
         ] {
-            let with = converged(&lab, &settings, rare);
+            let with = converged(&gpu, &settings, rare);
             println!(
                 "{rare:?}, clamp {}, firefly {}: mean and SSIM {with:?}, without {without:?}",
                 settings.clamp, settings.firefly
@@ -173,8 +173,8 @@ fn what_is_at_rest_is_kept() {
 }
 
 /// How far a firefly of 1000 times the mean is off at once and after 8 frames, where a blur of `reach` is of use.
-fn firefly(lab: &Lab, settings: &SvgfSettings, reach: f32) -> [f32; 2] {
-    let [mut bench, mut calm] = [(); 2].map(|()| Bench::new(&lab.device, settings));
+fn firefly(gpu: &GpuFixture, settings: &SvgfSettings, reach: f32) -> [f32; 2] {
+    let [mut bench, mut calm] = [(); 2].map(|()| Bench::new(&gpu.device, settings));
     let mut numbers = Random::new(34);
     let mut most = [0.0; 2];
     for frame in 0..39 {
@@ -196,11 +196,11 @@ fn firefly(lab: &Lab, settings: &SvgfSettings, reach: f32) -> [f32; 2] {
 
 #[test]
 fn a_firefly_is_gone_in_8_frames() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let without = SvgfSettings { firefly: 0.0, ..SvgfSettings::default() };
     let with = SvgfSettings { firefly: 10.0, ..without };
     for (reach, most) in [(1.0, 0.02), (0.25, 0.05), (0.0, 0.3)] {
-        let [found, free] = [with, without].map(|settings| firefly(&lab, &settings, reach));
+        let [found, free] = [with, without].map(|settings| firefly(&gpu, &settings, reach));
         println!(
             "blur {reach}: off by the firefly at once and after 8 frames {found:?}, without a limit {free:?}"
         );

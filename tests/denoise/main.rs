@@ -7,11 +7,11 @@
 mod bvh_support;
 mod change;
 #[path = "../support/mod.rs"]
-mod lab;
+mod gpu;
 mod reach;
 mod reprojection;
-mod rest;
 mod stages;
+mod static_scene;
 mod support;
 mod svgf;
 mod twin;

@@ -4,16 +4,16 @@ use glam::{Vec3, Vec4, Vec4Swizzles};
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, wall};
 
 /// Root mean square of how far along x a pixel's light is spread, if a blur of `reach` is of use.
-fn width(lab: &Lab, settings: &SvgfSettings, reach: f32) -> f32 {
+fn width(gpu: &GpuFixture, settings: &SvgfSettings, reach: f32) -> f32 {
     // Any noise is tolerated, so that nothing but the kernel counts.
     let settings = SvgfSettings { luminance_tolerance: 1e5, ..*settings };
     let middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
     let [with, without] = [1000.0, 0.0].map(|light| {
-        let mut bench = Bench::new(&lab.device, &settings);
+        let mut bench = Bench::new(&gpu.device, &settings);
         let mut numbers = Random::new(40);
         bench.denoise(&wall_of_reach(reach, |index| {
             numbers.unit() + if index == middle { light } else { 0.0 }
@@ -37,12 +37,12 @@ fn wall_of_reach(reach: f32, mut light: impl FnMut(usize) -> f32) -> Vec<Pixel> 
 
 #[test]
 fn blur_is_as_wide_as_is_of_use() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for separable in [false, true] {
         let settings = SvgfSettings { separable, ..SvgfSettings::default() };
         assert_eq!(settings.reach(), 30.0);
         let widths = [0.0, 1.0, 2.0, 4.0, 8.0, 15.0, 22.0, 30.0]
-            .map(|pixels| (pixels, width(&lab, &settings, pixels / 30.0)));
+            .map(|pixels| (pixels, width(&gpu, &settings, pixels / 30.0)));
         println!("separable {separable}: pixels of use, and spread: {widths:?}");
         assert!(widths.windows(2).all(|pair| pair[0].1 < pair[1].1), "{widths:?}");
         assert!(widths.iter().all(|(pixels, width)| *width <= 1.2 * pixels), "{widths:?}");
@@ -50,15 +50,15 @@ fn blur_is_as_wide_as_is_of_use() {
         // Variances of the levels' splines, 1, 4, 16, 64, and of the 7 pixels over which the first frame is averaged.
         assert!((widths[7].1 / 89.0f32.sqrt() - 1.0).abs() < 0.1, "{widths:?}");
         let same = SvgfSettings { adaptive: false, ..settings };
-        assert_eq!(width(&lab, &same, 0.0), widths[7].1);
+        assert_eq!(width(&gpu, &same, 0.0), widths[7].1);
     }
 }
 
 #[test]
 fn noise_where_no_blur_is_of_use_is_the_mean_over_time() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings { alpha: 0.0, clamp: 0.0, firefly: 0.0, ..SvgfSettings::default() };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(41);
     let mut sums = vec![0.0; WIDTH * HEIGHT];
     for _ in 0..16 {
@@ -73,9 +73,9 @@ fn noise_where_no_blur_is_of_use_is_the_mean_over_time() {
 
 #[test]
 fn compressed_light_comes_back() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings { reinhard: true, ..SvgfSettings::default() };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     let colours = [Vec3::ZERO, Vec3::new(0.5, 0.25, 4.0), Vec3::new(10.0, 50.0, 0.0)];
     for colour in colours {
         bench.svgf.forget();
@@ -92,10 +92,10 @@ fn compressed_light_comes_back() {
 
 #[test]
 fn compressed_light_flickers_less_and_is_darker() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let run = |reinhard: bool| {
         let settings = SvgfSettings { reinhard, firefly: 0.0, ..SvgfSettings::default() };
-        let mut bench = Bench::new(&lab.device, &settings);
+        let mut bench = Bench::new(&gpu.device, &settings);
         let mut numbers = Random::new(42);
         let (mut last, mut flicker, mut sum) = (Vec::<Vec4>::new(), 0.0, 0.0);
         for frame in 0..60 {

@@ -8,7 +8,7 @@ use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{Buffer, Image, vk};
 
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, texels, uniforms};
 
 /// Objects stand before a wall, instance 0, at depths of their own: (instance, first column, columns, depth).
@@ -23,7 +23,7 @@ fn seen(objects: &[Object], at: IVec2) -> (u32, f32) {
 }
 
 struct Reprojection {
-    lab: Lab,
+    gpu: GpuFixture,
     bench: Bench,
     pass: ReprojectionPass,
     instances: Buffer,
@@ -31,7 +31,7 @@ struct Reprojection {
 
 impl Reprojection {
     /// `depths` of the objects a frame ago, over those of now; all else stays.
-    fn new(lab: Lab, then_over_now: &[f32]) -> Self {
+    fn new(gpu: GpuFixture, then_over_now: &[f32]) -> Self {
         let rows = |z: f32| [Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, z, 0.0)];
         let instance = |&z: &f32| InstanceData {
             object_to_world: rows(1.0),
@@ -41,32 +41,32 @@ impl Reprojection {
         };
         let instances: Vec<_> = then_over_now.iter().map(instance).collect();
         Self {
-            bench: Bench::new(&lab.device, &SvgfSettings::default()),
-            pass: ReprojectionPass::new(&lab.device, [WIDTH as u32, HEIGHT as u32]).unwrap(),
-            instances: Buffer::with_data(&lab.device, "instances", &instances)
+            bench: Bench::new(&gpu.device, &SvgfSettings::default()),
+            pass: ReprojectionPass::new(&gpu.device, [WIDTH as u32, HEIGHT as u32]).unwrap(),
+            instances: Buffer::with_data(&gpu.device, "instances", &instances)
                 .unwrap()
                 .with_texels()
                 .unwrap(),
-            lab,
+            gpu,
         }
     }
 
     /// One frame in which all has moved by `motion` pixels; masks of 2x2 and 3x3 texels for each pixel.
     fn frame(&mut self, objects: &[Object], motion: [f32; 2]) -> Vec<[u32; 2]> {
         let see = |at| seen(objects, at);
-        self.bench.denoise(&pixels(|at| Pixel::at_rest(Vec3::ONE, Vec3::Z, see(at).1)));
+        self.bench.denoise(&pixels(|at| Pixel::stationary(Vec3::ONE, Vec3::Z, see(at).1)));
         let places = || (0..HEIGHT as i32).flat_map(|y| (0..WIDTH as i32).map(move |x| IVec2::new(x, y)));
         let ids: Vec<u32> = places().map(|at| see(at).0 + 1).collect();
         let half = |pixels: f32| exr::prelude::f16::from_f32(pixels).to_bits();
         let motions: Vec<u16> = places().flat_map(|_| motion.map(half)).collect();
         let image = |name, format, bytes: &[u8]| {
             let level = (WIDTH as u32, HEIGHT as u32, bytes.to_vec());
-            Image::with_levels(&self.lab.device, name, format, &[level]).unwrap()
+            Image::with_levels(&self.gpu.device, name, format, &[level]).unwrap()
         };
         let instance = image("instance", vk::Format::R32_UINT, bytemuck::cast_slice(&ids));
         let motion = image("motion", vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&motions));
         let (mut frame, _) = self.bench.frames.begin().unwrap();
-        let environment = EnvironmentTexture::new(&self.lab.device, None).unwrap();
+        let environment = EnvironmentTexture::new(&self.gpu.device, None).unwrap();
         let [map, _] = environment.resources();
         let scene = frame.shared_set(vec![map, ("instances", (&self.instances).into())]).unwrap();
         let inputs = ReprojectionInputs {
@@ -79,7 +79,7 @@ impl Reprojection {
         };
         self.pass.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();
-        let found = texels(&self.lab.device, &self.pass.output().reprojected);
+        let found = texels(&self.gpu.device, &self.pass.output().reprojected);
         found.into_iter().map(|texel| [texel.z as u32, texel.w as u32]).collect()
     }
 }
@@ -101,8 +101,8 @@ fn expected(now: &[Object], then: &[Object], motion: [f32; 2], at: IVec2) -> [u3
 
 #[test]
 fn texels_count_that_showed_the_same_surface() {
-    let Some(lab) = Lab::open() else { return };
-    let mut reprojection = Reprojection::new(lab, &[1.0; 3]);
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut reprojection = Reprojection::new(gpu, &[1.0; 3]);
     let then = [(1, 20, 10, 4.0), (2, 40, 1, 2.0)];
     assert!(reprojection.frame(&then, [0.0; 2]).iter().all(|masks| *masks == [0, 0]), "nothing was before");
     let mut last = then;
@@ -125,9 +125,9 @@ fn texels_count_that_showed_the_same_surface() {
 
 #[test]
 fn depths_are_compared_where_the_surface_was() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     // Object 1 comes nearer, from depth 5 to 4, and says so; object 2 does so, too, but was elsewhere.
-    let mut reprojection = Reprojection::new(lab, &[1.0, 1.25, 1.0]);
+    let mut reprojection = Reprojection::new(gpu, &[1.0, 1.25, 1.0]);
     reprojection.frame(&[(1, 20, 10, 5.0), (2, 40, 10, 5.0)], [0.0; 2]);
     let found = reprojection.frame(&[(1, 20, 10, 4.0), (2, 40, 10, 4.0)], [0.0; 2]);
     let row = &found[10 * WIDTH..11 * WIDTH];

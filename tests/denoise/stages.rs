@@ -4,7 +4,7 @@ use glam::{IVec2, Vec3, Vec4, Vec4Swizzles};
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth};
 use crate::twin::{self, Before};
 
@@ -14,7 +14,7 @@ fn random_pixels(numbers: &mut Random) -> Vec<Pixel> {
     pixels(|at| {
         let side = usize::from(at.x + at.y / 3 > 30);
         let depth = plane_depth(at, Vec3::new(0.0, 0.0, -4.0 - 2.0 * side as f32), normals[side]);
-        let mut pixel = Pixel::at_rest(
+        let mut pixel = Pixel::stationary(
             numbers.point(Vec3::ZERO, Vec3::ONE) * 4.0 * numbers.unit(),
             normals[side],
             depth.unwrap(),
@@ -59,8 +59,8 @@ fn assert_near(stage: &str, found: &[Vec4], expected: impl Fn(usize) -> Vec4) {
 }
 
 fn compare(settings: &SvgfSettings) {
-    let Some(lab) = Lab::open() else { return };
-    let mut bench = Bench::new(&lab.device, settings);
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bench = Bench::new(&gpu.device, settings);
     let mut numbers = Random::new(5);
     let mut before: Option<(Vec<Vec4>, Vec<Vec4>)> = None;
     for frame in 0..7 {
@@ -105,9 +105,9 @@ fn stages_are_those_of_the_twin_with_other_settings() {
 
 #[test]
 fn the_level_that_feeds_back_becomes_history() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings { levels: 2, feedback: 1, ..SvgfSettings::default() };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(6);
     let mut before: Option<(Vec<Vec4>, Vec<Vec4>)> = None;
     for _ in 0..3 {
@@ -133,15 +133,15 @@ fn the_level_that_feeds_back_becomes_history() {
 
 #[test]
 fn separate_axes_are_those_of_the_twin() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut numbers = Random::new(11);
     let pixels = random_pixels(&mut numbers);
     let settings = SvgfSettings { levels: 2, feedback: 1, ..SvgfSettings::default() };
-    let mut whole = Bench::new(&lab.device, &settings);
+    let mut whole = Bench::new(&gpu.device, &settings);
     whole.denoise(&pixels);
 
     let settings = SvgfSettings { levels: 1, separable: true, ..settings };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     bench.denoise(&pixels);
     // Variance, along x, along y, in turns: the first is overwritten.
     let (history, moments) = (bench.read(|svgf| svgf.history()), bench.read(|svgf| svgf.moments()));

@@ -48,8 +48,8 @@ fn octahedral_decode(p: Vec2) -> Vec3 {
 }
 
 impl Pixel {
-    /// A surface with one normal, at rest: the history of a pixel is its own.
-    pub fn at_rest(light: Vec3, normal: Vec3, depth: f32) -> Self {
+    /// A surface with one normal and no motion: the history of a pixel is its own.
+    pub fn stationary(light: Vec3, normal: Vec3, depth: f32) -> Self {
         let place = octahedral_encode(normal).to_array().map(|part| f16::from_f32(part).to_f32());
         let [x, y] = place;
         Self {
@@ -101,7 +101,7 @@ pub fn wall(mut light: impl FnMut(usize) -> Vec3) -> Vec<Pixel> {
     let mut count = 0;
     pixels(|_| {
         count += 1;
-        Pixel::at_rest(light(count - 1), Vec3::Z, 4.0)
+        Pixel::stationary(light(count - 1), Vec3::Z, 4.0)
     })
 }
 

@@ -6,7 +6,7 @@ use glam::{Vec3, Vec4, Vec4Swizzles};
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, HEIGHT, Pixel, WIDTH, pixels, plane_depth, wall};
 
 fn spread(texels: &[Vec4]) -> f32 {
@@ -16,10 +16,10 @@ fn spread(texels: &[Vec4]) -> f32 {
 
 #[test]
 fn a_constant_stays_as_it_is() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for separable in [false, true] {
         let mut bench =
-            Bench::new(&lab.device, &SvgfSettings { separable, clamp: 1.0, ..SvgfSettings::default() });
+            Bench::new(&gpu.device, &SvgfSettings { separable, clamp: 1.0, ..SvgfSettings::default() });
         let colour = Vec3::new(0.5, 3.0, 120.0);
         for _ in 0..5 {
             bench.denoise(&wall(|_| colour));
@@ -32,8 +32,8 @@ fn a_constant_stays_as_it_is() {
 
 #[test]
 fn noise_goes_and_its_mean_stays() {
-    let Some(lab) = Lab::open() else { return };
-    let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bench = Bench::new(&gpu.device, &SvgfSettings::default());
     let mut numbers = Random::new(3);
     let mut noisy = || Vec3::splat(if numbers.unit() < 0.5 { 0.0 } else { 2.0 });
     bench.denoise(&wall(|_| noisy()));
@@ -49,10 +49,10 @@ fn noise_goes_and_its_mean_stays() {
 
 #[test]
 fn alpha_is_one_over_the_length_of_the_history() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings =
         SvgfSettings { levels: 1, clamp: 0.0, firefly: 0.0, longest_history: 100, ..SvgfSettings::default() };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     // A history that was filtered is not the mean; from the fourth frame on it is not.
     for frame in 0..12 {
         bench.denoise(&wall(|_| Vec3::splat(frame as f32)));
@@ -69,10 +69,10 @@ fn alpha_is_one_over_the_length_of_the_history() {
 
 #[test]
 fn variance_is_that_of_the_noise_and_guides_the_blur() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings =
         SvgfSettings { moments_alpha: 0.0, clamp: 0.0, longest_history: 1000, ..SvgfSettings::default() };
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(9);
     for _ in 0..200 {
         // Uniform on 1 +- 0.5: standard deviation 1 / sqrt(12).
@@ -85,7 +85,7 @@ fn variance_is_that_of_the_noise_and_guides_the_blur() {
     // A step of light on one wall blurs where noise explains it, and does not where there is none.
     let step = |index: usize| if index % WIDTH < WIDTH / 2 { 1.0 } else { 1.5 };
     let edge = |noise: f32| {
-        let mut bench = Bench::new(&lab.device, &SvgfSettings { alpha: 0.0, ..settings });
+        let mut bench = Bench::new(&gpu.device, &SvgfSettings { alpha: 0.0, ..settings });
         let mut numbers = Random::new(1);
         for _ in 0..32 {
             bench.denoise(&wall(|index| Vec3::splat(step(index) + noise * (numbers.unit() - 0.5))));
@@ -101,19 +101,19 @@ fn variance_is_that_of_the_noise_and_guides_the_blur() {
 
 #[test]
 fn edges_of_surfaces_keep_light_apart() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     // Normals in checks; depths in checks: each kind of square has its light, with noise on it.
     for by_normal in [true, false] {
-        let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+        let mut bench = Bench::new(&gpu.device, &SvgfSettings::default());
         let mut numbers = Random::new(4);
         let bright = |x: i32, y: i32| (x / 8 + y / 8) % 2 == 0;
         for _ in 0..8 {
             bench.denoise(&pixels(|at| {
                 let light = Vec3::splat(if bright(at.x, at.y) { 2.0 } else { 0.0 } * numbers.unit());
                 match (bright(at.x, at.y), by_normal) {
-                    (true, true) => Pixel::at_rest(light, Vec3::new(0.6, 0.0, 0.8), 4.0),
-                    (true, false) => Pixel::at_rest(light, Vec3::Z, 8.0),
-                    (false, _) => Pixel::at_rest(light, Vec3::Z, 4.0),
+                    (true, true) => Pixel::stationary(light, Vec3::new(0.6, 0.0, 0.8), 4.0),
+                    (true, false) => Pixel::stationary(light, Vec3::Z, 8.0),
+                    (false, _) => Pixel::stationary(light, Vec3::Z, 4.0),
                 }
             }));
         }
@@ -129,15 +129,15 @@ fn edges_of_surfaces_keep_light_apart() {
 
 #[test]
 fn grazing_planes_are_filtered() {
-    let Some(lab) = Lab::open() else { return };
-    let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bench = Bench::new(&gpu.device, &SvgfSettings::default());
     let mut numbers = Random::new(8);
     let normal = Vec3::new(0.0, 1.0, 0.06).normalize();
     let floor = |numbers: &mut Random| {
         pixels(|at| {
             let depth = plane_depth(at, Vec3::new(0.0, -1.0, -3.0), normal).filter(|&depth| depth < 100.0);
             let light = Vec3::splat(2.0 * numbers.unit());
-            depth.map_or(Pixel::zeroed(), |depth| Pixel::at_rest(light, normal, depth))
+            depth.map_or(Pixel::zeroed(), |depth| Pixel::stationary(light, normal, depth))
         })
     };
     let seen: Vec<bool> = floor(&mut numbers).iter().map(|pixel| pixel.depth > 0.0).collect();
@@ -151,9 +151,9 @@ fn grazing_planes_are_filtered() {
 
 #[test]
 fn what_is_not_a_number_never_reaches_the_history() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for clamp in [0.0, 2.0] {
-        let mut bench = Bench::new(&lab.device, &SvgfSettings { clamp, ..SvgfSettings::default() });
+        let mut bench = Bench::new(&gpu.device, &SvgfSettings { clamp, ..SvgfSettings::default() });
         for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
             let mut pixels = wall(|_| Vec3::ONE);
             for index in [0, 700, 701, WIDTH * HEIGHT - 1] {

@@ -1,6 +1,6 @@
 //! The BSDF of the shaders on a real Vulkan device, with validation: its answers against those of the CPU.
 
-use crate::support::Lab;
+use crate::support::GpuFixture;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 use glowworm::bsdf::Bsdf;
@@ -70,8 +70,8 @@ fn questions(count: usize) -> Vec<Question> {
 
 #[test]
 fn shaders_reflect_as_the_cpu_does() {
-    let Some(lab) = Lab::open() else { return };
-    let device = &lab.device;
+    let Some(gpu) = GpuFixture::open() else { return };
+    let device = &gpu.device;
     let pipeline = ComputePipeline::new(device, "evaluate_bsdf", shaders::EVALUATE_BSDF_COMP).unwrap();
     let questions = questions(20_000);
     let answers = Buffer::new(device, "answers", (size_of::<Answer>() * questions.len()) as u64).unwrap();

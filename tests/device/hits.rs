@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::bvh_support::Random;
-use crate::support::{Lab, assets, channel, layer, named_scene, skip};
+use crate::support::{GpuFixture, assets, channel, layer, named_scene, skip};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
@@ -39,13 +39,13 @@ struct TestSurface {
 
 /// What the shader sees along rays, as cones of this width and spread.
 fn surfaces(
-    lab: &Lab,
+    gpu: &GpuFixture,
     tracer: RayTracer,
     scene: &Scene,
     rays: &[Ray],
     cone: [f32; 2],
 ) -> Option<Vec<TestSurface>> {
-    let device = &lab.device;
+    let device = &gpu.device;
     if !RayTracer::offered(device).contains(&tracer) {
         skip("the device has no ray queries");
         return None;
@@ -135,9 +135,9 @@ fn agree(scene: &Scene, rays: &[Ray], found: &[TestSurface]) {
 }
 
 fn agrees(tracer: RayTracer, scene: &Scene, count: usize) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let rays = random_rays(scene, count);
-    let Some(found) = surfaces(&lab, tracer, scene, &rays, [0.0; 2]) else { return };
+    let Some(found) = surfaces(&gpu, tracer, scene, &rays, [0.0; 2]) else { return };
     agree(scene, &rays, &found);
 }
 
@@ -220,7 +220,7 @@ fn agrees_on_all_that_a_material_can_have(tracer: RayTracer) {
 
 /// A cone as wide as the quad sees the mean, one of a texel the texels.
 fn cones_choose_the_level(tracer: RayTracer) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut scene = Scene::new("levels");
     let stripes = (0..64 * 64).flat_map(|i| if i % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
     scene.textures.push(Texture::from_rgba8("stripes", 64, 64, stripes.collect()).into());
@@ -243,7 +243,7 @@ fn cones_choose_the_level(tracer: RayTracer) {
         ([0.0, 0.125], 0.5),
         ([0.0, 0.03], 1.0),
     ] {
-        let Some(found) = surfaces(&lab, tracer, &scene, &[ray], cone) else { return };
+        let Some(found) = surfaces(&gpu, tracer, &scene, &[ray], cone) else { return };
         assert!((found[0].base.x - expected).abs() < 0.01, "{cone:?}: {:?}", found[0]);
     }
 }
@@ -260,7 +260,7 @@ fn pixel_rays(camera: &Camera, size: [u32; 2]) -> impl Iterator<Item = Ray> {
 /// A camera so near that every image is magnified sees by raster what its rays hit.
 fn pixels_are_what_rays_hit(tracer: RayTracer) {
     const SIZE: [u32; 2] = [128, 128];
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let Some(mut scene) = helmet() else { return };
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&scene, &pose.instances);
@@ -296,9 +296,9 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
     });
     let pose = scene.pose(0.0);
     let rays: Vec<Ray> = pixel_rays(&pose.camera, SIZE).collect();
-    let Some(found) = surfaces(&lab, tracer, &scene, &rays, [0.0; 2]) else { return };
+    let Some(found) = surfaces(&gpu, tracer, &scene, &rays, [0.0; 2]) else { return };
     let settings = Settings { size: SIZE, antialiasing: Antialiasing::None, ..Settings::default() };
-    let picture = lab.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();
+    let picture = gpu.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();
     let [normals, bases, positions, reflectances, emissions] =
         ["normal", "base_colour", "position", "reflectance", "emission"].map(|name| layer(&picture, name));
     let extra = |name: &str| {

@@ -1,6 +1,6 @@
 //! The random numbers of effects: what the table of blue noise promises, and the shader against a CPU twin.
 
-use crate::support::Lab;
+use crate::support::GpuFixture;
 use glam::{UVec2, UVec3, Vec2};
 use glowworm::gpu_scene::environment::EnvironmentTexture;
 use glowworm::gpu_scene::noise;
@@ -162,8 +162,8 @@ fn twin(white: bool, pixel: UVec2, frame: u32, seed: u32, dimension: u32) -> Vec
 }
 
 /// The shader's numbers of one frame and dimension.
-fn on_device(lab: &Lab, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<Vec2> {
-    let device = &lab.device;
+fn on_device(gpu: &GpuFixture, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<Vec2> {
+    let device = &gpu.device;
     let pipeline =
         ComputePipeline::specialised(device, "noise", shaders::NOISE_COMP, &[0, u32::from(white)]).unwrap();
     let table = noise::table(device).unwrap().with_texels().unwrap();
@@ -172,7 +172,7 @@ fn on_device(lab: &Lab, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<
     let mut frames = Frames::new(device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let uniforms = frame.upload(&[uniforms]).unwrap();
-    let environment = EnvironmentTexture::new(&lab.device, None).unwrap();
+    let environment = EnvironmentTexture::new(&gpu.device, None).unwrap();
     let [map, _] = environment.resources();
     let set = frame.shared_set(vec![map, ("blue_noise", (&table).into())]).unwrap();
     frame
@@ -190,10 +190,10 @@ fn on_device(lab: &Lab, white: bool, [frame, seed, dimension]: [u32; 3]) -> Vec<
 
 #[test]
 fn the_shader_is_its_twin() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for white in [false, true] {
         for at in [[0, 0, 0], [31, 0, 1], [77, 5, 3], [1_000_003, 99, 40]] {
-            for (index, found) in on_device(&lab, white, at).into_iter().enumerate() {
+            for (index, found) in on_device(&gpu, white, at).into_iter().enumerate() {
                 let pixel = UVec2::new(index as u32 % SIZE[0], index as u32 / SIZE[0]);
                 let expected = twin(white, pixel, at[0], at[1], at[2]);
                 let off = (found - expected).abs().max_element();

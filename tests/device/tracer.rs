@@ -1,7 +1,7 @@
 //! Both tracers of the shaders on a real Vulkan device, with validation: their answers against the CPU's, hit for hit.
 
 use crate::bvh_support::*;
-use crate::support::{Lab, assets, named_scene, skip};
+use crate::support::{GpuFixture, assets, named_scene, skip};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
@@ -42,12 +42,12 @@ struct Comparison {
     differing: Vec<String>,
     // Dropped last: it waits for its frames, which use the others.
     frames: Frames,
-    lab: Lab,
+    gpu: GpuFixture,
 }
 
 impl Comparison {
-    fn new(lab: Lab, tracer: RayTracer, bvh: &TwoLevelBvh) -> Self {
-        let device = &lab.device;
+    fn new(gpu: GpuFixture, tracer: RayTracer, bvh: &TwoLevelBvh) -> Self {
+        let device = &gpu.device;
         Self {
             pipeline: ComputePipeline::new(device, "trace_rays", tracer.of(shaders::TRACE_RAYS_COMP))
                 .unwrap(),
@@ -57,7 +57,7 @@ impl Comparison {
             beside: 0,
             differing: Vec::new(),
             frames: Frames::new(device).unwrap(),
-            lab,
+            gpu,
         }
     }
 
@@ -91,7 +91,7 @@ impl Comparison {
     }
 
     fn trace(&mut self, bvh: &TwoLevelBvh, rays: &[Ray]) -> Vec<TestAnswer> {
-        let device = &self.lab.device;
+        let device = &self.gpu.device;
         let gpu_rays: Vec<GpuRay> = rays.iter().map(GpuRay::from).collect();
         let answers =
             Buffer::new(device, "answers", size_of::<TestAnswer>() as u64 * rays.len() as u64).unwrap();
@@ -174,25 +174,25 @@ fn rays(random: &mut Random, bvh: &TwoLevelBvh, count: usize) -> Vec<Ray> {
     (0..count).map(|_| random.ray(min, max)).collect()
 }
 
-/// A device that can do with `tracer`; without one the test is skipped.
-fn open(tracer: RayTracer) -> Option<Lab> {
-    let lab = Lab::open()?;
-    if RayTracer::offered(&lab.device).contains(&tracer) {
-        return Some(lab);
+/// A device that supports `tracer`; without one the test is skipped.
+fn open(tracer: RayTracer) -> Option<GpuFixture> {
+    let gpu = GpuFixture::open()?;
+    if RayTracer::offered(&gpu.device).contains(&tracer) {
+        return Some(gpu);
     }
     skip("the device has no ray queries");
     None
 }
 
 fn agrees_while_instances_move(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let mut random = Random::new(21);
     let mut world = masked_world(&mut random);
     for index in 0..60 {
         world.place(index % 3, random.transform(1.0, 3.0), index >= 30);
     }
     let mut bvh = world.build();
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     for step in 0..6 {
         comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
         for instance in &mut world.scene.instances[30..] {
@@ -211,7 +211,7 @@ fn agrees_while_instances_move(tracer: RayTracer) {
 }
 
 fn agrees_while_all_come_and_go(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let mut random = Random::new(25);
     let mut world = masked_world(&mut random);
     for index in 0..3 {
@@ -219,7 +219,7 @@ fn agrees_while_all_come_and_go(tracer: RayTracer) {
     }
     let there = world.transforms();
     let mut bvh = world.build();
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     let rays = rays(&mut random, &bvh, 20_000);
     for gone in [0b000, 0b010, 0b111, 0b100, 0b111, 0b000] {
         let transform = |index| if gone >> index & 1 == 1 { Affine3A::ZERO } else { there[index] };
@@ -230,14 +230,14 @@ fn agrees_while_all_come_and_go(tracer: RayTracer) {
 }
 
 fn agrees_on_many_instances(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let mut random = Random::new(22);
     let mut world = World::new(vec![tetrahedron(), soup(&mut random, 40)]);
     for index in 0..10_000 {
         world.place(index % 2, random.transform(0.2, 8.0), index % 4 == 0);
     }
     let mut bvh = world.build();
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     comparison.check(&bvh, &rays(&mut random, &bvh, 50_000));
     for instance in world.scene.instances.iter_mut().step_by(4) {
         instance.transform = random.transform(0.2, 8.0);
@@ -248,24 +248,24 @@ fn agrees_on_many_instances(tracer: RayTracer) {
 }
 
 fn agrees_on_a_real_scene(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let Some(assets) = assets() else { return };
     let scene = named_scene("sponza", Some(&assets));
     let bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     comparison.check(&bvh, &rays(&mut Random::new(23), &bvh, 200_000));
     comparison.finish();
 }
 
 fn answers_nothing_in_an_empty_scene(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let bvh = World::new(Vec::new()).build();
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     let answers = comparison.trace(&bvh, &rays(&mut Random::new(24), &bvh, 100));
     assert!(answers.iter().all(|answer| answer.instance == u32::MAX && !answer.is_occluded()));
 }
 
-/// Triangles some of which are opaque, cut out, or of sheets of all kinds, on instances of all kinds.
+/// Triangles some of which are opaque, cut out, or thin surfaces of all kinds, on instances of all kinds.
 fn sheet_world(random: &mut Random) -> World {
     let mut world = masked_world(random);
     let texels = (0..4 * 5 * 3).map(|_| (random.unit() * 255.0) as u8).collect();
@@ -281,9 +281,9 @@ fn sheet_world(random: &mut Random) -> World {
     let veil = Material { alpha: Alpha::Blend, opacity: 0.6, ..Material::lambertian("veil", Vec3::ONE) };
     let stained = Material { base_colour_texture, alpha: Alpha::Blend, opacity: 0.9, ..coated.clone() };
     let first = world.scene.materials.len() as u32;
-    let sheets = [glass, coated, veil, stained];
-    let count = sheets.len() as u32;
-    world.scene.materials.extend(sheets);
+    let thin = [glass, coated, veil, stained];
+    let count = thin.len() as u32;
+    world.scene.materials.extend(thin);
     let soup = std::sync::Arc::make_mut(&mut world.scene.meshes[0]);
     for material in &mut soup.triangle_materials {
         *material = if random.below(12) == 0 { 0 } else { first + random.below(count) };
@@ -328,7 +328,7 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
 }
 
 fn sheets_tint(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let mut random = Random::new(26);
     let mut world = sheet_world(&mut random);
     for index in 0..6 {
@@ -336,7 +336,7 @@ fn sheets_tint(tracer: RayTracer) {
     }
     let pose = world.scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&world.scene, &world.transforms());
-    let mut comparison = Comparison::new(lab, tracer, &bvh);
+    let mut comparison = Comparison::new(gpu, tracer, &bvh);
     let rays = rays(&mut random, &bvh, 20_000);
     let answers = comparison.trace(&bvh, &rays);
     let (mut tinted, mut black, mut wrong) = (0, 0, Vec::new());
@@ -344,7 +344,7 @@ fn sheets_tint(tracer: RayTracer) {
         let Some(expected) = transmittance_by_brute_force(&world, &pose, ray) else { continue };
         tinted += usize::from(expected != Vec3::ONE && expected != Vec3::ZERO);
         black += usize::from(expected == Vec3::ZERO);
-        // Sheets alone may let nothing pass.
+        // Thin surfaces alone may let nothing pass.
         let met = answer.instance != u32::MAX;
         let agrees = !met || expected == Vec3::ZERO;
         if !agrees || !answer.transmittance.truncate().abs_diff_eq(expected, 2e-3) {

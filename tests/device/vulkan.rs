@@ -1,6 +1,6 @@
 //! The Vulkan layer on a real device, with validation: bindings by name, barriers, uploads, limits.
 
-use crate::support::Lab;
+use crate::support::GpuFixture;
 use glowworm::vulkan::{
     Buffer, ComputePipeline, Frames, Image, ImageDescription, Mirror, Upload, VulkanError, shaders, vk,
 };
@@ -15,15 +15,15 @@ fn assert_binding(result: Result<(), VulkanError>, wanted: &str, says: &str) {
     assert!(!error.to_string().contains('\n'));
 }
 
-fn adder(lab: &Lab) -> ComputePipeline {
-    ComputePipeline::new(&lab.device, "add", shaders::ADD_COMP).unwrap()
+fn adder(gpu: &GpuFixture) -> ComputePipeline {
+    ComputePipeline::new(&gpu.device, "add", shaders::ADD_COMP).unwrap()
 }
 
-fn words(lab: &Lab, buffer: &Buffer) -> Vec<u32> {
-    bytemuck::pod_collect_to_vec(&buffer.read(&lab.device).unwrap())
+fn words(gpu: &GpuFixture, buffer: &Buffer) -> Vec<u32> {
+    bytemuck::pod_collect_to_vec(&buffer.read(&gpu.device).unwrap())
 }
 
-fn image(lab: &Lab, name: &str, extent: [u32; 2], layers: Option<u32>) -> Result<Image, VulkanError> {
+fn image(gpu: &GpuFixture, name: &str, extent: [u32; 2], layers: Option<u32>) -> Result<Image, VulkanError> {
     let description = ImageDescription {
         name,
         format: vk::Format::R32_SFLOAT,
@@ -32,17 +32,17 @@ fn image(lab: &Lab, name: &str, extent: [u32; 2], layers: Option<u32>) -> Result
         levels: 1,
         usage: vk::ImageUsageFlags::STORAGE,
     };
-    Image::new(&lab.device, &description)
+    Image::new(&gpu.device, &description)
 }
 
 #[test]
 fn a_wrong_binding_is_an_error_that_names_it() {
-    let Some(lab) = Lab::open() else { return };
-    let add = adder(&lab);
-    let source = Buffer::with_data(&lab.device, "source", &[1u32; 64]).unwrap();
-    let target = Buffer::with_data(&lab.device, "target", &[0u32; 64]).unwrap();
-    let picture = image(&lab, "picture", [8, 8], None).unwrap();
-    let mut frames = Frames::new(&lab.device).unwrap();
+    let Some(gpu) = GpuFixture::open() else { return };
+    let add = adder(&gpu);
+    let source = Buffer::with_data(&gpu.device, "source", &[1u32; 64]).unwrap();
+    let target = Buffer::with_data(&gpu.device, "target", &[0u32; 64]).unwrap();
+    let picture = image(&gpu, "picture", [8, 8], None).unwrap();
+    let mut frames = Frames::new(&gpu.device).unwrap();
     let threads = [64, 1, 1];
 
     let (mut frame, _) = frames.begin().unwrap();
@@ -78,16 +78,16 @@ fn a_wrong_binding_is_an_error_that_names_it() {
     let pass = frame.pass("add", &add).read("source", &source).write("target", &target).push(&5u32);
     pass.dispatch_threads(threads).unwrap();
     frame.submit().unwrap();
-    assert_eq!(words(&lab, &target), [6; 64]);
+    assert_eq!(words(&gpu, &target), [6; 64]);
 }
 
 #[test]
 fn mirrors_upload_what_has_changed_and_no_more() {
-    let Some(lab) = Lab::open() else { return };
-    let add = adder(&lab);
-    let target = Buffer::with_data(&lab.device, "target", &[0u32; 64]).unwrap();
-    let mut mirror = Mirror::new(&lab.device, "mirror", 64 * 4).unwrap();
-    let mut frames = Frames::new(&lab.device).unwrap();
+    let Some(gpu) = GpuFixture::open() else { return };
+    let add = adder(&gpu);
+    let target = Buffer::with_data(&gpu.device, "target", &[0u32; 64]).unwrap();
+    let mut mirror = Mirror::new(&gpu.device, "mirror", 64 * 4).unwrap();
+    let mut frames = Frames::new(&gpu.device).unwrap();
     let mut data: Vec<u32> = (0..60).collect();
     let mut step = |data: &[u32], uploads: usize| {
         let (mut frame, _) = frames.begin().unwrap();
@@ -97,7 +97,7 @@ fn mirrors_upload_what_has_changed_and_no_more() {
         pass.dispatch_threads([64, 1, 1]).unwrap();
         frame.submit().unwrap();
         let wanted: Vec<u32> = [0; 4].iter().chain(data).map(|word| word + 1).collect();
-        assert_eq!(words(&lab, &target), wanted);
+        assert_eq!(words(&gpu, &target), wanted);
     };
     step(&data, 59);
     step(&data, 0);
@@ -110,13 +110,13 @@ fn mirrors_upload_what_has_changed_and_no_more() {
 
 #[test]
 fn each_pass_sees_what_the_one_before_wrote() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     const COUNT: u32 = 100_000;
-    let add = adder(&lab);
+    let add = adder(&gpu);
     let start: Vec<u32> = (0..COUNT).collect();
     let buffers =
-        ["even", "odd"].map(|name| Buffer::with_data(&lab.device, name, &vec![0u32; start.len()]).unwrap());
-    let mut frames = Frames::new(&lab.device).unwrap();
+        ["even", "odd"].map(|name| Buffer::with_data(&gpu.device, name, &vec![0u32; start.len()]).unwrap());
+    let mut frames = Frames::new(&gpu.device).unwrap();
     // Through copies, clears and passes, within frames and across them.
     for _ in 0..4 {
         let (mut frame, _) = frames.begin().unwrap();
@@ -132,18 +132,18 @@ fn each_pass_sees_what_the_one_before_wrote() {
         frame.submit().unwrap();
     }
     let expected: Vec<u32> = start.iter().map(|word| word + 55).collect();
-    assert!(words(&lab, &buffers[0]) == expected);
-    assert!(words(&lab, &buffers[1]) == expected);
+    assert!(words(&gpu, &buffers[0]) == expected);
+    assert!(words(&gpu, &buffers[1]) == expected);
 }
 
 #[test]
 fn images_change_between_storage_and_texture() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let extent = [37, 19];
-    let add = ComputePipeline::new(&lab.device, "add_image", shaders::ADD_IMAGE_COMP).unwrap();
-    let images = ["even", "odd"].map(|name| image(&lab, name, extent, None).unwrap());
-    let zeros = Image::texture(&lab.device, "zeros", false, &[(37, 19, vec![0; 37 * 19 * 4])]).unwrap();
-    let mut frames = Frames::new(&lab.device).unwrap();
+    let add = ComputePipeline::new(&gpu.device, "add_image", shaders::ADD_IMAGE_COMP).unwrap();
+    let images = ["even", "odd"].map(|name| image(&gpu, name, extent, None).unwrap());
+    let zeros = Image::texture(&gpu.device, "zeros", false, &[(37, 19, vec![0; 37 * 19 * 4])]).unwrap();
+    let mut frames = Frames::new(&gpu.device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let pass = frame.pass("add_image", &add).read("source", &zeros).write("target", &images[0]);
     pass.push(&0.5f32).dispatch_over(extent).unwrap();
@@ -153,14 +153,14 @@ fn images_change_between_storage_and_texture() {
         pass.push(&1.0f32).dispatch_over(extent).unwrap();
     }
     frame.submit().unwrap();
-    let texels: Vec<f32> = bytemuck::pod_collect_to_vec(&images[0].read_layer(&lab.device, 0, 4).unwrap());
+    let texels: Vec<f32> = bytemuck::pod_collect_to_vec(&images[0].read_layer(&gpu.device, 0, 4).unwrap());
     assert_eq!(texels, [10.5; 37 * 19]);
 }
 
 #[test]
 fn uploads_may_be_larger_than_a_chunk() {
-    let Some(lab) = Lab::open() else { return };
-    let mut frames = Frames::new(&lab.device).unwrap();
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut frames = Frames::new(&gpu.device).unwrap();
     // Sizes around and far above a chunk of 1 MiB; later frames reuse what earlier ones grew.
     for round in 0..4u32 {
         let blocks: Vec<Vec<u32>> = [1, 262_143, 262_145, 3, 1_000_000, 5]
@@ -170,7 +170,7 @@ fn uploads_may_be_larger_than_a_chunk() {
             .collect();
         let targets: Vec<Buffer> = blocks
             .iter()
-            .map(|block| Buffer::new(&lab.device, "target", block.len() as u64 * 4).unwrap())
+            .map(|block| Buffer::new(&gpu.device, "target", block.len() as u64 * 4).unwrap())
             .collect();
         let (mut frame, _) = frames.begin().unwrap();
         let uploads: Vec<Upload> = blocks.iter().map(|block| frame.upload(block).unwrap()).collect();
@@ -179,35 +179,35 @@ fn uploads_may_be_larger_than_a_chunk() {
         }
         frame.submit().unwrap();
         for (block, target) in blocks.iter().zip(&targets) {
-            assert!(words(&lab, target).starts_with(block), "{} words in round {round}", block.len());
+            assert!(words(&gpu, target).starts_with(block), "{} words in round {round}", block.len());
         }
     }
 }
 
 #[test]
 fn what_is_too_large_for_the_device_is_an_error_that_says_so() {
-    let Some(lab) = Lab::open() else { return };
-    let limits = lab.device.limits();
+    let Some(gpu) = GpuFixture::open() else { return };
+    let limits = gpu.device.limits();
     let side = limits.max_image_dimension2_d + 1;
     let layers = limits.max_image_array_layers + 1;
     let bytes = u64::from(limits.max_storage_buffer_range) + 1;
     for (error, name) in [
-        (image(&lab, "wide", [side, 1], None).err(), "wide"),
-        (image(&lab, "high", [1, side], None).err(), "high"),
-        (image(&lab, "deep", [1, 1], Some(layers)).err(), "deep"),
-        (Buffer::new(&lab.device, "long", bytes).err(), "long"),
+        (image(&gpu, "wide", [side, 1], None).err(), "wide"),
+        (image(&gpu, "high", [1, side], None).err(), "high"),
+        (image(&gpu, "deep", [1, 1], Some(layers)).err(), "deep"),
+        (Buffer::new(&gpu.device, "long", bytes).err(), "long"),
     ] {
         let error = error.unwrap();
         assert!(matches!(error, VulkanError::Limit { .. }), "{error}");
         assert!(error.to_string().contains(name), "{error}");
     }
     // Each extent is possible, but not all of them at once; which limit that meets is the driver's choice.
-    let vast = image(&lab, "vast", [side - 1; 2], Some(layers - 1)).err().unwrap().to_string();
+    let vast = image(&gpu, "vast", [side - 1; 2], Some(layers - 1)).err().unwrap().to_string();
     assert!(vast.contains("vast") && !vast.contains('\n'), "{vast}");
-    let add = adder(&lab);
-    let buffer = Buffer::with_data(&lab.device, "words", &[0u32; 64]).unwrap();
-    let other = Buffer::with_data(&lab.device, "other", &[0u32; 64]).unwrap();
-    let mut frames = Frames::new(&lab.device).unwrap();
+    let add = adder(&gpu);
+    let buffer = Buffer::with_data(&gpu.device, "words", &[0u32; 64]).unwrap();
+    let other = Buffer::with_data(&gpu.device, "other", &[0u32; 64]).unwrap();
+    let mut frames = Frames::new(&gpu.device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let pass = frame.pass("add", &add).read("source", &buffer).write("target", &other).push(&1u32);
     let rows = limits.max_compute_work_group_count[1] + 1;

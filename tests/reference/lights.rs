@@ -180,13 +180,13 @@ fn lights_of_all_kinds_add_up() {
 /// An area light with half of it masked equals one of half the size, for light samples and for scattered rays.
 #[test]
 fn holes_in_an_area_light_emit_nothing() {
-    let lamp = |left: f32, right: f32| {
+    let panel = |left: f32, right: f32| {
         floor(&format!(
             "[[lights]]\ntype = \"area\"\nradiance = [1, 1, 1]\n\
              polygon = [[{left}, 3, -1], [{right}, 3, -1], [{right}, 3, 1], [{left}, 3, 1]]"
         ))
     };
-    let mut masked = lamp(-1.0, 1.0);
+    let mut masked = panel(-1.0, 1.0);
     masked.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Default::default() });
     let mesh = Arc::make_mut(masked.meshes.last_mut().unwrap());
     for (uv, position) in mesh.uvs.iter_mut().zip(&mesh.positions) {
@@ -195,7 +195,7 @@ fn holes_in_an_area_light_emit_nothing() {
     let material = mesh.triangle_materials[0] as usize;
     masked.materials[material].alpha_mask = Some(0);
     let irradiance = |scene: &Scene| mean(&layer(&picture(scene, &settings(16, Some(1)), 256), "indirect")).x;
-    let (ours, expected) = (irradiance(&masked), irradiance(&lamp(-1.0, 0.0)));
+    let (ours, expected) = (irradiance(&masked), irradiance(&panel(-1.0, 0.0)));
     assert!(expected > 0.0);
     assert_near(ours, expected, 0.02);
 }

@@ -2,15 +2,15 @@
 
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, named_scene, plain};
+use super::support::{GpuFixture, named_scene, plain};
 
 #[test]
 fn temporal_sets_share_the_rays_out() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let rays_of_frames = |temporal_sets: u32| -> Vec<u64> {
         let vpl = VplSettings { slots: 256, pool: 256, temporal_sets, clamp: 0.0, ..VplSettings::default() };
-        let mut renderer = lab.rendered(&scene, &Settings { vpl, size: [64, 64], ..plain() }, 16);
+        let mut renderer = gpu.rendered(&scene, &Settings { vpl, size: [64, 64], ..plain() }, 16);
         let reports = renderer.finish().unwrap();
         reports.iter().map(|report| report.figures.counters.get("shadow_rays")).collect()
     };

@@ -4,7 +4,7 @@ use glam::Vec3;
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::scene::{LightKind, spot_falloff};
 
-use super::support::{Lab, exact, layer, luminance, scene};
+use super::support::{GpuFixture, exact, layer, luminance, scene};
 
 /// A floor with a block on it, lit by `light`.
 fn floor(light: &str) -> String {
@@ -36,11 +36,11 @@ fn floor(light: &str) -> String {
 
 /// Compares every pixel with the formula and a shadow ray; only where an edge is a matter of rounding may they differ.
 fn check(light: &str) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&floor(light));
     let mut settings = exact([160, 120]);
     settings.vpl.slots = 4;
-    let picture = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
+    let picture = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&scene, &pose.instances);
     let light = &pose.lights[0];

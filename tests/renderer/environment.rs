@@ -7,7 +7,7 @@ use glowworm::scene::{Environment, EnvironmentMap, Scene};
 use glowworm::settings::Settings;
 
 use super::reference::{check_against_reference, reference};
-use super::support::{Lab, exact, indirect, layer, luminance, mean, plain, quantile, scene};
+use super::support::{GpuFixture, exact, indirect, layer, luminance, mean, plain, quantile, scene};
 use super::{forgetting, support};
 
 /// A blue sky over a brown ground, with a sun of four texels that gives about half of the light.
@@ -62,7 +62,7 @@ vfov_deg = 50
 
 #[test]
 fn a_convex_object_under_a_constant_sky_receives_pi_l() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let sphere = r#"
         [[models]]
         name = "sphere"
@@ -80,7 +80,7 @@ fn a_convex_object_under_a_constant_sky_receives_pi_l() {
     let scene = under(Environment::constant(Vec3::new(1.0, 2.0, 4.0)), sphere);
     let mut settings = exact([32; 2]);
     (settings.bounces, settings.vpl.slots, settings.vpl.pool) = (2, 6144, 6144);
-    let drawn = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
+    let drawn = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
     let seen = |pixel: &[f32; 3]| luminance(pixel) > 0.0;
     let lit: Vec<[f32; 3]> = layer(&drawn, "indirect").into_iter().filter(seen).collect();
     assert!(lit.len() > 300, "{} pixels", lit.len());
@@ -101,11 +101,11 @@ fn a_court_under_a_sunny_sky_is_lit_as_in_the_reference() {
 
 #[test]
 fn the_map_is_seen_as_in_the_reference() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let empty = under(sky(1.0), "[camera]\neye = [0, 0, 0]\ntarget = [-0.1, 0.5, -1]\nvfov_deg = 100\n");
-    let drawn = lab.rendered(&empty, &exact([48; 2]), 1).read_picture(true).unwrap();
-    let truth = reference(&empty, [48; 2], 2, 1);
-    for (a, b) in layer(&drawn, "direct").iter().zip(layer(&truth, "direct")) {
+    let drawn = gpu.rendered(&empty, &exact([48; 2]), 1).read_picture(true).unwrap();
+    let reference = reference(&empty, [48; 2], 2, 1);
+    for (a, b) in layer(&drawn, "direct").iter().zip(layer(&reference, "direct")) {
         // Texels have mantissas of nine bits.
         let most = b.iter().copied().fold(0.0, f32::max);
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 0.005 * most + 1e-4), "{a:?} {b:?}");
@@ -118,15 +118,15 @@ fn the_map_is_seen_as_in_the_reference() {
 
 #[test]
 fn a_sun_in_the_map_makes_no_fireflies() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = under(sky(0.4), COURT);
     let settings = Settings { size: [64, 48], ..plain() };
-    let drawn = indirect(&lab.rendered(&scene, &settings, 16));
-    let truth = layer(&reference(&scene, settings.size, settings.bounces, 512), "indirect");
-    let usual = mean(truth.iter().map(luminance));
-    for (pixel, truth) in drawn.iter().zip(&truth) {
-        let most = 10.0 * luminance(truth).max(0.05 * usual);
-        assert!(luminance(pixel) < most, "{pixel:?} where {truth:?} is right");
+    let drawn = indirect(&gpu.rendered(&scene, &settings, 16));
+    let reference = layer(&reference(&scene, settings.size, settings.bounces, 512), "indirect");
+    let usual = mean(reference.iter().map(luminance));
+    for (pixel, reference) in drawn.iter().zip(&reference) {
+        let most = 10.0 * luminance(reference).max(0.05 * usual);
+        assert!(luminance(pixel) < most, "{pixel:?} where {reference:?} is right");
     }
 }
 
@@ -159,9 +159,9 @@ fn the_sky_may_come_and_go() {
             pose.environment = None;
         }
     });
-    let Some(lab) = support::Lab::open() else { return };
+    let Some(gpu) = support::GpuFixture::open() else { return };
     let mut pose = whole.pose(0.0);
-    let mut renderer = lab.renderer(&whole, &exact([32; 2]), &pose);
+    let mut renderer = gpu.renderer(&whole, &exact([32; 2]), &pose);
     pose.environment = None;
     renderer.render(&pose).unwrap();
     assert!(indirect(&renderer).iter().all(|pixel| luminance(pixel) == 0.0));

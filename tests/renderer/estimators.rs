@@ -16,7 +16,7 @@ use glowworm::report::{Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
 use glowworm::settings::{Indirect, Reflections, Settings};
 use glowworm::vulkan::{ComputePipeline, Device, Frame, Image, ImageDescription, VulkanError, shaders, vk};
 
-use super::support::{Lab, indirect, layer, luminance, mean, scene};
+use super::support::{GpuFixture, indirect, layer, luminance, mean, scene};
 use super::views::{STUDIO, settings};
 
 const AMBIENT: f32 = 0.75;
@@ -86,12 +86,12 @@ fn register() {
 
 #[test]
 fn a_toy_estimator_is_shown_timed_counted_and_resized() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     register();
     let scene = scene(STUDIO);
     let settings = Settings { indirect: METHOD.indirect, ..settings(1, 1) };
     let pose = scene.pose(0.0);
-    let mut renderer = Renderer::new(&lab.device, &scene, &settings, &pose).unwrap();
+    let mut renderer = Renderer::new(&gpu.device, &scene, &settings, &pose).unwrap();
     for size in [settings.size, [33, 20]] {
         renderer.set_settings(&Settings { size, ..settings.clone() }, &pose).unwrap();
         renderer.render(&pose).unwrap();
@@ -112,7 +112,7 @@ fn program(arguments: &[&str]) -> Result<(), CliError> {
 
 #[test]
 fn a_toy_estimator_is_everywhere_without_another_edit() {
-    if Lab::open().is_none() {
+    if GpuFixture::open().is_none() {
         return;
     }
     register();
@@ -159,12 +159,12 @@ fn a_toy_estimator_is_everywhere_without_another_edit() {
 
 #[test]
 fn who_uses_a_method_that_cannot_light_hits_is_told() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     register();
     let scene = scene(STUDIO);
     let warnings = |reflections| {
         let settings = Settings { indirect: METHOD.indirect, reflections, ..settings(1, 1) };
-        lab.rendered(&scene, &settings, 1).warnings()
+        gpu.rendered(&scene, &settings, 1).warnings()
     };
     assert!(warnings(Reflections::None).is_empty());
     let told = warnings(Reflections::Rays);
@@ -173,12 +173,12 @@ fn who_uses_a_method_that_cannot_light_hits_is_told() {
 
 #[test]
 fn without_an_estimator_there_is_direct_light_only() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let vpls = settings(2, 2);
     let none = Settings { indirect: Indirect::NONE, ..vpls.clone() };
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &none, 2);
+    let mut renderer = gpu.rendered(&scene, &none, 2);
     assert!(indirect(&renderer).iter().flatten().all(|channel| *channel == 0.0));
     let picture = renderer.read_picture(true).unwrap();
     assert!(mean(layer(&picture, "direct").iter().map(luminance)) > 0.0);
@@ -192,7 +192,7 @@ fn without_an_estimator_there_is_direct_light_only() {
         renderer.render(&pose).unwrap();
     }
     assert!(
-        renderer.read_picture(true).unwrap() == lab.rendered(&scene, &vpls, 2).read_picture(true).unwrap()
+        renderer.read_picture(true).unwrap() == gpu.rendered(&scene, &vpls, 2).read_picture(true).unwrap()
     );
     renderer.set_settings(&none, &pose).unwrap();
     renderer.render(&pose).unwrap();

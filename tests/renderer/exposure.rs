@@ -3,7 +3,7 @@
 use glowworm::scene::{LightKind, Pose};
 use glowworm::settings::{Indirect, Settings};
 
-use crate::support::{Lab, exact, named_scene};
+use crate::support::{GpuFixture, exact, named_scene};
 
 const PACE: f32 = 0.25;
 /// So many frames take 4 stops to less than the last step, .02 stops: 4 * .75^n.
@@ -29,16 +29,16 @@ fn brighter(pose: &Pose) -> Pose {
 
 #[test]
 fn it_follows_the_light_and_comes_to_rest_where_it_would_begin() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("playroom", None);
     let settings = Settings { indirect: Indirect::NONE, ..exact([96, 54]) };
     let dark = scene.pose(0.0);
     let bright = brighter(&dark);
-    let mut fresh = lab.renderer(&scene, &settings, &bright);
+    let mut fresh = gpu.renderer(&scene, &settings, &bright);
     fresh.render(&bright).unwrap();
     let expected = fresh.read_display().unwrap();
 
-    let mut renderer = lab.renderer(&scene, &settings, &dark);
+    let mut renderer = gpu.renderer(&scene, &settings, &dark);
     let mut shown = |pose: &Pose| {
         renderer.set_exposure_pace(PACE);
         renderer.render(pose).unwrap();

@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec3};
 use glowworm::scene::{Pose, Scene};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, indirect, luminance, mean, plain, relative_differences, scene};
+use super::support::{GpuFixture, indirect, luminance, mean, plain, relative_differences, scene};
 
 const ROOM: &str = r#"
 [[models]]
@@ -51,7 +51,7 @@ fn check(change: impl Fn(&mut Pose, f32)) {
 
 /// The same in another scene.
 pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = Settings {
         size: [80, 60],
         vpl: VplSettings {
@@ -68,7 +68,7 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
         change(&mut pose, time);
         pose
     };
-    let mut renderer = lab.renderer(scene, &settings, &pose_at(0.0));
+    let mut renderer = gpu.renderer(scene, &settings, &pose_at(0.0));
     for frame in 0..20 {
         renderer.render(&pose_at(frame as f32 / 19.0)).unwrap();
     }
@@ -76,7 +76,7 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
     for _ in 0..settings.vpl.slots.div_ceil(settings.vpl.budget) + settings.vpl.temporal_sets {
         renderer.render(&end).unwrap();
     }
-    let mut fresh = lab.renderer(scene, &settings, &end);
+    let mut fresh = gpu.renderer(scene, &settings, &end);
     for _ in 0..settings.vpl.temporal_sets {
         fresh.render(&end).unwrap();
     }
@@ -161,7 +161,7 @@ fn a_static_object_moved_by_hand_is_forgotten() {
 /// A light that jumps drags no tail of 16 frames: default settings, over 8 x 8 blocks against a fresh start.
 #[test]
 fn a_light_that_jumps_is_shown_at_once() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene: Arc<Scene> = scene(ROOM);
     let settings = Settings { size: [96, 72], ..plain() };
     let rest = scene.pose(0.0);
@@ -169,13 +169,13 @@ fn a_light_that_jumps_is_shown_at_once() {
     after.lights[0].position = Vec3::new(1.2, -0.6, -1.2);
     after.lights[1].direction = Vec3::new(-1.0, -0.2, -0.6).normalize();
     let fresh = {
-        let mut renderer = lab.renderer(&scene, &settings, &after);
+        let mut renderer = gpu.renderer(&scene, &settings, &after);
         for _ in 0..settings.vpl.temporal_sets {
             renderer.render(&after).unwrap();
         }
         blocks(&indirect(&renderer))
     };
-    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let mut renderer = gpu.renderer(&scene, &settings, &rest);
     for _ in 0..settings.vpl.temporal_sets {
         renderer.render(&rest).unwrap();
     }

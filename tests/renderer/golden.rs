@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::support::{Lab, mean, named_scene, plain, quantile};
+use super::support::{GpuFixture, mean, named_scene, plain, quantile};
 use glowworm::settings::{Settings, VplSettings};
 use image::RgbImage;
 
@@ -14,13 +14,13 @@ const PERCENTILE_99: f32 = 8.0 / 255.0;
 
 #[test]
 fn the_cornell_box_looks_as_it_did() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = Settings {
         size: [SIDE; 2],
         vpl: VplSettings { slots: 256, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
         ..plain()
     };
-    let picture = lab.rendered(&named_scene("cornell-box", None), &settings, 8).read_picture(false).unwrap();
+    let picture = gpu.rendered(&named_scene("cornell-box", None), &settings, 8).read_picture(false).unwrap();
     let actual = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
     compare("cornell-box", &RgbImage::from_raw(SIDE, SIDE, actual).unwrap());
 }

@@ -10,7 +10,7 @@ use glowworm::scene::{Environment, EnvironmentMap, LightKind, Material, Scene};
 use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
 use super::materials::floor;
-use super::support::{Lab, assets, indirect, layer, luminance, mean, named_scene, plain, scene};
+use super::support::{GpuFixture, assets, indirect, layer, luminance, mean, named_scene, plain, scene};
 use super::views::STUDIO;
 
 fn start() -> Settings {
@@ -24,8 +24,8 @@ fn start() -> Settings {
 type Change = fn(&mut Settings);
 
 /// What a renderer made with these settings shows once all sets have been drawn.
-fn fresh(lab: &Lab, scene: &Arc<Scene>, settings: &Settings) -> Picture {
-    lab.rendered(scene, settings, 2 * settings.vpl.temporal_sets).read_picture(true).unwrap()
+fn fresh(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings) -> Picture {
+    gpu.rendered(scene, settings, 2 * settings.vpl.temporal_sets).read_picture(true).unwrap()
 }
 
 fn brightness(renderer: &Renderer) -> f32 {
@@ -34,7 +34,7 @@ fn brightness(renderer: &Renderer) -> f32 {
 
 #[test]
 fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     let changes: [(&str, Change); 9] = [
@@ -61,7 +61,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
     ];
     // One after the other: what an earlier change left must not show either.
     let mut settings = start();
-    let mut renderer = lab.rendered(&scene, &settings, 5);
+    let mut renderer = gpu.rendered(&scene, &settings, 5);
     for (what, change) in changes {
         change(&mut settings);
         let before = brightness(&renderer);
@@ -71,16 +71,16 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
             let now = brightness(&renderer);
             assert!((0.6..1.5).contains(&(now / before)), "{what}, frame {frame}: {before} becomes {now}");
         }
-        assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &settings), "{what}");
+        assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &settings), "{what}");
     }
 }
 
 #[test]
 fn nothing_is_seen_of_other_sets_until_all_are_there() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &start(), 4);
+    let mut renderer = gpu.rendered(&scene, &start(), 4);
     let before = indirect(&renderer);
     // Changed again on the way, as by a slider.
     for temporal_sets in [6, 9, 8] {
@@ -96,20 +96,20 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
         renderer.render(&pose).unwrap();
     }
     let settings = Settings { vpl: VplSettings { temporal_sets: 8, ..start().vpl }, ..start() };
-    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &settings));
+    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &settings));
 }
 
 #[test]
 fn a_window_that_is_dragged_larger_stays_lit() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &start(), 4);
+    let mut renderer = gpu.rendered(&scene, &start(), 4);
     for step in 1..=10 {
         let settings = Settings { size: [72 + 3 * step, 48 + 2 * step], ..start() };
         renderer.set_settings(&settings, &pose).unwrap();
         renderer.render(&pose).unwrap();
-        let expected = brightness(&lab.rendered(&scene, &settings, 4));
+        let expected = brightness(&gpu.rendered(&scene, &settings, 4));
         let ratio = brightness(&renderer) / expected;
         assert!((ratio - 1.0).abs() < 0.05, "step {step}: {ratio}");
         let dark = indirect(&renderer).iter().filter(|pixel| luminance(pixel) == 0.0).count();
@@ -120,11 +120,11 @@ fn a_window_that_is_dragged_larger_stays_lit() {
 
 #[test]
 fn settings_that_the_device_cannot_do_change_nothing() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &start(), 4);
-    if !lab.device.info().ray_query {
+    let mut renderer = gpu.rendered(&scene, &start(), 4);
+    if !gpu.device.info().ray_query {
         let hardware = Settings { tracer: TracerKind::Hardware, ..start() };
         let error = renderer.set_settings(&hardware, &pose).unwrap_err();
         assert!(matches!(error, RenderError::NoHardwareTracer { .. }), "{error}");
@@ -135,15 +135,15 @@ fn settings_that_the_device_cannot_do_change_nothing() {
     assert!(!error.contains('\n'), "{error}");
     assert_eq!(renderer.settings(), &start());
     renderer.render(&pose).unwrap();
-    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &scene, &start()));
+    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &start()));
 }
 
 #[test]
 fn another_scene_is_drawn_as_by_a_fresh_renderer() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let first = scene(STUDIO);
     let second = named_scene("cornell-box", None);
-    let mut renderer = lab.rendered(&first, &start(), 4);
+    let mut renderer = gpu.rendered(&first, &start(), 4);
     // Prepared elsewhere, while the first one is still drawn.
     let prepared = std::thread::scope(|scope| {
         let elsewhere = scope.spawn(|| PreparedScene::new(&second));
@@ -154,7 +154,7 @@ fn another_scene_is_drawn_as_by_a_fresh_renderer() {
     for _ in 0..8 {
         renderer.render(&second.pose(0.0)).unwrap();
     }
-    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &second, &start()));
+    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &second, &start()));
     let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
     assert!(frames.into_iter().eq(0..13), "every frame is reported once");
 }
@@ -177,7 +177,7 @@ fn map(colour: Vec3) -> Option<Arc<EnvironmentMap>> {
 
 #[test]
 fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     // Fewer paths a frame than there are, so that some await their turn.
     let settings = Settings { vpl: VplSettings { budget: 16, ..start().vpl }, ..start() };
     let cornell = named_scene("cornell-box", None);
@@ -202,7 +202,7 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
         ("one colour", under(Some(Environment::constant(Vec3::ONE)))),
         ("no environment", under(None)),
     ];
-    let mut renderer = lab.rendered(&cornell, &settings, 5);
+    let mut renderer = gpu.rendered(&cornell, &settings, 5);
     let mut before = renderer.read_picture(true).unwrap();
     for (what, scene) in scenes {
         let pose = scene.pose(0.0);
@@ -214,7 +214,7 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
             renderer.render(&pose).unwrap();
         }
         let picture = renderer.read_picture(true).unwrap();
-        assert!(picture == fresh(&lab, &scene, &settings), "{what}");
+        assert!(picture == fresh(&gpu, &scene, &settings), "{what}");
         before = picture;
     }
     let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
@@ -223,7 +223,7 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
 
 #[test]
 fn textured_materials_are_edited_without_their_textures() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut scenes = vec![Arc::new(floor())];
     scenes.extend(assets().map(|assets| named_scene("damaged-helmet", Some(&assets))));
     for scene in scenes {
@@ -232,38 +232,38 @@ fn textured_materials_are_edited_without_their_textures() {
             (material.base_colour, material.emission) = (Vec3::new(0.9, 0.5, 0.4), material.emission * 3.0);
         });
         let (pose, settings) = (edited.pose(0.0), start());
-        let mut renderer = lab.rendered(&scene, &settings, 5);
+        let mut renderer = gpu.rendered(&scene, &settings, 5);
         renderer.set_scene(&edited, &pose).unwrap();
         for _ in 0..settings.vpl.slots / settings.vpl.budget + 2 * settings.vpl.temporal_sets {
             renderer.render(&pose).unwrap();
         }
         let picture = renderer.read_picture(true).unwrap();
-        assert!(picture == fresh(&lab, &edited, &settings), "{}", scene.name);
-        assert!(picture != fresh(&lab, &scene, &settings), "{}", scene.name);
+        assert!(picture == fresh(&gpu, &edited, &settings), "{}", scene.name);
+        assert!(picture != fresh(&gpu, &scene, &settings), "{}", scene.name);
     }
 }
 
 #[test]
 fn a_scene_of_other_meshes_is_built_anew() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let (first, second) = (scene(STUDIO), named_scene("cornell-box", None));
     assert!(!second.same_geometry_and_bindings(&first));
-    let mut renderer = lab.rendered(&first, &start(), 4);
+    let mut renderer = gpu.rendered(&first, &start(), 4);
     renderer.set_scene(&second, &second.pose(0.0)).unwrap();
     for _ in 0..8 {
         renderer.render(&second.pose(0.0)).unwrap();
     }
-    assert!(renderer.read_picture(true).unwrap() == fresh(&lab, &second, &start()));
+    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &second, &start()));
 }
 
 #[test]
 fn an_area_light_that_changes_or_goes_is_seen_to() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let brightest = |change: fn(&mut Vec<glowworm::scene::Light>)| {
         let mut pose = scene.pose(0.0);
         change(&mut pose.lights);
-        let mut renderer = lab.renderer(&scene, &start(), &pose);
+        let mut renderer = gpu.renderer(&scene, &start(), &pose);
         for _ in 0..4 {
             renderer.render(&pose).unwrap();
         }
@@ -271,14 +271,14 @@ fn an_area_light_that_changes_or_goes_is_seen_to() {
         let direct = layer(&picture, "direct").iter().map(luminance).fold(0.0, f32::max);
         (direct, brightness(&renderer))
     };
-    let (lamp, room) = brightest(|_| {});
-    let (brighter_lamp, brighter_room) = brightest(|lights| {
+    let (punctual, room) = brightest(|_| {});
+    let (brighter_punctual, brighter_room) = brightest(|lights| {
         for light in lights {
             let LightKind::Area { triangles, .. } = &mut light.kind else { continue };
             triangles.iter_mut().for_each(|emitter| emitter.radiance *= 3.0);
         }
     });
-    assert!(lamp > 0.0 && room > 0.0);
-    assert!((brighter_lamp / lamp - 3.0).abs() < 1e-3 && (brighter_room / room - 3.0).abs() < 1e-2);
+    assert!(punctual > 0.0 && room > 0.0);
+    assert!((brighter_punctual / punctual - 3.0).abs() < 1e-3 && (brighter_room / room - 3.0).abs() < 1e-2);
     assert_eq!(brightest(Vec::clear), (0.0, 0.0));
 }

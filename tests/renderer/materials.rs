@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use glowworm::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Texture};
 
 use super::reference::reference;
-use super::support::{Lab, exact, layer};
+use super::support::{GpuFixture, exact, layer};
 
 const SIZE: [u32; 2] = [96, 72];
 
@@ -21,7 +21,7 @@ fn texture(name: &str, linear: bool, colour: impl Fn(Vec2) -> Vec3) -> Texture {
     make(name, 16, 16, texels)
 }
 
-/// A floor whose roughness rises to the right, metallic to the back, and which glows in a corner, under a lamp.
+/// A floor whose roughness rises to the right, metallic to the back, and which glows in a corner, under a light.
 pub fn floor() -> Scene {
     let mut scene = Scene::new("floor");
     let base = texture("base", false, |at| Vec3::new(0.9, 0.3 + 0.6 * at.x, 0.9 - 0.7 * at.y));
@@ -71,10 +71,10 @@ pub fn floor() -> Scene {
 
 #[test]
 fn pixels_have_the_material_that_the_path_tracer_sees() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = floor();
     let expected = reference(&scene, SIZE, 0, 1);
-    let rendered = lab.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
+    let rendered = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     let covered = layer(&expected, "normal");
     for (name, share) in [("albedo", 0.02), ("direct", 0.04)] {
         let pairs = layer(&rendered, name).into_iter().zip(layer(&expected, name)).zip(&covered);

@@ -2,7 +2,7 @@
 
 use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
-use super::support::{Lab, named_scene, plain};
+use super::support::{GpuFixture, named_scene, plain};
 
 /// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Memory".
 fn computed(settings: &Settings) -> u64 {
@@ -22,48 +22,48 @@ fn computed(settings: &Settings) -> u64 {
         + sets * 48 * (vpls + 64)
 }
 
-/// What thin sheets add with so many lamps.
-fn of_sheets(settings: &Settings, lamps: u64) -> u64 {
+/// What thin surfaces add with so many lights.
+fn of_thin_surfaces(settings: &Settings, lights: u64) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
-    pixels * (24 + 4 * lamps - 4 * lamps.div_ceil(32))
+    pixels * (24 + 4 * lights - 4 * lights.div_ceil(32))
 }
 
 #[test]
-fn sheets_take_what_they_say() {
-    let Some(lab) = Lab::open() else { return };
+fn thin_surfaces_take_what_they_say() {
+    let Some(gpu) = GpuFixture::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("pane.obj", "mtllib pane.mtl\nusemtl pane\nv -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
+    let light = "[[lights]]\ntype = \"point\"\nposition = [0, 2, 1]\nintensity = [1, 1, 1]\n";
     let model = "[[models]]\nname = \"pane\"\npath = \"pane.obj\"\n[[instances]]\nmodel = \"pane\"\n";
-    write("scene.toml", &(model.to_owned() + &lamp.repeat(5)));
+    write("scene.toml", &(model.to_owned() + &light.repeat(5)));
     let settings = |size| Settings { size, indirect: Indirect::NONE, ..plain() };
     let grown = |material: &str| {
         write("pane.mtl", &format!("newmtl pane\nKd 0.5 0.5 0.5\n{material}\n"));
         let scene = named_scene(folder.path().join("scene.toml").to_str().unwrap(), None);
         let [small, large] = [[8, 8], [640, 360]].map(|size| {
-            let renderer = lab.rendered(&scene, &settings(size), 1);
-            lab.device.restart_memory_peak();
-            let bytes = lab.device.memory_peak();
+            let renderer = gpu.rendered(&scene, &settings(size), 1);
+            gpu.device.restart_memory_peak();
+            let bytes = gpu.device.memory_peak();
             drop(renderer);
             bytes
         });
         large - small
     };
     let [veil, opaque] = ["d 0.5", "d 1"].map(grown);
-    let expected = of_sheets(&settings([640, 360]), 5) - of_sheets(&settings([8, 8]), 5);
+    let expected = of_thin_surfaces(&settings([640, 360]), 5) - of_thin_surfaces(&settings([8, 8]), 5);
     let (added, expected) = ((veil - opaque) as f64, expected as f64);
     assert!((added / expected - 1.0).abs() < 0.01, "{added} of {expected} bytes");
 }
 
 #[test]
 fn memory_grows_as_computed() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let used = |settings: &Settings| {
-        let renderer = lab.rendered(&scene, settings, 1);
-        lab.device.restart_memory_peak();
-        let bytes = lab.device.memory_peak();
+        let renderer = gpu.rendered(&scene, settings, 1);
+        gpu.device.restart_memory_peak();
+        let bytes = gpu.device.memory_peak();
         drop(renderer);
         bytes
     };
@@ -90,7 +90,7 @@ fn memory_grows_as_computed() {
     ] {
         let (used, computed) = of(size, vpls, sets, interleave);
         let (grown, expected) = ((used - rest) as f64, (computed - least) as f64);
-        // Besides what grows with the picture there are the VPLs on their way, 48 bytes each.
+        // Besides what grows with the picture there are the VPLs in flight, 48 bytes each.
         let slack = f64::from(vpls.div_ceil(sets)) * 48.0 * 4.0 + 0.01 * expected;
         assert!(
             (grown - expected).abs() <= slack,

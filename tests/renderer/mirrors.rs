@@ -1,4 +1,4 @@
-//! Reflections together with the rest of a frame: light of VPLs, thin sheets, rest, changes while it runs, roughness.
+//! Reflections together with the rest of a frame: light of VPLs, thin surfaces, static scenes, changes while it runs, roughness.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use glowworm::settings::{
 
 use super::reference::reference;
 use super::reflections::{FRAMES, SIZE, SKY, settings, stage};
-use super::support::{Lab, channel, exact, layer, luminance, mean, scene};
+use super::support::{GpuFixture, channel, exact, layer, luminance, mean, scene};
 
 /// A closed room with a mirror on its far wall, seen from a place where the mirror shows the wall behind the camera too.
 fn room(roughness: f32) -> Arc<Scene> {
@@ -57,7 +57,7 @@ vfov_deg = 40
 /// Light at hits holds a bounce more than the path tracer has: VPLs stand for all bounces at the hit, as at surfaces that are seen.
 #[test]
 fn a_mirror_shows_the_light_of_vpls() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let size = [64, 48];
     for (roughness, bounces) in [(0.0, 1), (0.3, 1), (0.0, 2), (0.3, 2)] {
         let scene = room(roughness);
@@ -65,25 +65,25 @@ fn a_mirror_shows_the_light_of_vpls() {
             EffectSettings { denoise: Denoise::None, reflection_roughness: 1.0, ..Default::default() };
         let vpl = VplSettings { slots: 1024, pool: 1024, budget: 1024, temporal_sets: 4, ..exact(size).vpl };
         let settings = Settings { bounces, vpl, effects, reflections: Reflections::Rays, ..exact(size) };
-        let picture = lab.rendered(&scene, &settings, 1 + 2 * 4 + 64).read_picture(true).unwrap();
+        let picture = gpu.rendered(&scene, &settings, 1 + 2 * 4 + 64).read_picture(true).unwrap();
         let is_mirror: Vec<bool> = channel(&picture, "instance").iter().map(|id| *id == 1.0).collect();
         let of = |picture: &Picture| {
             let pixels = layer(picture, "reflected").into_iter().zip(&is_mirror);
             mean(pixels.filter(|(_, is_mirror)| **is_mirror).map(|(pixel, _)| luminance(&pixel)))
         };
-        let truth = of(&reference(&scene, size, bounces + 1, 512));
+        let reference = of(&reference(&scene, size, bounces + 1, 512));
         let ours = of(&picture);
         assert!(
-            (ours / truth - 1.0).abs() < 0.03,
+            (ours / reference - 1.0).abs() < 0.03,
             "roughness {roughness}, {bounces} bounces: {}",
-            ours / truth
+            ours / reference
         );
     }
 }
 
 #[test]
 fn a_sheet_before_a_mirror_tints_it_twice() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let pane = r#"
 [[models]]
 name = "pane"
@@ -101,19 +101,19 @@ rotation = [90, 0, 0]
     let mirror = "albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1";
     let reflected = |more: &str| {
         let scene = stage(mirror, more);
-        let picture = lab.rendered(&scene, &settings(Denoise::None), FRAMES).read_picture(true).unwrap();
-        let truth = reference(&scene, SIZE, 1, 256);
-        [picture, truth].map(|picture| {
+        let picture = gpu.rendered(&scene, &settings(Denoise::None), FRAMES).read_picture(true).unwrap();
+        let reference = reference(&scene, SIZE, 1, 256);
+        [picture, reference].map(|picture| {
             let pixels = layer(&picture, "reflected");
             [0, 1, 2].map(|i| mean(pixels.iter().map(|pixel| pixel[i])))
         })
     };
-    let ([tinted, truth], [clear, _]) = (reflected(pane), reflected(""));
-    eprintln!("{tinted:?}, {truth:?} in the path tracer, {clear:?} without the sheet");
+    let ([tinted, reference], [clear, _]) = (reflected(pane), reflected(""));
+    eprintln!("{tinted:?}, {reference:?} in the path tracer, {clear:?} without the thin surface");
     for i in 0..3 {
-        assert!((tinted[i] / truth[i] - 1.0).abs() < 0.02, "{tinted:?}, {truth:?}");
+        assert!((tinted[i] / reference[i] - 1.0).abs() < 0.02, "{tinted:?}, {reference:?}");
     }
-    // The more of a colour the sheet swallows, by its square.
+    // The more of a colour the thin surface absorbs, by its square.
     let shares = [0, 1, 2].map(|i| tinted[i] / clear[i]);
     assert!(shares[0] > 0.7 && shares[1] < 0.4 && shares[2] < 0.15, "{shares:?}");
 }
@@ -169,7 +169,7 @@ fn mirrors() -> Arc<Scene> {
 
 #[test]
 fn mirrors_stand_still_and_depend_on_no_past() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = mirrors();
     let rest = scene.pose(0.0);
     let (smooth, frames) = all_in_use();
@@ -177,14 +177,14 @@ fn mirrors_stand_still_and_depend_on_no_past() {
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
     let rough = Settings { direct, antialiasing, effects, ..smooth.clone() };
     for (what, settings) in [("denoised", smooth), ("not denoised", rough)] {
-        let mut fresh = lab.renderer(&scene, &settings, &rest);
+        let mut fresh = gpu.renderer(&scene, &settings, &rest);
         let expected = wait(&mut fresh, &rest, frames);
         assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite()));
         for more in [1, 9] {
             assert!(wait(&mut fresh, &rest, more) == expected, "{what}: {more} frames later");
         }
         for moved in [1, 4] {
-            let mut renderer = lab.renderer(&scene, &settings, &rest);
+            let mut renderer = gpu.renderer(&scene, &settings, &rest);
             for frame in 0..moved {
                 let mut pose = rest.clone();
                 let way = Affine3A::from_translation(Vec3::X * 0.2 * (frame + 1) as f32);
@@ -204,11 +204,11 @@ fn mirrors_stand_still_and_depend_on_no_past() {
 
 #[test]
 fn changes_while_it_runs_end_as_a_fresh_renderer() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = mirrors();
     let pose = scene.pose(0.0);
     let (start, frames) = all_in_use();
-    let mut renderer = lab.renderer(&scene, &start, &pose);
+    let mut renderer = gpu.renderer(&scene, &start, &pose);
     wait(&mut renderer, &pose, 7);
     type Change = fn(&mut Settings);
     let changes: [(&str, Change); 5] = [
@@ -228,7 +228,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
         change(&mut settings);
         renderer.set_settings(&settings, &pose).unwrap();
         let ours = wait(&mut renderer, &pose, frames);
-        assert!(ours == wait(&mut lab.renderer(&scene, &settings, &pose), &pose, frames), "{what}");
+        assert!(ours == wait(&mut gpu.renderer(&scene, &settings, &pose), &pose, frames), "{what}");
     }
     // The mirror becomes a dull one, below the limit.
     let mut edited = Scene::clone(&scene);
@@ -236,19 +236,19 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
     let edited = Arc::new(edited);
     renderer.set_scene(&edited, &pose).unwrap();
     let ours = wait(&mut renderer, &pose, frames);
-    assert!(ours == wait(&mut lab.renderer(&edited, &settings, &pose), &pose, frames), "edited");
+    assert!(ours == wait(&mut gpu.renderer(&edited, &settings, &pose), &pose, frames), "edited");
 }
 
 #[test]
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let (base, frames) = all_in_use();
     let base = Settings { direct: Direct::Hard, antialiasing: Antialiasing::None, ..base };
     let reflected = |roughness: f32, reflections, reflection_roughness| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
         let effects = EffectSettings { denoise: Denoise::None, reflection_roughness, ..base.effects };
         let settings = Settings { reflections, effects, ..base.clone() };
-        layer(&lab.rendered(&scene, &settings, frames).read_picture(true).unwrap(), "reflected")
+        layer(&gpu.rendered(&scene, &settings, frames).read_picture(true).unwrap(), "reflected")
     };
     for (roughness, share) in [(0.45, 1.0), (0.55, 0.84375), (0.65, 0.15625), (0.75, 0.0)] {
         let ours = reflected(roughness, Reflections::Rays, 0.6);

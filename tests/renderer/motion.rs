@@ -1,11 +1,11 @@
-//! Reprojection: nothing darkens where the camera sees something new, and moving things keep their light.
+//! Reprojection: nothing darkens where the camera sees something new, and moving objects keep their light.
 
 use glam::{Affine3A, Vec3};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{MissingSets, Settings, VplSettings};
 
 use super::support::{
-    Lab, channel, indirect, layer, luminance, mean, plain, relative_differences, scene, set_counts,
+    GpuFixture, channel, indirect, layer, luminance, mean, plain, relative_differences, scene, set_counts,
 };
 
 const HALL: &str = r#"
@@ -61,15 +61,15 @@ fn strafed(pose: &Pose, distance: f32) -> Pose {
 
 /// Mean irradiance of the pixels that a strafe past the pillar uncovers, over their converged value: in
 /// their first frame and T/2 frames later.
-fn uncovered_brightness(lab: &Lab, missing_sets: MissingSets) -> (f32, f32) {
+fn uncovered_brightness(gpu: &GpuFixture, missing_sets: MissingSets) -> (f32, f32) {
     const STEPS: u16 = 6;
     const STEP: f32 = 0.12;
     let scene = scene(HALL);
     let rest = scene.pose(0.0);
     let end = strafed(&rest, f32::from(STEPS) * STEP);
     let settings = settings(missing_sets);
-    let mut converged = lab.renderer(&scene, &settings, &end);
-    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let mut converged = gpu.renderer(&scene, &settings, &end);
+    let mut renderer = gpu.renderer(&scene, &settings, &rest);
     for _ in 0..SETS {
         converged.render(&end).unwrap();
         renderer.render(&rest).unwrap();
@@ -91,17 +91,17 @@ fn uncovered_brightness(lab: &Lab, missing_sets: MissingSets) -> (f32, f32) {
 
 #[test]
 fn disocclusion_does_not_darken() {
-    let Some(lab) = Lab::open() else { return };
-    let (first, later) = uncovered_brightness(&lab, MissingSets::Scale);
+    let Some(gpu) = GpuFixture::open() else { return };
+    let (first, later) = uncovered_brightness(&gpu, MissingSets::Scale);
     assert!((first - 1.0).abs() < 0.25, "new pixels are {first} as bright as they should be");
     assert!((later - 1.0).abs() < 0.10, "after T/2 frames {later}");
-    let (dark, _) = uncovered_brightness(&lab, MissingSets::Dark);
+    let (dark, _) = uncovered_brightness(&gpu, MissingSets::Dark);
     assert!(dark < 0.3, "--missing-sets dark shows {dark}");
 }
 
 #[test]
 fn a_moving_object_keeps_its_history() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(HALL);
     let pose_at = |frame: u32| {
         let mut pose = scene.pose(0.0);
@@ -110,7 +110,7 @@ fn a_moving_object_keeps_its_history() {
         pose
     };
     let settings = settings(MissingSets::Scale);
-    let mut renderer = lab.renderer(&scene, &settings, &pose_at(0));
+    let mut renderer = gpu.renderer(&scene, &settings, &pose_at(0));
     for frame in 0..2 * SETS {
         renderer.render(&pose_at(frame)).unwrap();
     }
@@ -125,12 +125,12 @@ fn a_moving_object_keeps_its_history() {
 
 #[test]
 fn what_has_moved_is_forgotten() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&HALL.replace("dynamic = true\n", ""));
     let rest = scene.pose(0.0);
     let settings = settings(MissingSets::Scale);
-    let mut renderer = lab.renderer(&scene, &settings, &rest);
-    // The camera moves, then a thing that is static by itself, and both come back to where they were.
+    let mut renderer = gpu.renderer(&scene, &settings, &rest);
+    // The camera moves, then an object that is static by itself, and both come back to where they were.
     for step in 0..8 {
         renderer.render(&strafed(&rest, 0.06 * step as f32)).unwrap();
     }
@@ -144,7 +144,7 @@ fn what_has_moved_is_forgotten() {
     for _ in 0..settings.vpl.slots.div_ceil(settings.vpl.budget) + SETS + 1 {
         renderer.render(&rest).unwrap();
     }
-    let fresh = lab.rendered(&scene, &settings, SETS);
+    let fresh = gpu.rendered(&scene, &settings, SETS);
     assert!(renderer.read_picture(true).unwrap().colour == fresh.read_picture(true).unwrap().colour);
     let counts = set_counts(&renderer);
     let whole = counts.iter().filter(|count| **count == SETS).count();
@@ -168,7 +168,7 @@ fn stirred(rest: &Pose, frame: u32) -> Pose {
 
 #[test]
 fn what_moves_is_drawn_as_in_a_first_frame() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let lights = r#"
 [[lights]]
 type = "spot"
@@ -185,14 +185,14 @@ irradiance = [2, 2, 3]
     let scene = scene(&HALL.replace("[camera]", lights));
     let rest = scene.pose(0.0);
     let settings = settings(MissingSets::Scale);
-    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let mut renderer = gpu.renderer(&scene, &settings, &rest);
     for frame in 0..32 {
         let pose = stirred(&rest, frame);
         renderer.render(&pose).unwrap();
         if ![0, 1, 11, 12, 13, 19, 21, 26, 31].contains(&frame) {
             continue;
         }
-        let mut fresh = lab.renderer(&scene, &settings, &pose);
+        let mut fresh = gpu.renderer(&scene, &settings, &pose);
         fresh.render(&pose).unwrap();
         let [ours, expected] = [&renderer, &fresh].map(|renderer| renderer.read_picture(true).unwrap());
         for name in ["depth", "instance"] {
@@ -210,7 +210,7 @@ irradiance = [2, 2, 3]
 /// A moving camera and a moving crate: each pixel says where its surface was seen a frame before.
 #[test]
 fn pixels_know_where_their_surface_was() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(HALL);
     let settings = settings(MissingSets::Scale);
     let before = scene.pose(0.0);
@@ -218,7 +218,7 @@ fn pixels_know_where_their_surface_was() {
     let shift =
         Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(0.1), Vec3::new(0.0, 0.2, 0.1));
     now.instances[2] = shift * now.instances[2];
-    let mut renderer = lab.renderer(&scene, &settings, &before);
+    let mut renderer = gpu.renderer(&scene, &settings, &before);
     renderer.render(&before).unwrap();
     renderer.render(&now).unwrap();
     let picture = renderer.read_picture(true).unwrap();

@@ -9,7 +9,7 @@ use glowworm::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
 use super::reference::reference;
-use super::support::{Lab, exact, layer};
+use super::support::{GpuFixture, exact, layer};
 
 const SIZE: [u32; 2] = [64, 64];
 
@@ -103,9 +103,9 @@ fn gltf(folder: &Path, Variation { mut texture, mut node, tangent }: Variation) 
 }
 
 /// Compares the normals that pixels see with those that `expected` says for places on the quad, from its upper left corner.
-fn check(lab: &Lab, what: &str, scene: Scene, expected: impl Fn(Vec2) -> Vec3) {
+fn check(gpu: &GpuFixture, what: &str, scene: Scene, expected: impl Fn(Vec2) -> Vec3) {
     let traced = reference(&scene, SIZE, 0, 1);
-    let rendered = lab.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
+    let rendered = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     for (by, picture) in [("G-buffer", rendered), ("reference", traced)] {
         let (normals, positions) = (layer(&picture, "normal"), layer(&picture, "position"));
         let mut seen = 0;
@@ -134,27 +134,27 @@ fn mirrored(at: Vec2) -> Vec3 {
 
 #[test]
 fn slopes_of_obj_files_read_back() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     write_map(folder.path());
-    check(&lab, "norm", obj(folder.path(), "norm map.png", false), quarter);
-    check(&lab, "a bluish map_Bump", obj(folder.path(), "map_Bump -bm 1 map.png", false), quarter);
-    check(&lab, "mirrored", obj(folder.path(), "norm map.png", true), mirrored);
+    check(&gpu, "norm", obj(folder.path(), "norm map.png", false), quarter);
+    check(&gpu, "a bluish map_Bump", obj(folder.path(), "map_Bump -bm 1 map.png", false), quarter);
+    check(&gpu, "mirrored", obj(folder.path(), "norm map.png", true), mirrored);
     // Heights: to the right 3 of 255 a texel of 64, a hundredth of the image high: 0.64 x 3/255 x 50.
     let ramp = image::GrayImage::from_fn(64, 64, |x, _| image::Luma([(3 * x) as u8]));
     ramp.save(folder.path().join("ramp.png")).unwrap();
     let slope = 0.64 * 3.0 / 255.0 * 50.0;
-    check(&lab, "bump", obj(folder.path(), "bump -bm 50 ramp.png", false), |_| Vec3::new(-slope, 0.0, 1.0));
+    check(&gpu, "bump", obj(folder.path(), "bump -bm 50 ramp.png", false), |_| Vec3::new(-slope, 0.0, 1.0));
 }
 
 #[test]
 fn slopes_of_gltf_files_read_back() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     write_map(folder.path());
     let plain = || Variation { texture: json!({}), node: json!({}), tangent: None };
     let show = |what: &str, variation: Variation, expected: &dyn Fn(Vec2) -> Vec3| {
-        check(&lab, what, gltf(folder.path(), variation), expected);
+        check(&gpu, what, gltf(folder.path(), variation), expected);
     };
     show("made tangents", plain(), &quarter);
     show("own tangents", Variation { tangent: Some([1.0, 0.0, 0.0, 1.0]), ..plain() }, &quarter);

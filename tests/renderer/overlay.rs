@@ -7,7 +7,7 @@ use glowworm::renderer::{DebugView, Line, Renderer};
 use glowworm::scene::{Camera, Pose};
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, channel, scene, vpls};
+use super::support::{GpuFixture, channel, scene, vpls};
 use super::views::{STUDIO, settings, view};
 
 const SIDE: usize = 64;
@@ -36,10 +36,10 @@ fn rgb(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
 
 #[test]
 fn vpls_are_drawn_where_they_are() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
+    let mut renderer = gpu.rendered(&scene, &settings(4, 2), 4);
     let slots: Vec<_> = vpls(&renderer).slots().filter(|slot| slot.state == SlotState::Valid).collect();
     let (mut seen, mut hidden) = (0, 0);
     for slot in &slots {
@@ -72,10 +72,10 @@ fn vpls_are_drawn_where_they_are() {
 
 #[test]
 fn lines_cover_what_lies_on_them_and_nothing_else() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &settings(1, 1), 1);
+    let mut renderer = gpu.rendered(&scene, &settings(1, 1), 1);
     let plain = shown(&mut renderer, &pose, &DebugView::default());
     // Across the middle of the picture, before everything; and far behind the wall.
     let ahead = |depth: f32, x: f32| {
@@ -104,10 +104,10 @@ fn lines_cover_what_lies_on_them_and_nothing_else() {
 
 #[test]
 fn lines_that_begin_behind_the_eye_are_cut_off() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &settings(1, 1), 1);
+    let mut renderer = gpu.rendered(&scene, &settings(1, 1), 1);
     let plain = shown(&mut renderer, &pose, &DebugView::default());
     let [ray, ray_x, ray_y] = pose.camera.pixel_rays(1.0);
     let colour = [1.0, 0.0, 1.0, 1.0];
@@ -132,15 +132,15 @@ fn lines_that_begin_behind_the_eye_are_cut_off() {
 
 #[test]
 fn vpls_that_became_invalid_flash_with_their_reason() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let mut pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(
+    let mut renderer = gpu.rendered(
         &scene,
         &Settings { vpl: VplSettings { budget: 1, ..settings(4, 2).vpl }, ..settings(4, 2) },
         4,
     );
-    // The block comes between the lamp and the wall behind it.
+    // The block comes between the light and the wall behind it.
     pose.instances[1] = Affine3A::from_translation(Vec3::new(-1.0, 1.6, -0.6)) * pose.instances[1];
     let look = VplDebugView { vpl_paths: Some(PathStyle::Bounce), ..VplDebugView::default() };
     let paths = view("depth").with_options(&look);

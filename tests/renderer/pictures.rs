@@ -1,11 +1,11 @@
 //! Whole pictures of the real scenes, for plausibility.
 
-use super::support::{Lab, assets, luminance, mean, named_scene, plain};
+use super::support::{GpuFixture, assets, luminance, mean, named_scene, plain};
 use glowworm::settings::{Settings, VplSettings};
 
 #[test]
 fn the_real_scenes_render() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let Some(assets) = assets() else { return };
     for name in ["sponza", "sibenik", "conference", "classroom", "living-room"] {
         let scene = named_scene(name, Some(&assets));
@@ -14,7 +14,7 @@ fn the_real_scenes_render() {
             vpl: VplSettings { slots: 128, temporal_sets: 4, ..VplSettings::default() },
             ..plain()
         };
-        let picture = lab.rendered(&scene, &settings, 5).read_picture(true).unwrap();
+        let picture = gpu.rendered(&scene, &settings, 5).read_picture(true).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite()), "{name}");
         let brightness = mean(
             picture

@@ -8,7 +8,7 @@ use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, VplSettings};
 
-use super::support::{Lab, channel, exact, layer, luminance, mean, named_scene, quantile};
+use super::support::{GpuFixture, channel, exact, layer, luminance, mean, named_scene, quantile};
 
 const SIDE: u32 = 48;
 const BLOCK: usize = 12;
@@ -47,20 +47,23 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
 
 /// Compares the irradiance of so many VPLs with the path tracer: its mean, and blocks of pixels.
 pub(super) fn check_against_reference(scene: &Arc<Scene>, interleave: u32, vpls: u32) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     // Several sets with interleaving would have half the resolution, too little for so small a picture.
     let temporal_sets = if interleave == 1 { 8 } else { 1 };
     let settings = Settings {
         vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..exact([SIDE; 2]).vpl },
         ..exact([SIDE; 2])
     };
-    let drawn = lab.rendered(scene, &settings, 8).read_picture(true).unwrap();
-    let truth = reference(scene, settings.size, settings.bounces, 1024);
-    let (drawn, truth) = (layer(&drawn, "indirect"), layer(&truth, "indirect"));
-    let ratio = mean(drawn.iter().map(luminance)) / mean(truth.iter().map(luminance));
+    let drawn = gpu.rendered(scene, &settings, 8).read_picture(true).unwrap();
+    let reference = reference(scene, settings.size, settings.bounces, 1024);
+    let (drawn, reference) = (layer(&drawn, "indirect"), layer(&reference, "indirect"));
+    let ratio = mean(drawn.iter().map(luminance)) / mean(reference.iter().map(luminance));
     assert!((ratio - 1.0).abs() <= 0.02, "the mean is {ratio} of the reference's");
-    let errors: Vec<f32> =
-        blocks(&drawn).iter().zip(blocks(&truth)).map(|(drawn, truth)| (drawn / truth - 1.0).abs()).collect();
+    let errors: Vec<f32> = blocks(&drawn)
+        .iter()
+        .zip(blocks(&reference))
+        .map(|(drawn, reference)| (drawn / reference - 1.0).abs())
+        .collect();
     let most = quantile(errors, 0.9);
     assert!(most <= 0.05, "one block in ten is off by more than {most}");
 }
@@ -83,19 +86,19 @@ fn four_kinds_of_lights_light_as_in_the_reference() {
 
 #[test]
 fn both_see_the_same_surfaces_and_direct_light() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    let drawn = lab.rendered(&scene, &exact([SIDE; 2]), 1).read_picture(true).unwrap();
-    let truth = reference(&scene, [SIDE; 2], 2, 4);
+    let drawn = gpu.rendered(&scene, &exact([SIDE; 2]), 1).read_picture(true).unwrap();
+    let reference = reference(&scene, [SIDE; 2], 2, 4);
     for name in ["direct", "albedo", "normal", "position"] {
-        let pairs = layer(&drawn, name).into_iter().zip(layer(&truth, name));
+        let pairs = layer(&drawn, name).into_iter().zip(layer(&reference, name));
         let differences = pairs.flat_map(|(a, b)| [0, 1, 2].map(|i| (a[i] - b[i]).abs())).collect();
         let most = quantile(differences, 0.99);
         assert!(most < 2e-3, "{name}: {most}");
     }
     let same = channel(&drawn, "instance")
         .iter()
-        .zip(channel(&truth, "instance"))
+        .zip(channel(&reference, "instance"))
         .filter(|(a, b)| **a == *b)
         .count();
     assert!(same >= (SIDE * SIDE) as usize * 99 / 100, "{same}");
@@ -103,11 +106,11 @@ fn both_see_the_same_surfaces_and_direct_light() {
 
 #[test]
 fn the_tone_mapping_on_the_cpu_is_that_of_the_shaders() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     for exposure in [None, Some(1.5)] {
         let settings = Settings { exposure, ..exact([SIDE; 2]) };
-        let drawn = lab.rendered(&scene, &settings, 1).read_picture(true).unwrap();
+        let drawn = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
         let mut twin = Picture { display: Vec::new(), ..drawn.clone() };
         let covered = channel(&drawn, "instance").into_iter().map(|instance| instance >= 0.0);
         tone_map(&mut twin, exposure, covered);

@@ -11,7 +11,7 @@ use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings};
 
 use super::reference::reference;
-use super::support::{Lab, channel, layer, luminance, mean, plain, scene};
+use super::support::{GpuFixture, channel, layer, luminance, mean, plain, scene};
 
 pub(super) const SIZE: [u32; 2] = [96, 64];
 /// Frames of a still scene until it is frozen, without an estimator.
@@ -91,12 +91,12 @@ pub(super) fn ssim(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
 
 #[test]
 fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", "");
     let pose = scene.pose(0.0);
     // Area lights take random points, so they are left out.
     let hard = Settings { direct: Direct::Hard, ..settings(Denoise::None) };
-    let mut renderer = lab.renderer(&scene, &hard, &pose);
+    let mut renderer = gpu.renderer(&scene, &hard, &pose);
     renderer.render(&pose).unwrap();
     let picture = renderer.read_picture(true).unwrap();
     let (reflected, instance) = (layer(&picture, "reflected"), channel(&picture, "instance"));
@@ -108,7 +108,7 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     behind.camera = Camera { eye, target, near: 0.01, far: 100.0, ..pose.camera };
     behind.instances[0] = Affine3A::from_translation(Vec3::Y * 1e3) * behind.instances[0];
     let plain = Settings { reflections: Reflections::None, ..hard };
-    let mut seen = lab.renderer(&scene, &plain, &behind);
+    let mut seen = gpu.renderer(&scene, &plain, &behind);
     seen.render(&behind).unwrap();
     let seen = colour(&seen);
 
@@ -131,10 +131,10 @@ fn seen(picture: &Picture) -> Vec<[f32; 3]> {
     both.map(|(direct, reflected)| [0, 1, 2].map(|i| direct[i] + reflected[i])).collect()
 }
 
-/// The same of the path tracer, which counts the light of lamps with an extent as irradiance.
+/// The same of the path tracer, which counts the light of area lights as irradiance.
 fn expected(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
-    let lamps = reference(scene, SIZE, 0, spp);
-    let (irradiance, albedo) = (layer(&lamps, "indirect"), layer(&lamps, "albedo"));
+    let path_traced = reference(scene, SIZE, 0, spp);
+    let (irradiance, albedo) = (layer(&path_traced, "indirect"), layer(&path_traced, "albedo"));
     let mut seen = seen(&reference(scene, SIZE, 1, spp));
     for ((pixel, e), albedo) in seen.iter_mut().zip(irradiance).zip(albedo) {
         (0..3).for_each(|i| pixel[i] += albedo[i] / PI * e[i]);
@@ -144,20 +144,20 @@ fn expected(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
 
 #[test]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for (roughness, metallic) in [(0.0, 1), (0.2, 1), (0.6, 1), (0.0, 0), (0.2, 0), (0.6, 0)] {
         let scene =
             stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = {metallic}"), "");
         let expected = expected(&scene, 1024);
         let frames = if roughness == 0.0 { 64 } else { 192 };
-        let ours = lab.mean_of_frames(&scene, &settings(Denoise::None), frames, seen);
+        let ours = gpu.mean_of_frames(&scene, &settings(Denoise::None), frames, seen);
         assert_agree(&format!("roughness {roughness}, metallic {metallic}"), &ours, &expected);
     }
 }
 
 /// Compares means, and blocks of 16 x 16 pixels.
 fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]]) {
-    let [all, truth] = [ours, expected].map(|picture| mean(picture.iter().map(luminance)));
+    let [all, reference] = [ours, expected].map(|picture| mean(picture.iter().map(luminance)));
     let blocks = |picture: &[[f32; 3]]| -> Vec<f32> {
         let mut sums = vec![0.0; 24];
         for (at, pixel) in picture.iter().enumerate() {
@@ -169,20 +169,20 @@ fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]]) {
     // In the darkest ones noise is more than that.
     let least = 0.05 * expected.iter().copied().fold(0.0, f32::max);
     let lit: Vec<f32> =
-        ours.iter().zip(&expected).filter(|(_, truth)| **truth > least).map(|(a, b)| a / b).collect();
+        ours.iter().zip(&expected).filter(|(_, reference)| **reference > least).map(|(a, b)| a / b).collect();
     let near = lit.iter().filter(|ratio| (**ratio - 1.0).abs() < 0.03).count();
-    eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / truth, lit.len());
-    assert!((all / truth - 1.0).abs() < 0.01, "{what}: mean {}", all / truth);
+    eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / reference, lit.len());
+    assert!((all / reference - 1.0).abs() < 0.01, "{what}: mean {}", all / reference);
     assert!(near as f32 >= 0.95 * lit.len() as f32, "{what}: {near} of {} blocks: {lit:?}", lit.len());
 }
 
 #[test]
 fn denoised_stills_are_like_the_truth() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut least: f64 = 1.0;
     for roughness in [0.0, 0.1, 0.2, 0.4, 0.6, 1.0] {
         let scene = stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), "");
-        let renderer = lab.rendered(&scene, &settings(Denoise::Svgf), 32);
+        let renderer = gpu.rendered(&scene, &settings(Denoise::Svgf), 32);
         let ours = seen(&renderer.read_picture(true).unwrap());
         let ssim = ssim(&ours, &expected(&scene, 1024));
         eprintln!("roughness {roughness}, denoised: SSIM {ssim}");
@@ -193,11 +193,11 @@ fn denoised_stills_are_like_the_truth() {
 
 #[test]
 fn a_ray_that_hits_nothing_sees_the_environment_but_no_background() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let material = "albedo = [1, 1, 1], roughness = 0, metallic = 1";
     for (sky, expected) in [(SKY, [0.2, 0.3, 0.5]), ("", [0.0; 3])] {
         let scene = stage(material, sky);
-        let renderer = lab.rendered(&scene, &settings(Denoise::None), 1);
+        let renderer = gpu.rendered(&scene, &settings(Denoise::None), 1);
         let picture = renderer.read_picture(true).unwrap();
         // The upper edge of the picture shows the mirror, and in it what lies above the boxes.
         for pixel in &layer(&picture, "reflected")[40..56] {
@@ -208,14 +208,14 @@ fn a_ray_that_hits_nothing_sees_the_environment_but_no_background() {
 
 #[test]
 fn a_mirror_in_a_mirror_takes_a_second_ray() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     // Another mirror opposite: its image in the first shows the glowing sky only where a path goes on.
     let opposite = "[[instances]]\nmodel = \"mirror\"\ntranslation = [0, 3, 6.1]\n";
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", &format!("{opposite}{SKY}"));
     let of_depth = |reflection_depth| {
         let base = settings(Denoise::None);
         let effects = EffectSettings { reflection_depth, ..base.effects };
-        let renderer = lab.rendered(&scene, &Settings { effects, ..base }, 2);
+        let renderer = gpu.rendered(&scene, &Settings { effects, ..base }, 2);
         mean(layer(&renderer.read_picture(true).unwrap(), "reflected").iter().map(luminance))
     };
     let [one, two, three] = [1, 2, 3].map(of_depth);
@@ -224,7 +224,7 @@ fn a_mirror_in_a_mirror_takes_a_second_ray() {
 
 #[test]
 fn reflections_are_traced_where_something_is_glossy() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let auto = Settings { reflections: Reflections::Auto, ..settings(Denoise::Svgf) };
     let auto = Settings { effects: EffectSettings { reflection_roughness: 0.6, ..auto.effects }, ..auto };
     let takes_time = |renderer: &mut Renderer, pose: &Pose| {
@@ -238,7 +238,7 @@ fn reflections_are_traced_where_something_is_glossy() {
     ] {
         let scene = stage(material, "");
         let pose = scene.pose(0.0);
-        let mut renderer = lab.renderer(&scene, &auto, &pose);
+        let mut renderer = gpu.renderer(&scene, &auto, &pose);
         assert_eq!(takes_time(&mut renderer, &pose), traced, "{material}");
         let off = Settings { reflections: Reflections::None, ..auto.clone() };
         renderer.set_settings(&off, &pose).unwrap();
@@ -255,7 +255,7 @@ fn reflections_are_traced_where_something_is_glossy() {
 /// A box that crosses before a mirror, and the camera past it.
 #[test]
 fn in_motion_the_picture_is_like_the_truth() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");
     type Move = fn(&mut Pose, f32);
     let moves: [(&str, Move); 2] = [
@@ -274,12 +274,12 @@ fn in_motion_the_picture_is_like_the_truth() {
             moved(&mut pose, 0.03 * frame as f32);
             pose
         };
-        let mut renderer = lab.renderer(&scene, &settings, &at(0));
+        let mut renderer = gpu.renderer(&scene, &settings, &at(0));
         let mut least: f64 = 1.0;
         for frame in 0..24 {
             renderer.render(&at(frame)).unwrap();
             if frame % 4 == 3 {
-                let ssim = ssim(&colour(&renderer), &colour(&still(&lab, &scene, &settings, &at(frame))));
+                let ssim = ssim(&colour(&renderer), &colour(&still(&gpu, &scene, &settings, &at(frame))));
                 eprintln!("{what} moves, frame {frame}: SSIM {ssim}");
                 least = least.min(ssim);
             }
@@ -289,15 +289,15 @@ fn in_motion_the_picture_is_like_the_truth() {
 }
 
 /// What comes to rest in a pose.
-pub(super) fn still(lab: &Lab, scene: &Arc<Scene>, settings: &Settings, pose: &Pose) -> Renderer {
-    let mut renderer = lab.renderer(scene, settings, pose);
+pub(super) fn still(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings, pose: &Pose) -> Renderer {
+    let mut renderer = gpu.renderer(scene, settings, pose);
     (0..FRAMES).for_each(|_| renderer.render(pose).unwrap());
     renderer
 }
 
 #[test]
 fn a_box_that_moves_leaves_no_trail_in_the_mirror() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");
     let at = |frame: u32| {
         let mut pose = scene.pose(0.0);
@@ -305,21 +305,21 @@ fn a_box_that_moves_leaves_no_trail_in_the_mirror() {
         pose
     };
     let settings = settings(Denoise::Svgf);
-    let mut renderer = lab.renderer(&scene, &settings, &at(0));
+    let mut renderer = gpu.renderer(&scene, &settings, &at(0));
     (0..=10).for_each(|frame| renderer.render(&at(frame)).unwrap());
     let reflected = |renderer: &Renderer| layer(&renderer.read_picture(true).unwrap(), "reflected");
     let ours = reflected(&renderer);
-    let truths: Vec<_> =
-        (0..=10).step_by(2).map(|frame| reflected(&still(&lab, &scene, &settings, &at(frame)))).collect();
-    let truth = &truths[5];
+    let references: Vec<_> =
+        (0..=10).step_by(2).map(|frame| reflected(&still(&gpu, &scene, &settings, &at(frame)))).collect();
+    let reference = &references[5];
     let differs = |a: &[f32; 3], b: &[f32; 3]| (luminance(a) / luminance(b).max(1e-3) - 1.0).abs();
     // Where the mirror showed the box, but does no more, nor did two frames ago.
-    let uncovered: Vec<usize> = (0..truth.len())
-        .filter(|&at| luminance(&truth[at]) > 0.05 && differs(&truths[4][at], &truth[at]) < 0.02)
-        .filter(|&at| (0..4).any(|frame| differs(&truths[frame][at], &truth[at]) > 0.3))
+    let uncovered: Vec<usize> = (0..reference.len())
+        .filter(|&at| luminance(&reference[at]) > 0.05 && differs(&references[4][at], &reference[at]) < 0.02)
+        .filter(|&at| (0..4).any(|frame| differs(&references[frame][at], &reference[at]) > 0.3))
         .collect();
     assert!(uncovered.len() > 60, "{}", uncovered.len());
-    let off = |at: &usize| luminance(&ours[*at]) / luminance(&truth[*at]) - 1.0;
+    let off = |at: &usize| luminance(&ours[*at]) / luminance(&reference[*at]) - 1.0;
     let (bias, error) = (mean(uncovered.iter().map(off)), mean(uncovered.iter().map(|at| off(at).abs())));
     eprintln!("{} pixels uncovered: off by {bias} in the mean, {error} each", uncovered.len());
     assert!(bias.abs() < 0.03 && error < 0.1, "{bias}, {error}");
@@ -327,16 +327,16 @@ fn a_box_that_moves_leaves_no_trail_in_the_mirror() {
 
 #[test]
 fn a_light_that_goes_leaves_the_mirror() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0.3, metallic = 1", "");
     let rest = scene.pose(0.0);
     let mut dark = rest.clone();
     dark.lights.remove(0);
     let settings = settings(Denoise::Svgf);
-    let mut renderer = lab.rendered(&scene, &settings, 24);
+    let mut renderer = gpu.rendered(&scene, &settings, 24);
     let of = |renderer: &Renderer| mean(colour(renderer).iter().map(luminance));
     let before = of(&renderer);
-    let mut fresh = lab.renderer(&scene, &settings, &dark);
+    let mut fresh = gpu.renderer(&scene, &settings, &dark);
     (0..FRAMES).for_each(|_| fresh.render(&dark).unwrap());
     let after = of(&fresh);
     for (frames, left) in [(4, 0.05), (12, 0.01)] {

@@ -71,7 +71,7 @@ pub fn scene_of(models: &[Model], rest: &str) -> Arc<Scene> {
     named_scene(file("room.toml").to_str().unwrap(), None)
 }
 
-/// A room, open towards the camera, lit by an uplighter: a lamp over a plate close under the ceiling. All its light comes from
+/// A room, open towards the camera, lit by an uplighter: a light over a plate close under the ceiling. All its light comes from
 /// bright VPLs side by side, and much of what they send on ends at the plate, a hand's breadth away.
 pub fn uplighter() -> Arc<Scene> {
     let room = Model::default()
@@ -80,7 +80,7 @@ pub fn uplighter() -> Arc<Scene> {
         .rectangle(0, -2.5, [0.0, -3.0], [3.0, 3.0])
         .rectangle(0, 2.5, [0.0, -3.0], [3.0, 3.0])
         .rectangle(2, -3.0, [-2.5, 0.0], [2.5, 3.0]);
-    let things = Model::default()
+    let objects = Model::default()
         .block([-1.4, 0.7, -1.6], [0.2, 0.78, -0.6])
         .block([-1.3, 0.0, -1.5], [-1.1, 0.7, -0.7])
         .block([-0.1, 0.0, -1.5], [0.1, 0.7, -0.7])
@@ -88,7 +88,7 @@ pub fn uplighter() -> Arc<Scene> {
         .block([1.17, 0.0, -1.43], [1.23, 2.7, -1.37])
         .block([0.8, 2.7, -1.8], [1.6, 2.72, -1.0]);
     scene_of(
-        &[room, things],
+        &[room, objects],
         r#"
         [[lights]]
         type = "spot"
@@ -105,7 +105,7 @@ pub fn uplighter() -> Arc<Scene> {
     )
 }
 
-/// A room with a niche in its far wall, and a bright lamp deep within it.
+/// A room with a niche in its far wall, and a bright light deep within it.
 pub fn niche() -> Arc<Scene> {
     let room = Model::default()
         .rectangle(1, 0.0, [-3.0, -2.5], [3.0, 2.5])
@@ -120,11 +120,11 @@ pub fn niche() -> Arc<Scene> {
         .rectangle(0, 0.3, [1.1, -3.4], [1.7, -3.0])
         .rectangle(1, 1.1, [-3.4, -0.3], [-3.0, 0.3])
         .rectangle(1, 1.7, [-3.4, -0.3], [-3.0, 0.3]);
-    let things = Model::default()
+    let objects = Model::default()
         .block([-1.8, 0.0, -2.0], [-1.0, 0.9, -1.2])
         .block([0.9, 0.0, -1.0], [1.5, 1.6, -0.5]);
     scene_of(
-        &[room, niche, things],
+        &[room, niche, objects],
         r#"
         [[lights]]
         type = "point"
@@ -170,7 +170,7 @@ pub fn thin_room(apart: bool, eye: [f32; 3], target: [f32; 3]) -> Arc<Scene> {
     scene_of(&models, &rest)
 }
 
-/// A wall with columns and cornices, and a lamp above close to it: its light grazes the wall, and the shadows of the cornices
+/// A wall with columns and cornices, and a light above close to it: its light grazes the wall, and the shadows of the cornices
 /// are long.
 pub fn cornices() -> Arc<Scene> {
     let wall = Model::default().rectangle(2, 0.0, [-6.0, 0.0], [6.0, 9.0]).rectangle(
@@ -203,7 +203,7 @@ pub fn cornices() -> Arc<Scene> {
 }
 
 /// A room with a screen of bars, stairs without risers, a table on thin legs, frames and grooves on the walls: a pixel or three
-/// wide at 320x180. The lamp is in the room beside it, so a pixel sees few of the VPLs: those that it sees through the door.
+/// wide at 320x180. The light is in the room beside it, so a pixel sees few of the VPLs: those that it sees through the door.
 pub fn thin_features() -> Arc<Scene> {
     let (low, high) = ([-3.0, -3.0], [3.0, 7.0]);
     let room = Model::default()

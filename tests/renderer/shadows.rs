@@ -10,7 +10,7 @@ use glowworm::settings::{Indirect, Settings};
 
 use super::reference::reference;
 use super::rooms::{SUN, SUN_IRRADIANCE, WINDOW, cornices, thin_room};
-use super::support::{Lab, assets, channel, layer, luminance, mean, named_scene, plain};
+use super::support::{GpuFixture, assets, channel, layer, luminance, mean, named_scene, plain};
 
 const SQUARE: [u32; 2] = [256; 2];
 
@@ -37,9 +37,9 @@ impl Mask {
     }
 }
 
-fn drawn(lab: &Lab, scene: &Arc<Scene>, size: [u32; 2]) -> Picture {
+fn drawn(gpu: &GpuFixture, scene: &Arc<Scene>, size: [u32; 2]) -> Picture {
     let settings = Settings { size, indirect: Indirect::NONE, ..plain() };
-    lab.rendered(scene, &settings, 1).read_picture(true).unwrap()
+    gpu.rendered(scene, &settings, 1).read_picture(true).unwrap()
 }
 
 /// What the sun brings to a point inside of the room, as radiance: all or nothing, by where the ray leaves the room.
@@ -54,11 +54,11 @@ fn through_the_window(position: Vec3, normal: Vec3) -> f32 {
 }
 
 fn check_thin_room(apart: bool, eye: [f32; 3], target: [f32; 3]) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = thin_room(apart, eye, target);
     const SIZE: [u32; 2] = [320, 240];
-    let (ours, truth) = (drawn(&lab, &scene, SIZE), reference(&scene, SIZE, 0, 1));
-    for (picture, what) in [(truth, "reference"), (ours, "renderer")] {
+    let (ours, reference) = (drawn(&gpu, &scene, SIZE), reference(&scene, SIZE, 0, 1));
+    for (picture, what) in [(reference, "reference"), (ours, "renderer")] {
         let places = layer(&picture, "position").into_iter().zip(layer(&picture, "normal"));
         let expected: Vec<f32> =
             places.map(|(position, normal)| through_the_window(position.into(), normal.into())).collect();
@@ -109,16 +109,16 @@ fn no_sun_leaks_between_meshes_that_only_meet() {
 
 /// Direct light, luminance, by the renderer and by the path tracer.
 fn direct(scene: &Arc<Scene>) -> Option<[Vec<f32>; 2]> {
-    let lab = Lab::open()?;
+    let gpu = GpuFixture::open()?;
     // One sample is exact: there is one light, and it is a point.
-    let pictures = [drawn(&lab, scene, SQUARE), reference(scene, SQUARE, 0, 1)];
+    let pictures = [drawn(&gpu, scene, SQUARE), reference(scene, SQUARE, 0, 1)];
     Some(pictures.map(|picture| layer(&picture, "direct").iter().map(luminance).collect()))
 }
 
 /// The mean must be within half a percent of the path tracer's.
 fn check_mean(scene: &Arc<Scene>) {
-    let Some([ours, truth]) = direct(scene) else { return };
-    let ratio = mean(ours) / mean(truth);
+    let Some([ours, reference]) = direct(scene) else { return };
+    let ratio = mean(ours) / mean(reference);
     eprintln!("the mean is {ratio:.5} of the reference's");
     assert!((ratio - 1.0).abs() <= 0.005, "the mean is {ratio} of the reference's");
 }
@@ -130,10 +130,11 @@ fn cornices_cast_all_their_shadows() {
 
 #[test]
 fn shadows_of_cornices_are_wrong_at_their_edges_only() {
-    let Some([ours, truth]) = direct(&cornices()) else { return };
-    let average = mean(truth.iter().copied());
-    let is_wrong = |(ours, truth): (&f32, &f32)| (ours - truth).abs() > 0.05 * truth + 0.01 * average;
-    let pixels: Vec<bool> = ours.iter().zip(&truth).map(is_wrong).collect();
+    let Some([ours, reference]) = direct(&cornices()) else { return };
+    let average = mean(reference.iter().copied());
+    let is_wrong =
+        |(ours, reference): (&f32, &f32)| (ours - reference).abs() > 0.05 * reference + 0.01 * average;
+    let pixels: Vec<bool> = ours.iter().zip(&reference).map(is_wrong).collect();
     let wrong = Mask { size: SQUARE.map(|side| side as usize), pixels };
     let (count, wide) = (wrong.pixels.iter().filter(|wrong| **wrong).count(), wrong.wide());
     eprintln!("{count} wrong pixels, {wide} in the middle of 3x3 wrong ones");

@@ -11,7 +11,7 @@ use glowworm::settings::{
 };
 
 use super::reference::reference;
-use super::support::{Lab, layer, luminance, mean, plain, scene};
+use super::support::{GpuFixture, layer, luminance, mean, plain, scene};
 
 const SIZE: [u32; 2] = [112, 80];
 /// Frames of a still scene until it is frozen, without an estimator.
@@ -137,21 +137,21 @@ fn blocks(picture: &[[f32; 3]]) -> Vec<f32> {
 
 /// Compares means, and blocks where there is any light.
 fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]]) {
-    let [all, truth] = [ours, expected].map(|picture| mean(picture.iter().map(luminance)));
+    let [all, reference] = [ours, expected].map(|picture| mean(picture.iter().map(luminance)));
     let (ours, expected) = (blocks(ours), blocks(expected));
     let lit: Vec<f32> =
-        ours.iter().zip(&expected).filter(|(_, truth)| **truth > 1e-3).map(|(a, b)| a / b).collect();
+        ours.iter().zip(&expected).filter(|(_, reference)| **reference > 1e-3).map(|(a, b)| a / b).collect();
     let near = lit.iter().filter(|ratio| (**ratio - 1.0).abs() < 0.03).count();
-    eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / truth, lit.len());
-    assert!((all / truth - 1.0).abs() < 0.01, "{what}: mean {}", all / truth);
+    eprintln!("{what}: mean {}, {near} of {} blocks within 3 %", all / reference, lit.len());
+    assert!((all / reference - 1.0).abs() < 0.01, "{what}: mean {}", all / reference);
     assert!(near as f32 >= 0.95 * lit.len() as f32, "{what}: {near} of {} blocks, {lit:?}", lit.len());
 }
 
 /// Direct light with that of area lights by both lobes, as the path tracer has it.
 fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
-    let truth = reference(scene, SIZE, 0, spp);
+    let reference = reference(scene, SIZE, 0, spp);
     let [direct, irradiance, reflected, albedo] =
-        ["direct", "indirect", "reflected", "albedo"].map(|name| layer(&truth, name));
+        ["direct", "indirect", "reflected", "albedo"].map(|name| layer(&reference, name));
     let sum = |at: usize, i: usize| {
         direct[at][i] + albedo[at][i] / std::f32::consts::PI * irradiance[at][i] + reflected[at][i]
     };
@@ -159,27 +159,27 @@ fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
 }
 
 /// The mean of 128 frames without a denoiser.
-fn mean_of_rays(lab: &Lab, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
-    lab.mean_of_frames(scene, &settings(Denoise::None), 128, |picture| layer(picture, "direct"))
+fn mean_of_rays(gpu: &GpuFixture, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
+    gpu.mean_of_frames(scene, &settings(Denoise::None), 128, |picture| layer(picture, "direct"))
 }
 
 #[test]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let suns = [0, 4, 20].map(|angle| (format!("sun of {angle} degrees"), sun(angle)));
     let others = [("bulb", BULB), ("spot", SPOT), ("panel", PANEL), ("globe", GLOBE)]
         .map(|(what, light)| (what.to_owned(), light.to_owned()));
     let pane = ("sun behind a pane".to_owned(), format!("{}\n{PANE}", sun(4)));
     for (what, light) in suns.into_iter().chain(others).chain([pane]) {
         let scene = yard(&light);
-        assert_agree(&what, &mean_of_rays(&lab, &scene), &expected_direct(&scene, 512));
+        assert_agree(&what, &mean_of_rays(&gpu, &scene), &expected_direct(&scene, 512));
     }
 }
 
 /// Rays along a lobe meet the lights that shadow rays sample, but for invisible ones.
 #[test]
 fn area_lights_count_once_beside_reflections() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let portal = format!("{PANEL}\nvisible = false");
     for (what, light) in [("panel", PANEL), ("globe", GLOBE), ("portal", &portal)] {
         let scene = yard(light);
@@ -194,7 +194,7 @@ fn area_lights_count_once_beside_reflections() {
             let effects =
                 EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
             let settings = Settings { effects, reflections: Reflections::Rays, ..plain };
-            let ours = lab.mean_of_frames(&scene, &settings, 128, |picture| picture.colour.clone());
+            let ours = gpu.mean_of_frames(&scene, &settings, 128, |picture| picture.colour.clone());
             assert_agree(&format!("{what}, mirrored by {share}"), &ours, &expected);
         }
     }
@@ -202,12 +202,12 @@ fn area_lights_count_once_beside_reflections() {
 
 #[test]
 fn lights_without_extent_have_hard_shadows() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let sharp = |light: &str| light.split("\nradius").next().unwrap().to_owned();
     for light in [sun(0), sharp(BULB), sharp(SPOT)] {
         let scene = yard(&light);
         let [hard, soft] = [Direct::Hard, Direct::Soft].map(|kind| {
-            direct(&lab.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
+            direct(&gpu.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
         });
         let dark = hard.iter().filter(|pixel| **pixel == [0.0; 3]).count();
         assert!((100..hard.len() - 100).contains(&dark), "{dark} pixels are dark");
@@ -221,11 +221,11 @@ fn lights_without_extent_have_hard_shadows() {
 
 #[test]
 fn white_noise_has_the_same_mean() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard(&sun(4));
     let blue = settings(Denoise::None);
     let white = Settings { effects: EffectSettings { noise: Noise::White, ..blue.effects }, ..blue.clone() };
-    let [blue, white] = [blue, white].map(|settings| direct(&lab.rendered(&scene, &settings, FRAMES)));
+    let [blue, white] = [blue, white].map(|settings| direct(&gpu.rendered(&scene, &settings, FRAMES)));
     assert_ne!(blue, white);
     let [a, b] = [&blue, &white].map(|picture| mean(picture.iter().map(luminance)));
     assert!((a / b - 1.0).abs() < 0.005, "{a}, {b}");
@@ -233,8 +233,8 @@ fn white_noise_has_the_same_mean() {
 
 #[test]
 fn a_hundred_lamps_take_one_ray() {
-    let Some(lab) = Lab::open() else { return };
-    let lamp = |i: usize| {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let light = |i: usize| {
         let (x, z) = (i % 10, i / 10);
         let [x, z] = [x, z].map(|at| at as f32 * 0.7 - 3.1);
         let height = 1.6 + 0.1 * (i % 7) as f32;
@@ -243,15 +243,15 @@ fn a_hundred_lamps_take_one_ray() {
             0.1 + 0.004 * i as f32
         )
     };
-    let lamps: Vec<String> = (0..100).map(lamp).collect();
-    let scene = yard(&lamps.join("\n[[lights]]\n"));
+    let lights: Vec<String> = (0..100).map(light).collect();
+    let scene = yard(&lights.join("\n[[lights]]\n"));
     let expected = layer(&reference(&scene, SIZE, 0, 512), "direct");
-    let ours = lab.mean_of_frames(&scene, &settings(Denoise::None), 64, |picture| layer(picture, "direct"));
-    assert_agree("a hundred lamps", &ours, &expected);
+    let ours = gpu.mean_of_frames(&scene, &settings(Denoise::None), 64, |picture| layer(picture, "direct"));
+    assert_agree("a hundred lights", &ours, &expected);
     // Denoised, after 32 frames.
-    let denoised = direct(&lab.rendered(&scene, &settings(Denoise::Svgf), 32));
+    let denoised = direct(&gpu.rendered(&scene, &settings(Denoise::Svgf), 32));
     let ssim = ssim(&denoised, &expected);
-    eprintln!("a hundred lamps, denoised: SSIM {ssim}");
+    eprintln!("a hundred lights, denoised: SSIM {ssim}");
     assert!(ssim >= 0.9, "{ssim}");
 }
 
@@ -265,11 +265,11 @@ fn ssim(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
 
 #[test]
 fn denoised_stills_are_like_the_truth() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     for angle in [4, 20] {
         let scene = yard(&sun(angle));
         let expected = layer(&reference(&scene, SIZE, 0, 256), "direct");
-        let ssim = ssim(&direct(&lab.rendered(&scene, &settings(Denoise::Svgf), 32)), &expected);
+        let ssim = ssim(&direct(&gpu.rendered(&scene, &settings(Denoise::Svgf), 32)), &expected);
         eprintln!("sun of {angle} degrees, denoised: SSIM {ssim}");
         assert!(ssim >= 0.98, "{angle} degrees: {ssim}");
     }
@@ -293,7 +293,7 @@ fn all_in_use(direct: Direct, antialiasing: Antialiasing, denoise: Denoise) -> (
 
 #[test]
 fn a_still_picture_stands_still_and_depends_on_no_past() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     let rest = scene.pose(0.0);
     for (direct, antialiasing, denoise) in [
@@ -310,13 +310,13 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
             (0..frames).for_each(|_| renderer.render(&rest).unwrap());
             renderer.read_picture(false).unwrap()
         };
-        let mut fresh = lab.renderer(&scene, &settings, &rest);
+        let mut fresh = gpu.renderer(&scene, &settings, &rest);
         let expected = wait(&mut fresh, frames);
         assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite()));
         for more in [1, 6] {
             assert!(wait(&mut fresh, more) == expected, "{what}: {more} frames later");
         }
-        let mut renderer = lab.renderer(&scene, &settings, &rest);
+        let mut renderer = gpu.renderer(&scene, &settings, &rest);
         for frame in 0..5 {
             let mut pose: Pose = rest.clone();
             pose.instances[1] = Affine3A::from_translation(Vec3::X * 0.2 * frame as f32) * pose.instances[1];
@@ -330,15 +330,15 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
 
 #[test]
 fn a_light_that_goes_takes_its_light_along() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard(&format!("{}\n[[lights]]\n{BULB}", sun(4)));
     let rest = scene.pose(0.0);
     let mut dark = rest.clone();
     dark.lights.remove(1);
     let settings = settings(Denoise::Svgf);
-    let mut renderer = lab.rendered(&scene, &settings, 20);
+    let mut renderer = gpu.rendered(&scene, &settings, 20);
     let before = mean(direct(&renderer).iter().map(luminance));
-    let mut fresh = lab.renderer(&scene, &settings, &dark);
+    let mut fresh = gpu.renderer(&scene, &settings, &dark);
     (0..64).for_each(|_| fresh.render(&dark).unwrap());
     let after = mean(direct(&fresh).iter().map(luminance));
     for (frames, left) in [(4, 0.05), (12, 0.02)] {

@@ -1,7 +1,7 @@
 //! The integrating sphere: from a point light in the middle of a closed diffuse sphere, every VPL lights
 //! every point alike, so the indirect irradiance is (I/R^2)(rho + ... + rho^B) everywhere.
 
-use super::support::{Lab, exact, indirect, luminance, mean, quantile, scene};
+use super::support::{GpuFixture, exact, indirect, luminance, mean, quantile, scene};
 
 fn sphere(radius: f32, intensity: f32, albedo: f32) -> String {
     format!(
@@ -30,11 +30,11 @@ fn sphere(radius: f32, intensity: f32, albedo: f32) -> String {
 fn check(radius: f32, bounces: u32, vpls: u32, interleave: u32) {
     const INTENSITY: f32 = 7.0;
     const ALBEDO: f32 = 0.6;
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&sphere(radius, INTENSITY * radius * radius, ALBEDO));
     let mut settings = exact([64, 64]);
     (settings.bounces, settings.vpl.slots, settings.vpl.interleave) = (bounces, vpls, interleave);
-    let found: Vec<f32> = indirect(&lab.rendered(&scene, &settings, 1)).iter().map(luminance).collect();
+    let found: Vec<f32> = indirect(&gpu.rendered(&scene, &settings, 1)).iter().map(luminance).collect();
     let expected: f32 = INTENSITY * (1..=bounces as i32).map(|bounce| ALBEDO.powi(bounce)).sum::<f32>();
     let average = mean(found.iter().copied());
     assert!((average / expected - 1.0).abs() < 0.005, "mean {average}, expected {expected}");

@@ -10,7 +10,7 @@ use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
-use super::support::{Lab, mean, plain, scene};
+use super::support::{GpuFixture, mean, plain, scene};
 
 const BOXES: &str = r#"
 [[models]]
@@ -65,10 +65,10 @@ fn mean_of(texels: impl Iterator<Item = [f32; 3]>) -> [f32; 3] {
 }
 
 /// The mean of 8 x 8 samples in each pixel.
-fn supersampled(lab: &Lab, scene: &Arc<Scene>, pose: &Pose) -> Vec<[f32; 3]> {
+fn supersampled(gpu: &GpuFixture, scene: &Arc<Scene>, pose: &Pose) -> Vec<[f32; 3]> {
     let [width, height] = SIZE.map(|side| side as usize);
     let settings = Settings { size: SIZE.map(|side| 8 * side), ..direct_only(Antialiasing::None) };
-    let mut renderer = lab.renderer(scene, &settings, pose);
+    let mut renderer = gpu.renderer(scene, &settings, pose);
     renderer.render(pose).unwrap();
     let fine = colour(&renderer);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -88,15 +88,15 @@ fn flip(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
 
 #[test]
 fn a_still_picture_is_the_supersampled_one() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(BOXES);
     let pose = scene.pose(0.0);
-    let expected = supersampled(&lab, &scene, &pose);
+    let expected = supersampled(&gpu, &scene, &pose);
     let [smooth, rough] = [Antialiasing::Taa, Antialiasing::None]
-        .map(|antialiasing| flip(&colour(&lab.rendered(&scene, &direct_only(antialiasing), 64)), &expected));
+        .map(|antialiasing| flip(&colour(&gpu.rendered(&scene, &direct_only(antialiasing), 64)), &expected));
     eprintln!("FLIP {smooth}, without {rough}");
     assert!(smooth <= 0.02 && rough > 0.02, "{smooth}, without {rough}");
-    let [ours, theirs] = [colour(&lab.rendered(&scene, &direct_only(Antialiasing::Taa), 64)), expected]
+    let [ours, theirs] = [colour(&gpu.rendered(&scene, &direct_only(Antialiasing::Taa), 64)), expected]
         .map(|picture| mean(picture.iter().map(|pixel| pixel[0])));
     assert!((ours / theirs - 1.0).abs() < 2e-3, "{ours} of {theirs}");
 }
@@ -109,7 +109,7 @@ fn frames_to_rest(settings: &Settings) -> u32 {
 
 #[test]
 fn a_still_picture_stands_still_and_depends_on_no_past() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(BOXES);
     let vpl = VplSettings { slots: 96, temporal_sets: 6, budget: 32, ..VplSettings::default() };
     let settings = Settings { size: SIZE, vpl, antialiasing: Antialiasing::Taa, ..plain() };
@@ -118,14 +118,14 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
         (0..frames).for_each(|_| renderer.render(pose).unwrap());
         renderer.read_picture(false).unwrap()
     };
-    let mut fresh = lab.renderer(&scene, &settings, &rest);
+    let mut fresh = gpu.renderer(&scene, &settings, &rest);
     let expected = wait(&mut fresh, &rest, frames_to_rest(&settings));
     for more in [1, 7, 30] {
         assert!(wait(&mut fresh, &rest, more) == expected, "after {more} more frames");
     }
     // After a light, a box and the camera have moved, for numbers of frames that no cycle divides.
     for frames in [1, 5] {
-        let mut renderer = lab.renderer(&scene, &settings, &rest);
+        let mut renderer = gpu.renderer(&scene, &settings, &rest);
         for frame in 0..frames {
             let mut pose = rest.clone();
             pose.lights[0].position.x -= 0.1 * (frame + 1) as f32;
@@ -171,7 +171,7 @@ fn spread(picture: &[[f32; 3]]) -> f32 {
 
 #[test]
 fn textures_keep_their_contrast_while_the_camera_moves() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     let scene = chart(folder.path());
     let rest = scene.pose(0.0);
@@ -183,9 +183,9 @@ fn textures_keep_their_contrast_while_the_camera_moves() {
             pose.camera.target += shift;
             pose
         };
-        let mut renderer = lab.renderer(&scene, &direct_only(Antialiasing::Taa), &at(0));
+        let mut renderer = gpu.renderer(&scene, &direct_only(Antialiasing::Taa), &at(0));
         (0..=30).for_each(|frame| renderer.render(&at(frame)).unwrap());
-        let contrast = spread(&colour(&renderer)) / spread(&supersampled(&lab, &scene, &at(30)));
+        let contrast = spread(&colour(&renderer)) / spread(&supersampled(&gpu, &scene, &at(30)));
         eprintln!("contrast {contrast} at {step} a frame");
         assert!(contrast >= 0.9, "{contrast} at {step} a frame");
     }
@@ -193,7 +193,7 @@ fn textures_keep_their_contrast_while_the_camera_moves() {
 
 #[test]
 fn a_moving_box_leaves_no_trail() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(BOXES);
     let at = |frame: u32| {
         let mut pose = scene.pose(0.0);
@@ -202,7 +202,7 @@ fn a_moving_box_leaves_no_trail() {
         pose
     };
     let shown = |antialiasing, pose: &Pose| {
-        let mut renderer = lab.renderer(&scene, &direct_only(antialiasing), pose);
+        let mut renderer = gpu.renderer(&scene, &direct_only(antialiasing), pose);
         renderer.render(pose).unwrap();
         renderer
     };
@@ -213,51 +213,51 @@ fn a_moving_box_leaves_no_trail() {
     for frame in [5, 6] {
         renderer.render(&at(frame)).unwrap();
     }
-    let (ours, truth) = (colour(&renderer), &frames[6]);
+    let (ours, reference) = (colour(&renderer), &frames[6]);
     let [width, height] = SIZE.map(|side| side as usize);
     // Where no position in the pixel or next to it shows an edge.
     let flat = |at: usize| {
         let (x, y) = (at % width, at / width);
-        let around = |i: usize| truth[(y + i / 5 - 2) * width + x + i % 5 - 2][2];
+        let around = |i: usize| reference[(y + i / 5 - 2) * width + x + i % 5 - 2][2];
         (2..width - 2).contains(&x)
             && (2..height - 2).contains(&y)
-            && (0..25).all(|i| (around(i) / truth[at][2] - 1.0).abs() < 0.1)
+            && (0..25).all(|i| (around(i) / reference[at][2] - 1.0).abs() < 0.1)
     };
-    let uncovered: Vec<usize> = (0..truth.len())
-        .filter(|&at| (frames[4][at][2] / truth[at][2] - 1.0).abs() < 0.02)
-        .filter(|&at| (0..4).any(|frame| (frames[frame][at][2] / truth[at][2] - 1.0).abs() > 0.2))
+    let uncovered: Vec<usize> = (0..reference.len())
+        .filter(|&at| (frames[4][at][2] / reference[at][2] - 1.0).abs() < 0.02)
+        .filter(|&at| (0..4).any(|frame| (frames[frame][at][2] / reference[at][2] - 1.0).abs() > 0.2))
         .filter(|&at| flat(at))
         .collect();
     assert!(uncovered.len() > 30, "{}", uncovered.len());
     for at in uncovered {
-        let off = (ours[at][2] / truth[at][2] - 1.0).abs();
+        let off = (ours[at][2] / reference[at][2] - 1.0).abs();
         // The history of half floats stays within half an ulp over the weight of a frame: 0.3 %.
-        assert!(off < 0.023, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], truth[at][2]);
+        assert!(off < 0.023, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], reference[at][2]);
     }
 }
 
 #[test]
 fn a_moving_lamp_has_no_dark_edge() {
-    let Some(lab) = Lab::open() else { return };
-    let lamp = "primitive = \"sphere\"\nsize = [0.4, 0.4, 0.4]\nsubdivisions = 2\nmaterial = { emission = [60, 60, 60] }";
+    let Some(gpu) = GpuFixture::open() else { return };
+    let glowing = "primitive = \"sphere\"\nsize = [0.4, 0.4, 0.4]\nsubdivisions = 2\nmaterial = { emission = [60, 60, 60] }";
     let model = "primitive = \"box\"\nsize = [0.8, 0.8, 0.8]\nmaterial = { albedo = [0.1, 0.2, 0.6] }";
-    let scene = scene(&BOXES.replace(model, lamp));
+    let scene = scene(&BOXES.replace(model, glowing));
     let rest = scene.pose(0.0);
     let [width, height] = SIZE.map(|side| side as usize);
     // A fifteenth and a sixth of a pixel a frame.
     for step in [0.003, 0.008] {
         let [mut smooth, mut sharp] = [Antialiasing::Taa, Antialiasing::None]
-            .map(|antialiasing| lab.renderer(&scene, &direct_only(antialiasing), &rest));
+            .map(|antialiasing| gpu.renderer(&scene, &direct_only(antialiasing), &rest));
         for frame in 0..24 {
             let mut pose = rest.clone();
             let way = Vec3::new(step, -0.55 * step, 0.0) * frame as f32;
             pose.instances[1] = Affine3A::from_translation(way) * pose.instances[1];
-            let [ours, truth] = [&mut smooth, &mut sharp].map(|renderer| {
+            let [ours, reference] = [&mut smooth, &mut sharp].map(|renderer| {
                 renderer.render(&pose).unwrap();
                 colour(renderer)
             });
             for (x, y) in (2..height - 2).flat_map(|y| (2..width - 2).map(move |x| (x, y))) {
-                let around = (0..25).map(|i| truth[(y + i / 5 - 2) * width + x + i % 5 - 2][1]);
+                let around = (0..25).map(|i| reference[(y + i / 5 - 2) * width + x + i % 5 - 2][1]);
                 let least = around.fold(f32::INFINITY, f32::min);
                 let seen = ours[y * width + x][1];
                 assert!(seen >= 0.9 * least, "step {step}, frame {frame}, pixel {x}, {y}: {seen} of {least}");

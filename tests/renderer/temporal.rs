@@ -3,7 +3,7 @@
 use glowworm::settings::{Settings, VplSettings};
 
 use super::support::{
-    Lab, exact, indirect, layer, luminance, mean, named_scene, plain, relative_differences,
+    GpuFixture, exact, indirect, layer, luminance, mean, named_scene, plain, relative_differences,
 };
 
 fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
@@ -15,13 +15,13 @@ fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
 
 #[test]
 fn sixteen_sets_show_what_one_shows() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     // Interleaved, set buffers have half the resolution, and pixels draw other VPLs: each is near what it is with one set, the
     // mean the same.
     for (interleave, most_mean, most, of_mean) in [(1, 0.001, 0.01, 0.003), (4, 0.1, f32::INFINITY, 0.01)] {
-        let many = indirect(&lab.rendered(&scene, &cornell(512, 16, interleave), 16));
-        let one = indirect(&lab.rendered(&scene, &cornell(512, 1, interleave), 1));
+        let many = indirect(&gpu.rendered(&scene, &cornell(512, 16, interleave), 16));
+        let one = indirect(&gpu.rendered(&scene, &cornell(512, 1, interleave), 1));
         let (average, worst) = relative_differences(&many, &one);
         assert!(average <= most_mean && worst <= most, "interleave {interleave}: {average}, {worst}");
         let brightness = |picture: &[[f32; 3]]| mean(picture.iter().map(luminance));
@@ -32,11 +32,11 @@ fn sixteen_sets_show_what_one_shows() {
 
 #[test]
 fn interleaving_keeps_the_brightness() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let settings =
         |interleave| Settings { size: [192, 192], exposure: Some(0.0), ..cornell(1024, 1, interleave) };
-    let picture = |interleave| lab.rendered(&scene, &settings(interleave), 1).read_picture(true).unwrap();
+    let picture = |interleave| gpu.rendered(&scene, &settings(interleave), 1).read_picture(true).unwrap();
     let (with, without) = (picture(4), picture(1));
     let brightness = |picture| mean(layer(picture, "indirect").iter().map(luminance));
     let ratio = brightness(&with) / brightness(&without);
@@ -51,12 +51,12 @@ fn interleaving_keeps_the_brightness() {
 
 #[test]
 fn a_static_scene_stands_still() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let settings =
         Settings { vpl: VplSettings { budget: 16, ..cornell(128, 8, 4).vpl }, ..cornell(128, 8, 4) };
     let pose = scene.pose(0.0);
-    let mut renderer = lab.renderer(&scene, &settings, &pose);
+    let mut renderer = gpu.renderer(&scene, &settings, &pose);
     let mut pictures = Vec::new();
     for frame in 1..=32 {
         renderer.render(&pose).unwrap();
@@ -75,15 +75,15 @@ fn a_static_scene_stands_still() {
 
 #[test]
 fn reruns_are_the_same_bits() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    let picture = || lab.rendered(&scene, &cornell(100, 4, 4), 6).read_picture(true).unwrap();
+    let picture = || gpu.rendered(&scene, &cornell(100, 4, 4), 6).read_picture(true).unwrap();
     assert!(picture() == picture());
 }
 
 #[test]
 fn uneven_divisions_keep_the_brightness() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let brightness = |vpls, temporal_sets, interleave, bounces| {
         let settings = Settings {
@@ -92,7 +92,7 @@ fn uneven_divisions_keep_the_brightness() {
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..exact([61, 47]).vpl },
             ..exact([61, 47])
         };
-        mean(indirect(&lab.rendered(&scene, &settings, temporal_sets)).iter().map(luminance))
+        mean(indirect(&gpu.rendered(&scene, &settings, temporal_sets)).iter().map(luminance))
     };
     for (vpls, sets, interleave) in [(1021, 7, 3), (999, 13, 5), (2000, 64, 8), (1025, 1, 7)] {
         let ratio = brightness(vpls, sets, interleave, 3) / brightness(vpls, 1, 1, 3);
@@ -102,7 +102,7 @@ fn uneven_divisions_keep_the_brightness() {
 
 #[test]
 fn extremes_work() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     for (vpls, temporal_sets, interleave, bounces, size) in [
         (1, 1, 1, 1, [1, 1]),
@@ -116,20 +116,20 @@ fn extremes_work() {
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
             ..plain()
         };
-        let picture = lab.rendered(&scene, &settings, 3).read_picture(false).unwrap();
+        let picture = gpu.rendered(&scene, &settings, 3).read_picture(false).unwrap();
         assert!(picture.colour.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
     }
 }
 
 #[test]
 fn what_has_not_changed_is_not_drawn_again() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let settings = cornell(128, 4, 4);
     let rest = scene.pose(0.0);
     let mut aside = rest.clone();
     aside.camera.eye.x += 0.1;
-    let mut renderer = lab.renderer(&scene, &settings, &rest);
+    let mut renderer = gpu.renderer(&scene, &settings, &rest);
     let poses = [&rest, &rest, &rest, &aside, &aside, &aside, &aside, &rest];
     for pose in poses {
         renderer.render(pose).unwrap();
@@ -140,7 +140,7 @@ fn what_has_not_changed_is_not_drawn_again() {
     // Once more after the camera has moved: then the motion of all pixels is 0.
     assert_eq!(drawn, [true, false, false, true, true, false, false, true], "{gbuffer_ms:?}");
     // What stands is what a fresh renderer draws.
-    let (kept, fresh) = (renderer.read_picture(true).unwrap(), lab.rendered(&scene, &settings, 8));
+    let (kept, fresh) = (renderer.read_picture(true).unwrap(), gpu.rendered(&scene, &settings, 8));
     let fresh = fresh.read_picture(true).unwrap();
     for name in ["direct", "albedo", "normal", "position"] {
         assert!(layer(&kept, name) == layer(&fresh, name), "{name}");
@@ -149,10 +149,10 @@ fn what_has_not_changed_is_not_drawn_again() {
 
 #[test]
 fn rays_are_cast_only_where_they_matter() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.renderer(&scene, &cornell(512, 1, 1), &pose);
+    let mut renderer = gpu.renderer(&scene, &cornell(512, 1, 1), &pose);
     renderer.render(&pose).unwrap();
     let ids = renderer.read_picture(true).unwrap();
     let report = renderer.finish().unwrap().remove(0).figures;
@@ -164,13 +164,13 @@ fn rays_are_cast_only_where_they_matter() {
 
 #[test]
 fn temporal_sets_share_the_rays_of_a_frame() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let pose = scene.pose(0.0);
     let rays = |temporal_sets: u32| {
         let base = cornell(512, temporal_sets, 1);
         let settings = Settings { vpl: VplSettings { refresh: 0, ..base.vpl }, ..base };
-        let mut renderer = lab.renderer(&scene, &settings, &pose);
+        let mut renderer = gpu.renderer(&scene, &settings, &pose);
         (0..temporal_sets).for_each(|_| renderer.render(&pose).unwrap());
         let reports = renderer.finish().unwrap();
         mean(reports.iter().map(|report| report.figures.counters.get("shadow_rays") as f32))
@@ -181,7 +181,7 @@ fn temporal_sets_share_the_rays_of_a_frame() {
 
 #[test]
 fn no_vpl_is_lost_where_a_frame_has_very_many() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cathedral", None);
     let settings = |temporal_sets| Settings {
         vpl: VplSettings { slots: 4096, pool: 4096, temporal_sets, clamp: 0.0, ..exact([48, 27]).vpl },
@@ -189,7 +189,7 @@ fn no_vpl_is_lost_where_a_frame_has_very_many() {
     };
     let pose = scene.pose(0.0);
     let brightness = |temporal_sets| {
-        let mut renderer = lab.renderer(&scene, &settings(temporal_sets), &pose);
+        let mut renderer = gpu.renderer(&scene, &settings(temporal_sets), &pose);
         for _ in 0..temporal_sets {
             renderer.render(&pose).unwrap();
         }

@@ -3,24 +3,27 @@
 use glowworm::settings::{Settings, VplSettings};
 
 use super::rooms::thin_features;
-use super::support::{Lab, indirect, luminance, plain};
+use super::support::{GpuFixture, indirect, luminance, plain};
 
 const SIZE: [u32; 2] = [320, 180];
 
 /// The share of pixels that have less than a quarter of their light at the default settings. What their light is, every pixel
-/// gathers from all VPLs of `truth`.
-fn dark_share(truth: Settings) -> Option<f32> {
-    let lab = Lab::open()?;
+/// gathers from all VPLs of `reference`.
+fn dark_share(reference: Settings) -> Option<f32> {
+    let gpu = GpuFixture::open()?;
     let scene = thin_features();
     let settings = Settings { size: SIZE, ..plain() };
-    let ours = indirect(&lab.rendered(&scene, &settings, settings.vpl.temporal_sets));
-    let truth = Settings { size: SIZE, vpl: VplSettings { interleave: 1, ..truth.vpl }, ..truth };
-    let truth = indirect(&lab.rendered(&scene, &truth, truth.vpl.temporal_sets));
-    let pairs: Vec<(f32, f32)> =
-        ours.iter().zip(&truth).map(|(ours, truth)| (luminance(ours), luminance(truth))).collect();
-    let lit = pairs.iter().filter(|(_, truth)| *truth > 0.0).count();
+    let ours = indirect(&gpu.rendered(&scene, &settings, settings.vpl.temporal_sets));
+    let reference = Settings { size: SIZE, vpl: VplSettings { interleave: 1, ..reference.vpl }, ..reference };
+    let reference = indirect(&gpu.rendered(&scene, &reference, reference.vpl.temporal_sets));
+    let pairs: Vec<(f32, f32)> = ours
+        .iter()
+        .zip(&reference)
+        .map(|(ours, reference)| (luminance(ours), luminance(reference)))
+        .collect();
+    let lit = pairs.iter().filter(|(_, reference)| *reference > 0.0).count();
     assert!(lit > 50_000, "only {lit} pixels are lit");
-    let dark = pairs.iter().filter(|(ours, truth)| *ours < 0.25 * truth).count();
+    let dark = pairs.iter().filter(|(ours, reference)| *ours < 0.25 * reference).count();
     let share = dark as f32 / lit as f32;
     eprintln!("{share:.5} of the pixels have less than a quarter of their light");
     Some(share)

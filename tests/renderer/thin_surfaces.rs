@@ -1,4 +1,4 @@
-//! Thin sheets on the device: what they let pass of lamps and of what is behind them, and what they reflect.
+//! Thin surfaces on the device: what they transmit of lights and of what is behind them, and what they reflect.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use glowworm::scene::{
 use glowworm::settings::{Indirect, Settings, TracerKind};
 
 use super::reference::reference;
-use super::support::{Lab, exact, layer, luminance, mean, skip};
+use super::support::{GpuFixture, exact, layer, luminance, mean, skip};
 
 const SIZE: [u32; 2] = [64, 48];
 const LAMP: Vec3 = Vec3::new(0.3, 6.0, 1.0);
@@ -26,11 +26,11 @@ fn settings(tracer: RayTracer) -> Settings {
     Settings { tracer, indirect: Indirect::NONE, exposure: Some(0.0), ..exact(SIZE) }
 }
 
-/// A device that can do with `tracer`; without one the test is skipped.
-fn open(tracer: RayTracer) -> Option<Lab> {
-    let lab = Lab::open()?;
-    if RayTracer::offered(&lab.device).contains(&tracer) {
-        return Some(lab);
+/// A device that supports `tracer`; without one the test is skipped.
+fn open(tracer: RayTracer) -> Option<GpuFixture> {
+    let gpu = GpuFixture::open()?;
+    if RayTracer::offered(&gpu.device).contains(&tracer) {
+        return Some(gpu);
     }
     skip("the device has no ray queries");
     None
@@ -42,7 +42,7 @@ fn square(material: u32) -> Mesh {
     Mesh::polygon("square", &corners, material)
 }
 
-fn lamp(position: Vec3) -> Light {
+fn light_at(position: Vec3) -> Light {
     Light {
         name: "lamp".into(),
         kind: LightKind::Point { intensity: Vec3::new(90.0, 80.0, 70.0) },
@@ -54,13 +54,13 @@ fn lamp(position: Vec3) -> Light {
     }
 }
 
-/// A wall of albedo 0.5 in the plane z = 0, under a lamp; the camera sees of it what is within about 1.7 of the middle.
+/// A wall of albedo 0.5 in the plane z = 0, under a light; the camera sees of it what is within about 1.7 of the middle.
 fn wall() -> Scene {
     let mut scene = Scene::new("wall");
     scene.materials.push(Material::lambertian("wall", Vec3::splat(0.5)));
     scene.meshes.push(square(0).into());
     scene.instances.push(Instance::fixed("wall", 0, Affine3A::from_scale(Vec3::splat(5.0))));
-    scene.lights.push(lamp(LAMP));
+    scene.lights.push(light_at(LAMP));
     scene.camera = Camera { vertical_fov: 0.8, ..Camera::looking(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO) };
     scene
 }
@@ -73,7 +73,7 @@ fn add_pane(scene: &mut Scene, material: Material, place: Affine3A) {
     scene.meshes.push(square(index).into());
 }
 
-/// Between the lamp and all that is seen of the wall, out of sight.
+/// Between the light and all that is seen of the wall, out of sight.
 fn before_the_lamp(height: f32) -> Affine3A {
     let place = Affine3A::from_translation(Vec3::new(0.0, height, 0.7));
     place
@@ -89,7 +89,7 @@ fn before_the_eye() -> Affine3A {
     Affine3A::from_scale_rotation_translation(Vec3::splat(3.0), Quat::IDENTITY, Vec3::new(0.0, 0.0, 2.0))
 }
 
-/// A sheet without a coat that lets `tint` pass.
+/// A thin surface without a coat that transmits `tint`.
 fn glass(tint: Vec3) -> Material {
     Material { transmission: 1.0, ..Material::lambertian("glass", tint) }
 }
@@ -108,8 +108,8 @@ fn add_texture(scene: &mut Scene) -> usize {
     scene.textures.len() - 1
 }
 
-fn drawn(lab: &Lab, scene: Scene, tracer: RayTracer) -> Picture {
-    lab.rendered(&Arc::new(scene), &settings(tracer), 1).read_picture(true).unwrap()
+fn drawn(gpu: &GpuFixture, scene: Scene, tracer: RayTracer) -> Picture {
+    gpu.rendered(&Arc::new(scene), &settings(tracer), 1).read_picture(true).unwrap()
 }
 
 fn pixels(picture: &Picture, name: &str) -> Vec<Vec3> {
@@ -144,7 +144,7 @@ fn same_but_for(found: &[Vec3], expected: &[Vec3], share: f32, of: &[Vec3]) {
     assert!(wrong.len() * 500 <= found.len(), "{} differ: {:?}", wrong.len(), &wrong[..wrong.len().min(4)]);
 }
 
-/// What the sheets between `p` and the lamp let pass, one after the other by rays on the CPU.
+/// The transmittance of the thin surfaces between `p` and the light, by rays on the CPU.
 fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> Vec3 {
     let direction = LAMP - p;
     let mut ray = Ray { origin: p + Vec3::Z * 1e-4, direction, t_min: 0.0, t_max: 1.0 };
@@ -154,8 +154,8 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
         let met = scene.surface_at(pose, hit.instance, point, Side::Facing(direction));
         let material = &scene.materials[hit.instance as usize];
         let coat = material.bsdf_at(scene, met.attributes).seen(met.surface.normal, -direction.normalize());
-        let sheet = material.thin_surface_at(scene, met.attributes);
-        passed *= sheet.transmittance(coat.reflected_albedo().max_element());
+        let surface = material.thin_surface_at(scene, met.attributes);
+        passed *= surface.transmittance(coat.reflected_albedo().max_element());
         ray.t_min = hit.t + 1e-4;
     }
     passed
@@ -163,13 +163,13 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
 
 /// Compares the light that arrives through panes with that without them, times what they let pass.
 fn check_lamp(tracer: RayTracer, panes: impl FnOnce(&mut Scene)) -> Option<Vec<Vec3>> {
-    let lab = open(tracer)?;
-    let without = pixels(&drawn(&lab, wall(), tracer), "direct");
+    let gpu = open(tracer)?;
+    let without = pixels(&drawn(&gpu, wall(), tracer), "direct");
     let mut scene = wall();
     panes(&mut scene);
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&scene, &pose.instances);
-    let picture = drawn(&lab, scene.clone(), tracer);
+    let picture = drawn(&gpu, scene.clone(), tracer);
     let shares: Vec<Vec3> =
         pixels(&picture, "position").into_iter().map(|p| passed_on_the_cpu(&scene, &bvh, &pose, p)).collect();
     let expected: Vec<Vec3> = without.iter().zip(&shares).map(|(light, share)| *light * *share).collect();
@@ -251,8 +251,8 @@ fn vertices_tint(tracer: RayTracer) {
 
 /// A pane that is lit from behind only, so that it adds nothing.
 fn what_is_seen_through_a_pane_is_tinted(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
-    let without = colours(&drawn(&lab, wall(), tracer));
+    let Some(gpu) = open(tracer) else { return };
+    let without = colours(&drawn(&gpu, wall(), tracer));
     let tint = Vec3::new(0.8, 0.5, 0.25);
     for (panes, share) in [
         (vec![glass(tint)], tint),
@@ -264,7 +264,7 @@ fn what_is_seen_through_a_pane_is_tinted(tracer: RayTracer) {
             let nearer = Affine3A::from_translation(Vec3::Z * 0.2 * index as f32);
             add_pane(&mut scene, pane, nearer * before_the_eye());
         }
-        let picture = drawn(&lab, scene, tracer);
+        let picture = drawn(&gpu, scene, tracer);
         let expected: Vec<Vec3> = without.iter().map(|pixel| *pixel * share).collect();
         same(&colours(&picture), &expected, 1e-3);
         // Layers add up.
@@ -273,15 +273,15 @@ fn what_is_seen_through_a_pane_is_tinted(tracer: RayTracer) {
     }
 }
 
-/// A veil with a lamp behind the camera: it is lit, and shades what is behind it.
+/// A veil with a light behind the camera: it is lit, and shades what is behind it.
 fn a_veil_reflects_its_share(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let (opacity, colour) = (0.25, Vec3::new(0.2, 0.4, 0.8));
     let mut scene = wall();
     let place = Vec3::new(0.5, 0.4, 5.0);
-    scene.lights = vec![lamp(place)];
+    scene.lights = vec![light_at(place)];
     let LightKind::Point { intensity } = scene.lights[0].kind else { unreachable!() };
-    let plain = drawn(&lab, scene.clone(), tracer);
+    let plain = drawn(&gpu, scene.clone(), tracer);
     add_pane(&mut scene, veil(opacity, colour), before_the_eye());
     let eye = scene.camera.eye;
     let expected: Vec<Vec3> = colours(&plain)
@@ -296,12 +296,12 @@ fn a_veil_reflects_its_share(tracer: RayTracer) {
             light * (1.0 - opacity).powi(2) + reflected * opacity
         })
         .collect();
-    same(&colours(&drawn(&lab, scene, tracer)), &expected, 2e-3);
+    same(&colours(&drawn(&gpu, scene, tracer)), &expected, 2e-3);
 }
 
 /// Before nothing, a pane is as before a black wall; the background is seen through it.
 fn the_background_is_seen_through_a_pane(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let mut scene = wall();
     scene.instances.clear();
     scene.meshes.clear();
@@ -309,7 +309,7 @@ fn the_background_is_seen_through_a_pane(tracer: RayTracer) {
     let tint = Vec3::new(0.8, 0.5, 0.25);
     add_pane(&mut scene, glass(tint), Affine3A::from_scale(Vec3::splat(0.5)));
     let background = scene.background;
-    let picture = colours(&drawn(&lab, scene, tracer));
+    let picture = colours(&drawn(&gpu, scene, tracer));
     let [width, height] = SIZE.map(|side| side as usize);
     let at = |x: usize, y: usize| picture[y * width + x];
     assert!(at(0, 0).abs_diff_eq(background, HALF));
@@ -317,8 +317,8 @@ fn the_background_is_seen_through_a_pane(tracer: RayTracer) {
 }
 
 fn a_pane_that_has_gone_is_forgotten(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
-    let expected = colours(&drawn(&lab, wall(), tracer));
+    let Some(gpu) = open(tracer) else { return };
+    let expected = colours(&drawn(&gpu, wall(), tracer));
     let mut scene = wall();
     add_pane(&mut scene, glass(Vec3::new(0.8, 0.5, 0.25)), before_the_eye());
     add_pane(&mut scene, veil(0.5, Vec3::ONE), before_the_lamp(3.0));
@@ -328,7 +328,7 @@ fn a_pane_that_has_gone_is_forgotten(tracer: RayTracer) {
     for pane in &mut gone.instances[1..] {
         *pane = Affine3A::from_translation(Vec3::Z * 40.0) * *pane;
     }
-    let mut renderer = lab.renderer(&scene, &settings(tracer), &there);
+    let mut renderer = gpu.renderer(&scene, &settings(tracer), &there);
     let mut pictures = [&there, &there, &gone, &gone, &there].map(|pose| {
         renderer.render(pose).unwrap();
         renderer.read_picture(true).unwrap()
@@ -340,7 +340,7 @@ fn a_pane_that_has_gone_is_forgotten(tracer: RayTracer) {
     assert!(first == second);
 }
 
-/// Panes of all kinds between eye, lamps and things.
+/// Panes of all kinds between eye, lights and objects.
 fn cabinet() -> Scene {
     let mut scene = wall();
     let floor = Affine3A::from_translation(Vec3::NEG_Y) * Affine3A::from_rotation_x(-FRAC_PI_2);
@@ -368,15 +368,15 @@ fn cabinet() -> Scene {
     add_pane(&mut scene, textured, turned(Vec3::new(0.5, -0.2, 0.8), -0.5, 0.6));
     let glowing = Material { emission: Vec3::new(0.4, 0.1, 0.1), ..veil(0.3, Vec3::splat(0.8)) };
     add_pane(&mut scene, glowing, turned(Vec3::new(0.1, 0.5, 1.4), 0.1, 0.3));
-    scene.lights = vec![lamp(Vec3::new(1.5, 1.8, 2.6)), lamp(Vec3::new(-2.0, 2.2, 0.6))];
+    scene.lights = vec![light_at(Vec3::new(1.5, 1.8, 2.6)), light_at(Vec3::new(-2.0, 2.2, 0.6))];
     scene
 }
 
 fn a_picture_agrees_with_the_reference(tracer: RayTracer) {
-    let Some(lab) = open(tracer) else { return };
+    let Some(gpu) = open(tracer) else { return };
     let scene = cabinet();
     let expected = layer(&reference(&scene, SIZE, 0, 1024), "direct");
-    let found = layer(&drawn(&lab, scene, tracer), "direct");
+    let found = layer(&drawn(&gpu, scene, tracer), "direct");
     let [sum, all] = [&found, &expected].map(|pixels| mean(pixels.iter().map(luminance)));
     assert!((sum / all - 1.0).abs() < 0.01, "{sum} is not {all}");
     let differences = found.iter().zip(&expected).map(|(a, b)| (luminance(a) - luminance(b)).abs());

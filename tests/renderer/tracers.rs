@@ -9,9 +9,9 @@ use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};
 
-use super::support::{Lab, assets, layer, luminance, mean, named_scene, plain, skip, vpls};
+use super::support::{GpuFixture, assets, layer, luminance, mean, named_scene, plain, skip, vpls};
 
-/// Seconds from frame to frame: things move a long way.
+/// Seconds from frame to frame: objects move far.
 const STEP: f64 = 0.1;
 
 fn settings(tracer: TracerKind) -> Settings {
@@ -24,24 +24,24 @@ fn settings(tracer: TracerKind) -> Settings {
 }
 
 /// A device with both tracers.
-fn open() -> Option<Lab> {
-    let lab = Lab::open()?;
-    if !lab.device.info().ray_query {
+fn open() -> Option<GpuFixture> {
+    let gpu = GpuFixture::open()?;
+    if !gpu.device.info().ray_query {
         skip("the device has no ray queries");
         return None;
     }
-    Some(lab)
+    Some(gpu)
 }
 
-/// Something of every kind: masks, mirrored and stretched instances, things that move.
+/// Something of every kind: masks, mirrored and stretched instances, objects that move.
 fn all_kinds() -> Arc<Scene> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scene-files/all-kinds.toml");
     named_scene(file.to_str().unwrap(), None)
 }
 
 /// Some frames of an animated scene.
-fn frames(lab: &Lab, scene: &Arc<Scene>, tracer: TracerKind) -> Vec<Picture> {
-    let mut renderer = lab.renderer(scene, &settings(tracer), &scene.pose(0.0));
+fn frames(gpu: &GpuFixture, scene: &Arc<Scene>, tracer: TracerKind) -> Vec<Picture> {
+    let mut renderer = gpu.renderer(scene, &settings(tracer), &scene.pose(0.0));
     (0..8)
         .map(|frame| {
             renderer.render(&scene.pose(f64::from(frame) * STEP)).unwrap();
@@ -67,9 +67,9 @@ fn compare(name: &str, software: &Picture, hardware: &Picture) {
     assert!(steps < 0.02, "{name}: {steps} of 255 apart");
 }
 
-fn draw_the_same(lab: &Lab, scene: &Arc<Scene>) {
+fn draw_the_same(gpu: &GpuFixture, scene: &Arc<Scene>) {
     let [software, hardware] =
-        [TracerKind::Software, TracerKind::Hardware].map(|tracer| frames(lab, scene, tracer));
+        [TracerKind::Software, TracerKind::Hardware].map(|tracer| frames(gpu, scene, tracer));
     for (number, (software, hardware)) in software.iter().zip(&hardware).enumerate() {
         compare(&format!("{}, frame {number}", scene.name), software, hardware);
     }
@@ -77,30 +77,30 @@ fn draw_the_same(lab: &Lab, scene: &Arc<Scene>) {
 
 #[test]
 fn both_draw_the_cornell_box() {
-    let Some(lab) = open() else { return };
-    draw_the_same(&lab, &named_scene("cornell-box", None));
+    let Some(gpu) = open() else { return };
+    draw_the_same(&gpu, &named_scene("cornell-box", None));
 }
 
 #[test]
 fn both_draw_masks_and_what_moves() {
-    let Some(lab) = open() else { return };
-    draw_the_same(&lab, &all_kinds());
+    let Some(gpu) = open() else { return };
+    draw_the_same(&gpu, &all_kinds());
 }
 
 #[test]
 fn both_draw_a_real_scene() {
-    let Some(lab) = open() else { return };
+    let Some(gpu) = open() else { return };
     let Some(assets) = assets() else { return };
-    draw_the_same(&lab, &named_scene("sponza", Some(&assets)));
+    draw_the_same(&gpu, &named_scene("sponza", Some(&assets)));
 }
 
 #[test]
 fn one_takes_the_place_of_the_other() {
-    let Some(lab) = open() else { return };
+    let Some(gpu) = open() else { return };
     let scene = all_kinds();
     let pose = scene.pose(0.0);
-    let fresh = |tracer| lab.rendered(&scene, &settings(tracer), 12).read_picture(true).unwrap();
-    let mut renderer = lab.rendered(&scene, &settings(TracerKind::Software), 4);
+    let fresh = |tracer| gpu.rendered(&scene, &settings(tracer), 12).read_picture(true).unwrap();
+    let mut renderer = gpu.rendered(&scene, &settings(TracerKind::Software), 4);
     for tracer in [TracerKind::Hardware, TracerKind::Software] {
         renderer.set_settings(&settings(tracer), &pose).unwrap();
         for _ in 0..4 {
@@ -112,10 +112,10 @@ fn one_takes_the_place_of_the_other() {
 
 #[test]
 fn views_follow_the_tracer() {
-    let Some(lab) = open() else { return };
+    let Some(gpu) = open() else { return };
     let scene = all_kinds();
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &settings(TracerKind::Software), 4);
+    let mut renderer = gpu.rendered(&scene, &settings(TracerKind::Software), 4);
     let valid = vpls(&renderer).slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
     let options = VplDebugView { single_vpl: Some(valid.unwrap() as u32), ..VplDebugView::default() };
     let view = DebugView::default().with_options(&options);
@@ -134,17 +134,17 @@ fn views_follow_the_tracer() {
 
 #[test]
 fn a_frame_takes_no_memory() {
-    let Some(lab) = open() else { return };
+    let Some(gpu) = open() else { return };
     let scene = all_kinds();
-    let mut renderer = lab.renderer(&scene, &settings(TracerKind::Hardware), &scene.pose(0.0));
+    let mut renderer = gpu.renderer(&scene, &settings(TracerKind::Hardware), &scene.pose(0.0));
     let mut draw = |frames: std::ops::Range<u32>| {
         for frame in frames {
             renderer.render(&scene.pose(f64::from(frame) * STEP)).unwrap();
         }
-        lab.device.memory_peak()
+        gpu.device.memory_peak()
     };
     draw(0..4);
-    lab.device.restart_memory_peak();
-    let settled = lab.device.memory_peak();
+    gpu.device.restart_memory_peak();
+    let settled = gpu.device.memory_peak();
     assert_eq!(draw(4..12), settled);
 }

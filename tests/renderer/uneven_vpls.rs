@@ -7,7 +7,7 @@ use glowworm::settings::{Settings, VplSettings};
 
 use super::reference::reference;
 use super::rooms::{niche, uplighter};
-use super::support::{Lab, indirect, layer, luminance, mean, plain};
+use super::support::{GpuFixture, indirect, layer, luminance, mean, plain};
 
 const SIZE: [u32; 2] = [80, 60];
 /// Seeds over which pictures are averaged.
@@ -15,17 +15,17 @@ const SEEDS: u32 = 16;
 
 /// The mean over all pixels and seeds is that of the path tracer.
 fn check(scene: &Arc<Scene>) {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut drawn = vec![0.0; (SIZE[0] * SIZE[1]) as usize];
     for seed in 0..SEEDS {
         let vpl = VplSettings { slots: 4096, clamp: 0.0, ..VplSettings::default() };
         let settings = Settings { size: SIZE, seed, vpl, ..plain() };
-        let picture = indirect(&lab.rendered(scene, &settings, vpl.temporal_sets));
+        let picture = indirect(&gpu.rendered(scene, &settings, vpl.temporal_sets));
         drawn.iter_mut().zip(&picture).for_each(|(sum, pixel)| *sum += luminance(pixel) / SEEDS as f32);
     }
-    let truth = layer(&reference(scene, SIZE, 2, 256), "indirect");
-    let truth: Vec<f32> = truth.iter().map(luminance).collect();
-    let ratio = mean(drawn) / mean(truth);
+    let reference = layer(&reference(scene, SIZE, 2, 256), "indirect");
+    let reference: Vec<f32> = reference.iter().map(luminance).collect();
+    let ratio = mean(drawn) / mean(reference);
     assert!((ratio - 1.0).abs() <= 0.03, "the mean is {ratio} of the reference's");
 }
 

@@ -11,7 +11,7 @@ use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{Direct, Reflections, Settings, VplSettings};
 
-use super::support::{Lab, channel, inspect, layer, mean, plain, scene, set_counts, vpls};
+use super::support::{GpuFixture, channel, inspect, layer, mean, plain, scene, set_counts, vpls};
 
 pub const STUDIO: &str = r#"
 [[models]]
@@ -76,9 +76,14 @@ fn single(buffer: &'static str, single_vpl: Option<u32>) -> DebugView {
 
 /// Stands still for all sets; then the camera and the block move a little, and the picture is what the view
 /// makes of that frame.
-fn picture(lab: &Lab, scene: &Arc<Scene>, settings: &Settings, view: &DebugView) -> (Renderer, Picture) {
+fn picture(
+    gpu: &GpuFixture,
+    scene: &Arc<Scene>,
+    settings: &Settings,
+    view: &DebugView,
+) -> (Renderer, Picture) {
     let rest = scene.pose(0.0);
-    let mut renderer = lab.renderer(scene, settings, &rest);
+    let mut renderer = gpu.renderer(scene, settings, &rest);
     for _ in 0..settings.vpl.temporal_sets {
         renderer.render(&rest).unwrap();
     }
@@ -182,11 +187,11 @@ fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
 
 #[test]
 fn views_of_layers_show_them() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&glowing());
     let mut checked = 0;
     for buffer in estimators::views().map(|view| view.name) {
-        let (_, picture) = picture(&lab, &scene, &settings(2, 2), &view(buffer));
+        let (_, picture) = picture(&gpu, &scene, &settings(2, 2), &view(buffer));
         let Some(expected) = expected(buffer, &picture) else { continue };
         assert_shows(buffer, &picture, &expected, 1.5, 0.0);
         checked += 1;
@@ -203,7 +208,7 @@ fn with_method_of(buffer: &str, settings: Settings) -> Settings {
 
 #[test]
 fn every_view_shows_something_of_its_own() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&glowing());
     let mut seen: Vec<(&str, Vec<[u8; 4]>)> = Vec::new();
     for buffer in estimators::views().map(|view| view.name) {
@@ -215,7 +220,7 @@ fn every_view_shows_something_of_its_own() {
         } else {
             with_method_of(buffer, settings(4, 2))
         };
-        let (renderer, picture) = picture(&lab, &scene, &settings, &view);
+        let (renderer, picture) = picture(&gpu, &scene, &settings, &view);
         assert_eq!(renderer.view(), &view);
         if buffer != "vpl-visibility" {
             let same = seen.iter().find(|(_, display)| *display == picture.display);
@@ -227,10 +232,10 @@ fn every_view_shows_something_of_its_own() {
 
 #[test]
 fn one_set_without_interleaving_is_the_irradiance_in_all_its_views() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let rest = scene.pose(0.0);
-    let mut renderer = lab.renderer(&scene, &settings(1, 1), &rest);
+    let mut renderer = gpu.renderer(&scene, &settings(1, 1), &rest);
     for buffer in ["unfiltered", "filtered", "set-buffer", "set-reprojected"] {
         renderer.set_view(&view(buffer)).unwrap();
         renderer.render(&rest).unwrap();
@@ -242,14 +247,14 @@ fn one_set_without_interleaving_is_the_irradiance_in_all_its_views() {
 
 #[test]
 fn rejected_pixels_are_those_that_are_not_counted() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     const SETS: u32 = 4;
     let mut counted = vec![0; (SIDE * SIDE) as usize];
     let mut by_renderer = Vec::new();
     for set in 0..SETS {
         let view = of_set("set-reprojected", set);
-        let (renderer, picture) = picture(&lab, &scene, &settings(SETS, 1), &view);
+        let (renderer, picture) = picture(&gpu, &scene, &settings(SETS, 1), &view);
         by_renderer = set_counts(&renderer);
         for (count, pixel) in counted.iter_mut().zip(&picture.display) {
             *count += u32::from(pixel[..3] != [255, 0, 255]);
@@ -260,7 +265,7 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     assert!(rejected > 20, "only {rejected} pixels lack a set");
 
     // The view of the counts has one colour for each.
-    let (_, picture) = picture(&lab, &scene, &settings(SETS, 1), &view("set-count"));
+    let (_, picture) = picture(&gpu, &scene, &settings(SETS, 1), &view("set-count"));
     let colour_of = |count: u32| {
         let of_count = |(pixel, of): (&[u8; 4], &u32)| (*of == count).then_some(*pixel);
         let mut colours: Vec<_> = picture.display.iter().zip(&counted).filter_map(of_count).collect();
@@ -273,10 +278,10 @@ fn rejected_pixels_are_those_that_are_not_counted() {
 
 #[test]
 fn a_single_vpl_lights_what_it_sees() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = lab.rendered(&scene, &settings(4, 2), 4);
+    let mut renderer = gpu.rendered(&scene, &settings(4, 2), 4);
     let valid = vpls(&renderer).slots().filter(|slot| slot.state == SlotState::Valid);
     let slots: Vec<u32> = valid.map(|slot| slot.slot).step_by(37).collect();
     assert!(slots.len() >= 3);
@@ -310,11 +315,11 @@ fn a_single_vpl_lights_what_it_sees() {
 
 #[test]
 fn what_the_inspector_lists_adds_up_to_the_picture() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
     for clamp in [0.0, 400.0] {
-        let renderer = lab.rendered(
+        let renderer = gpu.rendered(
             &scene,
             &Settings { vpl: VplSettings { clamp, ..settings(1, 1).vpl }, ..settings(1, 1) },
             1,
@@ -339,11 +344,11 @@ fn what_the_inspector_lists_adds_up_to_the_picture() {
 
 #[test]
 fn the_default_view_changes_no_bit() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let plain = lab.rendered(&scene, &settings(4, 2), 6).read_picture(true).unwrap();
-    let mut renderer = lab.renderer(&scene, &settings(4, 2), &pose);
+    let plain = gpu.rendered(&scene, &settings(4, 2), 6).read_picture(true).unwrap();
+    let mut renderer = gpu.renderer(&scene, &settings(4, 2), &pose);
     for frame in 0..6 {
         let buffer = if frame == 2 { "normal" } else { "combined" };
         renderer.set_view(&view(buffer)).unwrap();

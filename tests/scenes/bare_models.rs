@@ -191,8 +191,8 @@ fn emissive_materials_are_the_light_only_where_they_light_what_is_seen() {
         }
         let plain = std::mem::take(&mut model.text);
         model.polygon(&corners);
-        let lamp = std::mem::take(&mut model.text);
-        let text = format!("mtllib m.mtl\n{plain}usemtl lamp\n{lamp}");
+        let glowing = std::mem::take(&mut model.text);
+        let text = format!("mtllib m.mtl\n{plain}usemtl lamp\n{glowing}");
         let scene = load_files(&[("model.obj", &text), ("m.mtl", "newmtl lamp\nKe 5 5 5\n")]);
         assert_eq!(scene.lights.len(), lights, "{:?}", scene.warnings);
         let (bright, _) = lit(&scene);

@@ -202,13 +202,13 @@ fn models_come_from_files_and_can_be_cut() {
 
 #[test]
 fn a_scene_with_nothing_to_see_says_so() {
-    let lamp = "[[lights]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = [1, 1, 1]\n";
+    let light = "[[lights]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = [1, 1, 1]\n";
     let hidden =
         "[[models]]\nname = \"m\"\nprimitive = \"box\"\n[[instances]]\nmodel = \"m\"\nvisible = false\n";
     for (text, expected) in [
-        (lamp.to_owned(), true),
-        (format!("{hidden}{lamp}"), true),
-        (format!("{hidden}{lamp}").replace("false", "true"), false),
+        (light.to_owned(), true),
+        (format!("{hidden}{light}"), true),
+        (format!("{hidden}{light}").replace("false", "true"), false),
     ] {
         let warnings = load_toml(&text).warnings;
         let said = warnings.iter().any(|warning| warning.contains("no visible [[instances]]"));

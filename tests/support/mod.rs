@@ -16,11 +16,11 @@ use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
 /// A device whose validation messages fail the test when it goes.
-pub struct Lab {
+pub struct GpuFixture {
     pub device: Arc<Device>,
 }
 
-impl Lab {
+impl GpuFixture {
     /// Opens the first usable device with validation on. Without one, or without the layer, the test
     /// says so and is skipped; with `GLOWWORM_REQUIRE_ALL=1` it fails.
     pub fn open() -> Option<Self> {
@@ -84,7 +84,7 @@ impl Lab {
     }
 }
 
-impl Drop for Lab {
+impl Drop for GpuFixture {
     fn drop(&mut self) {
         let messages = self.device.validation_messages();
         if !std::thread::panicking() {

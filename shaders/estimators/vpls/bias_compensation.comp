@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Brings back what the bound of the geometry term takes away (Kollig and Keller 2006): each texel casts a short diffuse ray; the
+// Compensates the bias of the clamped geometry term (Kollig and Keller 2006): each texel casts a short diffuse ray; the
 // radiance of the surface it hits counts for the share that the bound cuts off at that distance,
 //   E += pi L(y) max(1 - c d^2, 0),   L(y) = emission + albedo/pi (E_direct(y) + E_vpls(y))
-// with one light and one VPL drawn at y. Out: what the texel has drawn, with that added.
+// with one light and one VPL sampled at y. Out: the irradiance that the texel has sampled, with that added.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -25,14 +25,14 @@ layout(set = 0, binding = 7, rgba32f) uniform image2D sampled_irradiance;
 #include "gather.glsl"
 #define CLUSTERS_BINDING 5
 #include "clusters.glsl"
-// How much each block samples each cluster.
+// The probability with which each block samples each cluster.
 layout(set = 0, binding = 6, std430) readonly buffer WeightBlock { float data[]; } cluster_weights;
 float cluster_weight(uint place) { return cluster_weights.data[place]; }
 #include "sample_vpl.glsl"
 #include "lights.glsl"
 #include "light_transmittance.glsl"
 
-// About a normal, in proportion to the cosine.
+// Samples a direction about a normal in proportion to the cosine.
 vec3 cosine_hemisphere(vec3 n, vec2 u) {
     vec3 x = normalize(abs(n.x) > 0.5 ? vec3(-n.y, n.x, 0.0) : vec3(0.0, n.z, -n.y));
     float angle = 2.0 * PI * u.x;
@@ -40,7 +40,7 @@ vec3 cosine_hemisphere(vec3 n, vec2 u) {
     return (x * cos(angle) + cross(n, x) * sin(angle)) * radius + n * sqrt(max(1.0 - u.y, 0.0));
 }
 
-// Irradiance from one light, drawn by what each brings, unoccluded.
+// Irradiance from one light, sampled by the irradiance of each, unoccluded.
 vec3 direct_light(Surface at, float random, inout uint rays) {
     Choice choice = Choice(0u, 0.0, 0.0, random);
     vec3 to_light;
@@ -92,10 +92,10 @@ void main() {
     Surface surface = surface_at(representative(texel, push.set_step, vpl.representative, frame.size));
     if (surface.depth <= 0.0) return;
     uint rays = 0u;
-    vec4 drawn = imageLoad(sampled_irradiance, texel);
+    vec4 sampled = imageLoad(sampled_irradiance, texel);
     // Sets take turns: each holds its share of the light.
     float weight = vpl.irradiance_scale * push.set_share * float(block * block);
-    drawn.rgb += compensation(uvec2(texel), surface, rays) * weight;
-    imageStore(sampled_irradiance, texel, drawn);
+    sampled.rgb += compensation(uvec2(texel), surface, rays) * weight;
+    imageStore(sampled_irradiance, texel, sampled);
     count_rays(rays);
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // How likely a tile sees each cluster of VPLs, by a few rays from surfaces of the tile. Out: for each tile and cluster a
-// probability, which only steers what is drawn.
+// probability, which only steers the sampling.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #define VPLS_BINDING 3
@@ -21,7 +21,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "clusters.glsl"
 layout(set = 0, binding = 9, std430) writeonly buffer VisibilityBlock { float data[]; } cluster_visibility;
 
-// Rays to each cluster.
+// The number of rays to each cluster.
 const uint RAYS = 1u;
 
 void main() {

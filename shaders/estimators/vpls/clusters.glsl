@@ -18,7 +18,7 @@ const uint TILE = 16u; // texels in each direction that share what they see
 const uint BLOCK = 8u; // and that share the weights of the clusters
 
 layout(set = 0, binding = CLUSTERS_BINDING, std430) readonly buffer ClusterBlock { VplCluster data[]; } vpl_clusters;
-// What a dispatch draws.
+// What a dispatch samples.
 struct SamplingPush {
     uvec2 tiles;
     uint set_step;   // pixels from one texel of the set buffers to the next
@@ -48,7 +48,7 @@ uvec2 tile_of(uvec2 texel) {
     return uvec2(clamp(tile, vec2(0.0), vec2(push.tiles) - 1.0));
 }
 
-// About what a cluster brings to a surface, unoccluded. Never zero, as one of its VPLs may bring something.
+// Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may bring something.
 float importance(VplCluster cluster, Surface surface) {
     if (cluster.at_infinity != 0u) {
         return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
@@ -89,7 +89,7 @@ struct SampledVpl {
     float inverse_probability;
 };
 
-// Of a cluster one VPL, by what it brings to the surface, unoccluded.
+// Samples one VPL of a cluster, by its unoccluded irradiance at the surface.
 SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
     float at = random * float(stride);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// The discontinuity filter (Wald et al. 2002): the mean of what the texels of an n x n pixel window have drawn, those that lie on
+// The discontinuity filter (Wald et al. 2002): the mean irradiance of the texels of an n x n pixel window that lie on
 // the surface of the texel in the middle. Out: the layer of the set, rgb: scaled irradiance; then view depth.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -39,13 +39,13 @@ vec3 filtered(ivec2 middle, Surface centre) {
             ivec2 texel = middle + ivec2(x, y);
             if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, extent))) continue;
             ivec2 pixel = representative(texel, SET_STEP, vpl.representative, frame.size);
-            vec4 drawn = imageLoad(sampled_irradiance, texel);
+            vec4 sampled = imageLoad(sampled_irradiance, texel);
             vec4 normals = imageLoad(gbuffer_normal, pixel);
-            vec3 d = position_at(pixel, drawn.a) - centre.position;
-            bool finite = !any(isnan(drawn.rgb)) && !any(isinf(drawn.rgb));
-            bool same = finite && drawn.a > 0.0 && dot(octahedral_decode(normals.xy), centre.shading) >= MIN_NORMAL_COSINE
+            vec3 d = position_at(pixel, sampled.a) - centre.position;
+            bool finite = !any(isnan(sampled.rgb)) && !any(isinf(sampled.rgb));
+            bool same = finite && sampled.a > 0.0 && dot(octahedral_decode(normals.xy), centre.shading) >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
-            if (same) sum += weight_at(x) * weight_at(y) * vec4(min(drawn.rgb, MAX_STORED), 1.0);
+            if (same) sum += weight_at(x) * weight_at(y) * vec4(min(sampled.rgb, MAX_STORED), 1.0);
         }
     }
     return sum.rgb / max(sum.a, 1e-6);

@@ -1,11 +1,11 @@
 // Sampling a VPL for a texel: first a cluster, by the weights of the texel's block, then a VPL of the cluster. Needs clusters.glsl and
 // `float cluster_weight(uint place)`, where place is that of a block's first cluster plus a cluster.
 
-// Clusters are drawn in two steps, by runs.
+// A cluster is sampled in two steps, by runs.
 const uint RUN = 8u;
 const uint RUNS = CLUSTERS / RUN;
 
-// Weights of the clusters of a block, run by run.
+// The weights of the clusters of a block lie run by run.
 struct BlockWeights {
     uint first;
     float cumulative[RUNS];
@@ -22,7 +22,7 @@ BlockWeights weights_from(uint first) {
     return weights;
 }
 
-// Of all VPLs one: first the cluster, then the VPL.
+// Samples one of all VPLs: first the cluster, then the VPL.
 SampledVpl sample_vpl(BlockWeights weights, Surface surface, float random) {
     float total = weights.cumulative[RUNS - 1u];
     float at = random * total;
@@ -49,7 +49,7 @@ SampledVpl sample_vpl(BlockWeights weights, Surface surface, float random) {
     return sampled;
 }
 
-// How often what was expected, unoccluded, one draw may bring.
+// One sample brings at most this many times the expected unoccluded irradiance.
 const float MOST_BROUGHT = 256.0;
 
 // No more than that, where there is a bound at all: an outlier would stay in a history.

@@ -1,4 +1,4 @@
-// What the sets have drawn, and looking a surface up in it. Needs frame.glsl, scene_set.glsl, vpls.glsl, same_surface.glsl
+// The set buffers, and the lookup of a surface in them. Needs frame.glsl, scene_set.glsl, vpls.glsl, same_surface.glsl
 // and representative.glsl.
 // Define SET_BUFFERS_BINDING before including: it and the next two are taken. Twins: SetParameters, SetPush in
 // src/estimators/vpls/set_buffers.rs.
@@ -8,7 +8,7 @@ layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16ui) uniform readonly uimage
 layout(set = 0, binding = SET_BUFFERS_BINDING + 1) uniform utextureBuffer set_views;
 
 struct SetPush {
-    uvec2 size;         // of the pictures that the sets drew, pixels
+    uvec2 size;         // of the pictures of the sets, pixels
     uint set_step;      // pixels from one texel to the next
     uint instance_count;
     uint set_count;     // sets in all
@@ -16,15 +16,15 @@ struct SetPush {
     uint scale_missing; // 1: sets that saw the surface make up for those that did not
     float total_flux;   // luminous, of all sets
     uint view;          // of vpl_view.comp
-    uint drawn_step;    // of vpl_view.comp: pixels from one texel of the set that this frame draws to the next
+    uint rendered_step; // of vpl_view.comp: pixels from one texel of the set that this frame renders to the next
 };
 layout(push_constant) uniform Push { SetPush data; } push;
 SetPush sets = push.data;
 
 struct SetParameters {
-    float scale; // irradiance over what the set buffer holds; 0: it was not drawn yet
+    float scale; // irradiance over what the set buffer holds; 0: it was not rendered yet
     float flux;  // luminous, of the set
-    float tan_y; // tangent of half the vertical field of view of the camera that drew it
+    float tan_y; // tangent of half the vertical field of view of the camera that rendered it
     uvec2 offset; // of the representative
 };
 
@@ -49,7 +49,7 @@ ObjectPoint to_object(uint instance, vec3 p, vec3 n) {
     return ObjectPoint(instance, p_os, transform_point(now.world_to_object, p + n) - p_os);
 }
 
-// The same as the camera that drew a set saw it: x to the right, y down, z along the view, world units.
+// The point as the camera that rendered a set saw it: x to the right, y down, z along the view, world units.
 struct ViewPoint {
     vec3 position;
     vec3 normal;
@@ -70,20 +70,20 @@ ViewPoint to_view(uint set, ObjectPoint point) {
 // Irradiance of a set where its camera saw the point, bilinear among the texels on its surface, which leaves its plane by at
 // most `slope`, see slope.glsl; false where it did not.
 bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
-    SetParameters drawn = set_at(set);
+    SetParameters parameters = set_at(set);
     ViewPoint point = to_view(set, surface);
     vec3 p = point.position;
     vec2 size = vec2(sets.size);
-    vec2 tangents = drawn.tan_y * vec2(size.x / size.y, 1.0);
+    vec2 tangents = parameters.tan_y * vec2(size.x / size.y, 1.0);
     vec2 pixel = (p.xy / (p.z * tangents) * 0.5 + 0.5) * size - 0.5;
-    vec2 at = (pixel - vec2(drawn.offset)) / float(sets.set_step);
+    vec2 at = (pixel - vec2(parameters.offset)) / float(sets.set_step);
     // Rounding must not ask a second texel in a view that stands still.
     at = mix(at, round(at), lessThan(abs(at - round(at)), vec2(0.005)));
     vec2 base = floor(at);
     vec2 part = at - base;
     // Neighbouring texels of a surface seen at a grazing angle are farther apart than the cut-off.
     float cosine = abs(dot(point.normal, p)) * inversesqrt(dot(p, p));
-    float footprint = p.z * 2.0 / size.y * drawn.tan_y * float(sets.set_step) / max(cosine, 0.05);
+    float footprint = p.z * 2.0 / size.y * parameters.tan_y * float(sets.set_step) / max(cosine, 0.05);
     float cutoff = max(vpl.position_cutoff * p.z, 1.5 * footprint);
 
     // Read the four texels around, all at once: left and right above, left and right below.
@@ -103,8 +103,8 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
 
     // Keep those whose surfaces, from their depths, are the point's.
     vec4 depths = vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a);
-    vec2 low_pixel = vec2(representative(low, sets.set_step, drawn.offset, sets.size));
-    vec2 high_pixel = vec2(representative(high, sets.set_step, drawn.offset, sets.size));
+    vec2 low_pixel = vec2(representative(low, sets.set_step, parameters.offset, sets.size));
+    vec2 high_pixel = vec2(representative(high, sets.set_step, parameters.offset, sets.size));
     vec2 low_ray = ((low_pixel + 0.5) / size * 2.0 - 1.0) * tangents;
     vec2 high_ray = ((high_pixel + 0.5) / size * 2.0 - 1.0) * tangents;
     vec4 x = depths * vec4(low_ray.x, high_ray.x, low_ray.x, high_ray.x) - p.x;
@@ -118,11 +118,11 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
     weight = mix(vec4(0.0), weight, same);
     float weights = weight.x + weight.y + weight.z + weight.w;
     irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
-    irradiance *= drawn.scale / max(weights, 1e-6);
-    return drawn.scale > 0.0 && p.z > 0.0 && weights > 0.0;
+    irradiance *= parameters.scale / max(weights, 1e-6);
+    return parameters.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 
-// The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it, or that were drawn
+// The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it, or that were rendered
 // before much has changed, are made up for by the others, in proportion to flux. a: how many sets saw it. Out: the variance of the
 // sum's luminance, as the sets differ.
 vec4 sum_of_sets(uint instance, vec3 position, vec3 normal, float slope, out float variance) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Irradiance of each texel of the set buffers from the VPLs of the set, of which it draws a few, with one occlusion ray each:
+// Irradiance of each texel of the set buffers from the VPLs of the set, of which it samples a few, with one occlusion ray each:
 // first a cluster, by about what it brings and how likely it is seen, then a VPL of the cluster, by what it brings to the very
 // surface, unoccluded (Estevez and Kulla 2018, with a tree of two levels). Out: rgb: scaled irradiance, an unbiased
 // estimate of that of the set; a: view depth.

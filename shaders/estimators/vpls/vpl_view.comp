@@ -47,18 +47,18 @@ vec3 share_colour(float share) {
     return mix(middle, vec3(1.0, 0.92, 0.2), clamp(share * 3.0 - 2.0, 0.0, 1.0));
 }
 
-// The set as it was drawn, by the camera of that time.
+// Shows the set as it was rendered, by the camera of that time.
 vec3 set_buffer(ivec2 pixel) {
-    SetParameters drawn = set_at(sets.shown_set);
+    SetParameters parameters = set_at(sets.shown_set);
     ivec2 texel = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(set_extent(sets.size, sets.set_step)));
     vec4 stored = unpack_texel(imageLoad(set_buffers, ivec3(texel, sets.shown_set)));
-    return drawn.scale > 0.0 ? lit(stored.rgb * drawn.scale * float(sets.set_count)) : MISSING;
+    return parameters.scale > 0.0 ? lit(stored.rgb * parameters.scale * float(sets.set_count)) : MISSING;
 }
 
-// What the set's texel has drawn, before the filter.
+// Shows the irradiance that the set's texel has sampled, before the filter.
 vec3 unfiltered(ivec2 pixel) {
-    vec3 drawn = imageLoad(sampled_irradiance, pixel / int(sets.drawn_step)).rgb;
-    return lit(drawn / vpl.irradiance_scale * float(sets.set_count));
+    vec3 sampled = imageLoad(sampled_irradiance, pixel / int(sets.rendered_step)).rgb;
+    return lit(sampled / vpl.irradiance_scale * float(sets.set_count));
 }
 
 // What the set knows of the surface of this pixel; what it does not know is marked.

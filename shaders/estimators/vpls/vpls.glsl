@@ -13,7 +13,7 @@ struct VplUniforms {
     uint pad0;
     uint pad1;
     uint pad2;
-    vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was drawn
+    vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was rendered
 };
 
 struct GpuVpl {

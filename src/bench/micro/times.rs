@@ -145,7 +145,7 @@ impl PassFrames {
     }
 }
 
-/// The scene at rest, and with everything dynamic slightly displaced.
+/// The scene without animation, and with everything dynamic slightly displaced.
 fn poses(scene: &Scene) -> [Pose; 2] {
     let rest = scene.pose(0.0);
     let (low, high) = scene.bounds(&rest);

@@ -1,5 +1,5 @@
 //! `indirect_reprojection`: all set buffers into the current view, each by the camera and the instance
-//! transforms of the frame that drew it (algorithm 4 of Tonna 2019).
+//! transforms of the frame that rendered it (algorithm 4 of Tonna 2019).
 //!
 //! Set buffers of half the resolution are added up for one pixel of four (`set_reprojection`), denoised, then upsampled along
 //! surfaces (`irradiance_upsampling`). So the cost for each set is a quarter of what every pixel would take.

@@ -1,4 +1,4 @@
-//! `indirect_shading`: the discontinuity filter, which joins what the texels of a window have drawn, and writes the set buffer.
+//! `indirect_shading`: the discontinuity filter, which joins what the texels of a window have rendered, and writes the set buffer.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use crate::scene::WorldSurface;
 
 impl Vpls {
     /// The VPLs that face a surface point, visible ones first, then by their irradiance. The sum of these is the indirect
-    /// irradiance there, once all sets have been drawn.
+    /// irradiance there, once all sets have been rendered.
     pub fn inspect(&self, world: World<'_>, at: &WorldSurface) -> Vec<VplContribution> {
         let gathering = Gathering { clamp: self.geometry_bound(), scene_radius: self.scene_radius };
         self.manager.inspect(world, at, &gathering)

@@ -1,10 +1,10 @@
 //! Indirect light from virtual point lights: instant radiosity with temporal sets (Keller 1997; Tonna 2019).
 //!
 //! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
-//! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has drawn.
+//! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has rendered.
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
 //! - `hit_light`: light at what reflection rays hit.
-//! - `clusters`: VPLs by neighbourhood, which texels draw from; `staleness`: what has changed since each set was drawn.
+//! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: what has changed since each set was rendered.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
 mod change;
@@ -51,7 +51,7 @@ use hit_light::HitLightPass;
 pub(crate) use indirect_shadows::samples;
 use passes::Passes;
 use path_lines::PathView;
-use set_buffers::DrawnSet;
+use set_buffers::RenderedSet;
 pub(crate) use set_buffers::set_step;
 use staleness::Staleness;
 use view::{VplViewPass, VplViewSources};
@@ -69,9 +69,9 @@ pub struct Vpls {
     median_segment_length: f32,
     scene_radius: f32,
     instances: usize,
-    /// What has changed since each set was drawn.
+    /// What has changed since each set was rendered.
     staleness: Staleness,
-    /// What the frame is to draw.
+    /// What the frame is to render.
     frame_set: FrameSet,
     passes: Passes,
     /// The VPLs of the frame's set on the device; none before the first frame.
@@ -89,7 +89,7 @@ pub struct Vpls {
 struct FrameSet {
     set: u32,
     /// The VPLs of that set, and of those to redraw before their turn.
-    drawn: Vec<(u32, Vec<GpuVpl>)>,
+    rendered: Vec<(u32, Vec<GpuVpl>)>,
     /// Luminous flux of each set.
     flux: Vec<f32>,
     /// The VPL to look at, and what its light is multiplied by.
@@ -107,7 +107,7 @@ impl Vpls {
     /// Shoots all VPLs for the world as it stands, and makes the passes.
     ///
     /// # Errors
-    /// Where the device cannot do with the settings.
+    /// Where the device does not support the settings.
     pub fn new(context: &EstimatorContext<'_>) -> Result<Self, VulkanError> {
         let instances = context.world.scene.instances.len();
         Ok(Self {
@@ -162,15 +162,15 @@ impl Estimator for Vpls {
         self.manager.replace(world);
         let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
         self.staleness.advance(&self.manager, self.median_segment_length);
-        let redrawn = self.staleness.stalest(set, self.settings.vpl.refresh);
-        let drawn: Vec<_> =
-            redrawn.into_iter().chain([set]).map(|set| (set, self.manager.set_vpls(world, set))).collect();
-        for (set, _) in &drawn {
-            self.staleness.draw(*set);
+        let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
+        let rendered: Vec<_> =
+            rerendered.into_iter().chain([set]).map(|set| (set, self.manager.set_vpls(world, set))).collect();
+        for (set, _) in &rendered {
+            self.staleness.mark_rendered(*set);
         }
         self.frame_set = FrameSet {
             set,
-            drawn,
+            rendered,
             flux: self.manager.set_flux(),
             single: (
                 self.view.single_vpl.and_then(|slot| self.manager.gpu_vpl(world, slot)),
@@ -195,20 +195,20 @@ impl Estimator for Vpls {
             set_weights: self.staleness.weights(),
             ..VplUniforms::zeroed()
         };
-        let FrameSet { drawn, flux, .. } = &self.frame_set;
+        let FrameSet { rendered, flux, .. } = &self.frame_set;
         let passes = &mut self.passes;
         passes.vpls.begin_counting(frame);
         let hit_share = self.manager.hit_share();
         let mut last = None;
-        for (set, vpls) in drawn {
+        for (set, vpls) in rendered {
             let representative = passes.sets.representative(*set);
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
             let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
-            let drawn = DrawnSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
-            passes.sets.note(frame, inputs.pose, &drawn)?;
+            let rendered = RenderedSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
+            passes.sets.note(frame, inputs.pose, &rendered)?;
             last = Some(uploaded);
         }
         // There is always the set whose turn it is.
@@ -325,7 +325,7 @@ impl Estimator for Vpls {
             vpls,
             sampled_irradiance: self.passes.indirect_shadows.output(),
             irradiance: single.unwrap_or(self.passes.indirect_reprojection.output()),
-            drawn: (&self.passes.sets, self.frame_set.set),
+            rendered: (&self.passes.sets, self.frame_set.set),
             shown: (self.passes.shown(), self.view.set),
         };
         pass.record(frame, inputs, &sources, view)
@@ -353,7 +353,7 @@ fn power_of_two_near(value: f32) -> f32 {
     if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
 }
 
-/// Median distance from a VPL to its parent VPL in the scene at rest: a length that, unlike the bounds, a
+/// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, a
 /// large ground plane does not change. None where no VPL has a parent on a surface.
 fn median_segment_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);

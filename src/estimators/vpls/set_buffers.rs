@@ -1,5 +1,5 @@
-//! What the temporal sets have drawn: a buffer for each, and the camera, the light and the transforms of the
-//! frame that drew it. Written by `indirect_shading`, read by `indirect_reprojection`.
+//! What the temporal sets have rendered: a buffer for each, and the camera, the light and the transforms of the
+//! frame that rendered it. Written by `indirect_shading`, read by `indirect_reprojection`.
 //!
 //! Where the filter's window spans several pixels, set buffers have half the resolution in each direction. A texel then stands
 //! for one pixel of four, and sets differ in which, so that together they have seen every pixel.
@@ -49,7 +49,7 @@ impl SetView {
     }
 }
 
-/// What is known of a set that was drawn, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
+/// What is known of a set that was rendered, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct SetParameters {
@@ -57,7 +57,7 @@ struct SetParameters {
     scale: f32,
     /// Luminous flux.
     flux: f32,
-    /// Tangent of half the vertical field of view of the camera that drew it.
+    /// Tangent of half the vertical field of view of the camera that rendered it.
     tan_y: f32,
     /// Bits 0 and 1: offset of the representative.
     offset: u32,
@@ -67,7 +67,7 @@ struct SetParameters {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SetPush {
-    /// Of the pictures that the sets drew, pixels.
+    /// Of the pictures of the sets, pixels.
     pub size: [u32; 2],
     /// Pixels from one texel to the next.
     pub set_step: u32,
@@ -83,13 +83,13 @@ pub struct SetPush {
     pub total_flux: f32,
     /// Number of the view.
     pub view: u32,
-    /// For a view: pixels from one texel of the set that this frame draws to the next.
-    pub drawn_step: u32,
+    /// For a view: pixels from one texel of the set that this frame renders to the next.
+    pub rendered_step: u32,
 }
 
-/// The set that a frame draws.
+/// The set that a frame renders.
 #[derive(Clone, Copy, Debug)]
-pub struct DrawnSet {
+pub struct RenderedSet {
     /// Its index, and the layer that it goes to.
     pub set: u32,
     /// What its buffer's irradiance is multiplied by.
@@ -106,10 +106,10 @@ pub struct SetBuffers {
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
     step: u32,
-    /// For each set its [`SetParameters`], zero before it was first drawn, and where its camera saw all instances:
+    /// For each set its [`SetParameters`], zero before it was first rendered, and where its camera saw all instances:
     /// [`SetView::rows`].
     views: Buffer,
-    /// Luminous flux of each set, none before it was first drawn.
+    /// Luminous flux of each set, none before it was first rendered.
     flux: Vec<Option<f32>>,
     instances: usize,
 }
@@ -121,7 +121,7 @@ pub fn set_step(settings: &VplSettings) -> u32 {
 }
 
 impl SetBuffers {
-    /// Makes set buffers for pictures of `size` pixels, none of them drawn yet.
+    /// Makes set buffers for pictures of `size` pixels, none of them rendered yet.
     pub fn new(
         device: &Arc<Device>,
         size: [u32; 2],
@@ -162,7 +162,7 @@ impl SetBuffers {
         to_u32(self.flux.len())
     }
 
-    /// Whether every set has been drawn.
+    /// Whether every set has been rendered.
     pub fn is_complete(&self) -> bool {
         self.flux.iter().all(Option::is_some)
     }
@@ -173,28 +173,33 @@ impl SetBuffers {
         if self.step == 1 { [0, 0] } else { OFFSETS[set as usize % 4] }
     }
 
-    /// Notes that this frame draws a set with everything standing as in `pose`.
-    pub fn note(&mut self, frame: &mut Frame<'_>, pose: &Pose, drawn: &DrawnSet) -> Result<(), VulkanError> {
+    /// Notes that this frame renders a set with everything standing as in `pose`.
+    pub fn note(
+        &mut self,
+        frame: &mut Frame<'_>,
+        pose: &Pose,
+        rendered: &RenderedSet,
+    ) -> Result<(), VulkanError> {
         let view = SetView::new(&pose.camera, self.size);
-        let [x, y] = self.representative(drawn.set);
+        let [x, y] = self.representative(rendered.set);
         let parameters = SetParameters {
-            scale: 1.0 / drawn.irradiance_scale,
-            flux: drawn.flux,
+            scale: 1.0 / rendered.irradiance_scale,
+            flux: rendered.flux,
             tan_y: view.rays[1].length(),
             offset: x | y << 1,
         };
-        self.flux[drawn.set as usize] = Some(drawn.flux);
+        self.flux[rendered.set as usize] = Some(rendered.flux);
         let rows = pose.instances.iter().flat_map(|instance| view.rows(instance));
         let texels: Vec<Vec4> = std::iter::once(bytemuck::cast(parameters)).chain(rows).collect();
         let upload = frame.upload(&texels)?;
-        frame.copy(&upload, &self.views, drawn.set as u64 * size_of_val(texels.as_slice()) as u64);
+        frame.copy(&upload, &self.views, rendered.set as u64 * size_of_val(texels.as_slice()) as u64);
         Ok(())
     }
 
-    /// What looking surfaces up takes. `set_flux`: luminous flux of each set now, for those that were not drawn yet.
+    /// What looking surfaces up takes. `set_flux`: luminous flux of each set now, for those that were not rendered yet.
     pub fn push(&self, missing_sets: MissingSets, set_flux: &[f32]) -> SetPush {
-        let flux = |(set, drawn): (usize, &Option<f32>)| {
-            drawn.unwrap_or_else(|| set_flux.get(set).copied().unwrap_or(0.0))
+        let flux = |(set, rendered): (usize, &Option<f32>)| {
+            rendered.unwrap_or_else(|| set_flux.get(set).copied().unwrap_or(0.0))
         };
         SetPush {
             size: self.size,
@@ -232,7 +237,7 @@ mod tests {
             scale_missing,
             total_flux,
             view,
-            drawn_step
+            rendered_step
         );
     }
 }

@@ -9,7 +9,7 @@ use super::manager::{SlotView, VplManager};
 use crate::scene::luminance;
 
 /// Change since a set was rendered, above which it is rendered before its turn.
-const REDRAWN: f32 = 0.25;
+const RERENDERED: f32 = 0.25;
 /// Change from which on a set counts for [`LEAST_WEIGHT`].
 const FORGOTTEN: f32 = 0.5;
 /// Weight of a set rendered before everything changed: it still helps where newer sets have not seen the surface.
@@ -57,7 +57,7 @@ impl Staleness {
     /// The sets to render before their turn, at most `most`, the stalest first.
     pub fn stalest(&self, turn: u32, most: u32) -> Vec<u32> {
         let mut stale: Vec<u32> = (0..self.changes.len() as u32)
-            .filter(|&set| set != turn && self.changes[set as usize] > REDRAWN)
+            .filter(|&set| set != turn && self.changes[set as usize] > RERENDERED)
             .collect();
         stale.sort_by(|&a, &b| self.changes[b as usize].total_cmp(&self.changes[a as usize]).then(a.cmp(&b)));
         stale.truncate(most as usize);
@@ -65,7 +65,7 @@ impl Staleness {
     }
 
     /// Notes that a set is rendered.
-    pub fn draw(&mut self, set: u32) {
+    pub fn mark_rendered(&mut self, set: u32) {
         self.changes[set as usize] = 0.0;
     }
 
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stale_sets_count_for_less_and_are_redrawn_first() {
+    fn stale_sets_count_for_less_and_are_rerendered_first() {
         let mut staleness = Staleness::new(4);
         assert_eq!(staleness.weights()[..4], [1.0; 4]);
         assert!(staleness.stalest(0, 4).is_empty());
@@ -95,7 +95,7 @@ mod tests {
         assert_eq!(staleness.stalest(0, 4), [3, 1]);
         assert_eq!(staleness.stalest(3, 4), [1]);
         assert_eq!(staleness.stalest(0, 1), [3]);
-        staleness.draw(3);
+        staleness.mark_rendered(3);
         assert_eq!(staleness.weights()[3], 1.0);
     }
 }

@@ -24,7 +24,7 @@ pub const VIEWS: &[View] = &[
     View {
         name: "unfiltered",
         label: "This set, before the filter",
-        about: "What this frame has drawn before the filter: each texel has a few VPLs of its own",
+        about: "What this frame has rendered before the filter: each texel has a few VPLs of its own",
     },
     View {
         name: FILTERED,
@@ -33,8 +33,8 @@ pub const VIEWS: &[View] = &[
     },
     View {
         name: "set-buffer",
-        label: "Set buffer as drawn",
-        about: "The buffer of a set as it was drawn, by the camera of that time",
+        label: "Set buffer as rendered",
+        about: "The buffer of a set as it was rendered, by the camera of that time",
     },
     View {
         name: "set-reprojected",
@@ -129,8 +129,8 @@ pub struct VplViewSources<'a> {
     pub sampled_irradiance: &'a Image,
     /// Irradiance, or that of a single VPL.
     pub irradiance: &'a Image,
-    /// The sets that this frame adds to, and the one that it drew.
-    pub drawn: (&'a SetBuffers, u32),
+    /// The sets that this frame adds to, and the one that it rendered.
+    pub rendered: (&'a SetBuffers, u32),
     /// The sets that the picture is made of, and the one to show.
     pub shown: (&'a SetBuffers, u32),
 }
@@ -149,12 +149,12 @@ impl VplViewPass {
         sources: &VplViewSources<'_>,
         view: &str,
     ) -> Result<(), VulkanError> {
-        let (sets, set) = if view == FILTERED { sources.drawn } else { sources.shown };
+        let (sets, set) = if view == FILTERED { sources.rendered } else { sources.shown };
         let Some(view) = VIEWS.iter().position(|known| known.name == view) else { return Ok(()) };
         let push = SetPush {
             shown_set: set.min(sets.count() - 1),
             view: view as u32,
-            drawn_step: sources.drawn.0.step(),
+            rendered_step: sources.rendered.0.step(),
             ..sets.push(MissingSets::Dark, &[])
         };
         let pass = inputs

@@ -40,7 +40,7 @@ impl Layout {
         }
     }
 
-    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `nth` thin surface on its way. For
+    /// Random number in [0, 1) that decides whether the ray of a slot's candidate passes the `nth` thin surface along it. For
     /// the first surface it is a further dimension of the sequence.
     pub(super) fn thin_number(&self, address: &Address, candidate: u32, nth: u32) -> f32 {
         // Rays have the first dimensions.

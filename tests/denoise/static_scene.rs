@@ -1,23 +1,23 @@
-//! A still scene: what SVGF shows in the end is a function of the frames at rest alone.
+//! A static scene: the converged output of SVGF depends on the static frames alone.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use glowworm::passes::clock::StaticFrame;
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
-use crate::lab::Lab;
+use crate::gpu::GpuFixture;
 use crate::support::{Bench, Pixel, pixels};
 
 /// A wall that is lit at random.
 fn noisy(numbers: &mut Random, brightness: f32) -> Vec<Pixel> {
     pixels(|at| {
         let light = if numbers.unit() < 0.5 { 0.0 } else { 2.0 * brightness };
-        Pixel::at_rest(Vec3::new(light, light * at.x as f32 / 60.0, 0.5), Vec3::Z, 4.0)
+        Pixel::stationary(Vec3::new(light, light * at.x as f32 / 60.0, 0.5), Vec3::Z, 4.0)
     })
 }
 
-/// The frames of a still scene, of which the last `shown` are shown.
-fn rest(bench: &mut Bench, brightness: f32, frames: u32, shown: u32) -> Vec<Vec4> {
+/// The frames of a static scene, of which the last `shown` are shown.
+fn accumulate(bench: &mut Bench, brightness: f32, frames: u32, shown: u32) -> Vec<Vec4> {
     let mut numbers = Random::new(77);
     let mut sum = vec![Vec4::ZERO; noisy(&mut Random::new(0), 1.0).len()];
     for index in 0..frames {
@@ -36,16 +36,16 @@ fn bits(texels: &[Vec4]) -> Vec<[u32; 4]> {
 
 #[test]
 fn what_is_shown_in_the_end_does_not_depend_on_what_came_before() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let settings = SvgfSettings::default();
-    let mut fresh = Bench::new(&lab.device, &settings);
-    let mean = rest(&mut fresh, 1.0, 48, 1);
+    let mut fresh = Bench::new(&gpu.device, &settings);
+    let mean = accumulate(&mut fresh, 1.0, 48, 1);
     for (found, mean) in fresh.read(|svgf| svgf.history()).iter().zip(&mean) {
         assert!((found - mean).xyz().abs().max_element() < 4e-3, "{found}, not {mean}");
     }
 
     // After motion, after a broken frame, after a rest that was shown and one that was not.
-    let mut bench = Bench::new(&lab.device, &settings);
+    let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(1);
     for shown in [None, Some(true), Some(false), None] {
         for index in 0..5 {
@@ -56,7 +56,7 @@ fn what_is_shown_in_the_end_does_not_depend_on_what_came_before() {
         }
     }
     let before = bench.output();
-    rest(&mut bench, 1.0, 48, 1);
+    accumulate(&mut bench, 1.0, 48, 1);
     assert_ne!(bits(&before), bits(&bench.output()));
     assert_eq!(bits(&fresh.output()), bits(&bench.output()));
     assert_eq!(bits(&fresh.read(|svgf| svgf.moments())), bits(&bench.read(|svgf| svgf.moments())));
@@ -64,31 +64,31 @@ fn what_is_shown_in_the_end_does_not_depend_on_what_came_before() {
 
 #[test]
 fn until_then_the_picture_is_that_of_a_scene_that_changes() {
-    let Some(lab) = Lab::open() else { return };
+    let Some(gpu) = GpuFixture::open() else { return };
     let mut numbers = Random::new(2);
-    let [mut moving, mut resting] = [(); 2].map(|()| Bench::new(&lab.device, &SvgfSettings::default()));
+    let [mut moving, mut converging] = [(); 2].map(|()| Bench::new(&gpu.device, &SvgfSettings::default()));
     for index in 0..12 {
         let pixels = noisy(&mut numbers, 1.0);
         moving.denoise(&pixels);
-        resting.denoise_at(&pixels, Some(StaticFrame { index, shown: false }));
-        assert_eq!(bits(&moving.output()), bits(&resting.output()));
+        converging.denoise_at(&pixels, Some(StaticFrame { index, shown: false }));
+        assert_eq!(bits(&moving.output()), bits(&converging.output()));
     }
     // A rest that was never shown is dropped.
     let pixels = noisy(&mut numbers, 1.0);
     moving.denoise(&pixels);
-    resting.denoise(&pixels);
-    assert_eq!(bits(&moving.output()), bits(&resting.output()));
+    converging.denoise(&pixels);
+    assert_eq!(bits(&moving.output()), bits(&converging.output()));
 }
 
 #[test]
-fn motion_goes_on_from_what_was_shown_at_rest() {
-    let Some(lab) = Lab::open() else { return };
-    let mut bench = Bench::new(&lab.device, &SvgfSettings::default());
+fn motion_continues_from_the_converged_output() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bench = Bench::new(&gpu.device, &SvgfSettings::default());
     let mut numbers = Random::new(3);
     for _ in 0..4 {
         bench.denoise(&noisy(&mut numbers, 100.0));
     }
-    rest(&mut bench, 1.0, 48, 16);
+    accumulate(&mut bench, 1.0, 48, 16);
     let before = bench.output();
     bench.denoise(&noisy(&mut numbers, 1.0));
     // The noise of one frame is 1; that of the mean over 48 frames, blurred, is far less.
