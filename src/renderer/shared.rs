@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::direct::{DirectPasses, ShadowPasses};
-use crate::denoise::{Denoiser, Use};
+use crate::denoise::{self, Denoiser, DenoiserContext, Use};
 use crate::effects::reflections::{Reflections, traces_reflections};
 use crate::estimators::Estimator;
 use crate::gpu_scene::scene_buffers::SceneBuffers;
@@ -83,9 +83,9 @@ pub(super) fn indirect_denoiser(
     device: &Arc<Device>,
     estimator: &dyn Estimator,
     settings: &Settings,
-) -> Result<Denoiser, VulkanError> {
-    let extent = estimator.signal().noisy.extent();
-    Denoiser::new(device, Use::Indirect, estimator.noise(), extent, settings)
+) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let (noise, extent) = (estimator.noise(), estimator.signal().noisy.extent());
+    denoise::make(&DenoiserContext { device, usage: Use::Indirect, noise, extent, settings })
 }
 
 /// What one of the views of effects shows; none where the effect is not in use, or it is another view.

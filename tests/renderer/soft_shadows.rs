@@ -166,7 +166,7 @@ fn mean_of_seeds(of: impl Fn(u32) -> Vec<[f32; 3]>) -> Vec<[f32; 3]> {
 
 /// The mean of still pictures of two seeds, without a denoiser.
 fn mean_of_rays(lab: &Lab, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
-    let of = |seed| direct(&lab.rendered(scene, &Settings { seed, ..settings(Denoise::None) }, FRAMES));
+    let of = |seed| direct(&lab.rendered(scene, &Settings { seed, ..settings(Denoise::NONE) }, FRAMES));
     mean_of_seeds(of)
 }
 
@@ -198,7 +198,7 @@ fn area_lights_count_once_beside_reflections() {
                 .map(|at| [0, 1, 2].map(|i| lit[at][i] + share * (one[at][i] - none[at][i])))
                 .collect();
             let of = |seed| {
-                let plain = settings(Denoise::None);
+                let plain = settings(Denoise::NONE);
                 let effects =
                     EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
                 let settings = Settings { seed, effects, reflections: Reflections::Rays, ..plain };
@@ -216,7 +216,7 @@ fn lights_without_extent_have_hard_shadows() {
     for light in [sun(0), sharp(BULB), sharp(SPOT)] {
         let scene = yard(&light);
         let [hard, soft] = [Direct::Hard, Direct::Soft].map(|kind| {
-            direct(&lab.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
+            direct(&lab.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::NONE) }, 1))
         });
         let dark = hard.iter().filter(|pixel| **pixel == [0.0; 3]).count();
         assert!((100..hard.len() - 100).contains(&dark), "{dark} pixels are dark");
@@ -232,7 +232,7 @@ fn lights_without_extent_have_hard_shadows() {
 fn white_noise_has_the_same_mean() {
     let Some(lab) = Lab::open() else { return };
     let scene = yard(&sun(4));
-    let blue = settings(Denoise::None);
+    let blue = settings(Denoise::NONE);
     let white = Settings { effects: EffectSettings { noise: Noise::White, ..blue.effects }, ..blue.clone() };
     let [blue, white] = [blue, white].map(|settings| direct(&lab.rendered(&scene, &settings, FRAMES)));
     assert_ne!(blue, white);
@@ -255,10 +255,10 @@ fn a_hundred_lamps_take_one_ray() {
     let lamps: Vec<String> = (0..100).map(lamp).collect();
     let scene = yard(&lamps.join("\n[[lights]]\n"));
     let expected = layer(&reference(&scene, SIZE, 0, 512), "direct");
-    let ours = direct(&lab.rendered(&scene, &settings(Denoise::None), FRAMES));
+    let ours = direct(&lab.rendered(&scene, &settings(Denoise::NONE), FRAMES));
     assert_agree("a hundred lamps", &ours, &expected);
     // Denoised, after 32 frames.
-    let denoised = direct(&lab.rendered(&scene, &settings(Denoise::Svgf), 32));
+    let denoised = direct(&lab.rendered(&scene, &settings(Denoise::SVGF), 32));
     let ssim = ssim(&denoised, &expected);
     eprintln!("a hundred lamps, denoised: SSIM {ssim}");
     assert!(ssim >= 0.9, "{ssim}");
@@ -278,7 +278,7 @@ fn denoised_stills_are_like_the_truth() {
     for angle in [4, 20] {
         let scene = yard(&sun(angle));
         let expected = layer(&reference(&scene, SIZE, 0, 256), "direct");
-        let ssim = ssim(&direct(&lab.rendered(&scene, &settings(Denoise::Svgf), 32)), &expected);
+        let ssim = ssim(&direct(&lab.rendered(&scene, &settings(Denoise::SVGF), 32)), &expected);
         eprintln!("sun of {angle} degrees, denoised: SSIM {ssim}");
         assert!(ssim >= 0.98, "{angle} degrees: {ssim}");
     }
@@ -306,12 +306,12 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     let rest = scene.pose(0.0);
     for (direct, antialiasing, denoise) in [
-        (Direct::Soft, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Soft, Antialiasing::Taa, Denoise::None),
-        (Direct::Soft, Antialiasing::None, Denoise::Svgf),
-        (Direct::Soft, Antialiasing::None, Denoise::None),
-        (Direct::Hard, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Hard, Antialiasing::None, Denoise::None),
+        (Direct::Soft, Antialiasing::Taa, Denoise::SVGF),
+        (Direct::Soft, Antialiasing::Taa, Denoise::NONE),
+        (Direct::Soft, Antialiasing::None, Denoise::SVGF),
+        (Direct::Soft, Antialiasing::None, Denoise::NONE),
+        (Direct::Hard, Antialiasing::Taa, Denoise::SVGF),
+        (Direct::Hard, Antialiasing::None, Denoise::NONE),
     ] {
         let what = format!("{direct:?}, {antialiasing:?}, {denoise:?}");
         let (settings, frames) = all_in_use(direct, antialiasing, denoise);
@@ -344,7 +344,7 @@ fn a_light_that_goes_takes_its_light_along() {
     let rest = scene.pose(0.0);
     let mut dark = rest.clone();
     dark.lights.remove(1);
-    let settings = settings(Denoise::Svgf);
+    let settings = settings(Denoise::SVGF);
     let mut renderer = lab.rendered(&scene, &settings, 20);
     let before = mean(direct(&renderer).iter().map(luminance));
     let mut fresh = lab.renderer(&scene, &settings, &dark);
