@@ -27,7 +27,7 @@ NOISY_SAMPLES = 16
 # Keys of a report.
 MACHINE = ["device", "driver", "commit"]
 
-PLAIN = {"svgf-clamp": 0, "svgf-firefly": 0, "svgf-adaptive": "false"}
+PLAIN = {"svgf-history-rejection": 0, "svgf-firefly": 0, "svgf-adaptive": "false"}
 
 
 def plain_but(**changes):
@@ -37,7 +37,7 @@ def plain_but(**changes):
 VARIANTS = {
     "default": {},
     "SVGF": PLAIN,
-    "+ clamp": plain_but(svgf_clamp=2.5),
+    "+ history rejection": plain_but(svgf_history_rejection=2.5),
     "+ fireflies": plain_but(svgf_firefly=10),
     "+ adaptive": plain_but(svgf_adaptive="true"),
     "+ separable": plain_but(svgf_separable="true"),

@@ -40,8 +40,8 @@ scripts/study-hybrid     # --help lists the options
 
 EXTENSIONS = """## Each extension
 
-SSIM / HDR-FLIP. **SVGF** is the paper's alone (`--svgf-clamp 0 --svgf-firefly 0 --svgf-adaptive false`); **+** adds one extension to it;
-**default** has the clamp, the firefly filter and the adaptive blur; **all** also the separable blur and Reinhard's curve; the last two
+SSIM / HDR-FLIP. **SVGF** is the paper's alone (`--svgf-history-rejection 0 --svgf-firefly 0 --svgf-adaptive false`); **+** adds one extension to it;
+**default** has history rejection, the firefly filter and the adaptive blur; **all** also the separable blur and Reinhard's curve; the last two
 columns show what the path tracer has at {noisy} and how much of the error is noise of the reference itself.
 
 {table}

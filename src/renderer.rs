@@ -96,7 +96,7 @@ pub struct Renderer {
     gpu_scene: GpuScene,
     passes: SharedPasses,
     estimator: Box<dyn Estimator>,
-    indirect_denoiser: Denoiser,
+    indirect_denoiser: Box<dyn Denoiser>,
     views: ViewPasses,
     // After the passes, so that a failed construction has dropped nothing in use; see `drop` as well.
     frames: Frames,
@@ -208,14 +208,14 @@ impl Renderer {
             ambient: ambient(&self.settings, pose),
         };
         self.passes.direct.record(&mut frame, inputs, &surroundings)?;
-        let (estimator, denoiser) = (&mut *self.estimator, &mut self.indirect_denoiser);
+        let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {
             record_reflections(&mut frame, reflections, estimator, denoiser, inputs)?;
         }
 
         // Join all light, smooth edges, and tone map.
-        let (estimator, denoiser) = (&*self.estimator, &self.indirect_denoiser);
+        let (estimator, denoiser) = (&*self.estimator, &*self.indirect_denoiser);
         let (shading, reflections) = (&self.passes.direct.shading, self.passes.reflections.as_ref());
         let joined = CombineInputs {
             frame: frame_uniforms,

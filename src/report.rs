@@ -30,38 +30,6 @@ impl PassInfo {
     }
 }
 
-/// The CPU's passes that all methods share; those of the method follow.
-pub const CPU_PASSES: [PassInfo; 1] = [PassInfo::new("bvh_update", [140, 86, 75])];
-/// The device's passes that all methods share, before those of the method.
-pub const SHARED_PASSES: [PassInfo; 9] = [
-    PassInfo::new("gbuffer", [237, 201, 72]),
-    PassInfo::new("reprojection", [214, 176, 120]),
-    PassInfo::new("soft_shadows_trace", [150, 120, 20]),
-    PassInfo::new("soft_shadows_svgf_temporal", [205, 120, 120]),
-    PassInfo::new("soft_shadows_svgf_variance", [225, 160, 150]),
-    PassInfo::new("soft_shadows_svgf_atrous", [180, 70, 90]),
-    PassInfo::new("direct_shadows", [182, 153, 45]),
-    PassInfo::new("direct_shading", [89, 161, 79]),
-    PassInfo::new("thin_surfaces", [118, 183, 178]),
-];
-/// The device's passes that all methods share, after those of the method.
-pub const LAST_PASSES: [PassInfo; 14] = [
-    PassInfo::new("indirect_spatial_filter", [158, 120, 180]),
-    PassInfo::new("indirect_svgf_temporal", [170, 130, 200]),
-    PassInfo::new("indirect_svgf_variance", [190, 160, 215]),
-    PassInfo::new("indirect_svgf_atrous", [130, 90, 170]),
-    PassInfo::new("reflections_trace", [120, 80, 170]),
-    PassInfo::new("reflections_svgf_temporal", [210, 110, 150]),
-    PassInfo::new("reflections_svgf_variance", [230, 150, 180]),
-    PassInfo::new("reflections_svgf_atrous", [185, 65, 120]),
-    PassInfo::new("combine", [227, 119, 194]),
-    PassInfo::part("combine", "radiance", [227, 119, 194]),
-    PassInfo::part("combine", "exposure", [237, 160, 210]),
-    PassInfo::part("combine", "tone_map", [200, 90, 170]),
-    PassInfo::new("taa", [188, 128, 189]),
-    PassInfo::new("taa_average", [208, 168, 209]),
-];
-
 /// The commit that the program was built from, or `unknown` outside a git checkout.
 pub const COMMIT: &str = match option_env!("GLOWWORM_COMMIT") {
     Some(commit) => commit,

@@ -2,64 +2,19 @@
 //!
 //! None knows where its signal comes from. Each use has a denoiser of its own, which owns its history and forgets it when told.
 
+mod method;
+mod none;
 mod spatial;
 pub mod svgf;
 
-use std::sync::Arc;
+pub use method::{DenoiserContext, DenoiserPass, Method, Use};
 
 use crate::passes::clock::StaticFrame;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
-use crate::settings::{Denoise, Settings};
-use crate::vulkan::{Device, Frame, Image, Pass, Upload, VulkanError};
-use spatial::Spatial;
-use svgf::Svgf;
-
-/// What a denoiser is used for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// Indirect irradiance of an estimator.
-    Indirect,
-    /// Visibility of lights with an extent.
-    SoftShadows,
-    /// Radiance along reflection rays.
-    Reflections,
-}
-
-/// The names of a use's passes: its own in front of those of the denoiser.
-#[derive(Clone, Copy, Debug)]
-pub struct PassNames {
-    /// SVGF's temporal accumulation.
-    pub svgf_temporal: &'static str,
-    /// SVGF's spatial estimate of the variance.
-    pub svgf_variance: &'static str,
-    /// SVGF's a-trous filter.
-    pub svgf_atrous: &'static str,
-    /// The filter of a signal whose variance is known.
-    pub spatial: &'static str,
-}
-
-macro_rules! pass_names {
-    ($prefix:literal) => {
-        PassNames {
-            svgf_temporal: concat!($prefix, "_svgf_temporal"),
-            svgf_variance: concat!($prefix, "_svgf_variance"),
-            svgf_atrous: concat!($prefix, "_svgf_atrous"),
-            spatial: concat!($prefix, "_spatial_filter"),
-        }
-    };
-}
-
-impl Use {
-    /// The names of its passes.
-    pub const fn names(self) -> PassNames {
-        match self {
-            Self::Indirect => pass_names!("indirect"),
-            Self::SoftShadows => pass_names!("soft_shadows"),
-            Self::Reflections => pass_names!("reflections"),
-        }
-    }
-}
+use crate::report::PassInfo;
+use crate::settings::{Registry, Settings};
+use crate::vulkan::{Frame, Image, Pass, Upload, VulkanError};
 
 /// What is known of a signal's noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,84 +72,61 @@ impl<'a> DenoiserInputs<'a> {
 }
 
 /// A denoiser of one use.
-pub enum Denoiser {
-    /// The signal stays as it is, at no cost.
-    None,
-    /// An a-trous filter over a signal whose variance is known.
-    Spatial(Spatial),
-    /// SVGF.
-    Svgf(Box<Svgf>),
-}
-
-impl Denoiser {
-    /// Makes the denoiser that the settings name, for a signal of `extent` texels.
-    ///
-    /// # Errors
-    /// Where the device lacks memory.
-    pub fn new(
-        device: &Arc<Device>,
-        usage: Use,
-        noise: SignalNoise,
-        extent: [u32; 2],
-        settings: &Settings,
-    ) -> Result<Self, VulkanError> {
-        Ok(match (settings.effects.denoise, noise) {
-            (Denoise::None, _) | (_, SignalNoise::None) => Self::None,
-            (Denoise::Svgf, SignalNoise::Variance) => Self::Spatial(Spatial::new(device, usage, extent)?),
-            (Denoise::Svgf, SignalNoise::Unknown) => {
-                Self::Svgf(Box::new(Svgf::new(device, usage, extent, &settings.svgf)?))
-            }
-        })
-    }
-
+pub trait Denoiser: Send {
     /// Denoises one frame.
     ///
     /// # Errors
     /// Where the device fails.
-    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
-        match self {
-            Self::None => Ok(()),
-            Self::Spatial(spatial) => spatial.record(frame, inputs),
-            Self::Svgf(svgf) => svgf.record(frame, inputs),
-        }
-    }
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError>;
 
     /// The denoised signal of the last frame, given the noisy one.
-    pub fn output<'a>(&'a self, noisy: &'a Image) -> &'a Image {
-        match self {
-            Self::None => noisy,
-            Self::Spatial(spatial) => spatial.output(),
-            Self::Svgf(svgf) => svgf.output(),
-        }
-    }
+    fn output<'a>(&'a self, noisy: &'a Image) -> &'a Image;
 
     /// Whether frames of a static scene are accumulated, so that noise averages out before the picture freezes.
-    pub fn accumulates(&self) -> bool {
-        matches!(self, Self::Svgf(_))
+    fn accumulates(&self) -> bool {
+        false
     }
 
     /// Forgets all frames so far.
-    pub fn forget(&mut self) {
-        if let Self::Svgf(svgf) = self {
-            svgf.forget();
-        }
-    }
+    fn forget(&mut self) {}
 
-    /// The image that one of the use's views shows, by the end of the view's name, and how: the result, the noisy signal, the
-    /// history, the noise that is left, the length of the history. None where the denoiser has no such image.
-    pub fn debug_image<'a>(
-        &'a self,
-        stage: &str,
-        noisy: &'a Image,
-        signal: Visualization,
-    ) -> Option<(&'a Image, Visualization)> {
-        Some(match (stage, self) {
-            ("", _) => (self.output(noisy), signal),
-            ("raw", _) => (noisy, signal),
-            ("temporal", Self::Svgf(svgf)) => (svgf.history(), signal),
-            ("variance", Self::Svgf(svgf)) => (svgf.output(), Visualization::Deviation),
-            ("history", Self::Svgf(svgf)) => (svgf.moments(), Visualization::History),
-            _ => return None,
-        })
+    /// The image that one of the use's views shows, by the end of the view's name, and how: the history (`temporal`), the noise
+    /// that is left (`variance`), the length of the history (`history`). None where the denoiser has no such image. `signal`
+    /// is how the signal itself is shown.
+    fn debug_image(&self, _stage: &str, _signal: Visualization) -> Option<(&Image, Visualization)> {
+        None
     }
+}
+
+/// One line a denoiser. [`register`] adds those of other crates.
+static METHODS: Registry<Method> = Registry::new(&[svgf::METHOD, none::METHOD]);
+
+/// Adds a denoiser of another crate, such as a test's, before anything else uses the library.
+pub fn register(method: Method) {
+    method.denoise.add();
+    METHODS.add(method);
+}
+
+/// The denoiser that the settings name.
+fn method(settings: &Settings) -> &'static Method {
+    let (denoise, methods) = (settings.effects.denoise, METHODS.all());
+    let found = methods.iter().find(|method| method.denoise == denoise);
+    found.unwrap_or_else(|| panic!("--denoise {denoise:?} is not registered"))
+}
+
+/// Makes the denoiser that the settings name, and none for a signal without noise.
+///
+/// # Errors
+/// Where the device does not support it.
+///
+/// # Panics
+/// If it was not registered: settings that were parsed name only denoisers that are.
+pub fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let has_noise = context.noise != SignalNoise::None;
+    (if has_noise { method(context.settings) } else { &none::METHOD }.make)(context)
+}
+
+/// The passes of all denoisers for one use, in the order of the frame.
+pub fn passes(usage: Use) -> impl Iterator<Item = &'static PassInfo> {
+    METHODS.all().iter().flat_map(|method| method.passes).filter_map(move |pass| pass.info(usage))
 }

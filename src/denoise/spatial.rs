@@ -4,15 +4,20 @@
 
 use std::sync::Arc;
 
-use super::{DenoiserInputs, Use};
+use super::{Denoiser, DenoiserInputs, DenoiserPass, Use};
+use crate::denoiser_pass;
 use crate::passes::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// Texels between the taps, level by level. An odd number of levels ends in the filter's own image.
 const STEPS: [i32; 3] = [1, 2, 4];
 
+/// Only estimators know the variance of their signal.
+pub(super) const PASS: DenoiserPass =
+    denoiser_pass!("spatial_filter", [[158, 120, 180]; 3]).only_for(Use::Indirect);
+
 /// The filter: 12 bytes a texel.
-pub struct Spatial {
+pub(super) struct Spatial {
     usage: Use,
     pipeline: ComputePipeline,
     filtered: Image,
@@ -29,18 +34,15 @@ impl Spatial {
             variance: storage_image(device, "filtered_variance", vk::Format::R32_SFLOAT, extent)?,
         })
     }
+}
 
-    /// The filtered signal of the last frame.
-    pub(super) fn output(&self) -> &Image {
+impl Denoiser for Spatial {
+    fn output<'a>(&'a self, _: &'a Image) -> &'a Image {
         &self.filtered
     }
 
     /// Filters from the signal's images to its own and back.
-    pub(super) fn record(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &DenoiserInputs<'_>,
-    ) -> Result<(), VulkanError> {
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let Some(variance) = inputs.variance else {
             unreachable!("a signal without a variance has another denoiser")
         };
@@ -49,7 +51,7 @@ impl Spatial {
         let pixels = width.div_ceil(self.filtered.extent()[0]) as i32;
         for step in STEPS {
             inputs
-                .bind(frame.pass(self.usage.names().spatial, &self.pipeline))
+                .bind(frame.pass(PASS.name(self.usage), &self.pipeline))
                 .read("noisy", from.0)
                 .read("noisy_variance", from.1)
                 .write("filtered", to.0)

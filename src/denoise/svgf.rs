@@ -10,12 +10,48 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{DenoiserInputs, Use};
+use super::spatial::{self, Spatial};
+use super::{Denoiser, DenoiserContext, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use};
+use crate::denoiser_pass;
 use crate::passes::clock::StaticFrame;
+use crate::passes::effect_view::Visualization;
 use crate::passes::history::History;
 use crate::passes::storage_image;
-use crate::settings::SvgfSettings;
+use crate::settings::{Denoise, SvgfSettings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
+
+const TEMPORAL: DenoiserPass =
+    denoiser_pass!("svgf_temporal", [[170, 130, 200], [205, 120, 120], [210, 110, 150]]);
+const VARIANCE: DenoiserPass =
+    denoiser_pass!("svgf_variance", [[190, 160, 215], [225, 160, 150], [230, 150, 180]]);
+const ATROUS: DenoiserPass = denoiser_pass!("svgf_atrous", [[130, 90, 170], [180, 70, 90], [185, 65, 120]]);
+
+/// A signal whose variance is known is a mean already: it gets the spatial half alone.
+pub(super) const METHOD: Method =
+    Method { passes: &[spatial::PASS, TEMPORAL, VARIANCE, ATROUS], ..Method::new(Denoise::SVGF, make) };
+
+fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let DenoiserContext { device, usage, noise, extent, settings } = *context;
+    Ok(if noise == SignalNoise::Variance {
+        Box::new(Spatial::new(device, usage, extent)?)
+    } else {
+        Box::new(Svgf::new(device, usage, extent, &overridden(&settings.svgf, usage))?)
+    })
+}
+
+/// The settings with the overrides of a use.
+fn overridden(settings: &SvgfSettings, usage: Use) -> SvgfSettings {
+    let (alpha, levels) = match usage {
+        Use::Indirect => (settings.indirect_alpha, settings.indirect_levels),
+        Use::SoftShadows => (settings.soft_shadows_alpha, settings.soft_shadows_levels),
+        Use::Reflections => (settings.reflections_alpha, settings.reflections_levels),
+    };
+    SvgfSettings {
+        alpha: alpha.unwrap_or(settings.alpha),
+        levels: levels.unwrap_or(settings.levels),
+        ..*settings
+    }
+}
 
 /// The mean of the frames so far.
 struct Accumulation {
@@ -84,7 +120,7 @@ impl TemporalPush {
             least_moments_alpha: settings.moments_alpha,
             recent_alpha: RECENT_ALPHA,
             longest: settings.longest_history as f32,
-            rejection: settings.clamp * deviation_of_change(settings.moments_alpha),
+            rejection: settings.history_rejection * deviation_of_change(settings.moments_alpha),
             brightest: settings.firefly,
             ..Self::zeroed()
         }
@@ -153,12 +189,6 @@ impl Svgf {
         })
     }
 
-    /// Forgets all frames so far.
-    pub fn forget(&mut self) {
-        self.recent.forget();
-        self.converging.forget();
-    }
-
     /// rgb: the denoised signal of the last frame; a: its standard deviation.
     pub fn output(&self) -> &Image {
         self.result.map_or(self.history(), |index| &self.light[index])
@@ -183,29 +213,6 @@ impl Svgf {
         if self.shows_converging { &self.converging } else { &self.recent }
     }
 
-    /// Denoises one frame.
-    ///
-    /// # Errors
-    /// Where the device fails.
-    pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
-        let place = inputs.static_frame;
-        let shows_converging = place.is_some_and(|place| place.shown);
-        if self.shows_converging && !shows_converging {
-            std::mem::swap(&mut self.recent, &mut self.converging);
-        }
-        if place.is_none_or(|StaticFrame { index, .. }| index == 0) {
-            self.converging.forget();
-        }
-        self.shows_converging = shows_converging;
-        if !shows_converging {
-            self.accumulate(frame, inputs, false)?;
-        }
-        if place.is_some() {
-            self.accumulate(frame, inputs, true)?;
-        }
-        self.blur(frame, inputs)
-    }
-
     /// Adds the frame to one of the means.
     fn accumulate(
         &mut self,
@@ -220,7 +227,7 @@ impl Svgf {
             ..if converging { TemporalPush::of_static_scene() } else { TemporalPush::new(&self.settings) }
         };
         frame
-            .pass(self.usage.names().svgf_temporal, &self.temporal)
+            .pass(TEMPORAL.name(self.usage), &self.temporal)
             .read("frame_uniforms", inputs.uniforms)
             .read("surface", inputs.surface)
             .read("noisy", inputs.noisy)
@@ -262,7 +269,7 @@ impl Svgf {
         frame: &mut Frame<'_>,
         inputs: &DenoiserInputs<'_>,
     ) -> Result<(), VulkanError> {
-        bind(frame.pass(self.usage.names().svgf_variance, &self.variance), inputs)
+        bind(frame.pass(VARIANCE.name(self.usage), &self.variance), inputs)
             .read("moments", self.moments())
             .read("light", self.history())
             .write("filtered", &self.light[0])
@@ -280,7 +287,7 @@ impl Svgf {
     ) -> Result<(), VulkanError> {
         let is_last = level == self.settings.levels && part + 1 == self.atrous.len();
         let [from, to] = places.map(|place| place.map_or(self.history(), |index| &self.light[index]));
-        bind(frame.pass(self.usage.names().svgf_atrous, &self.atrous[part]), inputs)
+        bind(frame.pass(ATROUS.name(self.usage), &self.atrous[part]), inputs)
             .read("light", from)
             .write("filtered", to)
             .push(&AtrousPush {
@@ -295,7 +302,72 @@ impl Svgf {
     }
 }
 
+impl Denoiser for Svgf {
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
+        let place = inputs.static_frame;
+        let shows_converging = place.is_some_and(|place| place.shown);
+        if self.shows_converging && !shows_converging {
+            std::mem::swap(&mut self.recent, &mut self.converging);
+        }
+        if place.is_none_or(|StaticFrame { index, .. }| index == 0) {
+            self.converging.forget();
+        }
+        self.shows_converging = shows_converging;
+        if !shows_converging {
+            self.accumulate(frame, inputs, false)?;
+        }
+        if place.is_some() {
+            self.accumulate(frame, inputs, true)?;
+        }
+        self.blur(frame, inputs)
+    }
+
+    fn output<'a>(&'a self, _: &'a Image) -> &'a Image {
+        self.output()
+    }
+
+    fn accumulates(&self) -> bool {
+        true
+    }
+
+    fn forget(&mut self) {
+        self.recent.forget();
+        self.converging.forget();
+    }
+
+    fn debug_image(&self, stage: &str, signal: Visualization) -> Option<(&Image, Visualization)> {
+        match stage {
+            "temporal" => Some((self.history(), signal)),
+            "variance" => Some((self.output(), Visualization::Deviation)),
+            "history" => Some((self.moments(), Visualization::History)),
+            _ => None,
+        }
+    }
+}
+
 /// Binds what the passes read that blur.
 fn bind<'f>(pass: Pass<'f>, inputs: &'f DenoiserInputs<'_>) -> Pass<'f> {
     inputs.bind(pass).read("surface", inputs.surface).read("noisy", inputs.noisy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_override_changes_only_its_use() {
+        let shared = SvgfSettings::default();
+        let of = |settings: &SvgfSettings| {
+            [Use::Indirect, Use::SoftShadows, Use::Reflections].map(|usage| {
+                let SvgfSettings { alpha, levels, .. } = overridden(settings, usage);
+                (alpha, levels)
+            })
+        };
+        let default = (shared.alpha, shared.levels);
+        assert_eq!(of(&shared), [default; 3]);
+        let changed = SvgfSettings { indirect_levels: Some(1), reflections_alpha: Some(0.5), ..shared };
+        assert_eq!(of(&changed), [(shared.alpha, 1), default, (0.5, shared.levels)]);
+        let changed = SvgfSettings { soft_shadows_alpha: Some(0.25), soft_shadows_levels: Some(0), ..shared };
+        assert_eq!(of(&changed), [default, (0.25, 0), default]);
+    }
 }

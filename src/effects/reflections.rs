@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::DebugImages;
-use crate::denoise::{Denoiser, DenoiserInputs, SignalNoise, Use};
+use super::{DebugImages, make_denoiser};
+use crate::denoise::{Denoiser, DenoiserInputs, Use};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
@@ -48,7 +48,7 @@ pub struct Reflections {
     hit_place: Image,
     hit_weight: Image,
     image: MirrorImage,
-    denoiser: Denoiser,
+    denoiser: Box<dyn Denoiser>,
     limit: f32,
 }
 
@@ -107,7 +107,7 @@ impl Reflections {
                 surfaces: History::new(|_| image("image_surface", vk::Format::R16G16B16A16_UINT))?,
                 reprojected: image("image_reprojected", halves)?,
             },
-            denoiser: Denoiser::new(device, Use::Reflections, SignalNoise::Unknown, settings.size, settings)?,
+            denoiser: make_denoiser(device, Use::Reflections, settings)?,
             limit: settings.effects.reflection_roughness,
         })
     }
@@ -134,7 +134,7 @@ impl Reflections {
 
     /// The images that it goes through.
     pub fn debug_images(&self) -> DebugImages<'_> {
-        DebugImages { noisy: &self.noisy, denoiser: &self.denoiser, signal: Visualization::Light }
+        DebugImages { noisy: &self.noisy, denoiser: &*self.denoiser, signal: Visualization::Light }
     }
 
     /// Whether it accumulates frames of a static scene.

@@ -5,8 +5,8 @@
 
 use std::sync::Arc;
 
-use super::DebugImages;
-use crate::denoise::{Denoiser, DenoiserInputs, SignalNoise, Use};
+use super::{DebugImages, make_denoiser};
+use crate::denoise::{Denoiser, DenoiserInputs, Use};
 use crate::gpu_scene::skip::Version;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
@@ -19,7 +19,7 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders,
 pub struct SoftShadows {
     trace: ComputePipeline,
     noisy: Image,
-    denoiser: Denoiser,
+    denoiser: Box<dyn Denoiser>,
     version: Version,
 }
 
@@ -35,7 +35,7 @@ impl SoftShadows {
         Ok(Self {
             trace: tracer.pipeline(device, "soft_shadows_trace", shader, &[white])?,
             noisy: storage_image(device, "noisy shadow", halves, settings.size)?,
-            denoiser: Denoiser::new(device, Use::SoftShadows, SignalNoise::Unknown, settings.size, settings)?,
+            denoiser: make_denoiser(device, Use::SoftShadows, settings)?,
             version: Version::default(),
         })
     }
@@ -47,7 +47,7 @@ impl SoftShadows {
 
     /// The images that it goes through.
     pub fn debug_images(&self) -> DebugImages<'_> {
-        DebugImages { noisy: &self.noisy, denoiser: &self.denoiser, signal: Visualization::Share }
+        DebugImages { noisy: &self.noisy, denoiser: &*self.denoiser, signal: Visualization::Share }
     }
 
     /// Tells one output from the next.

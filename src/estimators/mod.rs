@@ -5,11 +5,12 @@
 
 mod method;
 pub mod none;
+mod pass_list;
 pub mod vpls;
 
 use std::any::Any;
 use std::borrow::Cow;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -18,13 +19,14 @@ use serde_json::{Map, Value};
 pub use crate::bvh::World;
 use crate::gpu_scene::tracer::TracerVariant;
 pub use method::{Axis, CounterInfo, Method, MethodPasses};
+pub use pass_list::{is_part, passes, passes_with};
 
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
 use crate::passes::effect_view;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
-use crate::report::{CPU_PASSES, Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
-use crate::settings::Settings;
+use crate::report::Counters;
+use crate::settings::{Registry, Settings};
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 
 /// An estimator is made with these.
@@ -249,19 +251,17 @@ pub struct ViewInputs<'a> {
 }
 
 /// One line a method. [`register`] adds those of other crates.
-static METHODS: RwLock<&[Method]> = RwLock::new(&[vpls::METHOD, none::METHOD]);
+static METHODS: Registry<Method> = Registry::new(&[vpls::METHOD, none::METHOD]);
 
 /// All methods.
 pub fn methods() -> &'static [Method] {
-    *METHODS.read().unwrap_or_else(PoisonError::into_inner)
+    METHODS.all()
 }
 
 /// Adds a method of another crate, such as a test's, before anything else uses the library.
 pub fn register(method: Method) {
     method.indirect.add();
-    let mut methods = METHODS.write().unwrap_or_else(PoisonError::into_inner);
-    // Whoever has read the list keeps the old one, so it is never freed.
-    *methods = Vec::leak([*methods, &[method]].concat());
+    METHODS.add(method);
 }
 
 /// The method that the settings name.
@@ -279,20 +279,6 @@ pub fn method(settings: &Settings) -> &'static Method {
 /// Where the device does not support it.
 pub fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
     (method(context.settings).make)(context)
-}
-
-/// All passes in the order of the frame, each with the name of its method, or `shared` by all.
-pub fn passes() -> impl Iterator<Item = (&'static str, &'static PassInfo)> {
-    let shared = |passes: &'static [PassInfo]| passes.iter().map(|pass| ("shared", pass));
-    let cpu = methods().iter().flat_map(|method| method.passes.cpu.iter().map(|pass| (method.name(), pass)));
-    let device =
-        methods().iter().flat_map(|method| method.passes.device.iter().map(|pass| (method.name(), pass)));
-    shared(&CPU_PASSES).chain(cpu).chain(shared(&SHARED_PASSES)).chain(device).chain(shared(&LAST_PASSES))
-}
-
-/// Whether a row of a frame's times is a part of a stage, whose time holds it already.
-pub fn is_part(name: &str) -> bool {
-    passes().any(|(_, pass)| pass.name == name && pass.stage.is_some())
 }
 
 /// All counters of all methods, by name.

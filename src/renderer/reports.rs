@@ -4,9 +4,7 @@ use std::collections::VecDeque;
 
 use super::{RenderError, Renderer};
 use crate::estimators::{self, Estimator, Method};
-use crate::report::{
-    CPU_PASSES, Counters, FrameFigures, FrameReport, LAST_PASSES, PassInfo, PassTimes, SHARED_PASSES,
-};
+use crate::report::{Counters, FrameFigures, FrameReport, PassInfo, PassTimes};
 use crate::vulkan::FrameTimes;
 
 /// A frame in flight.
@@ -38,9 +36,8 @@ impl Renderer {
 }
 
 /// The passes of a frame, in order.
-fn frame_passes(method: &Method) -> impl Iterator<Item = &'static PassInfo> {
-    let cpu = CPU_PASSES.iter().chain(method.passes.cpu);
-    cpu.chain(&SHARED_PASSES).chain(method.passes.device).chain(&LAST_PASSES)
+fn frame_passes(method: &'static Method) -> impl Iterator<Item = &'static PassInfo> {
+    estimators::passes_with(std::slice::from_ref(method)).map(|(_, pass)| pass)
 }
 
 /// Joins what the CPU knows of a frame with the device's times.

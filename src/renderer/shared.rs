@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::direct::{DirectPasses, ShadowPasses};
-use crate::denoise::{Denoiser, SignalNoise, Use};
+use crate::denoise::{self, Denoiser, DenoiserContext, SignalNoise, Use};
 use crate::effects::reflections::{Reflections, traces_reflections};
 use crate::estimators::{self, Estimator};
 use crate::gpu_scene::scene_buffers::SceneBuffers;
@@ -88,9 +88,9 @@ pub(super) fn indirect_denoiser(
     device: &Arc<Device>,
     estimator: &dyn Estimator,
     settings: &Settings,
-) -> Result<Denoiser, VulkanError> {
+) -> Result<Box<dyn Denoiser>, VulkanError> {
     let (noise, extent) = ((estimators::method(settings).noise)(settings), estimator.signal().noisy.extent());
-    Denoiser::new(device, Use::Indirect, noise, extent, settings)
+    denoise::make(&DenoiserContext { device, usage: Use::Indirect, noise, extent, settings })
 }
 
 /// What one of the views of effects shows; none where the effect is not in use, or it is another view.

@@ -13,7 +13,7 @@ use crate::vulkan::{Frame, Image};
 pub(super) fn record_indirect(
     frame: &mut Frame<'_>,
     estimator: &mut dyn Estimator,
-    denoiser: &mut Denoiser,
+    denoiser: &mut dyn Denoiser,
     inputs: &FrameInputs<'_>,
 ) -> Result<(), RenderError> {
     estimator.record(frame, inputs)?;
@@ -25,7 +25,7 @@ pub(super) fn record_indirect(
 }
 
 /// Irradiance of the visible surfaces in the last frame.
-pub(super) fn irradiance<'a>(estimator: &'a dyn Estimator, denoiser: &'a Denoiser) -> &'a Image {
+pub(super) fn irradiance<'a>(estimator: &'a dyn Estimator, denoiser: &'a dyn Denoiser) -> &'a Image {
     estimator.resolved().unwrap_or_else(|| denoiser.output(estimator.signal().noisy))
 }
 
@@ -34,7 +34,7 @@ pub(super) fn record_reflections(
     frame: &mut Frame<'_>,
     reflections: &mut Reflections,
     estimator: &mut dyn Estimator,
-    denoiser: &Denoiser,
+    denoiser: &dyn Denoiser,
     inputs: &FrameInputs<'_>,
 ) -> Result<(), RenderError> {
     if inputs.clock.is_frozen() {
@@ -65,6 +65,6 @@ pub(super) fn post_process<'a>(
 impl Renderer {
     /// Irradiance of the visible surfaces in the last frame, RGBA16F.
     pub(super) fn irradiance(&self) -> &Image {
-        irradiance(&*self.estimator, &self.indirect_denoiser)
+        irradiance(&*self.estimator, &*self.indirect_denoiser)
     }
 }

@@ -1,16 +1,18 @@
 //! The settings of soft shadows and reflections: `[settings.effects]`.
 
+use super::registered::registered;
 use super::setting::settings;
 use super::value::{choice, choices, number, whole};
 use super::{Direct, Reflections, Settings};
 
-/// What makes a clean picture of a few rays a pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Denoise {
-    /// Spatiotemporal variance-guided filtering: about six passes each.
-    Svgf,
-    /// The noisy rays of each frame as they are, at no cost.
-    None,
+registered! {
+    /// The values of `--denoise`: names of the denoisers, which register themselves in `denoise/mod.rs`.
+    struct Denoise;
+
+    /// The default.
+    SVGF = "svgf", "Spatiotemporal variance-guided filtering: about six passes each";
+    /// No denoiser.
+    NONE = "none", "The noisy rays of each frame as they are, at no cost";
 }
 
 /// Source of the rays' random numbers.
@@ -22,7 +24,7 @@ pub enum Noise {
     White,
 }
 
-choices!(Denoise, Noise);
+choices!(Noise);
 
 settings! {
     /// Settings of `--direct soft` and `--reflections rays`.
@@ -30,8 +32,8 @@ settings! {
     at settings => settings.effects;
     used if effects_are_rendered;
 
-    /// Denoiser of soft shadows and reflections.
-    "denoise" denoise: Denoise = Denoise::Svgf, choice::<Denoise>();
+    /// Denoiser of soft shadows, of reflections, and of the irradiance of a method whose frames are noisy.
+    "denoise" denoise: Denoise = Denoise::SVGF, choice::<Denoise>();
     /// Random numbers of the rays. Either costs the same.
     "noise" noise: Noise = Noise::Blue, choice::<Noise>();
     /// Reflections of reflections: how many glossy surfaces a ray follows. More: mirrors in mirrors, at as many times more rays

@@ -9,6 +9,7 @@ mod effects;
 mod error;
 mod indirect;
 mod options;
+mod registered;
 mod setting;
 mod svgf;
 mod table;
@@ -23,12 +24,13 @@ pub use svgf::SvgfSettings;
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
 pub(crate) use options::parser_of;
+pub(crate) use registered::Registry;
 pub(crate) use setting::{Group, Setting};
 pub(crate) use table::flat;
 pub(crate) use value::{Kind, read_seconds};
 
 use setting::settings;
-use value::{choice, choices, whole};
+use value::{choice, choices, number, whole};
 
 /// Shadows of direct light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -70,7 +72,10 @@ pub enum TracerKind {
     Hardware,
 }
 
-choices!(Indirect, Direct, Reflections, Antialiasing, TracerKind);
+choices!(Indirect, Denoise, Direct, Reflections, Antialiasing, TracerKind);
+
+/// Automatic exposure, or stops within this range.
+const STOPS: Kind = number("EV", -64.0, 64.0);
 
 settings! {
     /// The settings of one rendering.
@@ -103,7 +108,7 @@ settings! {
     "tracer" tracer: TracerKind = TracerKind::Auto, choice::<TracerKind>();
     /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: from the picture's log-average luminance, in the window
     /// over about half a second. More: brighter. Either costs the same.
-    "exposure" exposure: Option<f32> = None, Kind::Stops { most: 64.0 };
+    "exposure" exposure: Option<f32> = None, Kind::Auto(&STOPS);
 
     groups {
         /// Settings of soft shadows and reflections.

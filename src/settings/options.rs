@@ -57,7 +57,7 @@ impl Setting {
             .default_value(self.text(&Settings::default()))
             .allow_negative_numbers(true);
         let argument = match self.kind.unit() {
-            Some(unit) => argument.value_name(unit),
+            Some(unit) => argument.value_name(unit.into_owned()),
             None => argument.value_name(self.key.to_uppercase()),
         };
         match self.kind.choices() {

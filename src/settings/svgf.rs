@@ -8,14 +8,19 @@ use super::effects::effects_are_rendered;
 use super::setting::settings;
 use super::value::{Kind, above_0, at_least_0, number, whole};
 
+/// The range of shares of the newest frame.
+const ALPHA: Kind = number("SHARE", 0.0, 1.0);
+/// The range of levels of the filter.
+const LEVELS: Kind = whole("N", 0, 5);
+
 settings! {
     /// Settings of `--denoise svgf`.
     struct SvgfSettings: Copy, table "settings.svgf", "SVGF (--denoise svgf)";
     at settings => settings.svgf;
-    used if |settings| effects_are_rendered(settings) && settings.effects.denoise == Denoise::Svgf;
+    used if |settings| effects_are_rendered(settings) && settings.effects.denoise == Denoise::SVGF;
 
     /// Least share of the newest frame in the denoised signal. More: more noise, and changes show sooner. Any costs the same.
-    "svgf_alpha" alpha: f32 = 0.05, number("SHARE", 0.0, 1.0);
+    "svgf_alpha" alpha: f32 = 0.05, ALPHA;
     /// Least share of the newest frame in the moments of luminance. More: the estimate of the noise follows changes sooner and is
     /// itself noisier. Any costs the same.
     "svgf_moments_alpha" moments_alpha: f32 = 0.05, number("SHARE", 0.0, 1.0);
@@ -24,13 +29,13 @@ settings! {
     /// Standard errors by which the mean of the last frames, over 5x5 pixels, may differ from history before that is dropped; more
     /// where it is brighter and bright samples are rare; 0: any. More: what has changed goes later; less: more noise, as history is
     /// dropped by chance. Costs 25 reads of 8 bytes a pixel.
-    "svgf_clamp" clamp: f32 = 2.5, at_least_0("ERRORS");
+    "svgf_history_rejection" history_rejection: f32 = 2.5, at_least_0("ERRORS");
     /// Standard deviations above the mean of 5x5 pixels, beyond which a sample that is brighter than those around is a firefly and
-    /// taken down, while anything moves; 0: none is. Less: fewer spots, and rare bright light gets darker. Shares the clamp's
-    /// reads.
+    /// taken down, while anything moves; 0: none is. Less: fewer spots, and rare bright light gets darker. Shares the reads of
+    /// --svgf-history-rejection.
     "svgf_firefly" firefly: f32 = 10.0, at_least_0("DEVIATIONS");
     /// Levels of the a-trous filter. More: each doubles the radius of the blur, at one more pass; 0: no blur.
-    "svgf_levels" levels: u32 = 4, whole("N", 0, 5);
+    "svgf_levels" levels: u32 = 4, LEVELS;
     /// The level after which the signal becomes history, at most the last but one; 0: before the first. More: less noise where
     /// history is short, and blur that grows from frame to frame. Any costs the same.
     "svgf_feedback" feedback: u32 = 0, whole("LEVEL", 0, 4);
@@ -52,6 +57,18 @@ settings! {
     /// Standard deviations of luminance by which the weight of a tap falls to 1/e. More: less noise, and softer edges of light. Any
     /// costs the same.
     "svgf_luminance" luminance_tolerance: f32 = 4.0, above_0("DEVIATIONS");
+    /// --svgf-alpha for soft shadows alone; auto: as --svgf-alpha. More: more noise there, and changes show sooner. Any costs the same.
+    "soft_shadows_svgf_alpha" soft_shadows_alpha: Option<f32> = None, Kind::Auto(&ALPHA);
+    /// --svgf-levels for soft shadows alone; auto: as --svgf-levels. More: each doubles the radius of the blur there, at one more pass.
+    "soft_shadows_svgf_levels" soft_shadows_levels: Option<u32> = None, Kind::Auto(&LEVELS);
+    /// --svgf-alpha for reflections alone; auto: as --svgf-alpha. More: more noise there, and changes show sooner. Any costs the same.
+    "reflections_svgf_alpha" reflections_alpha: Option<f32> = None, Kind::Auto(&ALPHA);
+    /// --svgf-levels for reflections alone; auto: as --svgf-levels. More: each doubles the radius of the blur there, at one more pass.
+    "reflections_svgf_levels" reflections_levels: Option<u32> = None, Kind::Auto(&LEVELS);
+    /// --svgf-alpha for the irradiance of a method whose frames are noisy alone; auto: as --svgf-alpha. More: more noise there, and changes show sooner. Any costs the same.
+    "indirect_svgf_alpha" indirect_alpha: Option<f32> = None, Kind::Auto(&ALPHA);
+    /// --svgf-levels for the irradiance of a method whose frames are noisy alone; auto: as --svgf-levels. More: each doubles the radius of the blur there, at one more pass.
+    "indirect_svgf_levels" indirect_levels: Option<u32> = None, Kind::Auto(&LEVELS);
 }
 
 impl SvgfSettings {

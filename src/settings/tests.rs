@@ -46,10 +46,10 @@ fn samples(kind: Kind) -> (Vec<String>, Vec<String>) {
             [texts(&["0", "1/25", "0.5"]), vec![most.to_string()]].concat(),
             [texts(&["soon", "1/", "1/0", "-1", "nan"]), vec![(2.0 * most).to_string()]].concat(),
         ),
-        Kind::Stops { most } => (
-            [texts(&["auto", "-1.5"]), vec![most.to_string(), (-most).to_string()]].concat(),
-            [texts(&["bright", "nan"]), vec![(most + 1.0).to_string()]].concat(),
-        ),
+        Kind::Auto(kind) => {
+            let (taken, refused) = samples(*kind);
+            ([taken, texts(&["auto"])].concat(), refused)
+        }
         Kind::Size { most } => (
             [texts(&["1x1", "256X144"]), vec![format!("{most}x{most}")]].concat(),
             [texts(&["640", "1x2x3", "big", "0x9", "9x0"]), vec![format!("{}x9", most + 1)]].concat(),

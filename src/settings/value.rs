@@ -1,5 +1,6 @@
 //! The values of settings: how they are written and read, alike on the command line, in scene files and in reports.
 
+use std::borrow::Cow;
 use std::fmt::{Display, Formatter, Result as FormatResult};
 
 use clap::ValueEnum;
@@ -15,8 +16,8 @@ pub(crate) enum Kind {
     Number { unit: &'static str, least: f64, most: f64, above: bool },
     /// Seconds, from 0.
     Seconds { most: f64 },
-    /// Stops, or auto.
-    Stops { most: f64 },
+    /// `auto`, or what this accepts.
+    Auto(&'static Kind),
     /// Width and height, from 1.
     Size { most: u32 },
     /// Yes or no.
@@ -61,7 +62,7 @@ impl Kind {
                 number.is_finite() && (least..=most).contains(&number) && !(above && number == least)
             }
             Self::Seconds { most } => (0.0..=most).contains(&number),
-            Self::Stops { most } => value.is_str() || number.abs() <= most,
+            Self::Auto(kind) => value.is_str() || kind.admits(value),
             Self::Size { most } => {
                 let side = 1..=i64::from(most);
                 value.as_array().is_some_and(|sides| sides.iter().map(whole).all(|at| side.contains(&at)))
@@ -71,15 +72,15 @@ impl Kind {
     }
 
     /// What stands for a value in the help of an option.
-    pub fn unit(&self) -> Option<&'static str> {
-        match self {
-            Self::Whole { unit, .. } | Self::Number { unit, .. } => Some(unit),
-            Self::Seconds { .. } => Some("SECONDS"),
-            Self::Stops { .. } => Some("EV|auto"),
-            Self::Size { .. } => Some("WxH"),
-            Self::Flag => Some("true|false"),
-            Self::Choice(_) => None,
-        }
+    pub fn unit(&self) -> Option<Cow<'static, str>> {
+        Some(match *self {
+            Self::Whole { unit, .. } | Self::Number { unit, .. } => unit.into(),
+            Self::Seconds { .. } => "SECONDS".into(),
+            Self::Auto(kind) => format!("{}|auto", kind.unit()?).into(),
+            Self::Size { .. } => "WxH".into(),
+            Self::Flag => "true|false".into(),
+            Self::Choice(_) => return None,
+        })
     }
 
     /// All values, where they are few.
@@ -103,7 +104,7 @@ impl Kind {
             Self::Number { least, most: f64::INFINITY, .. } => Some(format!("at least {least}")),
             Self::Number { least, most, .. } => Some(format!("{least} to {most}")),
             Self::Seconds { most } => Some(format!("0 to {most:e}")),
-            Self::Stops { most } => Some(format!("-{most} to {most}")),
+            Self::Auto(kind) => kind.range(),
             Self::Size { most } => Some(format!("1x1 to {most}x{most}")),
         }
     }
@@ -115,7 +116,7 @@ impl Display for Kind {
             Self::Whole { .. } => ("a whole number", ""),
             Self::Number { .. } => ("a number", ""),
             Self::Seconds { .. } => ("seconds", ", such as 1/60 or 0.02"),
-            Self::Stops { .. } => ("auto or stops", ", such as -1.5"),
+            Self::Auto(kind) => return write!(text, "auto or {kind}"),
             Self::Size { .. } => ("a width and a height", ", such as 1280x720"),
             Self::Flag | Self::Choice(_) => {
                 let choices = self.choices();
@@ -189,13 +190,13 @@ impl SettingType for [u32; 2] {
     }
 }
 
-/// Stops, or none for auto.
-impl SettingType for Option<f32> {
+/// A value, or none for auto.
+impl<Value: SettingType> SettingType for Option<Value> {
     fn read(text: &str) -> Option<Self> {
-        if text == "auto" { Some(None) } else { text.parse().ok().map(Some) }
+        if text == "auto" { Some(None) } else { Value::read(text).map(Some) }
     }
 
-    fn value(self) -> Value {
+    fn value(self) -> toml::Value {
         self.map_or_else(|| "auto".into(), SettingType::value)
     }
 }

@@ -54,7 +54,8 @@ fn a_light_that_is_switched_off_is_forgotten() {
     }
     // Of what less than a tenth of the light reaches, 16 rays in 25 pixels tell little.
     assert!(penumbra[0] < 0.05 && penumbra[1] < 0.02, "{penumbra:?}");
-    let never = left(&gpu, &SvgfSettings { clamp: 0.0, ..settings }, |_, random| shadow(0.5, random));
+    let never =
+        left(&gpu, &SvgfSettings { history_rejection: 0.0, ..settings }, |_, random| shadow(0.5, random));
     assert!(never[0] > 0.75 && never[1] > 0.35, "{never:?}");
 }
 
@@ -146,7 +147,7 @@ fn rare_light_keeps_its_energy() {
 fn what_is_at_rest_is_kept() {
     let Some(gpu) = GpuFixture::open() else { return };
     let default = SvgfSettings::default();
-    let never = SvgfSettings { clamp: 0.0, firefly: 0.0, ..default };
+    let never = SvgfSettings { history_rejection: 0.0, firefly: 0.0, ..default };
     // Rare samples of 50 times the mean; a shadow's, of noise as effects have it and of independent numbers.
 
     for (noise, chance, darker, less_alike) in [
@@ -157,14 +158,14 @@ fn what_is_at_rest_is_kept() {
         let rare = Rare { noise, chance };
         let without = converged(&gpu, &never, rare);
         for (settings, of_mean) in [
-            (SvgfSettings { clamp: default.clamp, ..never }, 0.005),
+            (SvgfSettings { history_rejection: default.history_rejection, ..never }, 0.005),
             (SvgfSettings { firefly: default.firefly, ..never }, darker),
             (default, darker),
         ] {
             let with = converged(&gpu, &settings, rare);
             println!(
-                "{rare:?}, clamp {}, firefly {}: mean and SSIM {with:?}, without {without:?}",
-                settings.clamp, settings.firefly
+                "{rare:?}, history rejection {}, firefly {}: mean and SSIM {with:?}, without {without:?}",
+                settings.history_rejection, settings.firefly
             );
             assert!((with[0] / without[0] - 1.0).abs() < of_mean, "mean {with:?}, not {without:?}");
             assert!((with[1] - without[1]).abs() < less_alike, "SSIM {with:?}, not {without:?}");

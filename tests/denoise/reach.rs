@@ -1,6 +1,7 @@
 //! How far the filter blurs, and in what form light is averaged.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
+use glowworm::denoise::Denoiser;
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
@@ -57,7 +58,8 @@ fn blur_is_as_wide_as_is_of_use() {
 #[test]
 fn noise_where_no_blur_is_of_use_is_the_mean_over_time() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let settings = SvgfSettings { alpha: 0.0, clamp: 0.0, firefly: 0.0, ..SvgfSettings::default() };
+    let settings =
+        SvgfSettings { alpha: 0.0, history_rejection: 0.0, firefly: 0.0, ..SvgfSettings::default() };
     let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(41);
     let mut sums = vec![0.0; WIDTH * HEIGHT];

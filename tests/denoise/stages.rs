@@ -97,9 +97,9 @@ fn stages_are_those_of_the_twin() {
 #[test]
 fn stages_are_those_of_the_twin_with_other_settings() {
     let settings = SvgfSettings { levels: 1, ..SvgfSettings::default() };
-    compare(&SvgfSettings { clamp: 0.0, firefly: 0.0, adaptive: false, ..settings });
+    compare(&SvgfSettings { history_rejection: 0.0, firefly: 0.0, adaptive: false, ..settings });
     // Much is dropped and taken down.
-    compare(&SvgfSettings { clamp: 0.7, firefly: 0.5, moments_alpha: 0.1, ..settings });
+    compare(&SvgfSettings { history_rejection: 0.7, firefly: 0.5, moments_alpha: 0.1, ..settings });
     compare(&SvgfSettings { reinhard: true, ..settings });
 }
 

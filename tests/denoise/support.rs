@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use exr::prelude::f16;
 use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
 use glowworm::denoise::svgf::Svgf;
-use glowworm::denoise::{DenoiserInputs, Use};
+use glowworm::denoise::{Denoiser, DenoiserInputs, Use};
 use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::passes::clock::StaticFrame;
 use glowworm::settings::SvgfSettings;

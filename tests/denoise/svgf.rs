@@ -3,6 +3,7 @@
 
 use bytemuck::Zeroable;
 use glam::{Vec3, Vec4, Vec4Swizzles};
+use glowworm::denoise::Denoiser;
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
@@ -18,8 +19,10 @@ fn spread(texels: &[Vec4]) -> f32 {
 fn a_constant_stays_as_it_is() {
     let Some(gpu) = GpuFixture::open() else { return };
     for separable in [false, true] {
-        let mut bench =
-            Bench::new(&gpu.device, &SvgfSettings { separable, clamp: 1.0, ..SvgfSettings::default() });
+        let mut bench = Bench::new(
+            &gpu.device,
+            &SvgfSettings { separable, history_rejection: 1.0, ..SvgfSettings::default() },
+        );
         let colour = Vec3::new(0.5, 3.0, 120.0);
         for _ in 0..5 {
             bench.denoise(&wall(|_| colour));
@@ -50,8 +53,13 @@ fn noise_goes_and_its_mean_stays() {
 #[test]
 fn alpha_is_one_over_the_length_of_the_history() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let settings =
-        SvgfSettings { levels: 1, clamp: 0.0, firefly: 0.0, longest_history: 100, ..SvgfSettings::default() };
+    let settings = SvgfSettings {
+        levels: 1,
+        history_rejection: 0.0,
+        firefly: 0.0,
+        longest_history: 100,
+        ..SvgfSettings::default()
+    };
     let mut bench = Bench::new(&gpu.device, &settings);
     // A history that was filtered is not the mean; from the fourth frame on it is not.
     for frame in 0..12 {
@@ -70,8 +78,12 @@ fn alpha_is_one_over_the_length_of_the_history() {
 #[test]
 fn variance_is_that_of_the_noise_and_guides_the_blur() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let settings =
-        SvgfSettings { moments_alpha: 0.0, clamp: 0.0, longest_history: 1000, ..SvgfSettings::default() };
+    let settings = SvgfSettings {
+        moments_alpha: 0.0,
+        history_rejection: 0.0,
+        longest_history: 1000,
+        ..SvgfSettings::default()
+    };
     let mut bench = Bench::new(&gpu.device, &settings);
     let mut numbers = Random::new(9);
     for _ in 0..200 {
@@ -152,8 +164,9 @@ fn grazing_planes_are_filtered() {
 #[test]
 fn what_is_not_a_number_never_reaches_the_history() {
     let Some(gpu) = GpuFixture::open() else { return };
-    for clamp in [0.0, 2.0] {
-        let mut bench = Bench::new(&gpu.device, &SvgfSettings { clamp, ..SvgfSettings::default() });
+    for history_rejection in [0.0, 2.0] {
+        let mut bench =
+            Bench::new(&gpu.device, &SvgfSettings { history_rejection, ..SvgfSettings::default() });
         for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
             let mut pixels = wall(|_| Vec3::ONE);
             for index in [0, 700, 701, WIDTH * HEIGHT - 1] {
@@ -161,7 +174,10 @@ fn what_is_not_a_number_never_reaches_the_history() {
             }
             bench.denoise(&pixels);
             bench.denoise(&wall(|_| Vec3::ONE));
-            assert!(bench.output().iter().all(|texel| (texel.x - 1.0).abs() < 0.3), "{bad}, clamp {clamp}");
+            assert!(
+                bench.output().iter().all(|texel| (texel.x - 1.0).abs() < 0.3),
+                "{bad}, history rejection {history_rejection}"
+            );
             assert!(bench.read(|svgf| svgf.moments()).iter().all(|texel| texel.is_finite()));
         }
     }

@@ -113,11 +113,11 @@ pub fn temporal(
         let [mean, deviation, change, texels] = around;
         let errors = deviation_of_change([1.0 / 3.0, settings.moments_alpha.into()]) * deviation
             / texels.max(1.0).sqrt();
-        let mut most = settings.clamp * errors + 0.02 * mean;
+        let mut most = settings.history_rejection * errors + 0.02 * mean;
         if change > 0.0 {
             most *= 1.0 + 0.15 * deviation / mean.max(1e-6);
         }
-        if settings.clamp > 0.0 {
+        if settings.history_rejection > 0.0 {
             length *= (3.0 - 3.0 * change.abs() / most.max(1e-6)).clamp(0.0, 1.0);
         }
         let brightest = mean + settings.firefly * deviation;

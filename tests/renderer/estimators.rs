@@ -12,7 +12,7 @@ use glowworm::estimators::{
 use glowworm::passes::buffer_view::View;
 use glowworm::passes::frame_inputs::FrameInputs;
 use glowworm::renderer::Renderer;
-use glowworm::report::{Counters, LAST_PASSES, PassInfo, SHARED_PASSES};
+use glowworm::report::{Counters, PassInfo};
 use glowworm::settings::{Indirect, Reflections, Settings};
 use glowworm::vulkan::{ComputePipeline, Device, Frame, Image, ImageDescription, VulkanError, shaders, vk};
 
@@ -72,10 +72,11 @@ fn image(device: &Arc<Device>, extent: [u32; 2]) -> Result<Image, VulkanError> {
     Image::new(device, &ImageDescription { name: "ambient", format, extent, layers: None, levels: 1, usage })
 }
 
-/// Those of the CPU and the method.
+/// The passes that are not shared by all methods, and the CPU's.
 fn of_methods<'a>(names: &[&'a str]) -> Vec<&'a str> {
-    let shared = SHARED_PASSES.iter().chain(&LAST_PASSES);
-    names.iter().copied().filter(|name| shared.clone().all(|pass| pass.name != *name)).collect()
+    let is_shared =
+        |name: &str| estimators::passes().any(|(owner, pass)| owner == "shared" && pass.name == name);
+    names.iter().copied().filter(|name| *name == "bvh_update" || !is_shared(name)).collect()
 }
 
 /// Registers the toy, once a program.

@@ -7,6 +7,7 @@
 mod support;
 
 mod cost;
+mod denoisers;
 mod direct;
 mod environment;
 mod estimators;

@@ -62,7 +62,7 @@ fn a_mirror_shows_the_light_of_vpls() {
     for (roughness, bounces) in [(0.0, 1), (0.3, 1), (0.0, 2), (0.3, 2)] {
         let scene = room(roughness);
         let effects =
-            EffectSettings { denoise: Denoise::None, reflection_roughness: 1.0, ..Default::default() };
+            EffectSettings { denoise: Denoise::NONE, reflection_roughness: 1.0, ..Default::default() };
         let vpl = VplSettings { slots: 1024, pool: 1024, budget: 1024, temporal_sets: 4, ..exact(size).vpl };
         let settings = Settings { bounces, vpl, effects, reflections: Reflections::Rays, ..exact(size) };
         let picture = gpu.rendered(&scene, &settings, 1 + 2 * 4 + 64).read_picture(true).unwrap();
@@ -101,7 +101,7 @@ rotation = [90, 0, 0]
     let mirror = "albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1";
     let reflected = |more: &str| {
         let scene = stage(mirror, more);
-        let picture = gpu.rendered(&scene, &settings(Denoise::None), FRAMES).read_picture(true).unwrap();
+        let picture = gpu.rendered(&scene, &settings(Denoise::NONE), FRAMES).read_picture(true).unwrap();
         let reference = reference(&scene, SIZE, 1, 256);
         [picture, reference].map(|picture| {
             let pixels = layer(&picture, "reflected");
@@ -153,7 +153,7 @@ fn all_in_use() -> (Settings, u32) {
         antialiasing: Antialiasing::Taa,
         vpl,
         effects,
-        ..settings(Denoise::Svgf)
+        ..settings(Denoise::SVGF)
     };
     (settings, vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 48 + 16)
 }
@@ -173,7 +173,7 @@ fn mirrors_stand_still_and_depend_on_no_past() {
     let scene = mirrors();
     let rest = scene.pose(0.0);
     let (smooth, frames) = all_in_use();
-    let effects = EffectSettings { denoise: Denoise::None, noise: Noise::White, ..smooth.effects };
+    let effects = EffectSettings { denoise: Denoise::NONE, noise: Noise::White, ..smooth.effects };
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
     let rough = Settings { direct, antialiasing, effects, ..smooth.clone() };
     for (what, settings) in [("denoised", smooth), ("not denoised", rough)] {
@@ -220,7 +220,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
         ("limit and shadows", |settings| {
             (settings.effects.reflection_roughness, settings.direct) = (0.2, Direct::Hard);
         }),
-        ("denoiser", |settings| settings.effects.denoise = Denoise::None),
+        ("denoiser", |settings| settings.effects.denoise = Denoise::NONE),
     ];
     // One after the other: what an earlier change left must not show either.
     let mut settings = start;
@@ -246,7 +246,7 @@ fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let base = Settings { direct: Direct::Hard, antialiasing: Antialiasing::None, ..base };
     let reflected = |roughness: f32, reflections, reflection_roughness| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
-        let effects = EffectSettings { denoise: Denoise::None, reflection_roughness, ..base.effects };
+        let effects = EffectSettings { denoise: Denoise::NONE, reflection_roughness, ..base.effects };
         let settings = Settings { reflections, effects, ..base.clone() };
         layer(&gpu.rendered(&scene, &settings, frames).read_picture(true).unwrap(), "reflected")
     };

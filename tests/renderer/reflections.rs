@@ -8,7 +8,7 @@ use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings};
+use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings, SvgfSettings};
 
 use super::reference::reference;
 use super::support::{GpuFixture, channel, layer, luminance, mean, plain, scene};
@@ -95,7 +95,7 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", "");
     let pose = scene.pose(0.0);
     // Area lights take random points, so they are left out.
-    let hard = Settings { direct: Direct::Hard, ..settings(Denoise::None) };
+    let hard = Settings { direct: Direct::Hard, ..settings(Denoise::NONE) };
     let mut renderer = gpu.renderer(&scene, &hard, &pose);
     renderer.render(&pose).unwrap();
     let picture = renderer.read_picture(true).unwrap();
@@ -150,7 +150,7 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
             stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = {metallic}"), "");
         let expected = expected(&scene, 1024);
         let frames = if roughness == 0.0 { 64 } else { 192 };
-        let ours = gpu.mean_of_frames(&scene, &settings(Denoise::None), frames, seen);
+        let ours = gpu.mean_of_frames(&scene, &settings(Denoise::NONE), frames, seen);
         assert_agree(&format!("roughness {roughness}, metallic {metallic}"), &ours, &expected);
     }
 }
@@ -182,7 +182,7 @@ fn denoised_stills_are_like_the_truth() {
     let mut least: f64 = 1.0;
     for roughness in [0.0, 0.1, 0.2, 0.4, 0.6, 1.0] {
         let scene = stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), "");
-        let renderer = gpu.rendered(&scene, &settings(Denoise::Svgf), 32);
+        let renderer = gpu.rendered(&scene, &settings(Denoise::SVGF), 32);
         let ours = seen(&renderer.read_picture(true).unwrap());
         let ssim = ssim(&ours, &expected(&scene, 1024));
         eprintln!("roughness {roughness}, denoised: SSIM {ssim}");
@@ -197,7 +197,7 @@ fn a_ray_that_hits_nothing_sees_the_environment_but_no_background() {
     let material = "albedo = [1, 1, 1], roughness = 0, metallic = 1";
     for (sky, expected) in [(SKY, [0.2, 0.3, 0.5]), ("", [0.0; 3])] {
         let scene = stage(material, sky);
-        let renderer = gpu.rendered(&scene, &settings(Denoise::None), 1);
+        let renderer = gpu.rendered(&scene, &settings(Denoise::NONE), 1);
         let picture = renderer.read_picture(true).unwrap();
         // The upper edge of the picture shows the mirror, and in it what lies above the boxes.
         for pixel in &layer(&picture, "reflected")[40..56] {
@@ -213,7 +213,7 @@ fn a_mirror_in_a_mirror_takes_a_second_ray() {
     let opposite = "[[instances]]\nmodel = \"mirror\"\ntranslation = [0, 3, 6.1]\n";
     let scene = stage("albedo = [1, 1, 1], roughness = 0, metallic = 1", &format!("{opposite}{SKY}"));
     let of_depth = |reflection_depth| {
-        let base = settings(Denoise::None);
+        let base = settings(Denoise::NONE);
         let effects = EffectSettings { reflection_depth, ..base.effects };
         let renderer = gpu.rendered(&scene, &Settings { effects, ..base }, 2);
         mean(layer(&renderer.read_picture(true).unwrap(), "reflected").iter().map(luminance))
@@ -225,7 +225,7 @@ fn a_mirror_in_a_mirror_takes_a_second_ray() {
 #[test]
 fn reflections_are_traced_where_something_is_glossy() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let auto = Settings { reflections: Reflections::Auto, ..settings(Denoise::Svgf) };
+    let auto = Settings { reflections: Reflections::Auto, ..settings(Denoise::SVGF) };
     let auto = Settings { effects: EffectSettings { reflection_roughness: 0.6, ..auto.effects }, ..auto };
     let takes_time = |renderer: &mut Renderer, pose: &Pose| {
         renderer.render(pose).unwrap();
@@ -267,7 +267,7 @@ fn in_motion_the_picture_is_like_the_truth() {
             pose.instances[2] = Affine3A::from_translation(Vec3::X * way) * pose.instances[2]
         }),
     ];
-    let settings = settings(Denoise::Svgf);
+    let settings = settings(Denoise::SVGF);
     for (what, moved) in moves {
         let at = |frame: u32| {
             let mut pose = scene.pose(0.0);
@@ -304,7 +304,7 @@ fn a_box_that_moves_leaves_no_trail_in_the_mirror() {
         pose.instances[2] = Affine3A::from_translation(Vec3::X * 0.12 * frame as f32) * pose.instances[2];
         pose
     };
-    let settings = settings(Denoise::Svgf);
+    let settings = settings(Denoise::SVGF);
     let mut renderer = gpu.renderer(&scene, &settings, &at(0));
     (0..=10).for_each(|frame| renderer.render(&at(frame)).unwrap());
     let reflected = |renderer: &Renderer| layer(&renderer.read_picture(true).unwrap(), "reflected");
@@ -332,7 +332,7 @@ fn a_light_that_goes_leaves_the_mirror() {
     let rest = scene.pose(0.0);
     let mut dark = rest.clone();
     dark.lights.remove(0);
-    let settings = settings(Denoise::Svgf);
+    let settings = settings(Denoise::SVGF);
     let mut renderer = gpu.rendered(&scene, &settings, 24);
     let of = |renderer: &Renderer| mean(colour(renderer).iter().map(luminance));
     let before = of(&renderer);
@@ -345,4 +345,20 @@ fn a_light_that_goes_leaves_the_mirror() {
         eprintln!("{share} of the light is left after {frames} frames more");
         assert!(share.abs() <= left, "{share} is left");
     }
+}
+
+#[test]
+fn an_override_of_svgf_changes_the_picture_of_its_use_alone() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = stage("albedo = [1, 1, 1], roughness = 0.2, metallic = 1", "");
+    let shown = |svgf: SvgfSettings| {
+        let settings = Settings { svgf, ..settings(Denoise::SVGF) };
+        let picture = gpu.rendered(&scene, &settings, 2).read_picture(true).unwrap();
+        ["shadow", "reflection"].map(|effect| layer(&picture, effect))
+    };
+    let [shadow, reflection] = shown(SvgfSettings::default());
+    let unblurred = shown(SvgfSettings { soft_shadows_levels: Some(0), ..SvgfSettings::default() });
+    assert!(unblurred[0] != shadow, "the override has an effect");
+    let newest = shown(SvgfSettings { reflections_alpha: Some(1.0), ..SvgfSettings::default() });
+    assert!(newest[0] == shadow && newest[1] != reflection);
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use glowworm::metrics::{CompareOptions, Image, compare};
+use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene};
 use glowworm::settings::{
@@ -160,7 +161,7 @@ fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
 
 /// The mean of 128 frames without a denoiser.
 fn mean_of_rays(gpu: &GpuFixture, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
-    gpu.mean_of_frames(scene, &settings(Denoise::None), 128, |picture| layer(picture, "direct"))
+    gpu.mean_of_frames(scene, &settings(Denoise::NONE), 128, |picture| layer(picture, "direct"))
 }
 
 #[test]
@@ -190,7 +191,7 @@ fn area_lights_count_once_beside_reflections() {
             let expected: Vec<[f32; 3]> = (0..lit.len())
                 .map(|at| [0, 1, 2].map(|i| lit[at][i] + share * (one[at][i] - none[at][i])))
                 .collect();
-            let plain = settings(Denoise::None);
+            let plain = settings(Denoise::NONE);
             let effects =
                 EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
             let settings = Settings { effects, reflections: Reflections::Rays, ..plain };
@@ -207,7 +208,7 @@ fn lights_without_extent_have_hard_shadows() {
     for light in [sun(0), sharp(BULB), sharp(SPOT)] {
         let scene = yard(&light);
         let [hard, soft] = [Direct::Hard, Direct::Soft].map(|kind| {
-            direct(&gpu.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::None) }, 1))
+            direct(&gpu.rendered(&scene, &Settings { direct: kind, ..settings(Denoise::NONE) }, 1))
         });
         let dark = hard.iter().filter(|pixel| **pixel == [0.0; 3]).count();
         assert!((100..hard.len() - 100).contains(&dark), "{dark} pixels are dark");
@@ -223,9 +224,10 @@ fn lights_without_extent_have_hard_shadows() {
 fn white_noise_has_the_same_mean() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard(&sun(4));
-    let blue = settings(Denoise::None);
+    let blue = settings(Denoise::NONE);
     let white = Settings { effects: EffectSettings { noise: Noise::White, ..blue.effects }, ..blue.clone() };
-    let [blue, white] = [blue, white].map(|settings| direct(&gpu.rendered(&scene, &settings, FRAMES)));
+    let direct = |picture: &Picture| layer(picture, "direct");
+    let [blue, white] = [blue, white].map(|settings| gpu.mean_of_frames(&scene, &settings, 64, direct));
     assert_ne!(blue, white);
     let [a, b] = [&blue, &white].map(|picture| mean(picture.iter().map(luminance)));
     assert!((a / b - 1.0).abs() < 0.005, "{a}, {b}");
@@ -246,10 +248,10 @@ fn a_hundred_lamps_take_one_ray() {
     let lights: Vec<String> = (0..100).map(light).collect();
     let scene = yard(&lights.join("\n[[lights]]\n"));
     let expected = layer(&reference(&scene, SIZE, 0, 512), "direct");
-    let ours = gpu.mean_of_frames(&scene, &settings(Denoise::None), 64, |picture| layer(picture, "direct"));
+    let ours = gpu.mean_of_frames(&scene, &settings(Denoise::NONE), 64, |picture| layer(picture, "direct"));
     assert_agree("a hundred lights", &ours, &expected);
     // Denoised, after 32 frames.
-    let denoised = direct(&gpu.rendered(&scene, &settings(Denoise::Svgf), 32));
+    let denoised = direct(&gpu.rendered(&scene, &settings(Denoise::SVGF), 32));
     let ssim = ssim(&denoised, &expected);
     eprintln!("a hundred lights, denoised: SSIM {ssim}");
     assert!(ssim >= 0.9, "{ssim}");
@@ -269,7 +271,7 @@ fn denoised_stills_are_like_the_truth() {
     for angle in [4, 20] {
         let scene = yard(&sun(angle));
         let expected = layer(&reference(&scene, SIZE, 0, 256), "direct");
-        let ssim = ssim(&direct(&gpu.rendered(&scene, &settings(Denoise::Svgf), 32)), &expected);
+        let ssim = ssim(&direct(&gpu.rendered(&scene, &settings(Denoise::SVGF), 32)), &expected);
         eprintln!("sun of {angle} degrees, denoised: SSIM {ssim}");
         assert!(ssim >= 0.98, "{angle} degrees: {ssim}");
     }
@@ -297,12 +299,12 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     let rest = scene.pose(0.0);
     for (direct, antialiasing, denoise) in [
-        (Direct::Soft, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Soft, Antialiasing::Taa, Denoise::None),
-        (Direct::Soft, Antialiasing::None, Denoise::Svgf),
-        (Direct::Soft, Antialiasing::None, Denoise::None),
-        (Direct::Hard, Antialiasing::Taa, Denoise::Svgf),
-        (Direct::Hard, Antialiasing::None, Denoise::None),
+        (Direct::Soft, Antialiasing::Taa, Denoise::SVGF),
+        (Direct::Soft, Antialiasing::Taa, Denoise::NONE),
+        (Direct::Soft, Antialiasing::None, Denoise::SVGF),
+        (Direct::Soft, Antialiasing::None, Denoise::NONE),
+        (Direct::Hard, Antialiasing::Taa, Denoise::SVGF),
+        (Direct::Hard, Antialiasing::None, Denoise::NONE),
     ] {
         let what = format!("{direct:?}, {antialiasing:?}, {denoise:?}");
         let (settings, frames) = all_in_use(direct, antialiasing, denoise);
@@ -335,7 +337,7 @@ fn a_light_that_goes_takes_its_light_along() {
     let rest = scene.pose(0.0);
     let mut dark = rest.clone();
     dark.lights.remove(1);
-    let settings = settings(Denoise::Svgf);
+    let settings = settings(Denoise::SVGF);
     let mut renderer = gpu.rendered(&scene, &settings, 20);
     let before = mean(direct(&renderer).iter().map(luminance));
     let mut fresh = gpu.renderer(&scene, &settings, &dark);

@@ -84,7 +84,7 @@ pub(super) fn row(ui: &mut Ui, setting: &Setting, settings: &mut Settings, defau
                 wanted = default;
             }
             let field = if setting.live {
-                field(ui, setting, &setting.value(settings), &mut wanted)
+                field(ui, (setting.key, setting.kind), &setting.value(settings), &mut wanted)
             } else {
                 ui.label(&text)
             };
@@ -98,7 +98,7 @@ pub(super) fn row(ui: &mut Ui, setting: &Setting, settings: &mut Settings, defau
 }
 
 /// The widget of a setting; writes what is chosen to `wanted`.
-fn field(ui: &mut Ui, setting: &Setting, value: &Value, wanted: &mut String) -> Response {
+fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut String) -> Response {
     // As fast as the number is large, but steps can be seen.
     let drag = |ui: &mut Ui, now: f64, [least, most]: [f64; 2], suffix: &str, wanted: &mut String| {
         let mut number = now;
@@ -114,7 +114,7 @@ fn field(ui: &mut Ui, setting: &Setting, value: &Value, wanted: &mut String) -> 
         response
     };
     let number = value.as_float().unwrap_or_default();
-    match setting.kind {
+    match kind {
         Kind::Whole { least, most, .. } => {
             let whole = value.as_integer().unwrap_or_default() as f64;
             drag(ui, whole, [least, most].map(f64::from), "", wanted)
@@ -124,13 +124,13 @@ fn field(ui: &mut Ui, setting: &Setting, value: &Value, wanted: &mut String) -> 
             drag(ui, number, [least, most.min(1e9)], "", wanted)
         }
         Kind::Seconds { most } => drag(ui, number, [0.0, most.min(10.0)], " s", wanted),
-        Kind::Stops { most } => {
+        Kind::Auto(kind) => {
             let mut automatic = value.is_str();
             let mut response = ui.checkbox(&mut automatic, "auto");
             if response.changed() {
                 *wanted = if automatic { "auto" } else { "0" }.to_owned();
             } else if !automatic {
-                response |= drag(ui, number, [-most, most], " EV", wanted);
+                response |= field(ui, (key, *kind), value, wanted);
             }
             response
         }
@@ -141,7 +141,7 @@ fn field(ui: &mut Ui, setting: &Setting, value: &Value, wanted: &mut String) -> 
             response
         }
         Kind::Choice(choices) => {
-            let combo = ComboBox::from_id_salt(setting.key).selected_text(wanted.as_str()).width(64.0);
+            let combo = ComboBox::from_id_salt(key).selected_text(wanted.as_str()).width(64.0);
             let menu = combo.show_ui(ui, |ui| {
                 for choice in choices() {
                     let name = choice.get_name().to_owned();
