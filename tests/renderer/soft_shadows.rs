@@ -16,7 +16,6 @@ use super::support::{GpuFixture, layer, luminance, mean, plain, scene};
 
 const SIZE: [u32; 2] = [112, 80];
 /// Frames of a still scene until it is frozen, without an estimator.
-const FRAMES: u32 = 64 + 1;
 
 /// A floor, a wall, a slab above the floor, two glossy balls: a metal, a dielectric.
 fn yard(light: &str) -> Arc<Scene> {
