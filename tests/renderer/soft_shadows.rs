@@ -15,7 +15,6 @@ use super::reference::reference;
 use super::support::{GpuFixture, layer, luminance, mean, plain, scene};
 
 const SIZE: [u32; 2] = [112, 80];
-/// Frames of a still scene until it is frozen, without an estimator.
 
 /// A floor, a wall, a slab above the floor, two glossy balls: a metal, a dielectric.
 fn yard(light: &str) -> Arc<Scene> {
