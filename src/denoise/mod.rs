@@ -21,7 +21,7 @@ use crate::vulkan::{Frame, Image, Pass, Upload, VulkanError};
 pub enum SignalNoise {
     /// There is none.
     None,
-    /// Its variance: the signal is the mean of several independent estimates already.
+    /// Its variance: the signal is the mean of several independent estimates already. A frame without a variance has no noise.
     Variance,
     /// Nothing: each frame is an estimate of its own.
     Unknown,

@@ -43,9 +43,8 @@ impl Denoiser for Spatial {
 
     /// Filters from the signal's images to its own and back.
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
-        let Some(variance) = inputs.variance else {
-            unreachable!("a signal without a variance has another denoiser")
-        };
+        // A frame without noise.
+        let Some(variance) = inputs.variance else { return Ok(()) };
         let (mut from, mut to) = ((inputs.noisy, variance), (&self.filtered, &self.variance));
         let [width, _] = inputs.depth.extent();
         let pixels = width.div_ceil(self.filtered.extent()[0]) as i32;

@@ -38,7 +38,7 @@ pub struct Method {
     /// Whether it gives any light.
     pub gives_light: bool,
     /// What is known of the noise of its irradiance, which decides how that is denoised.
-    pub noise: fn(&Settings) -> SignalNoise,
+    pub noise: SignalNoise,
 }
 
 /// A whole number among the settings, along which a method's quality and cost change.
@@ -119,7 +119,7 @@ impl Method {
             rays: |_| 1,
             lights_hits: false,
             gives_light: true,
-            noise: |_| SignalNoise::None,
+            noise: SignalNoise::None,
         }
     }
 

@@ -53,9 +53,7 @@ impl Renderer {
             self.reports = reports;
             self.estimator = estimator;
         }
-        let denoiser_of = |of: &Settings| {
-            ((estimators::method(of).noise)(of), of.indirect, of.size, of.effects.denoise, of.svgf)
-        };
+        let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf);
         if denoiser_of(settings) != denoiser_of(&self.settings) {
             self.indirect_denoiser = indirect_denoiser(&device, &*self.estimator, settings)?;
         }

@@ -63,7 +63,7 @@ impl SharedPasses {
         let size = settings.size;
         let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
-        let is_noisy = (estimators::method(settings).noise)(settings) == SignalNoise::Unknown;
+        let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
         let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
         Ok(Self {
             gbuffer,
@@ -89,7 +89,7 @@ pub(super) fn indirect_denoiser(
     estimator: &dyn Estimator,
     settings: &Settings,
 ) -> Result<Box<dyn Denoiser>, VulkanError> {
-    let (noise, extent) = ((estimators::method(settings).noise)(settings), estimator.signal().noisy.extent());
+    let (noise, extent) = (estimators::method(settings).noise, estimator.signal().noisy.extent());
     denoise::make(&DenoiserContext { device, usage: Use::Indirect, noise, extent, settings })
 }
 

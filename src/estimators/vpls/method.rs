@@ -1,6 +1,6 @@
 //! The description of the method: passes, counters, axes.
 
-use super::{InvalidationReason, SHADOW_RAYS, VIEWS, Vpls, set_step};
+use super::{InvalidationReason, SHADOW_RAYS, VIEWS, Vpls};
 use crate::denoise::SignalNoise;
 use crate::estimators::{Axis, CounterInfo, Method, MethodPasses};
 use crate::report::PassInfo;
@@ -17,10 +17,7 @@ pub const METHOD: Method = Method {
     variants: &["vpls@T=1", "vpls@T=4", "vpls@direct=soft"],
     rays: |Settings { vpl, .. }| vpl.slots.div_ceil(vpl.temporal_sets * vpl.interleave.pow(2)),
     lights_hits: true,
-    noise: |settings| match set_step(&settings.vpl) {
-        1 => SignalNoise::None,
-        _ => SignalNoise::Variance,
-    },
+    noise: SignalNoise::Variance,
     ..Method::new(Indirect::VPLS, "VPLs", |context| Ok(Box::new(Vpls::new(context)?)))
 };
 
