@@ -6,7 +6,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-mod cost;
 mod denoisers;
 mod direct;
 mod environment;
