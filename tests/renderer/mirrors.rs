@@ -242,13 +242,13 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
 #[test]
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let (base, frames) = all_in_use();
+    let (base, _) = all_in_use();
     let base = Settings { direct: Direct::Hard, antialiasing: Antialiasing::None, ..base };
     let reflected = |roughness: f32, reflections, reflection_roughness| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
         let effects = EffectSettings { denoise: Denoise::NONE, reflection_roughness, ..base.effects };
         let settings = Settings { reflections, effects, ..base.clone() };
-        layer(&gpu.rendered(&scene, &settings, frames).read_picture(true).unwrap(), "reflected")
+        gpu.mean_of_frames(&scene, &settings, 48, |picture| layer(picture, "reflected"))
     };
     for (roughness, share) in [(0.45, 1.0), (0.55, 0.84375), (0.65, 0.15625), (0.75, 0.0)] {
         let ours = reflected(roughness, Reflections::Rays, 0.6);
