@@ -18,6 +18,11 @@ pub enum Use {
     Reflections,
 }
 
+impl Use {
+    /// Every use, in the order of the names and colours of [`DenoiserPass::new`].
+    pub const ALL: [Self; 3] = [Self::Indirect, Self::SoftShadows, Self::Reflections];
+}
+
 /// A denoiser is made with these.
 pub struct DenoiserContext<'a> {
     /// The device.

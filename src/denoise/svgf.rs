@@ -358,7 +358,7 @@ mod tests {
     fn an_override_changes_only_its_use() {
         let shared = SvgfSettings::default();
         let of = |settings: &SvgfSettings| {
-            [Use::Indirect, Use::SoftShadows, Use::Reflections].map(|usage| {
+            Use::ALL.map(|usage| {
                 let SvgfSettings { alpha, levels, .. } = overridden(settings, usage);
                 (alpha, levels)
             })
