@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glowworm::bvh::TwoLevelBvh;
 use glowworm::estimators::World;
 use glowworm::estimators::vpls::VplManager;
-use glowworm::scene::load_scene;
+use glowworm::formats::load_scene;
 use glowworm::settings::{Settings, VplSettings};
 
 fn stages(criterion: &mut Criterion) {

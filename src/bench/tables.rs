@@ -39,7 +39,7 @@ impl Table {
         }
     }
 
-    fn as_detail(self) -> Self {
+    fn detail(self) -> Self {
         Self { detail: true, ..self }
     }
 }
@@ -148,7 +148,7 @@ fn times(grid: &Grid<'_>, noise: &Noise) -> Vec<Table> {
             "95 % confidence interval of the median of another run on this machine.",
             &certain,
         )
-        .as_detail(),
+        .detail(),
     ]
 }
 
@@ -209,7 +209,7 @@ fn stage_times(grid: &Grid<'_>, row: &GridRow<'_>, noise: &Noise) -> Table {
     let note = "Interquartile means over the frames: they add up to the total and ignore slow frames. `other` is the time \
                 between passes: recording, uploads, submission, waiting.";
     Table::new(format!("Stages of {} in ms, by {}", row.label, grid.axis.label()), note, heads(grid), lines)
-        .as_detail()
+        .detail()
 }
 
 /// Distribution of frame times.
@@ -229,7 +229,7 @@ fn spread(report: &Report, noise: &Noise) -> Table {
         ["run", "median", "low", "high", "mean", "p5", "p95", "worst"],
         report.runs.iter().filter_map(|run| row(run, &varied)),
     )
-    .as_detail()
+    .detail()
 }
 
 /// Counters of the methods, and memory.
@@ -258,7 +258,7 @@ fn counters(report: &Report, noise: &Noise) -> Table {
         heads,
         report.runs.iter().filter_map(|run| row(run, &varied)),
     )
-    .as_detail()
+    .detail()
 }
 
 /// The settings that row labels name.

@@ -68,6 +68,9 @@ pub trait Plot {
     }
 }
 
+/// A chart with linear or logarithmic axes.
+type Chart<'a, Canvas> = ChartContext<'a, Canvas, Cartesian2d<Layout, Layout>>;
+
 /// A chart with its title, on an area: the axes with their labels, and lines at the ticks of y and, if `has_x_lines`, of x.
 pub(super) fn chart<'a, Canvas: DrawingBackend>(
     area: &'a DrawingArea<Canvas, Shift>,
@@ -75,7 +78,7 @@ pub(super) fn chart<'a, Canvas: DrawingBackend>(
     (x, x_label): (Layout, &str),
     (y, y_label): (Layout, &str),
     has_x_lines: bool,
-) -> Result<ChartContext<'a, Canvas, Cartesian2d<Layout, Layout>>, DrawingAreaErrorKind<Canvas::ErrorType>> {
+) -> Result<Chart<'a, Canvas>, DrawingAreaErrorKind<Canvas::ErrorType>> {
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 16))
         .margin(10)

@@ -22,7 +22,7 @@ impl RecordedFrame {
             edited: None,
             settings: None,
             camera: (before.map(|pose| pose.camera) != Some(now.camera))
-                .then(|| Camera { shift: Vec2::ZERO, ..now.camera }),
+                .then_some(Camera { shift: Vec2::ZERO, ..now.camera }),
             lights: (lights_before.as_ref() != Some(&lights)).then_some(lights),
             environment: environment.filter(|_| before.and_then(recorded_environment) != environment),
             instances: moved

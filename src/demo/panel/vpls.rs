@@ -28,8 +28,11 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
     });
 }
 
-/// How paths are coloured, if they are shown, with the meaning of the colours.
-pub(super) fn legend(view: &DebugView) -> Option<(String, Vec<(&'static str, [f32; 3])>)> {
+/// A title, and what each colour means.
+type Legend = (String, Vec<(&'static str, [f32; 3])>);
+
+/// How paths are coloured, if they are shown.
+pub(super) fn legend(view: &DebugView) -> Option<Legend> {
     let style = view.options::<VplDebugView>().vpl_paths?;
     Some((format!("paths by {}:", style.label().to_lowercase()), path_legend(style)))
 }
