@@ -27,6 +27,11 @@
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
+#![cfg_attr(
+    not(all(feature = "window", feature = "bench")),
+    allow(dead_code, reason = "only the window and the benchmark use some of it")
+)]
+
 #[cfg(feature = "bench")]
 pub mod bench;
 pub mod bsdf;

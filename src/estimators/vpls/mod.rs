@@ -30,6 +30,7 @@ use std::time::Instant;
 
 use bytemuck::Zeroable;
 
+#[cfg(feature = "bench")]
 pub(crate) use inspect::geometry_bound_of;
 pub use manager::{
     Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
@@ -52,6 +53,7 @@ pub(crate) use indirect_shadows::samples;
 use passes::Passes;
 use path_lines::PathView;
 use set_buffers::RenderedSet;
+#[cfg(feature = "bench")]
 pub(crate) use set_buffers::set_step;
 use staleness::Staleness;
 use view::{VplViewPass, VplViewSources};

@@ -29,6 +29,7 @@ mod upload;
 mod vpl_manager;
 
 pub use counters::{InvalidatedBy, Invalidation, InvalidationReason, VplCounters};
+#[cfg(feature = "bench")]
 pub(crate) use inspect::contribution;
 pub use inspect::{Gathering, VplContribution};
 pub use slots::{SlotHistory, SlotState, SlotView};
