@@ -1,11 +1,32 @@
-//! The structs that shaders and Rust share (std140 and std430), besides those of `bvh`, `cast_rays` and the methods. A test
+//! The structs that shaders and Rust share (std140 and std430), besides those of `bvh` and the methods. A test
 //! compares every member's offset with the compiled shaders.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec2, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
+use crate::bvh::Ray;
 use crate::bvh::gpu::wrap_bits;
 use crate::scene::TextureUse;
+
+/// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuRay {
+    /// World-space start.
+    pub origin: Vec3,
+    /// Open lower bound of t.
+    pub t_min: f32,
+    /// World-space direction.
+    pub direction: Vec3,
+    /// Open upper bound of t.
+    pub t_max: f32,
+}
+
+impl From<&Ray> for GpuRay {
+    fn from(&Ray { origin, direction, t_min, t_max }: &Ray) -> Self {
+        Self { origin, t_min, direction, t_max }
+    }
+}
 
 /// What every pass of a frame may want to know; `FrameUniforms` in shaders/include/frame.glsl.
 #[repr(C)]
@@ -172,7 +193,6 @@ pub(crate) mod tests {
     use super::TextureUseData as TextureUse;
     use super::*;
     use crate::bvh::thin_surfaces::{GpuThinSurface, GpuThinTriangle};
-    use crate::passes::cast_rays::GpuRay;
     use crate::vulkan::{Reflection, shaders};
 
     /// Whether a struct of a shader has these members at these offsets.

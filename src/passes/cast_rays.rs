@@ -2,36 +2,14 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
-
 use crate::bvh::{Ray, TwoLevelBvh};
 use crate::gpu_scene::environment::EnvironmentTexture;
+pub use crate::gpu_scene::structs::GpuRay;
 use crate::gpu_scene::tracer::{RayTracer, Tracer};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frames, VulkanError, shaders};
 
 /// Threads in a row of the dispatch. Twin: `ROW` in shaders/passes/cast_rays.comp.
 const ROW: u32 = 1 << 20;
-
-/// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GpuRay {
-    /// World-space start.
-    pub origin: Vec3,
-    /// Open lower bound of t.
-    pub t_min: f32,
-    /// World-space direction.
-    pub direction: Vec3,
-    /// Open upper bound of t.
-    pub t_max: f32,
-}
-
-impl From<&Ray> for GpuRay {
-    fn from(&Ray { origin, direction, t_min, t_max }: &Ray) -> Self {
-        Self { origin, t_min, direction, t_max }
-    }
-}
 
 /// A tracer and rays for it, outside of any renderer's frames.
 pub struct RayCaster {
