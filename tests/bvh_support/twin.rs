@@ -92,13 +92,8 @@ impl<'a> Tracer<'a> {
     }
 
     fn traverse(&self, world: &Ray, wanted: Wanted, thin_surface: &mut dyn FnMut(TracerHit)) -> TracerHit {
-        let mut hit = TracerHit {
-            t: world.t_max,
-            instance: NONE,
-            triangle: NONE,
-            material: 0,
-            barycentrics: Vec2::ZERO,
-        };
+        let (instance, triangle, material, barycentrics) = (NONE, NONE, 0, Vec2::ZERO);
+        let mut hit = TracerHit { t: world.t_max, instance, triangle, material, barycentrics };
         let mut stack = Stack::default();
         let [mut group, moving] = self.groups;
         if moving.y != 0 {
@@ -170,9 +165,8 @@ impl<'a> Tracer<'a> {
                     primitives.y &= !(1 << first);
                     let triangle = primitives.x + first;
                     let met = self.test_triangle(triangle, instance, &ray, world.t_min, &hit);
-                    if let Some(met) =
-                        met.filter(|met| self.stops(wanted, triangle, &ray, *met, thin_surface))
-                    {
+                    let stops = |met: &TracerHit| self.stops(wanted, triangle, &ray, *met, thin_surface);
+                    if let Some(met) = met.filter(stops) {
                         hit = met;
                         if wanted == Wanted::Any {
                             return hit;
