@@ -30,6 +30,9 @@ fn each_shader_has_its_spirv_and_nothing_is_left_over() {
     assert_eq!(found, with_manifest, "{ADVICE}");
     for file in expected {
         let bytes = fs::read(Path::new("shaders/spirv").join(&file)).unwrap();
-        assert!(bytes.len() % 4 == 0 && bytes.starts_with(&0x0723_0203u32.to_le_bytes()), "{file}: {ADVICE}");
+        assert!(
+            bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203u32.to_le_bytes()),
+            "{file}: {ADVICE}"
+        );
     }
 }
