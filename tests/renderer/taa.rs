@@ -231,8 +231,8 @@ fn a_moving_box_leaves_no_trail() {
     assert!(uncovered.len() > 30, "{}", uncovered.len());
     for at in uncovered {
         let off = (ours[at][2] / reference[at][2] - 1.0).abs();
-        // The history of half floats stays within half an ulp over the weight of a frame: 0.3 %.
-        assert!(off < 0.023, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], reference[at][2]);
+        // Half floats stop within half an ulp over the weight of a frame, 0.3 %; filtering weighs taps by 8 bits.
+        assert!(off < 0.025, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], reference[at][2]);
     }
 }
 
