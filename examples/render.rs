@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose)?;
 
     // Temporal sets, antialiasing and noise come to rest.
-    for _ in 0..renderer.frames_to_rest() {
+    for _ in 0..renderer.frames_to_convergence() {
         renderer.render(&pose)?;
     }
     let path = target.write(&renderer.read_picture(false)?, 0)?;

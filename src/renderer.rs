@@ -46,11 +46,11 @@ use crate::report::FrameReport;
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frames, VulkanError};
-use direct::{Surroundings, ambient};
+use direct::{DirectInputs, ambient};
 use reports::{Pending, report};
 use shared::{SharedPasses, effect_image, indirect_denoiser};
 use steps::{irradiance, post_process, record_indirect, record_reflections};
-use uniforms::Viewed;
+use uniforms::FrameSetup;
 use view::{ViewFrame, ViewPasses};
 
 /// Why a picture could not be made.
@@ -165,7 +165,7 @@ impl Renderer {
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
-        let Viewed { pose, uniforms, unjittered } = &self.viewed(pose, &clock);
+        let FrameSetup { pose, uniforms, unjittered } = &self.set_up(pose, &clock);
 
         // Upload what has changed.
         let (mut frame, finished) = self.frames.begin()?;
@@ -202,12 +202,12 @@ impl Renderer {
         };
 
         // Light them: directly, indirectly, and by what they mirror.
-        let surroundings = Surroundings {
+        let direct_inputs = DirectInputs {
             light_count: uniforms.light_count,
             background: uniforms.background,
             ambient: ambient(&self.settings, pose),
         };
-        self.passes.direct.record(&mut frame, inputs, &surroundings)?;
+        self.passes.direct.record(&mut frame, inputs, &direct_inputs)?;
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {

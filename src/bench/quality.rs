@@ -126,7 +126,7 @@ pub(super) fn stop(
     let mut last = source.picture()?.colour;
     let mut settling_frames = 0;
     let mut still = Vec::new();
-    let longest = source.frames_to_rest();
+    let longest = source.frames_to_convergence();
     for number in 1..=longest + STILL_FRAMES as u32 {
         source.render(&pose, control)?;
         let picture = source.picture()?;
@@ -153,7 +153,7 @@ pub(super) fn still(
     let mut source = FrameSource::new(scene, method, settings, &pose)?;
     let mut last = Picture::default();
     let (mut frames, mut ms, mut total_ms) = (0, 0.0, 0.0);
-    for number in 1..=source.frames_to_rest() {
+    for number in 1..=source.frames_to_convergence() {
         total_ms += source.render(&pose, control)?.0;
         let picture = source.picture()?;
         if picture.colour != last.colour {

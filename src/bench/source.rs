@@ -111,9 +111,9 @@ impl FrameSource {
     }
 
     /// Frames from the first one until a picture in which nothing moves stands still; the path tracer's never does.
-    pub fn frames_to_rest(&self) -> u32 {
+    pub fn frames_to_convergence(&self) -> u32 {
         match self {
-            Self::Renderer(renderer) => u32::try_from(renderer.frames_to_rest()).unwrap_or(u32::MAX),
+            Self::Renderer(renderer) => u32::try_from(renderer.frames_to_convergence()).unwrap_or(u32::MAX),
             Self::PathTracer(_) => 1,
         }
     }

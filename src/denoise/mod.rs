@@ -1,6 +1,6 @@
 //! Denoisers: a noisy signal and what is known of the surfaces in, a clean signal out.
 //!
-//! None knows where its signal comes from. Each use has a denoiser of its own, which owns its history and forgets it when told.
+//! None knows where its signal comes from. Each use has a denoiser of its own, which owns its history.
 
 mod method;
 mod none;
@@ -86,9 +86,6 @@ pub trait Denoiser: Send {
     fn accumulates(&self) -> bool {
         false
     }
-
-    /// Forgets all frames so far.
-    fn forget(&mut self) {}
 
     /// The image that one of the use's views shows, by the end of the view's name, and how: the history (`temporal`), the noise
     /// that is left (`variance`), the length of the history (`history`). None where the denoiser has no such image. `signal`

@@ -330,11 +330,6 @@ impl Denoiser for Svgf {
         true
     }
 
-    fn forget(&mut self) {
-        self.recent.forget();
-        self.converging.forget();
-    }
-
     fn debug_image(&self, stage: &str, signal: Visualization) -> Option<(&Image, Visualization)> {
         match stage {
             "temporal" => Some((self.history(), signal)),

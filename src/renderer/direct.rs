@@ -32,8 +32,8 @@ pub(super) enum ShadowPasses {
     Soft(Box<SoftShadows>),
 }
 
-/// Light that does not come from the scene set.
-pub(super) struct Surroundings {
+/// What direct light needs besides the inputs of the frame.
+pub(super) struct DirectInputs {
     /// How many point, spot and directional lights there are.
     pub light_count: u32,
     /// Radiance where no surface is, as in the frame uniforms.
@@ -74,11 +74,11 @@ impl DirectPasses {
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
-        surroundings: &Surroundings,
+        direct_inputs: &DirectInputs,
     ) -> Result<(), VulkanError> {
         let shadows = match &mut self.shadows {
             ShadowPasses::Hard(pass) => {
-                pass.record(frame, inputs, surroundings.light_count)?;
+                pass.record(frame, inputs, direct_inputs.light_count)?;
                 (Shadows::Hard(pass.output()), pass.version())
             }
             ShadowPasses::Soft(effect) => {
@@ -86,9 +86,9 @@ impl DirectPasses {
                 (Shadows::Soft(effect.output()), effect.version())
             }
         };
-        self.shading.record(frame, inputs, shadows, surroundings.background)?;
+        self.shading.record(frame, inputs, shadows, direct_inputs.background)?;
         match &mut self.thin_surfaces {
-            Some(thin_surfaces) => thin_surfaces.record(frame, inputs, surroundings.ambient),
+            Some(thin_surfaces) => thin_surfaces.record(frame, inputs, direct_inputs.ambient),
             None => Ok(()),
         }
     }

@@ -26,7 +26,7 @@ impl Renderer {
         let variant = TracerVariant { tracer: kind, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
-        // Make what is to be another one.
+        // Make what the change replaces.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let made_of = |of: &Settings| {
             (of.indirect, of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf)
@@ -126,8 +126,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Has automatic exposure go `pace` of its way, in stops, in the next frame, above 0; 1: all of it at once, as in every
-    /// frame before which this is not called. The first frame and a converged picture are shown alike whatever it is.
+    /// In the next frame, automatic exposure adapts by this fraction, above 0 to 1, of its distance in stops; without a call, by
+    /// all of it. The first frame and a converged picture do not depend on it.
     pub fn set_exposure_pace(&mut self, pace: f32) {
         self.passes.combine.pace.set(pace);
     }

@@ -10,8 +10,8 @@ use crate::passes::clock::{Cycle, FrameClock};
 use crate::scene::{Camera, Pose};
 use crate::settings::{Antialiasing, Direct};
 
-/// What a frame is drawn from.
-pub(super) struct Viewed {
+/// What a frame is rendered with.
+pub(super) struct FrameSetup {
     /// Where everything stands, with the camera where it samples the pixels.
     pub pose: Pose,
     pub uniforms: FrameUniforms,
@@ -20,13 +20,13 @@ pub(super) struct Viewed {
 }
 
 impl Renderer {
-    /// Frames that a renderer takes from its first one until a picture in which nothing moves stands still.
-    pub fn frames_to_rest(&self) -> u64 {
+    /// Frames from the first one until the picture of a static scene has converged and is frozen.
+    pub fn frames_to_convergence(&self) -> u64 {
         // A cycle begins with a round of the estimator.
         u64::from(self.cycle().estimator) + self.cycle().frames() + 1
     }
 
-    /// What the frames of a still scene go through.
+    /// The stages of a static scene until its picture has converged.
     pub(super) fn cycle(&self) -> Cycle {
         Cycle {
             estimator: self.estimator.cycle(),
@@ -36,7 +36,8 @@ impl Renderer {
         }
     }
 
-    pub(super) fn viewed(&self, pose: &Pose, clock: &FrameClock) -> Viewed {
+    /// The camera with this frame's jitter, and the uniforms.
+    pub(super) fn set_up(&self, pose: &Pose, clock: &FrameClock) -> FrameSetup {
         let size = self.settings.size;
         let [light_count, area_light_count] = self.gpu_scene.light_counts();
         let extent = Vec2::from(size.map(|side| side as f32));
@@ -64,7 +65,7 @@ impl Renderer {
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
             ..FrameUniforms::default()
         };
-        Viewed { pose, uniforms, unjittered: [unjittered, previous] }
+        FrameSetup { pose, uniforms, unjittered: [unjittered, previous] }
     }
 
     /// The world as the last frame showed it, but for `pose`.

@@ -1,7 +1,7 @@
 //! Both tracers of the shaders on a real Vulkan device, with validation: their answers against the CPU's, hit for hit.
 
 use crate::bvh_support::*;
-use crate::support::{GpuFixture, assets, named_scene, skip};
+use crate::support::{GpuFixture, assets, named_scene};
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
@@ -174,18 +174,8 @@ fn rays(random: &mut Random, bvh: &TwoLevelBvh, count: usize) -> Vec<Ray> {
     (0..count).map(|_| random.ray(min, max)).collect()
 }
 
-/// A device that supports `tracer`; without one the test is skipped.
-fn open(tracer: RayTracer) -> Option<GpuFixture> {
-    let gpu = GpuFixture::open()?;
-    if RayTracer::offered(&gpu.device).contains(&tracer) {
-        return Some(gpu);
-    }
-    skip("the device has no ray queries");
-    None
-}
-
 fn agrees_while_instances_move(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let mut random = Random::new(21);
     let mut world = masked_world(&mut random);
     for index in 0..60 {
@@ -211,7 +201,7 @@ fn agrees_while_instances_move(tracer: RayTracer) {
 }
 
 fn agrees_while_all_come_and_go(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let mut random = Random::new(25);
     let mut world = masked_world(&mut random);
     for index in 0..3 {
@@ -230,7 +220,7 @@ fn agrees_while_all_come_and_go(tracer: RayTracer) {
 }
 
 fn agrees_on_many_instances(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let mut random = Random::new(22);
     let mut world = World::new(vec![tetrahedron(), soup(&mut random, 40)]);
     for index in 0..10_000 {
@@ -248,7 +238,7 @@ fn agrees_on_many_instances(tracer: RayTracer) {
 }
 
 fn agrees_on_a_real_scene(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let Some(assets) = assets() else { return };
     let scene = named_scene("sponza", Some(&assets));
     let bvh = TwoLevelBvh::build(&scene, &scene.pose(0.0).instances);
@@ -258,7 +248,7 @@ fn agrees_on_a_real_scene(tracer: RayTracer) {
 }
 
 fn answers_nothing_in_an_empty_scene(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let bvh = World::new(Vec::new()).build();
     let mut comparison = Comparison::new(gpu, tracer, &bvh);
     let answers = comparison.trace(&bvh, &rays(&mut Random::new(24), &bvh, 100));
@@ -328,7 +318,7 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
 }
 
 fn sheets_tint(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let mut random = Random::new(26);
     let mut world = sheet_world(&mut random);
     for index in 0..6 {

@@ -102,7 +102,7 @@ fn a_still_picture_is_the_supersampled_one() {
 }
 
 /// Frames until a still scene is frozen: VPLs settle, the first set's turn comes, 16 positions are averaged.
-fn frames_to_rest(settings: &Settings) -> u32 {
+fn frames_to_convergence(settings: &Settings) -> u32 {
     let vpl = &settings.vpl;
     vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 16
 }
@@ -119,7 +119,7 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
         renderer.read_picture(false).unwrap()
     };
     let mut fresh = gpu.renderer(&scene, &settings, &rest);
-    let expected = wait(&mut fresh, &rest, frames_to_rest(&settings));
+    let expected = wait(&mut fresh, &rest, frames_to_convergence(&settings));
     for more in [1, 7, 30] {
         assert!(wait(&mut fresh, &rest, more) == expected, "after {more} more frames");
     }
@@ -134,7 +134,7 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
             renderer.render(&pose).unwrap();
         }
         assert!(
-            wait(&mut renderer, &rest, frames_to_rest(&settings)) == expected,
+            wait(&mut renderer, &rest, frames_to_convergence(&settings)) == expected,
             "after {frames} frames of motion"
         );
     }
@@ -143,7 +143,7 @@ fn a_still_picture_stands_still_and_depends_on_no_past() {
     fresh.set_settings(&other, &rest).unwrap();
     wait(&mut fresh, &rest, 3);
     fresh.set_settings(&settings, &rest).unwrap();
-    assert!(wait(&mut fresh, &rest, frames_to_rest(&settings)) == expected, "after other settings");
+    assert!(wait(&mut fresh, &rest, frames_to_convergence(&settings)) == expected, "after other settings");
 }
 
 /// A wall with upright stripes that glow, of 5 pixels each.

@@ -13,7 +13,7 @@ use glowworm::scene::{
 use glowworm::settings::{Indirect, Settings, TracerKind};
 
 use super::reference::reference;
-use super::support::{GpuFixture, exact, layer, luminance, mean, skip};
+use super::support::{GpuFixture, exact, layer, luminance, mean};
 
 const SIZE: [u32; 2] = [64, 48];
 const LAMP: Vec3 = Vec3::new(0.3, 6.0, 1.0);
@@ -24,16 +24,6 @@ fn settings(tracer: RayTracer) -> Settings {
         RayTracer::Hardware => TracerKind::Hardware,
     };
     Settings { tracer, indirect: Indirect::NONE, exposure: Some(0.0), ..exact(SIZE) }
-}
-
-/// A device that supports `tracer`; without one the test is skipped.
-fn open(tracer: RayTracer) -> Option<GpuFixture> {
-    let gpu = GpuFixture::open()?;
-    if RayTracer::offered(&gpu.device).contains(&tracer) {
-        return Some(gpu);
-    }
-    skip("the device has no ray queries");
-    None
 }
 
 /// A square from -1 to 1 in the plane z = 0, seen from +z.
@@ -163,7 +153,7 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
 
 /// Compares the light that arrives through panes with that without them, times what they let pass.
 fn check_lamp(tracer: RayTracer, panes: impl FnOnce(&mut Scene)) -> Option<Vec<Vec3>> {
-    let gpu = open(tracer)?;
+    let gpu = GpuFixture::open_with_tracer(tracer)?;
     let without = pixels(&drawn(&gpu, wall(), tracer), "direct");
     let mut scene = wall();
     panes(&mut scene);
@@ -251,7 +241,7 @@ fn vertices_tint(tracer: RayTracer) {
 
 /// A pane that is lit from behind only, so that it adds nothing.
 fn what_is_seen_through_a_pane_is_tinted(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let without = colours(&drawn(&gpu, wall(), tracer));
     let tint = Vec3::new(0.8, 0.5, 0.25);
     for (panes, share) in [
@@ -275,7 +265,7 @@ fn what_is_seen_through_a_pane_is_tinted(tracer: RayTracer) {
 
 /// A veil with a light behind the camera: it is lit, and shades what is behind it.
 fn a_veil_reflects_its_share(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let (opacity, colour) = (0.25, Vec3::new(0.2, 0.4, 0.8));
     let mut scene = wall();
     let place = Vec3::new(0.5, 0.4, 5.0);
@@ -301,7 +291,7 @@ fn a_veil_reflects_its_share(tracer: RayTracer) {
 
 /// Before nothing, a pane is as before a black wall; the background is seen through it.
 fn the_background_is_seen_through_a_pane(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let mut scene = wall();
     scene.instances.clear();
     scene.meshes.clear();
@@ -317,7 +307,7 @@ fn the_background_is_seen_through_a_pane(tracer: RayTracer) {
 }
 
 fn a_pane_that_has_gone_is_forgotten(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let expected = colours(&drawn(&gpu, wall(), tracer));
     let mut scene = wall();
     add_pane(&mut scene, glass(Vec3::new(0.8, 0.5, 0.25)), before_the_eye());
@@ -373,7 +363,7 @@ fn cabinet() -> Scene {
 }
 
 fn a_picture_agrees_with_the_reference(tracer: RayTracer) {
-    let Some(gpu) = open(tracer) else { return };
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let scene = cabinet();
     let expected = layer(&reference(&scene, SIZE, 0, 1024), "direct");
     let found = layer(&drawn(&gpu, scene, tracer), "direct");

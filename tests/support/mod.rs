@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use glowworm::estimators::vpls::{VplContribution, VplManager, Vpls};
 use glowworm::formats::load_scene;
+use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene, WorldSurface};
@@ -24,23 +25,24 @@ impl GpuFixture {
     /// Opens the first usable device with validation on. Without one, or without the layer, the test
     /// says so and is skipped; with `GLOWWORM_REQUIRE_ALL=1` it fails.
     pub fn open() -> Option<Self> {
-        Self::open_with(InstanceOptions { validate: true, display: None })
-    }
-
-    /// The same without validation, which would take its time from what is measured.
-    pub fn open_to_measure() -> Option<Self> {
-        Self::open_with(InstanceOptions { validate: false, display: None })
-    }
-
-    fn open_with(options: InstanceOptions) -> Option<Self> {
-        let opened = Instance::new(options).and_then(|instance| Device::open(&instance, None));
-        match opened {
+        let options = InstanceOptions { validate: true, display: None };
+        match Instance::new(options).and_then(|instance| Device::open(&instance, None)) {
             Ok(device) => Some(Self { device }),
             Err(error) => {
                 skip(&error.to_string());
                 None
             }
         }
+    }
+
+    /// The same for a device that supports `tracer`.
+    pub fn open_with_tracer(tracer: RayTracer) -> Option<Self> {
+        let gpu = Self::open()?;
+        if RayTracer::offered(&gpu.device).contains(&tracer) {
+            return Some(gpu);
+        }
+        skip("the device has no ray queries");
+        None
     }
 
     /// A renderer at `pose` that has not drawn anything yet.
