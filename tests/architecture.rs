@@ -372,3 +372,23 @@ fn rust_files(folder: &str) -> Vec<PathBuf> {
     let files = below(Path::new(folder)).1.into_iter();
     files.filter(|file| file.extension().is_some_and(|ending| ending == "rs")).collect()
 }
+
+#[test]
+fn pages_name_files_that_exist() {
+    let docs = fs::read_dir("docs").unwrap().map(|entry| entry.unwrap().path());
+    let pages =
+        ["README.md", "ARCHITECTURE.md", "scenes/README.md"].map(PathBuf::from).into_iter().chain(docs);
+    let mut missing = Vec::new();
+    for page in pages.filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        let text = fs::read_to_string(&page).unwrap();
+        let is_part = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
+        for path in text.split(|c| !is_part(c)).map(|path| path.trim_end_matches(['.', '/'])) {
+            let is_ours =
+                ["src/", "shaders/", "tests/", "scripts/"].iter().any(|room| path.starts_with(room));
+            if is_ours && !Path::new(path).exists() {
+                missing.push(format!("{}: {path}", page.display()));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+}
