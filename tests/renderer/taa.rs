@@ -230,9 +230,11 @@ fn a_moving_box_leaves_no_trail() {
         .collect();
     assert!(uncovered.len() > 30, "{}", uncovered.len());
     for at in uncovered {
-        let off = (ours[at][2] / reference[at][2] - 1.0).abs();
-        // Half floats stop within half an ulp over the weight of a frame, 0.3 %; filtering weighs taps by 8 bits.
-        assert!(off < 0.025, "pixel {}, {}: {} of {}", at % width, at / width, ours[at][2], reference[at][2]);
+        // History stays within the colours of the 3x3 pixels around; half floats stop within half an ulp over the weight of a frame.
+        let around = |i: usize| reference[at - width - 1 + i / 3 * width + i % 3][2];
+        let [least, most] = [f32::min, f32::max].map(|pick| (0..9).map(around).reduce(pick).unwrap());
+        let within = 0.997 * least..=1.003 * most;
+        assert!(within.contains(&ours[at][2]), "pixel {}, {}: {} not in {within:?}", at % width, at / width, ours[at][2]);
     }
 }
 
