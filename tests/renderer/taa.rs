@@ -234,7 +234,13 @@ fn a_moving_box_leaves_no_trail() {
         let around = |i: usize| reference[at - width - 1 + i / 3 * width + i % 3][2];
         let [least, most] = [f32::min, f32::max].map(|pick| (0..9).map(around).reduce(pick).unwrap());
         let within = 0.997 * least..=1.003 * most;
-        assert!(within.contains(&ours[at][2]), "pixel {}, {}: {} not in {within:?}", at % width, at / width, ours[at][2]);
+        assert!(
+            within.contains(&ours[at][2]),
+            "pixel {}, {}: {} not in {within:?}",
+            at % width,
+            at / width,
+            ours[at][2]
+        );
     }
 }
 
