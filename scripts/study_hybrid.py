@@ -192,9 +192,10 @@ def arguments(root):
     parser.add_argument("--out", type=Path, default=root / "docs", metavar="DIR",
                         help="folder of HYBRID.md and hybrid/ (%(default)s)")
     parser.add_argument("--no-times", action="store_true", help="keep the times that were measured before")
+    parser.add_argument("--times-only", action="store_true", help="measure the times alone")
     parser.add_argument("--page-only", action="store_true", help="measure nothing, write the page")
     options = parser.parse_args()
-    options.scenes = options.scenes.split(",")
+    options.scenes = [] if options.times_only else options.scenes.split(",")
     unknown = [scene for scene in options.scenes if scene not in names]
     if unknown:
         parser.error(f"{unknown[0]}: no such scene")
@@ -214,7 +215,7 @@ def main():
             print(f"{name} {motion} {value:g} ...", file=sys.stderr, flush=True)
             rows += study.judged(name, motion, value)
             rows += [study.measure(name, motion, value, variant) for variant in variants]
-        figures = dict(zip(MACHINE, study.machine)) | {"size": options.size, "spp": options.spp, "times": times, "rows": rows}
+        figures = before | dict(zip(MACHINE, study.machine)) | {"size": options.size, "spp": options.spp, "times": times, "rows": rows}
         file.write_text(text(figures))
     study_hybrid_page.write(options.out)
 

@@ -188,7 +188,8 @@ def times(figures):
         return ""
     passes = [name for name in next(iter(rows.values())) if any(row[name] >= 0.05 for row in rows.values())]
     lines = [[name, *(f"{row[name]:.1f}" for row in rows.values())] for name in passes]
-    ratios = [rows[f"{scene}, + separable"]["svgf_atrous"] / rows[f"{scene}, default"]["svgf_atrous"] for scene in ["objects", "boxes"]]
+    blurs = {"objects": "soft_shadows_svgf_atrous", "boxes": "reflections_svgf_atrous"}
+    ratios = [rows[f"{scene}, + separable"][blur] / rows[f"{scene}, default"][blur] for scene, blur in blurs.items()]
     return TIMES.format(table=table(["pass", *rows], lines), ratio=" and ".join(f"{ratio:.2f}" for ratio in ratios), levels=4,
                         device=figures.all["device"])
 
