@@ -136,11 +136,14 @@ Path trace_path(ivec2 pixel, ShadingPoint visible, out FirstHit first) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
         float cosine = dot(at.surface.shading, sampled.direction);
-        if (sampled.density == 0.0 || dot(at.surface.geometric, sampled.direction) <= 0.0 || cosine <= 0.0) break;
+        if (sampled.density == 0.0 || cosine <= 0.0) break;
         vec3 through = sampled.density < 0.0 ? fresnel(at.reflection, cosine)
             : reflected_towards_eye(at.reflection, sampled.direction) * (cosine / sampled.density);
         if (depth == 0u) through /= max(at.reflection.reflected, vec3(1e-4));
         path.throughput *= through;
+        // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost.
+        float below = min(dot(at.surface.geometric, sampled.direction), 0.0);
+        sampled.direction -= 2.0 * below * at.surface.geometric;
         cone.spread += at.reflection.alpha;
 
         vec3 origin = ray_origin(at.surface);

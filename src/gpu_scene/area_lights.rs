@@ -110,8 +110,9 @@ impl AreaLights {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for triangle in triangles {
             let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
-            let corners = mesh.triangle_positions(triangle.triangle).map(|at| transform.transform_point3(at));
-            let (mut corners, mut uvs) = (corners, mesh.mask_coordinates(triangle.triangle, material));
+            let corners = triangle.interpolate(mesh.triangle_positions(triangle.triangle));
+            let mut corners = corners.map(|at| transform.transform_point3(at));
+            let mut uvs = triangle.interpolate(mesh.mask_coordinates(triangle.triangle, material));
             // Mirroring flips the winding but not the front side.
             if flips_winding {
                 corners.swap(1, 2);

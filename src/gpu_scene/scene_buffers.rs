@@ -13,7 +13,7 @@ use super::skip::{LastInputs, Version};
 use super::structs::{InstanceData, MaterialData, TextureUseData};
 use super::{Named, to_u32};
 use crate::bvh::gpu::rows;
-use crate::scene::{LightKind, Material, Pose, Scene, TextureUse, Wrap};
+use crate::scene::{Material, Pose, Scene, TextureUse, Wrap};
 use crate::vulkan::{
     Buffer, Device, Frame, GraphicsPipeline, Image, MaterialSets, Mirror, Sampler, VulkanError, vk,
 };
@@ -164,7 +164,7 @@ impl SceneBuffers {
         if self.previous.len() != pose.instances.len() {
             self.previous.clone_from(&pose.instances);
         }
-        let emission = emission_factors(scene, pose);
+        let emission = scene.emission_factors(pose);
         let data: Vec<InstanceData> = pose
             .instances
             .iter()
@@ -267,26 +267,4 @@ fn samplers(device: &Arc<Device>, scene: &Scene) -> Result<HashMap<[Wrap; 2], Sa
 
 fn mask_plus_one(material: &Material) -> u32 {
     material.alpha_mask.map_or(0, |mask| to_u32(mask) + 1)
-}
-
-/// What the emission of each instance's materials is multiplied by, since area lights may be changed or taken away:
-/// radiance now over the radiance that the scene states.
-fn emission_factors(scene: &Scene, pose: &Pose) -> Vec<Vec3> {
-    let mut factors = vec![Vec3::ONE; scene.instances.len()];
-    for light in &scene.lights {
-        let LightKind::Area { instance, triangles } = &light.kind else { continue };
-        let now = pose.lights.iter().find_map(|light| match &light.kind {
-            LightKind::Area { instance: other, triangles } if other == instance => triangles.first(),
-            _ => None,
-        });
-        factors[*instance] = match (triangles.first(), now) {
-            (Some(rest), Some(now)) if rest.radiance != now.radiance => {
-                let factor = now.radiance / rest.radiance;
-                Vec3::select(factor.is_finite_mask(), factor, Vec3::ZERO)
-            }
-            (_, Some(_)) => Vec3::ONE,
-            (_, None) => Vec3::ZERO,
-        };
-    }
-    factors
 }

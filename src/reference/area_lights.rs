@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::light_sample::{LightSample, ShadowEnd};
 use crate::sampling;
-use crate::scene::{AlphaMask, AreaTriangle, BoundingSphere, Mesh, Pose, Scene, luminance, ray_offset};
+use crate::scene::{AreaTriangle, BoundingSphere, Mesh, Pose, Scene, SurfacePoint, luminance, ray_offset};
 
 /// The emissive triangles of an instance, in world space.
 #[derive(Clone, Debug)]
@@ -20,15 +20,18 @@ pub(super) struct AreaLight {
     pub(super) bounds: BoundingSphere,
     pub(super) visible: bool,
     pub(super) scene_radius: f32,
+    pub(super) instance: usize,
+    /// What the emission of its materials is multiplied by.
+    pub(super) factor: Vec3,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
-    pub(super) index: u32,
     pub(super) corners: [Vec3; 3],
     /// Unit normal of the side that emits.
     pub(super) normal: Vec3,
-    pub(super) radiance: Vec3,
+    /// Where it lies in its mesh, and its mean radiance.
+    pub(super) piece: AreaTriangle,
     /// Pdf of a point on it within its light over area, 1/scene unit^2.
     pub(super) area_pdf: f32,
     /// Index of its alpha mask, if it has one, and its texture coordinates there.
@@ -46,7 +49,7 @@ impl AreaLight {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
             triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
-        emitters.sort_by_key(|emitter| emitter.index);
+        emitters.sort_by_key(|emitter| emitter.piece.triangle);
         let power: f64 = emitters.iter().map(Emitter::power).sum();
         let mut sum = 0.0;
         let mut cdf = Vec::with_capacity(emitters.len());
@@ -65,6 +68,8 @@ impl AreaLight {
             bounds,
             visible: scene.instances[instance].visible,
             scene_radius: 0.0,
+            instance,
+            factor: Vec3::ONE,
         })
     }
 
@@ -76,7 +81,7 @@ impl AreaLight {
     }
 
     /// Samples a point on the light; none if it does not light `p`: it is masked out or faces away.
-    pub(super) fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
+    pub(super) fn sample(&self, p: Vec3, u: Vec2, scene: &Scene) -> Option<LightSample> {
         let (place, rest) = sampling::discrete(&self.cdf, u.x);
         let emitter = &self.triangles[place];
         let [a, b, c] = emitter.corners;
@@ -84,7 +89,7 @@ impl AreaLight {
         let point = (b - a) * weights.x + (c - a) * weights.y + a;
         if let Some(mask) = emitter.mask {
             let [a, b, c] = emitter.uvs;
-            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
+            if !scene.alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
                 return None;
             }
         }
@@ -98,9 +103,32 @@ impl AreaLight {
         Some(LightSample {
             direction,
             end: ShadowEnd::Point(point + emitter.normal * ray_offset(point, self.scene_radius)),
-            irradiance: emitter.radiance / pdf,
+            irradiance: self.radiance(scene, emitter, weights) / pdf,
             pdf: self.visible.then_some(pdf),
         })
+    }
+}
+
+impl AreaLight {
+    /// Radiance at a point of an emitter, by its texture if it has one.
+    fn radiance(&self, scene: &Scene, emitter: &Emitter, weights: Vec2) -> Vec3 {
+        let mesh = &scene.meshes[scene.instances[self.instance].mesh];
+        let triangle = emitter.piece.triangle;
+        let material = &scene.materials[mesh.triangle_materials[triangle as usize] as usize];
+        if material.emission_texture.is_none() {
+            return emitter.piece.radiance;
+        }
+        let at = SurfacePoint { triangle, barycentrics: emitter.piece.barycentrics(weights) };
+        material.emission_at(scene, mesh.interpolate(at).attributes) * self.factor
+    }
+
+    /// The emitter that a point of a triangle of the instance belongs to.
+    pub(super) fn emitter_at(&self, triangle: u32, barycentrics: Vec2) -> Option<&Emitter> {
+        let first = self.triangles.partition_point(|emitter| emitter.piece.triangle < triangle);
+        let pieces = self.triangles[first..].iter().take_while(|emitter| emitter.piece.triangle == triangle);
+        let depth = |emitter: &&Emitter| emitter.piece.depth_of(barycentrics);
+        // A point on an edge belongs to the first piece; one between pieces that emit nothing, to none.
+        pieces.max_by(|a, b| depth(a).total_cmp(&depth(b))).filter(|emitter| depth(emitter) > -1e-4)
     }
 }
 
@@ -113,21 +141,20 @@ fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
 
 impl Emitter {
     fn new(scene: &Scene, mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
-        let corners =
-            mesh.triangle_positions(triangle.triangle).map(|corner| transform.transform_point3(corner));
+        let corners = triangle.interpolate(mesh.triangle_positions(triangle.triangle));
+        let corners = corners.map(|corner| transform.transform_point3(corner));
         let [a, b, c] = corners;
         // Mirroring flips the winding but not the front side.
         let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
         let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
         Self {
-            index: triangle.triangle,
             corners,
             normal,
-            radiance: triangle.radiance,
+            piece: *triangle,
             area_pdf: 0.0,
             mask: material.alpha_mask,
-            uvs: mesh.mask_coordinates(triangle.triangle, material),
+            uvs: triangle.interpolate(mesh.mask_coordinates(triangle.triangle, material)),
         }
     }
 
@@ -138,6 +165,6 @@ impl Emitter {
 
     /// Luminous flux over pi.
     fn power(&self) -> f64 {
-        f64::from(self.area()) * f64::from(luminance(self.radiance).max(0.0))
+        f64::from(self.area()) * f64::from(luminance(self.piece.radiance).max(0.0))
     }
 }

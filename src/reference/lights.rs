@@ -11,9 +11,9 @@ use glam::{Vec2, Vec3};
 
 use super::area_lights::AreaLight;
 use super::light_sample::{LightSample, ShadowEnd};
-use crate::bvh::Ray;
+use crate::bvh::{Hit, Ray};
 use crate::scene::{
-    AlphaMask, Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff,
+    Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff,
 };
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
@@ -36,12 +36,10 @@ pub(super) struct Lights {
     /// Point, spot and directional lights first.
     lights: Vec<PosedLight>,
     direct: usize,
-    /// The area lights of each instance, as indices into `lights`.
-    of_instance: Vec<Vec<usize>>,
+    /// The area light of each instance, if it has one, as an index into `lights`.
+    of_instance: Vec<Option<usize>>,
     /// Bounds (min, max) of the visible area lights, which scattered rays can hit.
     hittable_bounds: Vec<(Vec3, Vec3)>,
-    /// The scene's alpha masks.
-    alpha_masks: Vec<AlphaMask>,
 }
 
 #[derive(Clone, Debug)]
@@ -60,18 +58,20 @@ impl Lights {
     pub(super) fn new(scene: &Scene, pose: &Pose, scene_radius: f32) -> Self {
         let mut direct = Vec::new();
         let mut area = Vec::new();
+        let factors = scene.emission_factors(pose);
         for light in &pose.lights {
             match &light.kind {
                 LightKind::Area { instance, triangles } => {
                     let posed = AreaLight::new(scene, pose, *instance, triangles);
-                    area.extend(posed.map(|posed| (*instance, AreaLight { scene_radius, ..posed })));
+                    let factor = factors[*instance];
+                    area.extend(posed.map(|posed| (*instance, AreaLight { scene_radius, factor, ..posed })));
                 }
                 _ => direct.push(PosedLight::Direct(light.clone())),
             }
         }
-        let mut of_instance = vec![Vec::new(); scene.instances.len()];
+        let mut of_instance = vec![None; scene.instances.len()];
         for (place, (instance, _)) in area.iter().enumerate() {
-            of_instance[*instance].push(direct.len() + place);
+            of_instance[*instance] = Some(direct.len() + place);
         }
         let count = direct.len();
         let lights = direct.into_iter().chain(area.into_iter().map(|(_, l)| PosedLight::Area(l)));
@@ -92,8 +92,7 @@ impl Lights {
             });
             hittable_bounds = vec![all];
         }
-        let alpha_masks = scene.alpha_masks.clone();
-        Self { lights, direct: count, of_instance, hittable_bounds, alpha_masks }
+        Self { lights, direct: count, of_instance, hittable_bounds }
     }
 
     /// Whether any area light is visible to scattered rays.
@@ -124,6 +123,7 @@ impl Lights {
     /// Samples the irradiance at `p` with normal `n`: a light of `subset` by `pick`, and a point on it by `u`.
     pub(super) fn sample(
         &self,
+        scene: &Scene,
         p: Vec3,
         n: Vec3,
         subset: LightSubset,
@@ -131,7 +131,7 @@ impl Lights {
         u: Vec2,
     ) -> Option<LightSample> {
         let (light, probability) = self.choose(p, n, subset, pick)?;
-        let mut sample = light.sample(p, u, &self.alpha_masks)?;
+        let mut sample = light.sample(scene, p, u)?;
         sample.irradiance /= probability;
         sample.pdf = sample.pdf.map(|pdf| pdf * probability);
         Some(sample)
@@ -172,34 +172,27 @@ impl Lights {
         if total > 0.0 { light.weight(p, n) / total * environment.density(direction) } else { 0.0 }
     }
 
-    /// The emission of triangle `triangle` of `instance` along a scattered ray that hit it: its radiance, and the pdf
-    /// (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if it emits nothing
-    /// there.
+    /// The emission at `hit`, on a front side, along the scattered ray that hit it, where the material's is `emission`: its
+    /// radiance, and the pdf (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if the
+    /// instance is no light.
     pub(super) fn emitted(
         &self,
-        instance: u32,
-        triangle: u32,
-        hit: &ScatteredHit,
+        hit: &Hit,
+        emission: Vec3,
+        scattered: &ScatteredHit,
         subset: LightSubset,
     ) -> Option<(Vec3, f32)> {
-        for &index in &self.of_instance[instance as usize] {
-            let PosedLight::Area(area) = &self.lights[index] else { continue };
-            let Ok(place) = area.triangles.binary_search_by_key(&triangle, |emitter| emitter.index) else {
-                continue;
-            };
-            let emitter = &area.triangles[place];
-            let cosine = -emitter.normal.dot(hit.direction);
-            if cosine <= 0.0 {
-                continue;
-            }
-            let squared = hit.from.distance_squared(hit.at);
-            let weights =
-                self.lights[self.range(subset)].iter().map(|light| light.weight(hit.from, hit.normal));
-            let total: f32 = weights.sum();
-            let probability = self.lights[index].weight(hit.from, hit.normal) / total;
-            return Some((emitter.radiance, probability * emitter.area_pdf * squared / cosine));
-        }
-        None
+        let index = self.of_instance[hit.instance as usize]?;
+        let PosedLight::Area(area) = &self.lights[index] else { return None };
+        // Light sampling knows no emission that all points of a piece have missed.
+        let density = area.emitter_at(hit.triangle, hit.barycentrics).map_or(0.0, |emitter| {
+            let cosine = -emitter.normal.dot(scattered.direction);
+            let squared = scattered.from.distance_squared(scattered.at);
+            emitter.area_pdf * squared / cosine.max(f32::MIN_POSITIVE)
+        });
+        let weight = |light: &PosedLight| light.weight(scattered.from, scattered.normal);
+        let total: f32 = self.lights[self.range(subset)].iter().map(weight).sum();
+        Some((emission * area.factor, weight(&self.lights[index]) / total * density))
     }
 }
 
@@ -232,9 +225,9 @@ impl PosedLight {
         }
     }
 
-    fn sample(&self, p: Vec3, u: Vec2, alpha_masks: &[AlphaMask]) -> Option<LightSample> {
+    fn sample(&self, scene: &Scene, p: Vec3, u: Vec2) -> Option<LightSample> {
         match self {
-            Self::Area(area) => area.sample(p, u, alpha_masks),
+            Self::Area(area) => area.sample(p, u, scene),
             Self::Environment { environment, .. } => {
                 let (direction, pdf) = environment.sample(u)?;
                 let irradiance = environment.radiance(direction) / pdf;

@@ -261,7 +261,8 @@ impl Reference<'_> {
         hits.into_iter().enumerate().map(pass).collect()
     }
 
-    /// Samples the next ray of a path; none if it points into the surface, which absorbs it, or nothing is reflected.
+    /// Samples the next ray of a path; none if nothing is reflected. One that the shading normal sends below the triangle is mirrored
+    /// by it: no energy is lost. Light sampling knows no such rays.
     fn scatter(&self, path: &mut Path<'_>, bounce: u32, u: Vec2) -> Option<Ray> {
         let surface = &path.vertex.surface;
         let sampled = match path.estimates {
@@ -280,8 +281,12 @@ impl Reference<'_> {
         path.throughput *= sampled.weight;
         (path.direction, path.density) = (sampled.direction, sampled.density);
         let origin = surface.offset_position(self.radius);
-        let above = sampled.direction.dot(surface.geometric_normal) > 0.0;
-        above.then_some(Ray { origin, direction: sampled.direction, t_min: 0.0, t_max: f32::INFINITY })
+        let above = sampled.direction.dot(surface.geometric_normal);
+        if above <= 0.0 {
+            path.direction -= 2.0 * above * surface.geometric_normal;
+            path.density = None;
+        }
+        Some(Ray { origin, direction: path.direction, t_min: 0.0, t_max: f32::INFINITY })
     }
 
     fn may_meet_light(&self, ray: &Ray) -> bool {
@@ -296,7 +301,11 @@ impl Reference<'_> {
         path.vertex = self.interaction(hit, direction);
         let at = path.vertex.surface.position;
         let scattered = ScatteredHit { from: from.position, normal: from.normal, direction, at };
-        if let Some((radiance, pdf)) = self.lights.emitted(hit.instance, hit.triangle, &scattered, subset) {
+        let vertex = &path.vertex;
+        let emission = vertex.material.emission_at(self.scene, vertex.attributes);
+        if vertex.front
+            && let Some((radiance, pdf)) = self.lights.emitted(hit, emission, &scattered, subset)
+        {
             let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
             path.gathered += path.throughput * radiance * share;
         }
@@ -334,7 +343,7 @@ impl Reference<'_> {
         pick: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let mut light = self.lights.sample(surface.position, surface.normal, subset, pick, u)?;
+        let mut light = self.lights.sample(self.scene, surface.position, surface.normal, subset, pick, u)?;
         let cosine = surface.normal.dot(light.direction);
         if cosine <= 0.0 || surface.geometric_normal.dot(light.direction) <= 0.0 {
             return None;

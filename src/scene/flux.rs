@@ -24,7 +24,7 @@ impl Light {
                 let mesh = &scene.meshes[scene.instances[*instance].mesh];
                 let transform = &pose.instances[*instance];
                 let power = triangles.iter().map(|emitter| {
-                    let corners = mesh.triangle_positions(emitter.triangle);
+                    let corners = emitter.interpolate(mesh.triangle_positions(emitter.triangle));
                     emitter.radiance.as_dvec3() * f64::from(world_area(corners, transform))
                 });
                 (power.sum::<glam::DVec3>() * std::f64::consts::PI).as_vec3()

@@ -1,6 +1,8 @@
 //! Light sources and their radiometry.
 
-use glam::Vec3;
+use std::ops::{Add, Mul, Sub};
+
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Animation;
@@ -52,13 +54,42 @@ pub enum LightType {
     Area,
 }
 
-/// One emissive triangle of an area light.
+/// An emissive triangle of an area light, or a piece of one whose texture varies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaTriangle {
     /// Index into the instance's mesh's triangles.
     pub triangle: u32,
-    /// Radiance, W/m^2/sr.
+    /// Its corners within that triangle: the weights of the second and of the third vertex.
+    pub corners: [Vec2; 3],
+    /// Radiance, its mean over the texture, W/m^2/sr.
     pub radiance: Vec3,
+}
+
+impl AreaTriangle {
+    /// The corners of a whole triangle of a mesh.
+    pub const WHOLE: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
+
+    /// What the vertices have, interpolated to its corners.
+    pub fn interpolate<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>>(
+        &self,
+        [a, b, c]: [T; 3],
+    ) -> [T; 3] {
+        self.corners.map(|weights| a + (b - a) * weights.x + (c - a) * weights.y)
+    }
+
+    /// The barycentrics in the mesh's triangle of a point with these in the piece.
+    pub fn barycentrics(&self, weights: Vec2) -> Vec2 {
+        let [a, b, c] = self.corners;
+        a + (b - a) * weights.x + (c - a) * weights.y
+    }
+
+    /// How far a point with these barycentrics in the mesh's triangle lies within the piece: its least weight there.
+    pub fn depth_of(&self, barycentrics: Vec2) -> f32 {
+        let [a, b, c] = self.corners;
+        let (u, v, p) = (b - a, c - a, barycentrics - a);
+        let weights = Vec2::new(p.perp_dot(v), u.perp_dot(p)) / u.perp_dot(v);
+        weights.min_element().min(1.0 - weights.element_sum())
+    }
 }
 
 /// A light source. Position and direction are in world space; these and its extent are unused where the kind has none.

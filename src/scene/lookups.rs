@@ -1,17 +1,12 @@
-//! Materials at points of a scene: their textures, looked up or averaged; and which triangles emit.
+//! Materials at points of a scene: their textures, looked up or averaged.
 
 use glam::{Vec3, Vec4};
 
 use super::contents::Scene;
-use super::light::{AreaTriangle, Light, LightKind};
 use super::material::{Alpha, Material, ThinSurface};
-use super::mesh::{Mesh, Surface, SurfacePoint};
+use super::mesh::Surface;
 use super::texture_use::{Attributes, TextureUse};
 use crate::bsdf::Bsdf;
-use crate::sampling;
-
-/// Points of a triangle at which the texture of its emission is read.
-const EMISSION_POINTS: u32 = 16;
 
 impl TextureUse {
     /// Linear colour (level 0, bilinear).
@@ -91,39 +86,4 @@ fn texel(scene: &Scene, texture: Option<TextureUse>, at: &Attributes) -> Vec3 {
 
 fn mean(scene: &Scene, texture: Option<TextureUse>) -> Vec3 {
     texture.map_or(Vec3::ONE, |texture| scene.textures[texture.texture].mean())
-}
-
-impl Scene {
-    /// Radiance of a triangle, averaged over it, W/m^2/sr.
-    fn triangle_emission(&self, mesh: &Mesh, triangle: u32, material: &Material) -> Vec3 {
-        if material.emission_texture.is_none() {
-            return material.emission;
-        }
-        let at = |barycentrics| mesh.interpolate(SurfacePoint { triangle, barycentrics }).attributes;
-        let points = sampling::triangle_points(EMISSION_POINTS);
-        let sum: Vec3 = points.map(|point| material.emission_at(self, at(point))).sum();
-        sum / EMISSION_POINTS as f32
-    }
-
-    /// Adds an area light for instance `instance`, with its name, if any of its triangles is emissive.
-    pub fn add_area_light(&mut self, instance: usize) {
-        let mesh = &self.meshes[self.instances[instance].mesh];
-        let emission = |(triangle, &material): (usize, &u32)| {
-            let material = &self.materials[material as usize];
-            let radiance = self.triangle_emission(mesh, triangle as u32, material);
-            (radiance != Vec3::ZERO).then_some(AreaTriangle { triangle: triangle as u32, radiance })
-        };
-        let triangles: Vec<_> = mesh.triangle_materials.iter().enumerate().filter_map(emission).collect();
-        if !triangles.is_empty() {
-            self.lights.push(Light {
-                name: self.instances[instance].name.clone(),
-                kind: LightKind::Area { instance, triangles },
-                position: Vec3::ZERO,
-                direction: Vec3::NEG_Y,
-                radius: 0.0,
-                half_angle: 0.0,
-                animation: None,
-            });
-        }
-    }
 }

@@ -8,6 +8,7 @@ mod bounds;
 mod camera;
 mod camera_override;
 mod contents;
+mod emissive;
 mod environment;
 mod flux;
 mod light;

@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 
 use super::material::{AlphaMask, Texture};
 use super::texture_use::{Wrap, wrapped};
@@ -52,6 +52,11 @@ impl Texture {
     /// As above.
     pub fn linear_from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
         Self::new(name, [width, height], texels, true)
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> UVec2 {
+        UVec2::new(self.levels[0].0, self.levels[0].1)
     }
 
     fn new(name: &str, [width, height]: [u32; 2], texels: Vec<u8>, linear: bool) -> Self {

@@ -200,8 +200,8 @@ impl Source {
 pub(super) struct AreaTable {
     /// The emissive instance.
     pub(super) instance: u32,
-    /// Its emissive triangles, ascending.
-    triangles: Vec<u32>,
+    /// Its emissive triangles, ascending by index.
+    triangles: Vec<AreaTriangle>,
     /// Their cumulative distribution.
     cdf: Vec<f32>,
     /// Triangle flux / (probability * light flux), per channel: 1 for lights of uniform colour.
@@ -216,7 +216,7 @@ impl AreaTable {
         let powers: Vec<DVec3> = sorted
             .iter()
             .map(|emitter| {
-                let area = world_area(world, instance, emitter.triangle);
+                let area = world_area(world, instance, emitter);
                 (emitter.radiance.as_dvec3() * (PI * area)).max(DVec3::ZERO)
             })
             .collect();
@@ -235,7 +235,7 @@ impl AreaTable {
             .collect();
         let table = Self {
             instance: instance as u32,
-            triangles: sorted.iter().map(|emitter| emitter.triangle).collect(),
+            triangles: sorted,
             cdf,
             weights,
         };
@@ -245,16 +245,14 @@ impl AreaTable {
     /// Samples a point on the light, with the weight of a path that starts there.
     pub(super) fn sample(&self, u: Vec2) -> (SurfacePoint, Vec3) {
         let (bin, rest) = sampling::discrete(&self.cdf, u.x);
-        let point = SurfacePoint {
-            triangle: self.triangles[bin],
-            barycentrics: sampling::triangle(Vec2::new(rest, u.y)),
-        };
-        (point, self.weights[bin])
+        let emitter = &self.triangles[bin];
+        let barycentrics = emitter.barycentrics(sampling::triangle(Vec2::new(rest, u.y)));
+        (SurfacePoint { triangle: emitter.triangle, barycentrics }, self.weights[bin])
     }
 
     /// Whether a triangle of the instance belongs to the light.
     pub(super) fn contains(&self, triangle: u32) -> bool {
-        self.triangles.binary_search(&triangle).is_ok()
+        self.triangles.binary_search_by_key(&triangle, |emitter| emitter.triangle).is_ok()
     }
 }
 
@@ -275,10 +273,10 @@ fn luminance_cdf(powers: &[DVec3]) -> Vec<f32> {
     cdf
 }
 
-fn world_area(world: World<'_>, instance: usize, triangle: u32) -> f64 {
+fn world_area(world: World<'_>, instance: usize, emitter: &AreaTriangle) -> f64 {
     let mesh = &world.scene.meshes[world.scene.instances[instance].mesh];
     let transform = &world.pose.instances[instance];
-    let [a, b, c] =
-        mesh.triangle_positions(triangle).map(|corner| transform.transform_point3(corner).as_dvec3());
+    let corners = emitter.interpolate(mesh.triangle_positions(emitter.triangle));
+    let [a, b, c] = corners.map(|corner| transform.transform_point3(corner).as_dvec3());
     0.5 * (b - a).cross(c - a).length()
 }
