@@ -3,6 +3,8 @@
 //! In: meshes and materials. Out: nodes, triangles in leaf order and the data of alpha tests, for the
 //! CPU and for shaders.
 
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
 use glam::{Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode, ploc::PlocSearchDistance,
@@ -20,7 +22,7 @@ use super::{
     wide,
 };
 use crate::memory::Pages;
-use crate::scene::{Material, Mesh, Scene};
+use crate::scene::{Alpha, Material, Mesh, Scene, TextureUse};
 
 /// Quality of the binary trees: sponza's rays take a tenth less time than with `medium_build`, conference's 331,000
 /// triangles 0.25 s more to build on 2 cores. Twice as many reinsertions would gain little and double that.
@@ -62,7 +64,43 @@ pub(super) struct BottomLevels {
     pub(super) roots: Vec<Option<MeshRoot>>,
 }
 
+/// Bottom levels that wait for the next BVH of their scene.
+struct Kept {
+    meshes: Vec<Weak<Mesh>>,
+    materials: Vec<MaterialKey>,
+    levels: BottomLevels,
+}
+
+/// What of a material its triangles depend on.
+type MaterialKey = ([Option<TextureUse>; 4], Alpha, bool, Option<usize>);
+
+fn material_keys(scene: &Scene) -> Vec<MaterialKey> {
+    let key = |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask);
+    scene.materials.iter().map(key).collect()
+}
+
+/// One scene at a time; whoever needs them takes them.
+static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
+
 impl BottomLevels {
+    /// Keeps them for [`Self::kept_for`].
+    pub(super) fn keep(self, scene: &Scene) {
+        let meshes = scene.meshes.iter().map(Arc::downgrade).collect();
+        let kept = Kept { meshes, materials: material_keys(scene), levels: self };
+        *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(kept);
+    }
+
+    /// Takes those that were kept for this very scene.
+    pub(super) fn kept_for(scene: &Scene) -> Option<Self> {
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_same = |kept: &mut Kept| {
+            kept.meshes.len() == scene.meshes.len()
+                && kept.meshes.iter().zip(&scene.meshes).all(|(a, b)| a.as_ptr() == Arc::as_ptr(b))
+                && kept.materials == material_keys(scene)
+        };
+        kept.take_if(is_same).map(|kept| kept.levels)
+    }
+
     /// Builds the BVHs of all meshes, in parallel.
     pub(super) fn build(scene: &Scene) -> Self {
         let built: Vec<_> =

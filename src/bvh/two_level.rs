@@ -59,7 +59,7 @@ impl TwoLevelBvh {
                 transform,
             })
             .collect();
-        let bottom = BottomLevels::build(scene);
+        let bottom = BottomLevels::kept_for(scene).unwrap_or_else(|| BottomLevels::build(scene));
         let mut bvh = Self {
             #[cfg(target_arch = "x86_64")]
             avx2: Avx2::try_new(),
@@ -75,6 +75,11 @@ impl TwoLevelBvh {
         bvh.rebuild_top_level(false);
         bvh.rebuild_top_level(true);
         bvh
+    }
+
+    /// Keeps the bottom levels for the next BVH of `scene`: the loader looks at a bare model, and then a renderer draws it.
+    pub fn keep(self, scene: &Scene) {
+        self.bottom.keep(scene);
     }
 
     /// Sets all transforms (object to world) and rebuilds the top levels whose instances moved. Returns the indices

@@ -8,6 +8,7 @@ use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
 use crate::dataset::{Dataset, DatasetPlan};
 use crate::output::OutputFile;
+use crate::scene::CameraOverride;
 use crate::settings::parser_of;
 
 /// Help after the options: the format.
@@ -54,7 +55,8 @@ pub(super) struct DatasetOptions {
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
     let given = options.scene.given(&[("seed", &options.seed)]);
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
-    let LoadedScene { scene, settings, .. } = load(&options.scene.name, &given, &options.files)?;
+    let LoadedScene { scene, settings, .. } =
+        load(&options.scene.name, &given, &options.files, &CameraOverride::default())?;
     let plan = DatasetPlan {
         scene: scene.name.clone(),
         frames: options.frames,

@@ -125,7 +125,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
     let LoadedScene { mut scene, settings, load_ms } =
-        load(&options.scene, &options.settings, &options.run.files)?;
+        load(&options.scene, &options.settings, &options.run.files, &options.camera.parts())?;
     options.camera.place(&mut scene)?;
     let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;

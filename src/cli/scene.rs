@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::options::FileOptions;
 use super::{CliError, say};
-use crate::formats::load_scene;
-use crate::scene::Scene;
+use crate::formats::load_scene_seen_by;
+use crate::scene::{CameraOverride, Scene};
 use crate::settings::{GivenSettings, Settings, parser_of};
 
 /// Scene and common settings of the commands that path trace or export.
@@ -73,10 +73,15 @@ pub(super) struct LoadedScene {
     pub load_ms: f64,
 }
 
-/// Loads the scene `name`, prints its warnings, and resolves its settings with those `given`.
-pub(super) fn load(name: &str, given: &GivenSettings, files: &FileOptions) -> Result<LoadedScene, CliError> {
+/// Loads the scene `name`, to be `seen_by` a camera, prints its warnings, and resolves its settings with those `given`.
+pub(super) fn load(
+    name: &str,
+    given: &GivenSettings,
+    files: &FileOptions,
+    seen_by: &CameraOverride,
+) -> Result<LoadedScene, CliError> {
     let begun = Instant::now();
-    let scene = load_scene(name, files.assets_folder().as_deref())?;
+    let scene = load_scene_seen_by(name, files.assets_folder().as_deref(), seen_by)?;
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     let settings = Settings::resolve(&scene.settings, given)

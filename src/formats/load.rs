@@ -10,7 +10,7 @@ use super::scene_file::schema::SceneFile;
 use super::scene_file::{ReadFiles, load_toml};
 use super::{default_view, gltf, obj};
 use crate::builtin;
-use crate::scene::{Instance, Scene};
+use crate::scene::{CameraOverride, Instance, Scene};
 
 /// Loads a built-in scene by name, a scene file (`.toml`) or a bare model (`.obj`, `.gltf`, `.glb`). `assets` is the
 /// folder of the downloadable models.
@@ -18,20 +18,33 @@ use crate::scene::{Instance, Scene};
 /// # Errors
 /// One line that names the file, the line or key if known, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-    load_with(name, assets, &mut ReadFiles::default())
+    load_scene_seen_by(name, assets, &CameraOverride::default())
+}
+
+/// The same, for a camera that is going to be overridden: a bare model is lit for what that sees.
+///
+/// # Errors
+/// Likewise.
+pub fn load_scene_seen_by(
+    name: &str,
+    assets: Option<&Path>,
+    seen_by: &CameraOverride,
+) -> Result<Scene, SceneError> {
+    load_with(name, assets, seen_by, &mut ReadFiles::default())
 }
 
 /// The same; `read` receives what was read for a scene file.
 pub(crate) fn load_with(
     name: &str,
     assets: Option<&Path>,
+    seen_by: &CameraOverride,
     read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let begun = Instant::now();
     let scene = match find(name)? {
         Source::File(path, text) => load_toml(&path, &text, assets, read)?,
-        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path)?,
-        Source::Model(path) => load_bare_obj(&path)?,
+        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path, seen_by)?,
+        Source::Model(path) => load_bare_obj(&path, seen_by)?,
         Source::CornellBox => builtin::cornell_box(),
     };
     let (meshes, textures) = (scene.meshes.len(), scene.textures.len());
@@ -91,12 +104,12 @@ pub fn scene_of_text(text: &str, assets: Option<&Path>) -> Result<Scene, SceneEr
     ReadFiles::default().scene_of_text(text, assets)
 }
 
-fn load_bare_obj(path: &Path) -> Result<Scene, SceneError> {
+fn load_bare_obj(path: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(path));
     let mesh = obj::add_obj(path, &mut scene)?;
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    default_view::add_default_camera_and_light(&mut scene, None, false);
+    default_view::add_default_camera_and_light(&mut scene, None, seen_by);
     Ok(scene)
 }

@@ -12,9 +12,7 @@ use glam::{Vec2, Vec3};
 use super::area_lights::AreaLight;
 use super::light_sample::{LightSample, ShadowEnd};
 use crate::bvh::{Hit, Ray};
-use crate::scene::{
-    Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff,
-};
+use crate::scene::{Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff};
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
 const MAX_BOUNDS: usize = 16;

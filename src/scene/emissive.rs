@@ -47,9 +47,8 @@ impl Textured<'_> {
         let parts = &pieces[first..];
         let mean = parts.iter().map(|part| part.radiance).sum::<Vec3>() / 4.0;
         let brightest = parts.iter().map(|part| part.radiance.max_element()).fold(0.0, f32::max);
-        let is_uniform = |part: &AreaTriangle| {
-            (part.radiance - mean).abs().max_element() <= LEAST_CONTRAST * brightest
-        };
+        let is_uniform =
+            |part: &AreaTriangle| (part.radiance - mean).abs().max_element() <= LEAST_CONTRAST * brightest;
         if parts.len() == 4 && parts.iter().all(is_uniform) {
             pieces.truncate(first);
             pieces.push(AreaTriangle { triangle: self.triangle, corners, radiance: mean });
@@ -101,7 +100,8 @@ impl Scene {
     fn emissive_triangles(&self, instance: usize) -> Vec<AreaTriangle> {
         let mesh = &*self.meshes[self.instances[instance].mesh];
         let emissive = || {
-            let materials = mesh.triangle_materials.iter().map(|&material| &self.materials[material as usize]);
+            let materials =
+                mesh.triangle_materials.iter().map(|&material| &self.materials[material as usize]);
             (0..).zip(materials).filter(|(_, material)| material.is_emissive())
         };
         let textured = emissive().filter(|(_, material)| material.emission_texture.is_some()).count();

@@ -4,13 +4,15 @@
 //! model or, if that shows more of its surface, inside; and, unless its own lights light the view, a soft sky, or a point
 //! light where the sky hardly reaches. A warning reports each that was made up.
 
+mod lights;
+mod parts;
 mod samples;
 mod survey;
 
 use glam::Vec3;
 
 use crate::builtin;
-use crate::scene::{BoundingSphere, Camera, Light, LightKind, Scene};
+use crate::scene::{BoundingSphere, Camera, CameraOverride, Light, LightKind, Scene};
 use survey::ModelSurvey;
 
 /// Direction from the model's centre to the camera: in front, slightly to the right and above.
@@ -22,15 +24,23 @@ const VERTICAL_FOV_DEGREES: f32 = 40.0;
 /// the hull of an interior is visible from outside, too.
 const INSIDE_PREFERENCE: f32 = 0.8;
 
-/// Fraction of the visible surface that emissive materials must light, so that no light is added.
+/// The same where there is less room inside than the model's parts take: a hollow object is shown from outside, unless only back
+/// faces are seen there.
+const HOLLOW_PREFERENCE: f32 = 2.0;
+
+/// Fraction of the visible surface that the model's own lights must light, so that no light is added.
 const MIN_LIT_FRACTION: f32 = 0.5;
 
 /// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
 const MIN_OPEN_FRACTION: f32 = 0.3;
 
-/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) and, if needed, a light,
-/// unless the file has lights that are not surfaces (`has_lights`).
-pub(crate) fn add_default_camera_and_light(scene: &mut Scene, given: Option<Camera>, has_lights: bool) {
+/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) or `seen_by` an eye point,
+/// and a light unless its own light what is seen.
+pub(crate) fn add_default_camera_and_light(
+    scene: &mut Scene,
+    given: Option<Camera>,
+    seen_by: &CameraOverride,
+) {
     match given {
         Some(mut camera) => {
             if camera.far <= camera.near {
@@ -40,17 +50,28 @@ pub(crate) fn add_default_camera_and_light(scene: &mut Scene, given: Option<Came
         }
         None => frame(scene),
     }
-    let survey = ModelSurvey::new(scene);
-    let outside_shows = survey.shown_by(&scene.camera);
-    let best_view = if given.is_none() { survey.best_view() } else { None };
-    let inside = best_view.filter(|(_, shown)| *shown > INSIDE_PREFERENCE * outside_shows);
-    let camera = inside.map_or(scene.camera, |(camera, _)| camera);
+    let is_placed = given.is_none() && seen_by.eye.is_none();
+    let mut seen = scene.clone();
+    // One that cannot be is told where it is applied.
+    let _ = seen.override_camera(seen_by);
+    let survey = ModelSurvey::new(&seen);
+    let outside_shows = survey.shown_by(&seen.camera);
+    let inside = if is_placed { survey.best_view() } else { None };
+    let inside = inside.filter(|view| {
+        view.shown > outside_shows * if view.is_roomy { INSIDE_PREFERENCE } else { HOLLOW_PREFERENCE }
+    });
+    let camera = inside.as_ref().map_or(seen.camera, |view| view.camera);
     let nearest = survey.nearest_in(&camera);
-    let lit = has_lights || !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
+    let lit = !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
     let is_open = survey.open_to_sky(&camera) >= MIN_OPEN_FRACTION;
     let light = if lit || is_open { None } else { survey.best_light(&camera) };
+    survey.finish().keep(scene);
     if inside.is_some() {
         place_inside(scene, camera, nearest);
+    }
+    if !is_placed && given.is_none() {
+        // The camera's warning: the command line gives one.
+        scene.warnings.pop();
     }
     if let Some(place) = light {
         add_light(scene, place.position, place.intensity);

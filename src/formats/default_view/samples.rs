@@ -3,9 +3,9 @@
 use glam::{Vec2, Vec3};
 
 use crate::sampling;
-use crate::scene::{Pose, Scene, Side, SidedSurface, SurfacePoint};
+use crate::scene::{Mesh, Pose, Scene, Side, SidedSurface, SurfacePoint};
 
-/// Sample points on the surface.
+/// Sample points on all surfaces together.
 const SAMPLES: usize = 768;
 
 /// A point on a surface with its unit normal.
@@ -25,30 +25,49 @@ impl Sample {
 /// Samples the surface of a model, each triangle in proportion to the square root of its area: neither a ground plane
 /// of two triangles nor a small object of a hundred thousand dominates.
 pub(super) fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
-    let mut samples = Vec::with_capacity(SAMPLES);
-    for (place, instance) in (0..).zip(&scene.instances).filter(|(_, instance)| instance.visible) {
-        let mesh = &scene.meshes[instance.mesh];
-        let mut sum = 0.0f64;
-        let weight = |triangle| f64::from(mesh.triangle_area(triangle).sqrt());
-        let sums: Vec<f64> = (0..mesh.triangles.len() as u32)
-            .map(|triangle| {
-                sum += weight(triangle);
-                sum
-            })
-            .collect();
-        for index in 0..SAMPLES {
-            let mark = (index as f64 + 0.5) / SAMPLES as f64 * sum;
-            let triangle = sums.partition_point(|&sum| sum < mark).min(mesh.triangles.len() - 1);
+    let of_meshes: Vec<Vec<f64>> = scene.meshes.iter().map(|mesh| cumulative_weights(mesh)).collect();
+    let scaled = |(instance, transform): (&crate::scene::Instance, &glam::Affine3A)| {
+        let scale = f64::from(transform.matrix3.determinant().abs()).cbrt();
+        let whole = of_meshes[instance.mesh].last().copied().unwrap_or(0.0);
+        if instance.visible && scale.is_finite() { scale * whole } else { 0.0 }
+    };
+    let of_instances: Vec<f64> = running(scene.instances.iter().zip(&pose.instances).map(scaled));
+    let total = of_instances.last().copied().unwrap_or(0.0);
+    if !(total > 0.0) {
+        return Vec::new();
+    }
+    (0..SAMPLES)
+        .filter_map(|index| {
+            let mark = (index as f64 + 0.5) / SAMPLES as f64 * total;
+            let instance = of_instances.partition_point(|&sum| sum < mark).min(of_instances.len() - 1);
+            let before = if instance == 0 { 0.0 } else { of_instances[instance - 1] };
+            let mesh = scene.instances[instance].mesh;
+            let (sums, mesh) = (&of_meshes[mesh], &scene.meshes[mesh]);
+            let share = (mark - before) / (of_instances[instance] - before);
+            let mark = share * sums[sums.len() - 1];
+            let triangle = sums.partition_point(|&sum| sum < mark).min(sums.len() - 1);
             // The low-discrepancy sequence R2 (Roberts 2018).
             let across = (index as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract();
             let point = SurfacePoint { triangle: triangle as u32, barycentrics: sampling::triangle(across) };
             let surface = mesh.interpolate(point);
-            if scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes) {
-                // Vertex normals tell the outside better than the order of corners.
-                let side = Side::Front(surface.normal.dot(surface.geometric_normal) >= 0.0);
-                samples.push(Sample::of(&scene.surface_at(pose, place, point, side)));
-            }
-        }
-    }
-    samples
+            let opaque = scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes);
+            // Vertex normals tell the outside better than the order of corners.
+            let side = Side::Front(surface.normal.dot(surface.geometric_normal) >= 0.0);
+            opaque.then(|| Sample::of(&scene.surface_at(pose, instance as u32, point, side)))
+        })
+        .collect()
+}
+
+/// Sums of the weights of a mesh's triangles, up to each.
+fn cumulative_weights(mesh: &Mesh) -> Vec<f64> {
+    running((0..mesh.triangles.len() as u32).map(|triangle| f64::from(mesh.triangle_area(triangle).sqrt())))
+}
+
+fn running(weights: impl Iterator<Item = f64>) -> Vec<f64> {
+    weights
+        .scan(0.0, |sum, weight| {
+            *sum += weight;
+            Some(*sum)
+        })
+        .collect()
 }

@@ -27,7 +27,7 @@ use self::nodes::{Placed, placed};
 use self::source::Source;
 use super::error::SceneError;
 use super::{default_view, obj};
-use crate::scene::{Animation, Camera, Instance, Light, LightKind, Mesh, Scene};
+use crate::scene::{Animation, Camera, CameraOverride, Instance, Light, LightKind, Mesh, Scene};
 
 /// Luminous efficacy by which photometric units become radiometric ones, lm/W.
 const EFFICACY: f32 = 683.0;
@@ -42,7 +42,7 @@ pub(crate) fn is_gltf(file: &Path) -> bool {
 }
 
 /// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none.
-pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
+pub(crate) fn load(file: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(file));
     // As the specification has it.
     scene.metres_per_unit = Some(1.0);
@@ -63,7 +63,6 @@ pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
         }
     }
     file.finish(&mut scene)?;
-    let own_lights = scene.lights.len();
     for instance in 0..scene.instances.len() {
         scene.add_area_light(instance);
     }
@@ -71,7 +70,7 @@ pub(crate) fn load(file: &Path) -> Result<Scene, SceneError> {
         scene.camera_animation = animation;
         found
     });
-    default_view::add_default_camera_and_light(&mut scene, placed_camera, own_lights > 0);
+    default_view::add_default_camera_and_light(&mut scene, placed_camera, seen_by);
     Ok(scene)
 }
 

@@ -233,12 +233,7 @@ impl AreaTable {
                 DVec3::select(weight.is_finite_mask(), weight, DVec3::ZERO).as_vec3()
             })
             .collect();
-        let table = Self {
-            instance: instance as u32,
-            triangles: sorted,
-            cdf,
-            weights,
-        };
+        let table = Self { instance: instance as u32, triangles: sorted, cdf, weights };
         (total.as_vec3(), table)
     }
 
