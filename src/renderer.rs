@@ -27,7 +27,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 
 use crate::bvh::TwoLevelBvh;
 use crate::denoise::Denoiser;
@@ -81,6 +81,8 @@ pub struct Renderer {
     view: DebugView,
     bvh: TwoLevelBvh,
     /// Of the scene's bounding sphere, world units.
+    /// What positions in here are relative to.
+    anchor: Vec3,
     radius: f32,
     bvh_ms: f64,
     /// Of the last frame.
@@ -122,7 +124,8 @@ impl Renderer {
         pose: &Pose,
     ) -> Result<Self, RenderError> {
         let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
-        let PreparedScene { scene, mut bvh, bvh_ms } = prepared;
+        let PreparedScene { scene, anchor, mut bvh, bvh_ms } = prepared;
+        let pose = &*pose.about(anchor);
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
@@ -152,6 +155,7 @@ impl Renderer {
             frames_before: 0,
             scene,
             bvh,
+            anchor,
             radius,
             estimator,
             gpu_scene,
@@ -163,6 +167,7 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
+        let pose = &*pose.about(self.anchor);
         let clock = self.clock.next(pose, self.cycle());
         let pending = self.update(pose, clock.frame);
         let FrameSetup { pose, uniforms, unjittered } = &self.set_up(pose, &clock);
@@ -232,6 +237,7 @@ impl Renderer {
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
             view: &self.view,
+            anchor: self.anchor,
             inputs,
             irradiance: joined.irradiance,
             direct_shadows: self.passes.direct.visibility(),
@@ -269,9 +275,20 @@ impl Renderer {
         self.bvh_ms
     }
 
-    /// The BVH of the world as the last frame showed it.
+    /// The BVH of the world as the last frame showed it, relative to [`Self::anchor`].
     pub fn bvh(&self) -> &TwoLevelBvh {
         &self.bvh
+    }
+
+    /// World-space bounds (min, max) of all visible instances, as the last frame showed them.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let (low, high) = self.bvh.bounds();
+        (low + self.anchor, high + self.anchor)
+    }
+
+    /// The point about which the renderer works: the origin, unless the scene is far from it.
+    pub fn anchor(&self) -> Vec3 {
+        self.anchor
     }
 
     /// The tracer in use.

@@ -1,11 +1,12 @@
 //! Inspector: the material at a point, and the VPLs that light it.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::DemoError;
 use super::session::Session;
 use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution, Vpls};
 use crate::renderer::{DebugView, Line, Picked};
+use crate::scene::WorldSurface;
 
 /// Most VPLs to list.
 const LISTED: usize = 24;
@@ -73,7 +74,10 @@ impl Inspector {
                 let Some(estimator) = renderer.estimator::<Vpls>() else { return Ok(()) };
                 let vpls = estimator.manager();
                 let slots: Vec<SlotView> = vpls.slots().collect();
-                let contributions = estimator.inspect(renderer.world(&session.pose), &point.surface);
+                let pose = session.pose.about(renderer.anchor());
+                let position = point.surface.position - renderer.anchor();
+                let surface = WorldSurface { position, ..point.surface };
+                let contributions = estimator.inspect(renderer.world(&pose), &surface);
                 self.found.extend(contributions.into_iter().take(LISTED).map(|contribution| {
                     let slot = slots[contribution.slot as usize];
                     Found {
@@ -84,7 +88,13 @@ impl Inspector {
                     }
                 }));
                 let from = point.surface.position;
-                self.found.iter().map(|found| ray(from, &found.contribution)).collect()
+                self.found
+                    .iter()
+                    .map(|found| {
+                        let to = found.contribution.position + renderer.anchor();
+                        ray(from, to, &found.contribution)
+                    })
+                    .collect()
             }
         };
         if self.drawn || !lines.is_empty() {
@@ -96,7 +106,7 @@ impl Inspector {
     }
 }
 
-fn ray(from: glam::Vec3, contribution: &VplContribution) -> Line {
+fn ray(from: Vec3, to: Vec3, contribution: &VplContribution) -> Line {
     let colour = RAY_COLOURS[usize::from(!contribution.visible)];
-    Line { from, to: contribution.position, colour, width: 1.5, hidden: 0.3 }
+    Line { from, to, colour, width: 1.5, hidden: 0.3 }
 }

@@ -88,7 +88,7 @@ impl Session {
         let renderer = renderer?;
         let live_scene = Scene::clone(&scene);
         let pose = live_scene.pose(0.0);
-        let (low, high) = renderer.bvh().bounds();
+        let (low, high) = renderer.bounds();
         Some(Self {
             name,
             settings,
@@ -303,7 +303,7 @@ impl Session {
                     LightKind::Point { .. } | LightKind::Spot { .. } => Some(light.position),
                     // It has no position; place its handles at the scene's centre.
                     LightKind::Directional { .. } => {
-                        let (low, high) = self.renderer.bvh().bounds();
+                        let (low, high) = self.renderer.bounds();
                         Some(0.5 * (low + high))
                     }
                     LightKind::Area { instance, .. } => {
@@ -316,7 +316,7 @@ impl Session {
 
     /// Whether the camera is outside of everything, where that of the scene is inside.
     pub fn camera_is_outside(&self) -> bool {
-        let (low, high) = self.renderer.bvh().bounds();
+        let (low, high) = self.renderer.bounds();
         let is_inside = |eye: Vec3| eye.cmpge(low).all() && eye.cmple(high).all();
         is_inside(self.scene.camera.eye) && !is_inside(self.pose.camera.eye)
     }

@@ -107,6 +107,7 @@ pub fn scene_of_text(text: &str, assets: Option<&Path>) -> Result<Scene, SceneEr
 fn load_bare_obj(path: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(path));
     let mesh = obj::add_obj(path, &mut scene)?;
+    scene.anchor_meshes();
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);

@@ -110,7 +110,7 @@ impl Reference<'_> {
             samples[pixel].visible = Some(VisibleSurface {
                 albedo: reflection.diffuse_albedo() * weight,
                 normal: vertex.surface.normal,
-                position: vertex.surface.position,
+                position: vertex.surface.position + self.anchor,
                 depth,
             });
             Path {

@@ -1,5 +1,6 @@
 //! The path tracer of one scene and pose.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -50,7 +51,9 @@ impl ReferenceSettings {
 #[derive(Debug)]
 pub struct Reference<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) pose: &'a Pose,
+    /// What positions in here are relative to.
+    pub(super) anchor: Vec3,
+    pub(super) pose: Cow<'a, Pose>,
     pub(super) bvh: TwoLevelBvh,
     pub(super) bvh_ms: f64,
     pub(super) surfaces: Surfaces,
@@ -70,8 +73,10 @@ pub struct Reference<'a> {
 impl<'a> Reference<'a> {
     /// Builds the BVH and the lights of `scene` at `pose`.
     pub fn new(scene: &'a Scene, pose: &'a Pose, settings: &ReferenceSettings) -> Self {
-        let radius = scene.bounding_sphere(pose).radius;
-        let lights = Lights::new(scene, pose, radius);
+        let anchor = scene.anchor();
+        let pose = pose.about(anchor);
+        let radius = scene.bounding_sphere(&pose).radius;
+        let lights = Lights::new(scene, &pose, radius);
         let size = UVec2::from(settings.size);
         let begun = Instant::now();
         let bvh = TwoLevelBvh::build(scene, &pose.instances);
@@ -79,10 +84,10 @@ impl<'a> Reference<'a> {
         log::info!("{}: built the BVH in {bvh_ms:.0} ms", scene.name);
         Self {
             scene,
-            pose,
+            anchor,
             bvh,
             bvh_ms,
-            surfaces: Surfaces::new(scene, pose),
+            surfaces: Surfaces::new(scene, &pose),
             any_light_hittable: lights.any_hittable() || scene.environment.is_some(),
             lights,
             radius,
@@ -92,11 +97,12 @@ impl<'a> Reference<'a> {
             seed: settings.seed,
             filter: settings.filter,
             layers: settings.layers,
+            pose,
         }
     }
 
     pub(super) fn world(&self) -> World<'_> {
-        World { scene: self.scene, pose: self.pose, bvh: &self.bvh }
+        World { scene: self.scene, pose: &self.pose, bvh: &self.bvh }
     }
 
     /// Build time of the BVH, milliseconds.

@@ -20,6 +20,7 @@ impl Renderer {
     /// # Errors
     /// Where the device does not support them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
+        let pose = &*pose.about(self.anchor);
         let device = Arc::clone(&self.device);
         let kind = tracer_choice::choose(device.info(), settings.tracer)?;
         let retraced = kind != self.gpu_scene.tracer().kind();
@@ -97,6 +98,7 @@ impl Renderer {
         self.gpu_scene.apply(changes);
         self.scene = Arc::clone(scene);
         self.clock.disturb();
+        let pose = &*pose.about(self.anchor);
         self.bvh.update(&pose.instances);
         self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
         Ok(())
@@ -134,7 +136,12 @@ impl Renderer {
 
     /// The scene as it is prepared, for another renderer of the same world.
     pub fn prepared(&self) -> PreparedScene {
-        PreparedScene { scene: Arc::clone(&self.scene), bvh: self.bvh.clone(), bvh_ms: self.bvh_ms }
+        PreparedScene {
+            scene: Arc::clone(&self.scene),
+            anchor: self.anchor,
+            bvh: self.bvh.clone(),
+            bvh_ms: self.bvh_ms,
+        }
     }
 
     /// The settings in use.

@@ -35,11 +35,13 @@ impl Renderer {
     /// The surface at a place of the picture, with everything standing as in the last frame but the camera
     /// as in `pose`; none where there is none. The middle of the first pixel is (0.5, 0.5).
     pub fn pick(&self, pose: &Pose, pixel: Vec2) -> Option<Picked> {
+        let pose = &*pose.about(self.anchor);
         let ray = camera_ray(&pose.camera, self.settings.size, pixel);
         let hit = self.world(pose).visible(&ray)?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
-        let surface = self.scene.surface_at(pose, hit.instance, point, side).surface;
+        let mut surface = self.scene.surface_at(pose, hit.instance, point, side).surface;
+        surface.position += self.anchor;
         let instance = hit.instance as usize;
         let mesh = &self.scene.meshes[self.scene.instances[instance].mesh];
         Some(Picked {

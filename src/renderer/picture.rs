@@ -218,7 +218,7 @@ impl Renderer {
         let [pixel, size] = [pixel, self.settings.size].map(|of| Vec2::from(of.map(|side| side as f32)));
         let at = (pixel + 0.5) * (2.0 / size) - 1.0;
         let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
-        (uniforms.eye + depth * ray).to_array()
+        (uniforms.eye + depth * ray + self.anchor.extend(0.0)).to_array()
     }
 
     fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {

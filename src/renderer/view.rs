@@ -9,7 +9,7 @@ use crate::estimators::{self, Estimator, ViewInputs};
 use crate::passes::buffer_view::{BufferViewInputs, BufferViewPass, COMBINED, number_of};
 use crate::passes::effect_view::{EffectViewPass, VIEWS, Visualization};
 use crate::passes::frame_inputs::FrameInputs;
-use crate::passes::overlay::OverlayPass;
+use crate::passes::overlay::{Line, OverlayPass};
 use crate::vulkan::{Buffer, Frame, Image, VulkanError};
 
 /// The passes of views, made when they are first needed.
@@ -23,6 +23,8 @@ pub(super) struct ViewPasses {
 /// The results of the frame's passes that a view shows.
 pub(super) struct ViewFrame<'a> {
     pub view: &'a DebugView,
+    /// What positions in the frame are relative to.
+    pub anchor: Vec3,
     pub inputs: &'a FrameInputs<'a>,
     pub irradiance: &'a Image,
     pub direct_shadows: &'a Image,
@@ -70,7 +72,12 @@ impl ViewPasses {
         }
         let Some(overlay) = &self.overlay else { return Ok(()) };
         let mut lines = estimator.lines();
-        lines.extend(&view.lines);
+        let about = |at: Vec3| at - shown.anchor;
+        lines.extend(view.lines.iter().map(|line| Line {
+            from: about(line.from),
+            to: about(line.to),
+            ..*line
+        }));
         overlay.record(frame, inputs.uniforms, &lines, &inputs.gbuffer.depth, display)
     }
 }

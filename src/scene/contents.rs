@@ -110,12 +110,15 @@ impl Scene {
 
     /// The pose at `time`, seconds.
     pub fn pose(&self, time: f64) -> Pose {
-        let transform = |instance: &Instance| match &instance.animation {
-            Some(animation) => {
-                let origin = Vec3::from(instance.transform.translation);
-                animation.motion(time, origin).transform(&instance.transform)
-            }
-            None => instance.transform,
+        let transform = |instance: &Instance| {
+            let transform = match &instance.animation {
+                Some(animation) => {
+                    let origin = Vec3::from(instance.transform.translation);
+                    animation.motion(time, origin).transform(&instance.transform)
+                }
+                None => instance.transform,
+            };
+            self.placed(instance.mesh, transform)
         };
         Pose {
             camera: match &self.camera_animation {

@@ -17,8 +17,10 @@ const WHITE: [u8; 4] = [255; 4];
 pub struct Mesh {
     /// Name for reports.
     pub name: String,
-    /// Vertex positions, object space.
+    /// Vertex positions, object space, about `anchor`.
     pub positions: Vec<Vec3>,
+    /// Where the origin of the positions lies in the file's coordinates; zero unless these are far from the origin.
+    pub anchor: Vec3,
     /// Unit shading normals, one a vertex.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex, origin at the image's top left; zero where the file has none.

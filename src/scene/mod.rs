@@ -3,6 +3,7 @@
 //! A loaded [`Scene`] is immutable; [`Scene::pose`] evaluates its animation at a time. This module is independent of
 //! Vulkan.
 
+mod anchor;
 mod animation;
 mod bounds;
 mod camera;

@@ -189,7 +189,7 @@ mod tests {
     use glam::{Affine3A, Quat};
 
     use super::*;
-    use crate::scene::{Instance, Material, Mesh};
+    use crate::scene::{Instance, Material, Mesh, Scene};
 
     #[test]
     fn a_box_is_open_to_the_sky_however_it_is_placed() {

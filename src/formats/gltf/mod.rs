@@ -63,6 +63,7 @@ pub(crate) fn load(file: &Path, seen_by: &CameraOverride) -> Result<Scene, Scene
         }
     }
     file.finish(&mut scene)?;
+    scene.anchor_meshes();
     for instance in 0..scene.instances.len() {
         scene.add_area_light(instance);
     }

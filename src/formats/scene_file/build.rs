@@ -124,6 +124,7 @@ impl Builder<'_> {
         for (index, model) in new.iter().enumerate() {
             models::add_model(self, known_models + index, model)?;
         }
+        self.scene.anchor_meshes();
         self.read.models = Some(ReadModels::new(file, &self.scene, &self.models));
         Ok(())
     }
