@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use glowworm::bsdf::Bsdf;
 use glowworm::output::Picture;
-use glowworm::scene::{AlphaMask, Scene};
+use glowworm::scene::{AlphaMask, LightKind, Scene, Texture};
 
 use super::support::{assert_near, colour, layer, mean, picture, scene, settings};
 
@@ -198,4 +198,38 @@ fn holes_in_an_area_light_emit_nothing() {
     let (ours, expected) = (irradiance(&masked), irradiance(&panel(-1.0, 0.0)));
     assert!(expected > 0.0);
     assert_near(ours, expected, 0.02);
+}
+
+#[test]
+fn a_textured_area_light_shines_where_its_texture_does() {
+    let panel = |left: f32, right: f32| {
+        floor(&format!(
+            "[[lights]]\ntype = \"area\"\nradiance = [1, 1, 1]\n\
+             polygon = [[{left}, 0.5, -1], [{right}, 0.5, -1], [{right}, 0.5, 1], [{left}, 0.5, 1]]"
+        ))
+    };
+    let mut textured = panel(-1.0, 1.0);
+    let texels: Vec<u8> =
+        (0..64).flat_map(|texel| if texel < 32 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    textured.textures.push(Texture::from_rgba8("half", 64, 1, texels).into());
+    let mesh = Arc::make_mut(textured.meshes.last_mut().unwrap());
+    for (uv, position) in mesh.uvs.iter_mut().zip(&mesh.positions) {
+        uv.x = (0.5 * (position.x + 1.0)).clamp(0.001, 0.999);
+    }
+    let material = mesh.triangle_materials[0] as usize;
+    textured.materials[material].emission_texture = Some((textured.textures.len() - 1).into());
+    textured.lights.clear();
+    textured.add_area_light(textured.instances.len() - 1);
+    // The light is spread over pieces of its triangles, of which those on the dark half emit nothing.
+    let LightKind::Area { triangles, .. } = &textured.lights[0].kind else { panic!("an area light") };
+    assert!(triangles.len() > 8, "{} pieces", triangles.len());
+    let irradiance = |scene: &Scene| layer(&picture(scene, &settings(16, Some(1)), 1024), "indirect");
+    let (ours, expected) = (irradiance(&textured), irradiance(&panel(-1.0, 0.0)));
+    let columns = |values: &[Vec3], from: usize| {
+        let part = values.iter().enumerate().filter(|(pixel, _)| pixel % 16 / 4 == from);
+        mean(&part.map(|(_, value)| *value).collect::<Vec<_>>()).x
+    };
+    for from in 0..4 {
+        assert_near(columns(&ours, from), columns(&expected, from), 0.03);
+    }
 }

@@ -49,6 +49,20 @@ fn a_white_sphere_in_a_white_environment_cannot_be_seen() {
 }
 
 /// A floor of `material` under a light, seen from above.
+/// Rays that smooth normals send below the triangle are mirrored by it, so that the rim of a coarse sphere is as bright.
+#[test]
+fn a_coarse_white_sphere_cannot_be_seen_either() {
+    for (roughness, metallic) in [(0.0, 1.0), (0.5, 1.0), (1.0, 0.0)] {
+        let white = Material { metallic, roughness, ..Material::lambertian("white", Vec3::ONE) };
+        let mut scene = sphere(white);
+        scene.meshes[0] = Mesh::sphere("sphere", 1.0, 1, 0).into();
+        scene.environment = Some(Environment::constant(Vec3::ONE));
+        for found in colour(&picture(&scene, &settings(16, Some(4)), 512)) {
+            assert!(found.min_element() > 0.9, "roughness {roughness}, metallic {metallic}: {found}");
+        }
+    }
+}
+
 fn lit_floor(material: Material) -> Scene {
     let mut scene = Scene::new("floor");
     scene.materials.push(material);

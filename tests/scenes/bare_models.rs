@@ -212,3 +212,26 @@ fn interiors_of_the_archive_are_lit_and_recognisable() {
         assert!(tones >= 6, "{name}: {tones} tones");
     }
 }
+
+/// A ball with an inner shell, whose faces point inwards, is no room; nor is what is under a table.
+#[test]
+fn hollow_and_open_objects_are_seen_from_outside() {
+    let mut shells = sphere(1.0);
+    let (outer, corners) = (std::mem::take(&mut shells.text), shells.vertices);
+    let inner = Obj { vertices: corners, ..Obj::default() };
+    let inner = inner.surface(24, |u, v| {
+        let (around, down) = (TAU * (1.0 - u), 0.5 * TAU * v);
+        0.9 * Vec3::new(down.sin() * around.sin(), -down.cos(), down.sin() * around.cos())
+    });
+    shells.text = outer + &inner.text;
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let mut table = Obj::default().cuboid(at(0.0, 0.7, 0.0), at(1.6, 0.75, 1.0), true);
+    for (x, z) in [(0.0, 0.0), (1.5, 0.0), (0.0, 0.9), (1.5, 0.9)] {
+        table = table.cuboid(at(x, 0.0, z), at(x + 0.1, 0.7, z + 0.1), true);
+    }
+    for (what, model) in [("shells", shells), ("table", table)] {
+        let scene = model.load();
+        assert!(shows_all(&scene, &scene.camera), "{what}: {:?}", scene.warnings);
+        assert!(scene.environment.is_some(), "{what}");
+    }
+}
