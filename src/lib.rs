@@ -45,6 +45,7 @@ pub mod denoise;
 pub mod effects;
 pub mod estimators;
 pub mod export;
+mod foreign;
 pub mod formats;
 pub mod gpu_scene;
 mod memory;

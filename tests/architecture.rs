@@ -68,6 +68,7 @@ fn every_source_file_says_what_it_is_for() {
 /// The rooms of the house from the bottom up, each with the rooms that it may use. A room is a file or folder of `src`, or a
 /// folder in a room that has rules of its own.
 const ROOMS: &[(&str, &[&str])] = &[
+    ("foreign", &[]),
     ("memory", &[]),
     ("sampling", &[]),
     ("statistics", &[]),
@@ -78,9 +79,9 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &["bsdf", "memory", "sampling", "settings", "statistics"]),
     ("bvh", &["memory", "scene"]),
     ("builtin", &["sampling", "scene", "settings"]),
-    ("formats", &["builtin", "bvh", "memory", "sampling", "scene", "settings", "statistics"]),
-    ("output", &["scene"]),
-    ("metrics", &["output", "statistics"]),
+    ("formats", &["builtin", "bvh", "foreign", "memory", "sampling", "scene", "settings", "statistics"]),
+    ("output", &["foreign", "scene"]),
+    ("metrics", &["foreign", "output", "statistics"]),
     ("plot", &["output"]),
     ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),
     ("dataset", &["output", "reference", "scene"]),
@@ -178,6 +179,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "demo",
             "estimators",
             "export",
+            "foreign",
             "formats",
             "metrics",
             "output",

@@ -19,6 +19,7 @@ use super::error::SceneError;
 use crate::scene::polygon::triangulate;
 use crate::scene::{MAX_COORDINATE, Material, Mesh, Scene, normals, tangents};
 use mtl::MtlMaterial;
+pub(crate) use mtl::find_any_case;
 
 /// Reads `file` and adds its mesh and materials to `scene`; returns the index of the mesh.
 pub(crate) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {

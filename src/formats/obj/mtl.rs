@@ -73,7 +73,8 @@ pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     find_any_case(folder, &name).or_else(|| find_any_case(folder, last))
 }
 
-fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
+/// Finds `name` below `folder`, ignoring case.
+pub(crate) fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let mut path = folder.to_owned();
     for component in name.split('/').filter(|component| !component.is_empty()) {
         let exact = path.join(component);
