@@ -44,10 +44,7 @@ fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResul
     let colour = Layer::colour("colour", &picture.colour);
     let parts = std::iter::once(&colour).chain(&picture.layers);
     let mut layers: Vec<_> = parts.map(|part| layer(picture, part)).collect();
-    let notes = picture
-        .notes
-        .iter()
-        .map(|(name, note)| (text(name), AttributeValue::Text(text(note))));
+    let notes = picture.notes.iter().map(|(name, note)| (text(name), AttributeValue::Text(text(note))));
     layers[0].attributes.other.extend(notes);
     let window = IntegerBounds::from_dimensions((picture.width, picture.height));
     Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
@@ -72,7 +69,9 @@ fn text(text: &str) -> Text {
     for c in text.chars() {
         match c.is_ascii() {
             true => ascii.push(c),
-            false => c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| ascii.push_str(&format!("\\u{unit:04x}"))),
+            false => {
+                c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| ascii.push_str(&format!("\\u{unit:04x}")))
+            }
         }
     }
     Text::new_or_panic(ascii)

@@ -207,7 +207,10 @@ mod tests {
         OutputFile::new(&first).unwrap().save_json(&8).unwrap();
         assert!([first, second].iter().all(|link| fs::symlink_metadata(link).unwrap().is_symlink()));
         assert_eq!(fs::read_to_string(folder.path().join("new.json")).unwrap(), "8\n");
-        assert_eq!(names(folder.path()), ["first.json", "link.json", "new.json", "plain", "real.json", "second.json"]);
+        assert_eq!(
+            names(folder.path()),
+            ["first.json", "link.json", "new.json", "plain", "real.json", "second.json"]
+        );
     }
 
     #[test]

@@ -91,7 +91,9 @@ impl Images {
                     &external
                 }
                 (None, None) => {
-                    return Err(source.error(format!("{what} has neither uri nor bufferView; export the file again")));
+                    return Err(
+                        source.error(format!("{what} has neither uri nor bufferView; export the file again"))
+                    );
                 }
             };
             let decoded = images::decode_image(bytes, None);

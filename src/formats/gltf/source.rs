@@ -248,9 +248,13 @@ impl Source {
         }
         let folder = self.file.parent().unwrap_or(Path::new(""));
         // Names with a percent sign or a backslash of their own are there as they are written.
+        let without_query = path.split(['?', '#']).next().unwrap_or_default();
         let file = match folder.join(uri) {
             literal if literal.is_file() => literal,
-            _ => find_any_case(folder, &path).unwrap_or_else(|| folder.join(&path)),
+            _ => [&path, without_query]
+                .into_iter()
+                .find_map(|name| find_any_case(folder, name))
+                .unwrap_or_else(|| folder.join(&path)),
         };
         std::fs::read(&file).map_err(|reason| {
             self.error(format!("{what}: {} cannot be read ({reason}); put it there", file.display()))
