@@ -32,6 +32,7 @@
     allow(dead_code, reason = "only the window and the benchmark use some of it")
 )]
 
+mod activity;
 #[cfg(feature = "bench")]
 pub mod bench;
 pub mod bsdf;

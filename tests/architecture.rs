@@ -68,6 +68,7 @@ fn every_source_file_says_what_it_is_for() {
 /// The rooms of the house from the bottom up, each with the rooms that it may use. A room is a file or folder of `src`, or a
 /// folder in a room that has rules of its own.
 const ROOMS: &[(&str, &[&str])] = &[
+    ("activity", &[]),
     ("foreign", &[]),
     ("memory", &[]),
     ("sampling", &[]),
@@ -77,9 +78,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("vulkan", &[]),
     ("report", &["settings", "statistics", "vulkan"]),
     ("scene", &["bsdf", "memory", "sampling", "settings", "statistics"]),
-    ("bvh", &["memory", "scene"]),
+    ("bvh", &["activity", "memory", "scene"]),
     ("builtin", &["sampling", "scene", "settings"]),
-    ("formats", &["builtin", "bvh", "foreign", "memory", "sampling", "scene", "settings", "statistics"]),
+    (
+        "formats",
+        &["activity", "builtin", "bvh", "foreign", "memory", "sampling", "scene", "settings", "statistics"],
+    ),
     ("output", &["foreign", "scene"]),
     ("metrics", &["foreign", "output", "statistics"]),
     ("plot", &["output"]),
@@ -173,6 +177,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "activity",
             "bench",
             "builtin",
             "dataset",

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::options::FileOptions;
+use super::progress::preparing;
 use super::{CliError, say};
 use crate::formats::load_scene;
 use crate::scene::Scene;
@@ -76,7 +77,7 @@ pub(super) struct LoadedScene {
 /// Loads the scene `name`, prints its warnings, and resolves its settings with those `given`.
 pub(super) fn load(name: &str, given: &GivenSettings, files: &FileOptions) -> Result<LoadedScene, CliError> {
     let begun = Instant::now();
-    let scene = load_scene(name, files.assets_folder().as_deref())?;
+    let scene = preparing(|| load_scene(name, files.assets_folder().as_deref()))?;
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     let settings = Settings::resolve(&scene.settings, given)

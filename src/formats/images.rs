@@ -8,6 +8,7 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use image::{DynamicImage, ImageFormat, Rgba32FImage, RgbaImage};
 
+use crate::activity;
 use crate::foreign::{guarded, mistaken};
 use crate::scene::texture::surplus_levels;
 use crate::scene::{Texture, linear_to_srgb};
@@ -25,6 +26,7 @@ const MOST_TEXELS_PER_BYTE: u64 = 10_000;
 
 /// Reads and decodes an image; the error completes a sentence in a warning.
 pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
+    activity::begin(format!("decoding {}", path.display()));
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
     // TGA has no signature, so fall back to the extension.

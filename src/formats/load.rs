@@ -9,6 +9,7 @@ use super::error::SceneError;
 use super::scene_file::schema::SceneFile;
 use super::scene_file::{ReadFiles, load_toml};
 use super::{default_view, gltf, obj};
+use crate::activity;
 use crate::builtin;
 use crate::foreign;
 use crate::scene::{Instance, Scene};
@@ -29,9 +30,10 @@ pub(crate) fn load_with(
     read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let begun = Instant::now();
+    activity::begin(format!("reading {name}"));
     let mut scene = match find(name)? {
         Source::File(path, text) => load_toml(&path, &text, assets, read)?,
-        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path)?,
+        Source::Model(path) if gltf::is_gltf(&path) => guarded(&path, || gltf::load(&path))?,
         Source::Model(path) => load_bare_obj(&path)?,
         Source::CornellBox => builtin::cornell_box(),
     };
@@ -40,6 +42,12 @@ pub(crate) fn load_with(
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     log::info!("{}: loaded {meshes} meshes and {textures} textures in {load_ms:.0} ms", scene.name);
     Ok(scene)
+}
+
+/// Reads a model by the crate `gltf`, whose panic is an error of the file.
+pub(super) fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
+    let invalid = |why| SceneError::invalid(file, None, format!("{why}; export or download it again"));
+    foreign::guarded(read).map_err(invalid)?
 }
 
 /// Source of a scene.

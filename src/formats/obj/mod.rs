@@ -16,6 +16,7 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::error::SceneError;
+use crate::activity;
 use crate::foreign;
 use crate::scene::polygon::triangulate;
 use crate::scene::{Material, Mesh, Scene, normals, tangents};
@@ -99,6 +100,7 @@ fn mesh_of(
     statements: &Statements,
     material_of: impl Fn(u32) -> u32,
 ) -> Result<Mesh, SceneError> {
+    activity::begin(format!("{}: joining {} faces", file.display(), statements.faces.len()));
     let mut mesh = Mesh { name: stem(file), ..Mesh::default() };
     let mut smoothing = Vec::new();
     let mut vertices = HashMap::with_capacity(statements.positions.len());

@@ -9,11 +9,15 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
+use crate::activity;
 use crate::formats::error::SceneError;
 use crate::scene::MAX_COORDINATE;
 
 /// Names and keywords of the three index lists of a face.
 const LISTS: [(&str, &str); 3] = [("vertex", "v"), ("texture coordinate", "vt"), ("normal", "vn")];
+
+/// After how many lines the progress is shown.
+const SHOWN_LINES: usize = 100_000;
 
 /// The index of what a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
@@ -87,6 +91,10 @@ impl Statements {
     pub fn read(file: &Path, text: &str) -> Result<Self, SceneError> {
         let (mut read, mut state) = (Self::default(), State::default());
         for (line, statement) in statements(text) {
+            if line.is_multiple_of(SHOWN_LINES) {
+                let millions = line as f32 * 1e-6;
+                activity::begin(format!("reading {}: {millions:.1} million lines", file.display()));
+            }
             let (keyword, rest) = statement
                 .split_once(char::is_whitespace)
                 .map_or((&*statement, ""), |(keyword, rest)| (keyword, rest.trim()));
