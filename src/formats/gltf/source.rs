@@ -211,10 +211,13 @@ impl Source {
                 })?,
             };
             let needed = buffer.byte_length.0;
-            if (bytes.len() as u64) < needed {
-                if let Some(why) = mistaken(&bytes) {
-                    return Err(self.error(format!("buffer {index} {why}")));
-                }
+            let is_short = (bytes.len() as u64) < needed;
+            // Numbers may begin as other files do, but not as such a text.
+            let is_text = bytes.starts_with(b"version https:") || bytes.trim_ascii_start().starts_with(b"<");
+            if let Some(why) = mistaken(&bytes).filter(|_| is_short || is_text) {
+                return Err(self.error(format!("buffer {index} {why}")));
+            }
+            if is_short {
                 return Err(self.error(format!(
                     "buffer {index} has {} bytes instead of {needed}; export or download the file again",
                     bytes.len()

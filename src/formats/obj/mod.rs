@@ -135,6 +135,7 @@ fn mesh_of(
         log::info!("{}: dropped {dropped} triangles of zero area", file.display());
     }
     normals::fill_missing_in_groups(&mut mesh, &smoothing);
+    mesh.drop_repeated_triangles();
     mesh.sort_by_material();
     mesh.drop_unused_vertices();
     Ok(mesh)
