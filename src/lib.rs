@@ -32,6 +32,7 @@
     allow(dead_code, reason = "only the window and the benchmark use some of it")
 )]
 
+mod activity;
 #[cfg(feature = "bench")]
 pub mod bench;
 pub mod bsdf;
@@ -45,6 +46,7 @@ pub mod denoise;
 pub mod effects;
 pub mod estimators;
 pub mod export;
+mod foreign;
 pub mod formats;
 pub mod gpu_scene;
 mod memory;

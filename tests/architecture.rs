@@ -68,6 +68,8 @@ fn every_source_file_says_what_it_is_for() {
 /// The rooms of the house from the bottom up, each with the rooms that it may use. A room is a file or folder of `src`, or a
 /// folder in a room that has rules of its own.
 const ROOMS: &[(&str, &[&str])] = &[
+    ("activity", &[]),
+    ("foreign", &[]),
     ("memory", &[]),
     ("sampling", &[]),
     ("statistics", &[]),
@@ -76,11 +78,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("vulkan", &[]),
     ("report", &["settings", "statistics", "vulkan"]),
     ("scene", &["bsdf", "memory", "sampling", "settings", "statistics"]),
-    ("bvh", &["memory", "scene"]),
+    ("bvh", &["activity", "memory", "scene"]),
     ("builtin", &["sampling", "scene", "settings"]),
-    ("formats", &["builtin", "bvh", "memory", "sampling", "scene", "settings", "statistics"]),
-    ("output", &["scene"]),
-    ("metrics", &["output", "statistics"]),
+    (
+        "formats",
+        &["activity", "builtin", "bvh", "foreign", "memory", "sampling", "scene", "settings", "statistics"],
+    ),
+    ("output", &["foreign", "scene"]),
+    ("metrics", &["foreign", "output", "statistics"]),
     ("plot", &["output"]),
     ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),
     ("dataset", &["output", "reference", "scene"]),
@@ -172,12 +177,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "activity",
             "bench",
             "builtin",
             "dataset",
             "demo",
             "estimators",
             "export",
+            "foreign",
             "formats",
             "metrics",
             "output",

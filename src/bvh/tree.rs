@@ -54,8 +54,31 @@ impl References {
     }
 }
 
-/// Builds by PLOC with reinsertion over `boxes`; `params` trades quality for build time.
+/// How many boxes may be alike: PLOC merges but few of them at a time, and takes quadratic time.
+const MOST_ALIKE: usize = 4096;
+
+/// Whether more boxes than PLOC can handle are alike, by a table of their hashes.
+fn are_many_alike(boxes: &[Aabb]) -> bool {
+    let mut counts = vec![0u32; 1 << 16];
+    let most = MOST_ALIKE + boxes.len() / 1024;
+    boxes.len() > most
+        && boxes.iter().any(|bounds| {
+            let corners = [bounds.min.to_array(), bounds.max.to_array()];
+            let mix = |hash: u64, value: &f32| {
+                (hash ^ u64::from(value.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            };
+            let count = &mut counts[(corners.as_flattened().iter().fold(0, mix) >> 48) as usize];
+            *count += 1;
+            *count as usize > most
+        })
+}
+
+/// Builds by PLOC with reinsertion over `boxes`, or by median splits where many are alike; `params` trades quality for build
+/// time.
 pub(super) fn build_ploc(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
+    if are_many_alike(boxes) {
+        return median_split(boxes);
+    }
     let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
         params.ploc_search_distance,
         boxes,

@@ -11,6 +11,7 @@ use super::{
     thin_surfaces::GpuThinSurfaces,
     top::TopLevel,
 };
+use crate::activity;
 use crate::scene::{AlphaMask, Scene};
 
 /// Two-level BVH over the visible instances of a scene.
@@ -47,6 +48,8 @@ impl TwoLevelBvh {
     /// # Panics
     /// If `transforms` has not one element per instance.
     pub fn build(scene: &Scene, transforms: &[Affine3A]) -> Self {
+        let triangles: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        activity::begin(format!("{}: building the BVH of {triangles} triangles", scene.name));
         assert_eq!(transforms.len(), scene.instances.len());
         let instances = scene
             .instances

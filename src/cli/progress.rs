@@ -3,11 +3,14 @@
 use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
+use crate::activity;
 #[cfg(feature = "bench")]
 use crate::bench::Control;
+use crate::foreign::one_line;
 
 /// A bar of this length with an indicatif `template`, on a terminal; hidden otherwise.
 pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
@@ -21,6 +24,19 @@ pub(super) fn bar(length: u64, template: &str) -> ProgressBar {
     }
 }
 
+/// Shows on a terminal what is being prepared while `prepare` runs.
+pub(super) fn preparing<T>(prepare: impl FnOnce() -> T) -> T {
+    let bar = bar(0, "{spinner} {activity} ({elapsed})");
+    let activity = |_: &ProgressState, text: &mut dyn std::fmt::Write| {
+        let _ = text.write_str(&one_line(&activity::now()));
+    };
+    bar.set_style(bar.style().with_key("activity", activity));
+    bar.enable_steady_tick(Duration::from_millis(100));
+    let prepared = prepare();
+    bar.finish_and_clear();
+    prepared
+}
+
 /// A bar over frames.
 pub(super) fn frames_bar(frames: u64) -> ProgressBar {
     bar(frames, "{bar:40} frame {pos} of {len}, {eta} left")
@@ -32,7 +48,7 @@ pub(super) fn controlled<T>(work: u64, run: impl FnOnce(&mut Control<'_>) -> T) 
     let stop = interruption();
     let bar = bar(work, "{bar:40} {msg}, {eta} left");
     let mut advance = |task: &str, work: u64| {
-        bar.set_message(task.to_owned());
+        bar.set_message(one_line(task));
         bar.inc(work);
     };
     let done = run(&mut Control::new(&stop, &mut advance));

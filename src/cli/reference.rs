@@ -108,7 +108,7 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
     options.camera.place(&mut scene)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);
-    let reference = Reference::new(&scene, &pose, &run.settings);
+    let reference = progress::preparing(|| Reference::new(&scene, &pose, &run.settings));
     let mut film = run.start(&reference)?;
     run.load = LoadTimes { load_ms, bvh_ms: reference.bvh_ms() };
     let report = run.finish(&reference, &mut film)?;

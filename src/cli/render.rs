@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::options::{CameraOptions, RunOptions};
-use super::progress::frames_bar;
+use super::progress::{frames_bar, preparing};
 use super::scene::{LoadedScene, load};
 use super::{CliError, device, say};
 use crate::estimators;
@@ -138,7 +138,8 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
         check_apart(json, &target, frames, options)?;
     }
     device::note_slow(&device);
-    let mut replay = Replay::new(&device, &scene, &settings, options.run.files.assets_folder())?;
+    let assets = options.run.files.assets_folder();
+    let mut replay = preparing(|| Replay::new(&device, &scene, &settings, assets))?;
     if let Some(time) = options.time {
         if recorded.is_some() {
             return Err(CliError::Usage(

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use log::{Level, LevelFilter};
 
 use super::CliError;
+use crate::foreign;
 
 /// Prints why the run failed, in one line.
 pub fn say_error(error: &CliError) {
@@ -26,25 +27,24 @@ pub(super) fn note(message: &str) {
 }
 
 fn say(kind: &str, message: &str) {
-    let line = message.split_whitespace().collect::<Vec<_>>().join(" ");
     // If standard error is closed there is nowhere to report that.
-    let _ = writeln!(io::stderr(), "glowworm: {kind}: {line}");
+    let _ = writeln!(io::stderr(), "glowworm: {kind}: {}", foreign::one_line(message));
 }
 
 /// Writes `text` to standard output.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut output = io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+    match output.write_all(foreign::printable(text).as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::StandardOutput(error)),
         _ => Ok(()),
     }
 }
 
-/// Prints panics in one line too. With `RUST_BACKTRACE=1` the backtrace follows.
+/// Prints panics in one line too, but for those of decoders, which are errors of their files. With `RUST_BACKTRACE=1` the backtrace follows.
 pub fn install_panic_hook() {
     static SAID: AtomicBool = AtomicBool::new(false);
     std::panic::set_hook(Box::new(|panic| {
-        if SAID.swap(true, Ordering::Relaxed) {
+        if foreign::is_guarded() || SAID.swap(true, Ordering::Relaxed) {
             return;
         }
         say("error", &describe(panic));
@@ -79,7 +79,7 @@ pub(super) fn start_log(verbose: u8) {
             Level::Info => "note",
             Level::Debug | Level::Trace => "detail",
         };
-        writeln!(line, "glowworm: {kind}: {}", record.args())
+        writeln!(line, "glowworm: {kind}: {}", foreign::one_line(&record.args().to_string()))
     });
     // A second call, as from tests, fails and keeps the first log.
     let _ = builder.try_init();

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::options::FileOptions;
+use super::progress::preparing;
 use super::{CliError, say};
 use crate::formats::load_scene_seen_by;
 use crate::scene::{CameraOverride, Scene};
@@ -81,7 +82,7 @@ pub(super) fn load(
     seen_by: &CameraOverride,
 ) -> Result<LoadedScene, CliError> {
     let begun = Instant::now();
-    let scene = load_scene_seen_by(name, files.assets_folder().as_deref(), seen_by)?;
+    let scene = preparing(|| load_scene_seen_by(name, files.assets_folder().as_deref(), seen_by))?;
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     let settings = Settings::resolve(&scene.settings, given)

@@ -10,6 +10,7 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use glam::Vec3;
 
+use crate::foreign::{guarded, mistaken};
 use crate::scene::EnvironmentMap;
 
 /// Largest map.
@@ -33,10 +34,13 @@ pub(crate) fn read(file: &Path) -> Result<MapRead, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let mut reader = BufReader::new(File::open(file).map_err(unreadable)?);
     let start = reader.fill_buf().map_err(unreadable)?;
+    if let Some(why) = mistaken(start) {
+        return Err(why.to_owned());
+    }
     let shrunk = if start.starts_with(b"#?") {
         read_hdr(&mut reader)
     } else if start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        read_exr(reader)
+        guarded(|| read_exr(reader)).and_then(|read| read)
     } else {
         Err("it is neither an .hdr nor an .exr".to_owned())
     };
@@ -118,7 +122,7 @@ fn read_exr(reader: BufReader<File>) -> Result<Shrunk, String> {
         }
     };
     let read = exr::prelude::read().no_deep_data().largest_resolution_level();
-    let read = read.rgb_channels(create, add).first_valid_layer().all_attributes();
+    let read = read.rgb_channels(create, add).first_valid_layer().all_attributes().non_parallel();
     let image = read.from_buffered(reader).map_err(|error| error.to_string())?;
     image.layer_data.channel_data.pixels
 }

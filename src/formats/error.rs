@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::builtin;
+use crate::foreign::one_line;
 
 /// A file and, if known, a line. Displays as `file` or `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// A model or map that is not shipped was not found.
-    #[error("scene \"{scene}\" needs the file {}, which {found}; set --assets or GLOWWORM_ASSETS to the folder that holds it; download: {source_url}", asset.display())]
+    #[error("scene \"{}\" needs the file {}, which {found}; set --assets or GLOWWORM_ASSETS to the folder that holds it; download: {}", one_line(scene), one_line(&asset.to_string_lossy()), one_line(source_url))]
     MissingAsset {
         /// The scene that uses it.
         scene: String,
@@ -72,7 +73,6 @@ pub enum SceneError {
 impl SceneError {
     /// Invalid content at `line` of `file`; joins the lines of `problem`.
     pub(crate) fn invalid(file: &Path, line: Option<usize>, problem: impl Into<String>) -> Self {
-        let problem = problem.into().split_whitespace().collect::<Vec<_>>().join(" ");
-        Self::Invalid { place: Place::new(file, line), problem }
+        Self::Invalid { place: Place::new(file, line), problem: one_line(&problem.into()) }
     }
 }

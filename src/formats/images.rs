@@ -5,20 +5,28 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use image::{DynamicImage, ImageFormat, RgbaImage};
+use exr::prelude::{ReadChannels, ReadLayers, Vec2};
+use image::{DynamicImage, ImageFormat, Rgba32FImage, RgbaImage};
 
+use crate::activity;
+use crate::foreign::{guarded, mistaken};
 use crate::scene::texture::surplus_levels;
 use crate::scene::{Texture, linear_to_srgb};
 
 /// Largest width, height and number of texels of an image, which is shrunk if it is larger than a texture.
-const MAX_IMAGE_EXTENT: u32 = 32_768;
+const MAX_IMAGE_EXTENT: u64 = 32_768;
 const MAX_IMAGE_TEXELS: u64 = 1 << 29;
 
 /// Most memory of an image, bytes.
 const MAX_IMAGE_BYTES: u64 = 8 * MAX_IMAGE_TEXELS;
 
+/// Images of more texels must have a byte for so many of them: formats compress at best so.
+const MOST_UNDOUBTED: u64 = 1 << 26;
+const MOST_TEXELS_PER_BYTE: u64 = 10_000;
+
 /// Reads and decodes an image; the error completes a sentence in a warning.
 pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
+    activity::begin(format!("decoding {}", path.display()));
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let bytes = std::fs::read(path).map_err(unreadable)?;
     // TGA has no signature, so fall back to the extension.
@@ -27,28 +35,68 @@ pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
 
 /// Decodes an image, of `format` if it has no signature; the error completes a sentence.
 pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
-    let unreadable = |error: std::io::Error| format!("could not be read ({error})");
-    let mut reader = image::ImageReader::new(Cursor::new(bytes));
-    if let Some(format) = format {
-        reader.set_format(format);
+    if let Some(why) = mistaken(bytes) {
+        return Err(why.to_owned());
     }
-    let mut reader = reader.with_guessed_format().map_err(unreadable)?;
+    let format = image::guess_format(bytes).ok().or(format).ok_or_else(|| {
+        "is no image of a known format; give a PNG, JPEG, WebP, TIFF, DDS, BMP, TGA, EXR or HDR".to_owned()
+    })?;
     // The decoder silently fills the missing part of a truncated JPEG with grey.
-    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_is_complete(bytes) {
+    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
         return Err("is truncated".into());
     }
+    guarded(|| decode_format(bytes, format))?
+}
+
+fn decode_format(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
+    let undecodable = |error: image::ImageError| format!("could not be decoded ({error})");
+    if format == ImageFormat::OpenExr {
+        return decode_exr(bytes);
+    }
+    let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
+    let (width, height) = reader().into_dimensions().map_err(undecodable)?;
+    check_size(width.into(), height.into(), bytes)?;
     let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_EXTENT), Some(MAX_IMAGE_EXTENT));
     limits.max_alloc = Some(MAX_IMAGE_BYTES);
+    let mut reader = reader();
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| format!("could not be decoded ({error})"))?;
-    if image.width() == 0 || image.height() == 0 {
+    reader.decode().map_err(undecodable)
+}
+
+/// The crate `image` would decode on threads of its own, of which a panic ends the program.
+fn decode_exr(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let undecodable = |error: exr::error::Error| format!("could not be decoded ({error})");
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(undecodable)?;
+    for header in &meta.headers {
+        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, bytes)?;
+    }
+    let create = |size: Vec2<usize>, _: &_| Rgba32FImage::new(size.width() as u32, size.height() as u32);
+    let set = |image: &mut Rgba32FImage, at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+        image.put_pixel(at.x() as u32, at.y() as u32, image::Rgba([r, g, b, a]));
+    };
+    let read = exr::prelude::read().no_deep_data().largest_resolution_level().rgba_channels(create, set);
+    let read = read.first_valid_layer().all_attributes().non_parallel();
+    let decoded = read.from_buffered(Cursor::new(bytes)).map_err(undecodable)?;
+    Ok(DynamicImage::ImageRgba32F(decoded.layer_data.channel_data.pixels))
+}
+
+/// Checks the size before memory is taken, since a malformed file may claim any.
+fn check_size(width: u64, height: u64, bytes: &[u8]) -> Result<(), String> {
+    let extent = width.max(height);
+    let texels = width.saturating_mul(height);
+    if texels == 0 {
         return Err("is empty".into());
     }
-    if u64::from(image.width()) * u64::from(image.height()) > MAX_IMAGE_TEXELS {
+    if extent > MAX_IMAGE_EXTENT {
+        return Err(format!("is {width} x {height}, must be at most {MAX_IMAGE_EXTENT} a side"));
+    }
+    if texels > MAX_IMAGE_TEXELS {
         return Err(format!("has more than {MAX_IMAGE_TEXELS} texels"));
     }
-    Ok(image)
+    if texels > MOST_UNDOUBTED.max(MOST_TEXELS_PER_BYTE * bytes.len() as u64) {
+        return Err(format!("claims to have {width} x {height} texels in {} bytes", bytes.len()));
+    }
+    Ok(())
 }
 
 /// If the texture of an image is smaller than that: their sizes.

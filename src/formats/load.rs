@@ -9,7 +9,9 @@ use super::error::SceneError;
 use super::scene_file::schema::SceneFile;
 use super::scene_file::{ReadFiles, load_toml};
 use super::{default_view, gltf, obj};
+use crate::activity;
 use crate::builtin;
+use crate::foreign;
 use crate::scene::{CameraOverride, Instance, Scene};
 
 /// Loads a built-in scene by name, a scene file (`.toml`) or a bare model (`.obj`, `.gltf`, `.glb`). `assets` is the
@@ -41,16 +43,24 @@ pub(crate) fn load_with(
     read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let begun = Instant::now();
-    let scene = match find(name)? {
+    activity::begin(format!("reading {name}"));
+    let mut scene = match find(name)? {
         Source::File(path, text) => load_toml(&path, &text, assets, read)?,
-        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path, seen_by)?,
+        Source::Model(path) if gltf::is_gltf(&path) => guarded(&path, || gltf::load(&path, seen_by))?,
         Source::Model(path) => load_bare_obj(&path, seen_by)?,
         Source::CornellBox => builtin::cornell_box(),
     };
+    scene.warnings.iter_mut().for_each(|warning| *warning = foreign::one_line(warning));
     let (meshes, textures) = (scene.meshes.len(), scene.textures.len());
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     log::info!("{}: loaded {meshes} meshes and {textures} textures in {load_ms:.0} ms", scene.name);
     Ok(scene)
+}
+
+/// Reads a model by the crate `gltf`, whose panic is an error of the file.
+pub(super) fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
+    let invalid = |why| SceneError::invalid(file, None, format!("{why}; export or download it again"));
+    foreign::guarded(read).map_err(invalid)?
 }
 
 /// Source of a scene.
@@ -71,10 +81,13 @@ pub(crate) fn find(name: &str) -> Result<Source, SceneError> {
         Some("toml") if path.is_file() => {
             let read = std::fs::read(path);
             let bytes = read.map_err(|reason| SceneError::Unreadable { file: path.to_owned(), reason })?;
-            let text = String::from_utf8(bytes).map_err(|_| {
+            let text = foreign::unicode_of(&bytes).ok_or_else(|| {
                 SceneError::invalid(path, None, "is not UTF-8 text; save the scene file as UTF-8 TOML")
             })?;
-            Ok(Source::File(path.to_owned(), text))
+            match foreign::mistaken(&bytes) {
+                Some(why) if !bytes.is_empty() => Err(SceneError::invalid(path, None, why)),
+                _ => Ok(Source::File(path.to_owned(), text.into_owned())),
+            }
         }
         Some("obj" | "gltf" | "glb") if path.is_file() => Ok(Source::Model(path.to_owned())),
         _ if name == "cornell-box" => Ok(Source::CornellBox),

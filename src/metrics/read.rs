@@ -10,6 +10,7 @@ use image::{ImageFormat, ImageReader, Limits};
 use super::error::MetricsError;
 use super::image::Image;
 use super::read_exr::{check_size, read_exr};
+use crate::foreign::guarded;
 use crate::output::OutputError;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
@@ -59,6 +60,7 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), Me
     check_size(path, size)?;
     let mut reader = reader();
     reader.limits(Limits::no_limits());
-    let decoded = reader.decode().map_err(decode_error)?.into_rgb32f();
+    let decoded = guarded(|| reader.decode()).map_err(|why| MetricsError::Decode(path.to_path_buf(), why))?;
+    let decoded = decoded.map_err(decode_error)?.into_rgb32f();
     Ok((size, decoded.pixels().map(|pixel| pixel.0).collect()))
 }

@@ -12,6 +12,7 @@ use exr::meta::header::Header;
 use exr::prelude::*;
 
 use super::error::MetricsError;
+use crate::foreign::guarded;
 
 /// The largest side of a picture, pixels; the same as for `--size`.
 const MAX_SIDE: usize = 16_384;
@@ -42,6 +43,15 @@ impl<'s> ReadChannels<'s> for OnePart {
 
 /// Width, height and pixels of `layer`, or of the first layer with colours.
 pub(super) fn read_exr(
+    path: &Path,
+    bytes: &[u8],
+    layer: Option<&str>,
+) -> std::result::Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
+    let decode = || decode(path, bytes, layer);
+    guarded(decode).unwrap_or_else(|why| Err(MetricsError::Decode(path.to_path_buf(), why)))
+}
+
+fn decode(
     path: &Path,
     bytes: &[u8],
     layer: Option<&str>,

@@ -10,6 +10,7 @@ use exr::prelude::*;
 use super::error::OutputError;
 use super::file::OutputFile;
 use super::picture::{Layer, Picture};
+use crate::foreign::guarded;
 
 impl OutputFile {
     /// Writes `picture.colour` as the first part of the file, and each layer as a further part with its name.
@@ -31,7 +32,8 @@ impl Picture {
     pub fn read_exr(path: &Path) -> std::result::Result<Self, OutputError> {
         let read_error = |source| OutputError::Read { path: path.to_owned(), source };
         let file = File::open(path).map_err(read_error)?;
-        read_picture(BufReader::new(file)).map_err(|error| match error {
+        let decoded = guarded(|| read_picture(BufReader::new(file)));
+        decoded.unwrap_or_else(|why| Err(Error::Invalid(why.into()))).map_err(|error| match error {
             Error::Io(source) => read_error(source),
             other => OutputError::Decode(path.to_owned(), other.to_string()),
         })
@@ -42,10 +44,7 @@ fn encode(picture: &Picture, writer: impl Write + Seek) -> exr::error::UnitResul
     let colour = Layer::colour("colour", &picture.colour);
     let parts = std::iter::once(&colour).chain(&picture.layers);
     let mut layers: Vec<_> = parts.map(|part| layer(picture, part)).collect();
-    let notes = picture
-        .notes
-        .iter()
-        .map(|(name, note)| (Text::new_or_panic(name), AttributeValue::Text(Text::new_or_panic(note))));
+    let notes = picture.notes.iter().map(|(name, note)| (text(name), AttributeValue::Text(text(note))));
     layers[0].attributes.other.extend(notes);
     let window = IntegerBounds::from_dimensions((picture.width, picture.height));
     Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(writer)
@@ -55,13 +54,27 @@ fn layer(picture: &Picture, part: &Layer) -> exr::image::Layer<AnyChannels<FlatS
     let channels = part
         .channels
         .iter()
-        .map(|(name, samples)| AnyChannel::new(name.as_str(), FlatSamples::F32(samples.clone())));
+        .map(|(name, samples)| AnyChannel::new(text(name), FlatSamples::F32(samples.clone())));
     exr::image::Layer::new(
         (picture.width, picture.height),
-        LayerAttributes::named(part.name.as_str()),
+        LayerAttributes::named(text(&part.name)),
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.collect()),
     )
+}
+
+/// A text of the file, which holds Latin-1 alone: what is beyond ASCII becomes the escapes of JSON, as which notes are read.
+fn text(text: &str) -> Text {
+    let mut ascii = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_ascii() {
+            true => ascii.push(c),
+            false => {
+                c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| ascii.push_str(&format!("\\u{unit:04x}")))
+            }
+        }
+    }
+    Text::new_or_panic(ascii)
 }
 
 /// Reads a file of [`OutputFile::save_exr`]; it does not contain `display`.
@@ -72,6 +85,7 @@ fn read_picture(reader: impl Read + Seek) -> exr::error::Result<Picture> {
         .all_channels()
         .all_layers()
         .all_attributes()
+        .non_parallel()
         .from_buffered(reader)?;
     let mut picture = Picture::default();
     for (index, part) in image.layer_data.into_iter().enumerate() {
@@ -169,6 +183,16 @@ mod tests {
         let mut bytes = encoded(&picture);
         bytes.truncate(bytes.len() / 2);
         assert!(read_picture(Cursor::new(bytes)).is_err());
+    }
+
+    #[test]
+    fn notes_in_any_script_are_read_as_json() {
+        let names = ["日本", "\u{e9}", "\u{1f600} \"a\"\n"];
+        let note = serde_json::to_string(&names).unwrap();
+        let picture = Picture { notes: [("名前".to_owned(), note)].into(), ..picture() };
+        let read = read_picture(Cursor::new(encoded(&picture))).unwrap();
+        let note = &read.notes["\\u540d\\u524d"];
+        assert_eq!(serde_json::from_str::<Vec<String>>(note).unwrap(), names);
     }
 
     #[test]

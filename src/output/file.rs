@@ -19,7 +19,7 @@ impl OutputFile {
     /// Checks that `path` is writable, without leaving a file behind.
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let file = Self { path: path.into() };
-        let folder = folder_of(&file.path);
+        let folder = folder_of(&file.final_path());
         if !folder.is_dir() {
             return Err(OutputError::NoFolder(file.path, folder));
         }
@@ -95,9 +95,9 @@ impl OutputFile {
         builder.tempfile_in(folder_of(&target)).map_err(|source| self.error(source))
     }
 
-    /// The target of symbolic links, so that a link's target is replaced, not the link.
+    /// The target of symbolic links, so that it is replaced, not the link.
     fn final_path(&self) -> PathBuf {
-        fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone())
+        target_of(&self.path)
     }
 }
 
@@ -123,10 +123,20 @@ impl Growing {
 
 /// The canonical path of a file that may not exist yet.
 fn identity(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| {
-        let folder = folder_of(path);
-        fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default())
-    })
+    let path = target_of(path);
+    let folder = folder_of(&path);
+    fs::canonicalize(&folder).unwrap_or(folder).join(path.file_name().unwrap_or_default())
+}
+
+/// Where symbolic links lead, also to what does not exist yet.
+fn target_of(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    // As many as the system follows.
+    for _ in 0..40 {
+        let Ok(target) = fs::read_link(&path) else { break };
+        path = folder_of(&path).join(target);
+    }
+    path
 }
 
 pub(super) fn folder_of(path: &Path) -> PathBuf {
@@ -190,6 +200,17 @@ mod tests {
         assert_eq!(fs::read_to_string(&real).unwrap(), "7\n");
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
         assert_eq!(mode(&real), mode(&plain));
+        // Links to what is not there yet, relative to their folder, one after the other.
+        let (first, second) = (folder.path().join("first.json"), folder.path().join("second.json"));
+        symlink("second.json", &first).unwrap();
+        symlink("new.json", &second).unwrap();
+        OutputFile::new(&first).unwrap().save_json(&8).unwrap();
+        assert!([first, second].iter().all(|link| fs::symlink_metadata(link).unwrap().is_symlink()));
+        assert_eq!(fs::read_to_string(folder.path().join("new.json")).unwrap(), "8\n");
+        assert_eq!(
+            names(folder.path()),
+            ["first.json", "link.json", "new.json", "plain", "real.json", "second.json"]
+        );
     }
 
     #[test]

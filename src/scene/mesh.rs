@@ -216,12 +216,16 @@ impl Mesh {
 
     /// Removes degenerate triangles.
     pub(crate) fn drop_degenerate_triangles(&mut self) {
-        self.retain_triangles(|mesh, i| {
-            let [a, b, c] = mesh.triangle_positions(i as u32).map(|corner| corner.as_dvec3());
-            let (ab, ac, bc) = (b - a, c - a, c - b);
-            let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
-            ab.cross(ac).length() > DEGENERATE * longest
-        });
+        self.retain_triangles(|mesh, i| !mesh.is_degenerate(i));
+    }
+
+    /// Whether a triangle has hardly any area for its edges.
+    pub(crate) fn is_degenerate(&self, triangle: usize) -> bool {
+        let [a, b, c] = self.triangle_positions(triangle as u32).map(|corner| corner.as_dvec3());
+        let (ab, ac, bc) = (b - a, c - a, c - b);
+        let longest = ab.length_squared().max(ac.length_squared()).max(bc.length_squared());
+        let has_area = ab.cross(ac).length() > DEGENERATE * longest;
+        !has_area
     }
 
     /// Gives each triangle three vertices of its own, in order.

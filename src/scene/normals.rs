@@ -1,7 +1,8 @@
 //! Generates missing vertex normals.
 //!
 //! In: a mesh, some of whose vertices have a zero normal. Out: the mesh with unit normals: the angle-weighted mean of
-//! the adjacent face normals (Thuermer and Wuethrich 1998) within the crease angle; sharper edges stay sharp.
+//! the adjacent face normals (Thuermer and Wuethrich 1998) in the smoothing group or, where there are none, within the crease
+//! angle; other edges stay sharp.
 
 use std::collections::HashMap;
 
@@ -26,19 +27,34 @@ struct Corner {
 
 /// Replaces every zero normal; vertices on a crease are split.
 pub(crate) fn fill_missing(mesh: &mut Mesh) {
+    fill_missing_in_groups(mesh, &[]);
+}
+
+/// The same by the smoothing group of each triangle, of which 0 is flat; a triangle that has none goes by the crease angle.
+pub(crate) fn fill_missing_in_groups(mesh: &mut Mesh, smoothing: &[Option<u32>]) {
+    let group_of = |corner: &Corner| smoothing.get(corner.triangle).copied().flatten();
     let crease_cos = CREASE_DEGREES.to_radians().cos();
     let mut made: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
     let mut given = vec![false; mesh.positions.len()];
     for group in corner_groups(mesh) {
+        let mut smooth: HashMap<u32, Vec3> = HashMap::new();
         for corner in &group {
-            let normal = if group.len() > MAX_VALENCE {
-                corner.face_normal
-            } else {
-                let near =
-                    group.iter().filter(|other| other.face_normal.dot(corner.face_normal) >= crease_cos);
-                let sum: Vec3 = near.map(|other| other.face_normal * other.angle).sum();
-                sum.normalize_or(corner.face_normal)
+            if let Some(number @ 1..) = group_of(corner) {
+                *smooth.entry(number).or_default() += corner.face_normal * corner.angle;
+            }
+        }
+        for corner in &group {
+            let sum = match group_of(corner) {
+                Some(number) => smooth.get(&number).copied().unwrap_or_default(),
+                None if group.len() > MAX_VALENCE => Vec3::ZERO,
+                None => {
+                    let is_near = |other: &&Corner| {
+                        group_of(other).is_none() && other.face_normal.dot(corner.face_normal) >= crease_cos
+                    };
+                    group.iter().filter(is_near).map(|other| other.face_normal * other.angle).sum()
+                }
             };
+            let normal = sum.normalize_or(corner.face_normal);
             let vertex = mesh.triangles[corner.triangle][corner.corner];
             let key = (vertex, normal.to_array().map(f32::to_bits));
             let place = *made.entry(key).or_insert_with(|| {

@@ -5,24 +5,21 @@
 
 use glam::{Vec2, Vec3};
 
-/// Larger concave polygons become triangle fans: ear clipping takes at least quadratic time.
-const MAX_CLIPPED: usize = 1000;
-
 /// Triangulates a polygon of at least three corners.
 pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
     let n = corners.len();
     let fan = || (1..n - 1).map(|i| [0, i, i + 1]).collect();
-    if n == 3 || n > MAX_CLIPPED {
+    if n == 3 {
         return fan();
     }
     let Some(flat) = project(corners) else {
         return fan();
     };
-    let all: Vec<usize> = (0..n).collect();
-    if (0..n).all(|i| signed_area(&flat, &all, i) >= 0.0) {
+    let ring = Ring::new(flat);
+    if ring.reflex.iter().all(|reflex| !reflex) {
         return fan();
     }
-    clip_ears(&flat, all)
+    ring.clip_ears()
 }
 
 /// Projects the corners to the polygon's plane, counter-clockwise; none if it has no area.
@@ -35,31 +32,98 @@ fn project(corners: &[Vec3]) -> Option<Vec<Vec2>> {
     Some(local.iter().map(|point| Vec2::new(point.dot(x), point.dot(y))).collect())
 }
 
-/// Twice the signed area of corner `i` of the ring and its two neighbours; negative at a reflex corner.
-fn signed_area(flat: &[Vec2], ring: &[usize], i: usize) -> f32 {
-    let n = ring.len();
-    let [a, b, c] = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]].map(|corner| flat[corner]);
-    (b - a).perp_dot(c - b)
+/// A polygon of which ears are being clipped: what is left is a doubly linked list.
+struct Ring {
+    flat: Vec<Vec2>,
+    last: Vec<usize>,
+    next: Vec<usize>,
+    /// Corners that turn inwards: only these can lie in an ear.
+    reflex: Vec<bool>,
+    /// The reflex corners by cells of a grid, so that large polygons take little more than linear time.
+    cells: Vec<Vec<usize>>,
+    side: usize,
+    origin: Vec2,
+    scale: Vec2,
 }
 
-fn clip_ears(flat: &[Vec2], mut ring: Vec<usize>) -> Vec<[usize; 3]> {
-    let mut triangles = Vec::with_capacity(ring.len() - 2);
-    while ring.len() > 3 {
-        let n = ring.len();
-        let is_ear = |i: usize| {
-            let ear = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]];
-            signed_area(flat, &ring, i) > 0.0
-                && !ring
-                    .iter()
-                    .any(|corner| !ear.contains(corner) && contains(ear.map(|e| flat[e]), flat[*corner]))
+impl Ring {
+    fn new(flat: Vec<Vec2>) -> Self {
+        let n = flat.len();
+        let (low, high) = flat.iter().fold((flat[0], flat[0]), |(low, high), p| (low.min(*p), high.max(*p)));
+        let side = (n as f32).sqrt() as usize;
+        let mut ring = Self {
+            last: (0..n).map(|i| (i + n - 1) % n).collect(),
+            next: (0..n).map(|i| (i + 1) % n).collect(),
+            reflex: vec![false; n],
+            cells: vec![Vec::new(); side * side],
+            side,
+            origin: low,
+            scale: side as f32 / (high - low).max(Vec2::splat(f32::MIN_POSITIVE)),
+            flat,
         };
-        // A self-intersecting ring may have no ear: clip any corner, so that the loop terminates.
-        let i = (0..n).find(|&i| is_ear(i)).unwrap_or(1);
-        triangles.push([ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]]);
-        ring.remove(i);
+        for i in 0..n {
+            ring.reflex[i] = ring.signed_area(i) < 0.0;
+            if ring.reflex[i] {
+                let [x, y] = ring.cell(ring.flat[i]);
+                ring.cells[y * side + x].push(i);
+            }
+        }
+        ring
     }
-    triangles.push([ring[0], ring[1], ring[2]]);
-    triangles
+
+    fn cell(&self, point: Vec2) -> [usize; 2] {
+        ((point - self.origin) * self.scale).to_array().map(|place| (place as usize).min(self.side - 1))
+    }
+
+    fn ear(&self, i: usize) -> [usize; 3] {
+        [self.last[i], i, self.next[i]]
+    }
+
+    /// Twice the signed area of corner `i` and its two neighbours; negative at a reflex corner.
+    fn signed_area(&self, i: usize) -> f32 {
+        let [a, b, c] = self.ear(i).map(|corner| self.flat[corner]);
+        (b - a).perp_dot(c - b)
+    }
+
+    fn is_ear(&self, i: usize) -> bool {
+        if self.signed_area(i) <= 0.0 {
+            return false;
+        }
+        let ear = self.ear(i).map(|corner| self.flat[corner]);
+        let [low, high] =
+            [ear[0].min(ear[1]).min(ear[2]), ear[0].max(ear[1]).max(ear[2])].map(|point| self.cell(point));
+        let blocks = |&corner: &usize| {
+            let point = self.flat[corner];
+            // Corners at the same place are where a hole is joined to the outline.
+            self.reflex[corner] && !ear.contains(&point) && contains(ear, point)
+        };
+        (low[1]..=high[1])
+            .all(|y| (low[0]..=high[0]).all(|x| !self.cells[y * self.side + x].iter().any(blocks)))
+    }
+
+    fn clip_ears(mut self) -> Vec<[usize; 3]> {
+        let n = self.flat.len();
+        let mut triangles = Vec::with_capacity(n - 2);
+        let (mut i, mut refused) = (0, 0);
+        while triangles.len() < n - 2 {
+            // A self-intersecting ring may have no ear: clip any corner, so that the loop terminates.
+            let rest = n - triangles.len();
+            if rest > 3 && refused < rest && !self.is_ear(i) {
+                refused += 1;
+                i = self.next[i];
+                continue;
+            }
+            let [last, _, next] = self.ear(i);
+            triangles.push([last, i, next]);
+            (self.next[last], self.last[next], self.reflex[i]) = (next, last, false);
+            for corner in [last, next] {
+                self.reflex[corner] &= self.signed_area(corner) < 0.0;
+            }
+            // The one after the next, for fewer slivers.
+            (i, refused) = (self.next[next], 0);
+        }
+        triangles
+    }
 }
 
 fn contains([a, b, c]: [Vec2; 3], point: Vec2) -> bool {
@@ -107,6 +171,21 @@ mod tests {
         let triangles = triangulate(&comb);
         assert_eq!(triangles.len(), 8);
         assert!((area(&comb, &triangles) - 9.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn large_polygons_keep_their_shape() {
+        let n = 20_000;
+        let corner = |i: usize| {
+            let (radius, angle) =
+                (if i.is_multiple_of(2) { 1.0 } else { 0.6 }, std::f32::consts::TAU * i as f32 / n as f32);
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        let star: Vec<Vec3> = (0..n).map(corner).collect();
+        let triangles = triangulate(&star);
+        assert_eq!(triangles.len(), n - 2);
+        let expected = 0.5 * 0.6 * (std::f64::consts::TAU / n as f64).sin() * n as f64;
+        assert!((f64::from(area(&star, &triangles)) / expected - 1.0).abs() < 1e-3);
     }
 
     #[test]

@@ -10,12 +10,14 @@ mod broken_runs;
 mod broken_scene_files;
 mod documents;
 mod environments;
+mod foreign_files;
 mod gltf;
 mod gltf_files;
 mod gltf_pictures;
 mod lights;
 mod made;
 mod models;
+mod obj;
 #[path = "../program/mod.rs"]
 mod program;
 mod scene_files;

@@ -78,14 +78,22 @@ impl Images {
             let what = format!("image {}", image.index());
             let embedded;
             let external;
-            let bytes: &[u8] = match image.source() {
-                ::gltf::image::Source::View { view, .. } => {
+            // The crate's own accessor panics where the type is missing.
+            let json = &source.document.as_json().images[image.index()];
+            let view = json.buffer_view.and_then(|view| source.document.views().nth(view.value()));
+            let bytes: &[u8] = match (view, &json.uri) {
+                (Some(view), _) => {
                     embedded = source.view(&view)?;
                     embedded
                 }
-                ::gltf::image::Source::Uri { uri, .. } => {
+                (None, Some(uri)) => {
                     external = source.resolve(uri, &what)?;
                     &external
+                }
+                (None, None) => {
+                    return Err(
+                        source.error(format!("{what} has neither uri nor bufferView; export the file again"))
+                    );
                 }
             };
             let decoded = images::decode_image(bytes, None);

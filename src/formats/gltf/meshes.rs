@@ -28,6 +28,7 @@ pub(super) fn mesh_of(
     made.drop_degenerate_triangles();
     made.sort_by_material();
     normals::fill_missing(&mut made);
+    made.drop_repeated_triangles();
     tangents::fill_missing(&mut made, &scene.materials);
     made.drop_unused_vertices();
     Ok((!made.triangles.is_empty()).then_some(made))

@@ -11,9 +11,13 @@ use std::sync::Arc;
 use ::gltf::json;
 use ::gltf::json::validation::{Checked, Error as Violation, Validate};
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64::alphabet::STANDARD;
+use base64::engine::DecodePaddingMode;
+use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
+use crate::foreign::{mistaken, unicode_of};
 use crate::formats::error::SceneError;
+use crate::formats::obj::find_any_case;
 
 /// The extensions that are read.
 const KNOWN: [&str; 10] = [
@@ -52,6 +56,46 @@ fn parse(json: &[u8]) -> serde_json::Result<json::Root> {
     serde_json::from_value(document)
 }
 
+const VERSION_1: &str = "is glTF 1.0; export it as glTF 2.0";
+
+/// What is wrong with a text that could not be parsed.
+fn why_not_gltf(json: &str, error: &serde_json::Error) -> String {
+    let document: Option<serde_json::Value> = serde_json::from_str(json).ok();
+    match document.as_ref().map(|document| (document.get("asset"), document.get("meshes"))) {
+        None => format!("is not JSON ({error}); export or download it again"),
+        // It has objects by name, and may lack its asset.
+        Some((_, Some(serde_json::Value::Object(_)))) => VERSION_1.to_owned(),
+        Some((Some(asset), _)) if asset.get("version").is_some_and(|version| version == "1.0") => {
+            VERSION_1.to_owned()
+        }
+        Some((None, _)) => "is JSON without an asset, not glTF; export the model as glTF 2.0".to_owned(),
+        _ => format!("is not glTF 2.0 ({error}); export it again"),
+    }
+}
+
+/// The bytes of a data URI (RFC 2397) behind its scheme; padding and alphabet of its base64 as writers have them.
+fn data_of(data: &str) -> Result<Vec<u8>, String> {
+    let (head, content) = data.split_once(',').ok_or("has no comma")?;
+    let mut bytes: Vec<u8> = percent_encoding::percent_decode_str(content).collect();
+    let end = head.len().saturating_sub(7);
+    if !head.get(end..).is_some_and(|end| end.eq_ignore_ascii_case(";base64")) {
+        return Ok(bytes);
+    }
+    bytes.retain(|byte| !byte.is_ascii_whitespace());
+    for byte in &mut bytes {
+        *byte = match *byte {
+            b'-' => b'+',
+            b'_' => b'/',
+            other => other,
+        };
+    }
+    let config = GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true);
+    let engine = GeneralPurpose::new(&STANDARD, config);
+    engine.decode(bytes).map_err(|error| format!("is not base64 ({error})"))
+}
+
 /// A file in memory.
 pub(super) struct Source {
     pub file: PathBuf,
@@ -70,6 +114,12 @@ impl Source {
         let bytes =
             std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
         let invalid = |problem: String| SceneError::invalid(file, None, problem);
+        if let Some(why) = mistaken(&bytes) {
+            return Err(invalid(why.to_owned()));
+        }
+        if bytes.starts_with(b"glTF\x01\0\0\0") {
+            return Err(invalid(VERSION_1.to_owned()));
+        }
         let (json, blob) = if bytes.starts_with(b"glTF") {
             let glb = ::gltf::Glb::from_slice(&bytes).map_err(|error| {
                 invalid(format!("is not a whole GLB ({error}); export or download it again"))
@@ -78,8 +128,9 @@ impl Source {
         } else {
             (Cow::Borrowed(bytes.as_slice()), None)
         };
-        let root =
-            parse(&json).map_err(|error| invalid(format!("is not glTF 2.0 ({error}); export it again")))?;
+        let json = unicode_of(&json)
+            .ok_or_else(|| invalid("is not UTF-8 text, as JSON is; export it again".to_owned()))?;
+        let root = parse(json.as_bytes()).map_err(|error| invalid(why_not_gltf(&json, &error)))?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
@@ -160,7 +211,13 @@ impl Source {
                 })?,
             };
             let needed = buffer.byte_length.0;
-            if (bytes.len() as u64) < needed {
+            let is_short = (bytes.len() as u64) < needed;
+            // Numbers may begin as other files do, but not as such a text.
+            let is_text = bytes.starts_with(b"version https:") || bytes.trim_ascii_start().starts_with(b"<");
+            if let Some(why) = mistaken(&bytes).filter(|_| is_short || is_text) {
+                return Err(self.error(format!("buffer {index} {why}")));
+            }
+            if is_short {
                 return Err(self.error(format!(
                     "buffer {index} has {} bytes instead of {needed}; export or download the file again",
                     bytes.len()
@@ -173,14 +230,9 @@ impl Source {
 
     /// The bytes of a data URI or of a file below the folder of this one. `what` names it in errors.
     pub fn resolve(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-            let encoded = encoded.ok_or_else(|| {
-                self.error(format!("{what}: its data URI is not base64; export the file again"))
-            })?;
-            return STANDARD.decode(encoded).map_err(|error| {
-                self.error(format!("{what}: its data URI is not base64 ({error}); export the file again"))
-            });
+        if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+            return data_of(&uri[5..])
+                .map_err(|why| self.error(format!("{what}: its data URI {why}; export the file again")));
         }
         let path = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
         let parts = Path::new(path.as_ref()).components();
@@ -197,7 +249,16 @@ impl Source {
                 "{what}: the uri \"{uri}\" leads out of the folder of the file; put it beside the file"
             )));
         }
-        let file = self.file.parent().unwrap_or(Path::new("")).join(&path);
+        let folder = self.file.parent().unwrap_or(Path::new(""));
+        // Names with a percent sign or a backslash of their own are there as they are written.
+        let without_query = path.split(['?', '#']).next().unwrap_or_default();
+        let file = match folder.join(uri) {
+            literal if literal.is_file() => literal,
+            _ => [&path, without_query]
+                .into_iter()
+                .find_map(|name| find_any_case(folder, name))
+                .unwrap_or_else(|| folder.join(&path)),
+        };
         std::fs::read(&file).map_err(|reason| {
             self.error(format!("{what}: {} cannot be read ({reason}); put it there", file.display()))
         })

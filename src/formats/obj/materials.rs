@@ -11,11 +11,11 @@ use glam::Vec3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
-use super::mtl::{MtlMaterial, find_file};
+use super::mtl::{Map, MtlMaterial, find_file};
 use super::normal_map;
 use super::surface::surface;
 use crate::formats::images;
-use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture};
+use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture, Wrap};
 
 /// The images of a model's materials, each read once.
 struct Images(HashMap<String, Result<DynamicImage, String>>);
@@ -41,15 +41,15 @@ impl Images {
     }
 }
 
-/// The image files that a material names.
+/// The maps of a material.
 #[derive(Clone, Copy)]
 struct Maps<'a> {
-    colour: Option<&'a str>,
-    opacity: Option<&'a str>,
-    emission: Option<&'a str>,
-    roughness: Option<&'a str>,
-    metallic: Option<&'a str>,
-    relief: Option<Relief<'a>>,
+    colour: Option<&'a Map>,
+    opacity: Option<&'a Map>,
+    emission: Option<&'a Map>,
+    roughness: Option<&'a Map>,
+    metallic: Option<&'a Map>,
+    relief: Option<(&'a Map, Relief<'a>)>,
 }
 
 /// A map of the normal.
@@ -61,9 +61,12 @@ enum Relief<'a> {
 }
 
 impl<'a> Relief<'a> {
-    fn of(material: &'a MtlMaterial) -> Option<Self> {
-        let heights = || material.bump.as_ref().map(|(name, factor)| Self::Heights(name, factor.to_bits()));
-        material.norm.as_deref().map(Self::Normals).or_else(heights)
+    fn of(material: &'a MtlMaterial) -> Option<(&'a Map, Self)> {
+        let heights = || {
+            let (map, factor) = material.bump.as_ref()?;
+            Some((map, Self::Heights(&map.file, factor.to_bits())))
+        };
+        material.norm.as_ref().map(|map| (map, Self::Normals(&map.file))).or_else(heights)
     }
 
     fn name(self) -> &'a str {
@@ -76,25 +79,31 @@ impl<'a> Relief<'a> {
 impl<'a> Maps<'a> {
     fn of(material: &'a MtlMaterial) -> Self {
         Self {
-            colour: material.map_kd.as_deref(),
-            opacity: material.map_d.as_deref(),
-            emission: material.map_ke.as_deref().filter(|_| material.ke.unwrap_or_default() != Vec3::ZERO),
-            roughness: material.map_pr.as_deref(),
-            metallic: material.map_pm.as_deref(),
+            colour: material.map_kd.as_ref(),
+            opacity: material.map_d.as_ref(),
+            emission: material.map_ke.as_ref().filter(|_| material.ke.unwrap_or_default() != Vec3::ZERO),
+            roughness: material.map_pr.as_ref(),
+            metallic: material.map_pm.as_ref(),
             relief: Relief::of(material),
         }
     }
 
     fn names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
-        let relief = self.relief.map(Relief::name);
+        let relief = self.relief.map(|(map, _)| map);
         [self.colour, self.opacity, self.emission, self.roughness, self.metallic, relief]
             .into_iter()
             .flatten()
+            .map(|map| &*map.file)
     }
 }
 
-/// Inputs of a mask: colour map, opacity map, bits of the opacity.
-type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32);
+/// The file of a map.
+fn name_of(map: Option<&Map>) -> Option<&str> {
+    map.map(|map| &*map.file)
+}
+
+/// Inputs of a mask: colour map, opacity map, bits of the opacity, whether it ends at its border.
+type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32, bool);
 
 /// What a texture is made of.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -114,22 +123,26 @@ pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut 
     for material in materials {
         let maps = Maps::of(material);
         let surface = surface(material);
-        let alpha_mask =
-            *masks.entry((maps.colour, maps.opacity, surface.opacity.to_bits())).or_insert_with(|| {
-                let mask = mask_of(maps, surface.opacity, &images)?;
-                scene.alpha_masks.push(mask);
-                Some(scene.alpha_masks.len() - 1)
-            });
+        // Masks are read where the colour is.
+        let laid = maps.colour.or(maps.opacity);
+        let clamp = laid.is_some_and(|map| map.clamp);
+        let key = (name_of(maps.colour), name_of(maps.opacity), surface.opacity.to_bits(), clamp);
+        let alpha_mask = *masks.entry(key).or_insert_with(|| {
+            let mask = mask_of(maps, surface.opacity, &images)?;
+            let wrap = if clamp { [Wrap::Clamp; 2] } else { Wrap::REPEAT };
+            scene.alpha_masks.push(AlphaMask { wrap, ..mask });
+            Some(scene.alpha_masks.len() - 1)
+        });
         // Maps of opacity cut out; only `d` makes thin surfaces.
         let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_thin_surface());
-        let texture = |source: Option<Source<'_>>| {
-            source.and_then(|source| textures.get(&source).copied().map(Into::into))
-        };
+        let texture = |map: Option<&Map>, source: Option<Source<'_>>| Some(map?.of(*textures.get(&source?)?));
+        let colour = |map: Option<&Map>| texture(map, name_of(map).map(Source::Colour));
+        let (relief, data) = (maps.relief.unzip(), maps.roughness.or(maps.metallic));
         scene.materials.push(Material {
-            base_colour_texture: texture(maps.colour.map(Source::Colour)),
-            emission_texture: texture(maps.emission.map(Source::Colour)),
-            metallic_roughness_texture: texture(data_of(maps)),
-            normal_texture: texture(maps.relief.map(Source::Relief)),
+            base_colour_texture: colour(maps.colour),
+            emission_texture: colour(maps.emission),
+            metallic_roughness_texture: texture(data, data_of(maps)),
+            normal_texture: texture(relief.0, relief.1.map(Source::Relief)),
             alpha: if cut_out { Alpha::Mask(0.5) } else { surface.alpha },
             alpha_mask,
             ..surface
@@ -138,7 +151,7 @@ pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut 
 }
 
 fn data_of(maps: Maps<'_>) -> Option<Source<'_>> {
-    let files = [maps.roughness, maps.metallic];
+    let files = [maps.roughness, maps.metallic].map(name_of);
     (files != [None; 2]).then_some(Source::Data(files))
 }
 
@@ -150,9 +163,9 @@ fn warn_of_missing(file: &Path, materials: &[MtlMaterial], images: &Images, scen
             (maps.emission, "using its colour alone"),
             (maps.roughness, "using its number alone"),
             (maps.metallic, "using its number alone"),
-            (maps.relief.map(Relief::name), "using no normal map"),
+            (maps.relief.map(|(map, _)| map), "using no normal map"),
         ] {
-            let Some(name) = name else { continue };
+            let Some(name) = name_of(name) else { continue };
             let line = match images.get(name) {
                 Err(problem) => format!("{}: texture {name} {problem}; {fallback}", file.display()),
                 Ok(image) => match images::shrinking(image) {
@@ -175,11 +188,11 @@ fn add_textures<'a>(
 ) -> HashMap<Source<'a>, usize> {
     let mut sources: Vec<Source<'a>> = Vec::new();
     for maps in materials.iter().map(Maps::of) {
-        let colours = [maps.colour, maps.emission].map(|name| name.map(Source::Colour));
-        let data = [data_of(maps), maps.relief.map(Source::Relief)];
+        let colours = [maps.colour, maps.emission].map(|map| name_of(map).map(Source::Colour));
+        let data = [data_of(maps), maps.relief.map(|(_, relief)| Source::Relief(relief))];
         for source in colours.into_iter().chain(data).flatten() {
             let readable = match &source {
-                Source::Colour(name) => maps.colour == Some(name) || images.get(name).is_ok(),
+                Source::Colour(name) => name_of(maps.colour) == Some(name) || images.get(name).is_ok(),
                 Source::Data(names) => names.iter().flatten().all(|name| images.get(name).is_ok()),
                 Source::Relief(relief) => images.get(relief.name()).is_ok(),
             };
@@ -215,8 +228,8 @@ fn add_textures<'a>(
 
 /// The alpha mask: `map_d` if present, else the alpha of `map_Kd`, times `d`.
 fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
-    let from_opacity = maps.opacity.and_then(|name| images::opacity(images.get(name).ok()?, true));
-    let from_colour = || maps.colour.and_then(|name| images::opacity(images.get(name).ok()?, false));
+    let from_opacity = maps.opacity.and_then(|map| images::opacity(images.get(&map.file).ok()?, true));
+    let from_colour = || maps.colour.and_then(|map| images::opacity(images.get(&map.file).ok()?, false));
     let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
     AlphaMask::from_opacity(width, height, &opacity, dissolve)
 }

@@ -6,7 +6,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{Mat2, Vec2, Vec3};
+use unicode_normalization::UnicodeNormalization;
+
+use super::statements::without_comment;
+use crate::foreign;
+use crate::scene::{TextureUse, Wrap};
 
 /// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
@@ -29,31 +34,58 @@ pub(super) struct MtlMaterial {
     pub pr: Option<f32>,
     pub pm: Option<f32>,
     pub illum: Option<u8>,
-    pub map_kd: Option<String>,
-    pub map_d: Option<String>,
-    pub map_ke: Option<String>,
-    pub map_pr: Option<String>,
-    pub map_pm: Option<String>,
-    pub norm: Option<String>,
-    /// File of heights, and their multiplier.
-    pub bump: Option<(String, f32)>,
+    pub map_kd: Option<Map>,
+    pub map_d: Option<Map>,
+    pub map_ke: Option<Map>,
+    pub map_pr: Option<Map>,
+    pub map_pm: Option<Map>,
+    pub norm: Option<Map>,
+    /// Heights, and their multiplier.
+    pub bump: Option<(Map, f32)>,
+}
+
+/// An image file with how it is laid on the surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Map {
+    pub file: String,
+    /// Texture coordinates are multiplied by this (`-s`), then this is added (`-o`).
+    pub scale: Vec2,
+    pub offset: Vec2,
+    /// Whether it ends at its border (`-clamp`).
+    pub clamp: bool,
+}
+
+impl Map {
+    /// The use of `texture`, whose coordinates v count from the top of the image, while those of an OBJ count from the bottom.
+    pub fn of(&self, texture: usize) -> TextureUse {
+        TextureUse {
+            matrix: Mat2::from_diagonal(self.scale),
+            offset: Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y),
+            wrap: if self.clamp { [Wrap::Clamp; 2] } else { Wrap::REPEAT },
+            ..texture.into()
+        }
+    }
 }
 
 /// Reads the libraries that an `mtllib` of `file` (an OBJ) names; later definitions override earlier ones.
 pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let folder = file.parent().unwrap_or(Path::new(""));
-    // Either one name with spaces or several names.
-    let names = match find_file(folder, argument) {
-        Some(_) => vec![argument],
-        None => argument.split_whitespace().collect(),
+    // One name with spaces, several names, or either before a comment.
+    let bare = without_comment(argument);
+    let names = match [argument, bare].into_iter().find(|name| find_file(folder, name).is_some()) {
+        Some(name) => vec![name],
+        None => bare.split_whitespace().collect(),
     };
     let mut materials = Vec::new();
     for name in names {
         let problem = match find_file(folder, name).map(|path| (std::fs::read(&path), path)) {
-            Some((Ok(bytes), path)) => {
-                materials.extend(parse(&path, &bytes, warnings));
-                continue;
-            }
+            Some((Ok(bytes), path)) => match foreign::mistaken(&bytes).filter(|_| !bytes.is_empty()) {
+                Some(why) => why.to_owned(),
+                None => {
+                    materials.extend(parse(&path, &bytes, warnings));
+                    continue;
+                }
+            },
             Some((Err(error), _)) => format!("cannot be read ({error})"),
             None => "is missing".to_owned(),
         };
@@ -62,8 +94,13 @@ pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<Str
     materials
 }
 
-/// Finds `name` below `folder`: as written, ignoring case, or only its last component.
+/// Finds `name` below `folder`: as written, ignoring case, only its last component; or so before a comment.
 pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
+    let bare = without_comment(name);
+    find_as_written(folder, name).or_else(|| find_as_written(folder, bare).filter(|_| bare != name))
+}
+
+fn find_as_written(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = name.trim().trim_matches('"').replace('\\', "/");
     let exact = folder.join(&name);
     if exact.is_file() {
@@ -73,7 +110,8 @@ pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     find_any_case(folder, &name).or_else(|| find_any_case(folder, last))
 }
 
-fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
+/// Finds `name` below `folder`, ignoring case and how accents are encoded.
+pub(crate) fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let mut path = folder.to_owned();
     for component in name.split('/').filter(|component| !component.is_empty()) {
         let exact = path.join(component);
@@ -84,9 +122,9 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
             let mut entries: Vec<_> =
                 std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path()).collect();
             entries.sort();
+            let folded = |name: &str| name.nfc().collect::<String>().to_lowercase();
             let same = |path: &PathBuf| {
-                path.file_name()
-                    .is_some_and(|n| n.to_string_lossy().to_lowercase() == component.to_lowercase())
+                path.file_name().is_some_and(|name| folded(&name.to_string_lossy()) == folded(component))
             };
             entries.into_iter().find(same)?
         };
@@ -98,11 +136,15 @@ fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
 pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let (mut materials, mut problems) = (Vec::new(), Vec::new());
     let mut not_shown = BTreeSet::new();
-    for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
+    for (number, line) in foreign::text_of(bytes).lines().enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let (keyword, rest) = (keyword.to_ascii_lowercase(), rest.trim());
         not_shown.extend(what_is_not_shown(&keyword, rest));
+        if keyword.starts_with("map_") || ["norm", "bump"].contains(&&*keyword) {
+            not_shown
+                .extend(options_of(rest).0.into_iter().filter_map(|(option, _)| option_not_shown(option)));
+        }
         if let Err(problem) = read_statement(&mut materials, &keyword, rest) {
             problems.push(format!("{}:{}: {problem}", path.display(), number + 1));
         }
@@ -148,7 +190,7 @@ fn read_statement(materials: &mut Vec<MtlMaterial>, keyword: &str, rest: &str) -
     let material = materials.last_mut().unwrap_or(&mut nameless);
     let colour = |most: f32, value: &mut Option<Vec3>| read_colour(keyword, rest, most, value);
     let number = |value: &mut Option<f32>| read_number(keyword, rest).map(|number| *value = Some(number));
-    let file = |value: &mut Option<String>| read_file(keyword, rest).map(|file| *value = Some(file));
+    let file = |value: &mut Option<Map>| read_map(keyword, rest).map(|map| *value = Some(map));
     match keyword {
         "kd" => colour(1.0, &mut material.kd),
         "ks" => colour(1.0, &mut material.ks),
@@ -173,7 +215,7 @@ fn read_statement(materials: &mut Vec<MtlMaterial>, keyword: &str, rest: &str) -
         "map_pm" => file(&mut material.map_pm),
         "norm" | "map_kn" => file(&mut material.norm),
         "map_bump" | "bump" => {
-            material.bump = Some((read_file(keyword, rest)?, bump_multiplier(rest)?));
+            material.bump = Some((read_map(keyword, rest)?, bump_multiplier(rest)?));
             Ok(())
         }
         _ => Ok(()),
@@ -210,24 +252,58 @@ fn read_number(keyword: &str, rest: &str) -> Result<f32, String> {
     }
 }
 
-fn read_file(keyword: &str, rest: &str) -> Result<String, String> {
-    let file = without_options(rest);
-    if file.is_empty() { Err(format!("{keyword} names no file; ignored")) } else { Ok(file.to_owned()) }
+fn read_map(keyword: &str, rest: &str) -> Result<Map, String> {
+    let (options, file) = options_of(rest);
+    if file.is_empty() {
+        return Err(format!("{keyword} names no file; ignored"));
+    }
+    let mut map = Map { file: file.to_owned(), scale: Vec2::ONE, ..Map::default() };
+    for (option, arguments) in options {
+        let number =
+            |place: usize, default: f32| arguments.get(place).map_or(Ok(default), |word| word.parse());
+        let pair = |default: f32| {
+            let pair = Vec2::new(number(0, default).ok()?, number(1, default).ok()?);
+            pair.is_finite().then_some(pair)
+        };
+        let unusable =
+            || format!("{keyword} {option} {} is not of finite numbers; ignored", arguments.join(" "));
+        match option {
+            "-s" => map.scale = pair(1.0).ok_or_else(unusable)?,
+            "-o" => map.offset = pair(0.0).ok_or_else(unusable)?,
+            "-clamp" => map.clamp = arguments.first() == Some(&"on"),
+            _ => {}
+        }
+    }
+    Ok(map)
 }
 
 /// The argument of the option `-bm` before a file name; 1 without one.
 fn bump_multiplier(rest: &str) -> Result<f32, String> {
-    let options = rest.strip_suffix(without_options(rest)).unwrap_or("");
-    let mut words = options.split_whitespace().skip_while(|word| *word != "-bm").skip(1);
-    let Some(word) = words.next() else { return Ok(1.0) };
+    let (options, _) = options_of(rest);
+    let Some((_, arguments)) = options.iter().find(|(option, _)| *option == "-bm") else { return Ok(1.0) };
+    let word = arguments.first().copied().unwrap_or_default();
     let number = word.parse().ok().filter(|number: &f32| number.abs() <= MOST_BUMP);
     number.ok_or_else(|| {
         format!("-bm {word} is not a number from -{MOST_BUMP} to {MOST_BUMP}; bump map ignored")
     })
 }
 
-/// The file name after options such as `-clamp on` or `-s 1 1 1`; it may contain spaces.
-fn without_options(mut rest: &str) -> &str {
+/// An option that changes the picture and is not read.
+fn option_not_shown(option: &str) -> Option<&'static str> {
+    Some(match option {
+        "-t" => "-t (turbulence of a map)",
+        "-mm" => "-mm (range of a map)",
+        "-imfchan" => "-imfchan (channel of a map)",
+        _ => return None,
+    })
+}
+
+/// An option of a map with its arguments.
+type MapOption<'a> = (&'a str, Vec<&'a str>);
+
+/// The options such as `-clamp on` or `-s 1 1 1`, and the file name after them, which may contain spaces.
+fn options_of(mut rest: &str) -> (Vec<MapOption<'_>>, &str) {
+    let mut options = Vec::new();
     while rest.starts_with('-') {
         let (option, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
         // Number of arguments: fixed, or up to three numbers.
@@ -236,18 +312,21 @@ fn without_options(mut rest: &str) -> &str {
             "-mm" => (2, 0),
             "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan"
             | "-type" => (1, 0),
-            _ => return rest,
+            _ => break,
         };
         rest = tail.trim_start();
+        let mut arguments = Vec::new();
         for i in 0..fixed.max(numbers) {
             let (word, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
             if i >= fixed && word.parse::<f32>().is_err() {
                 break;
             }
+            arguments.push(word);
             rest = tail.trim_start();
         }
+        options.push((option, arguments));
     }
-    rest
+    (options, rest)
 }
 
 #[cfg(test)]
@@ -255,7 +334,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texture_options_are_skipped() {
+    fn texture_options_are_read() {
         for (given, expected) in [
             ("a.png", "a.png"),
             ("-clamp on my file.png", "my file.png"),
@@ -264,8 +343,14 @@ mod tests {
             ("-clamp", ""),
             ("-unknown e.png", "-unknown e.png"),
         ] {
-            assert_eq!(without_options(given), expected);
+            assert_eq!(options_of(given).1, expected);
         }
+        let map = read_map("map_kd", "-s 2 -clamp on -o 0.5 0.25 7 -mm 0 1 b.png").unwrap();
+        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 1.0), Vec2::new(0.5, 0.25)));
+        assert!(map.clamp && map.file == "b.png" && read_map("map_kd", "-o nan a.png").is_err());
+        // What lies at v from the bottom lies at 1 - v from the top.
+        let place = map.of(0).coordinates([Vec2::new(0.25, 1.0 - 0.5); 2]);
+        assert_eq!(place, Vec2::new(1.0, 1.0 - 0.75));
         for (given, expected) in
             [("a.png", 1.0), ("-bm 0.2 c d.png", 0.2), ("-clamp on -bm -3 -mm 0 1 e-bm 7.png", -3.0)]
         {

@@ -13,6 +13,7 @@ use super::entry::{At, Entry};
 use super::schema::{MaterialEntry, ModelEntry, Primitive};
 use crate::builtin;
 use crate::formats::error::SceneError;
+use crate::formats::load::guarded;
 use crate::formats::{gltf, obj};
 use crate::scene::{GLTF_F0, Material, Mesh, Scene};
 
@@ -35,10 +36,10 @@ pub(super) fn add_model(builder: &mut Builder, index: usize, model: &ModelEntry)
                 file.display()
             )));
         }
-        add_file(&file, &mut builder.scene)?
+        add_file(&entry, &file, &mut builder.scene)?
     } else if let Some(asset) = &model.asset {
         let file = find_asset(builder, asset, model.download.as_ref())?;
-        add_file(&file, &mut builder.scene)?
+        add_file(&entry, &file, &mut builder.scene)?
     } else if let Some(name) = &model.builtin {
         let made = builtin::model(name).ok_or_else(|| {
             let known = builtin::MODELS.join(", ");
@@ -57,8 +58,16 @@ pub(super) fn add_model(builder: &mut Builder, index: usize, model: &ModelEntry)
 }
 
 /// Adds the mesh of a model's file, by its ending; returns its index.
-fn add_file(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
-    if gltf::is_gltf(file) { gltf::add_model(file, scene) } else { obj::add_obj(file, scene) }
+fn add_file(entry: &Entry, file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    if gltf::is_gltf(file) {
+        return guarded(file, || gltf::add_model(file, scene));
+    }
+    if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
+        let problem =
+            format!("{} is no .obj, .gltf or .glb; convert the model to one of them", file.display());
+        return Err(entry.error(problem));
+    }
+    obj::add_obj(file, scene)
 }
 
 fn push(scene: &mut Scene, mesh: Mesh) -> usize {
