@@ -54,7 +54,8 @@ pub(super) struct DatasetOptions {
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
     let given = options.scene.given(&[("seed", &options.seed)]);
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
-    let LoadedScene { scene, settings, .. } = load(&options.scene.name, &given, &options.files)?;
+    let LoadedScene { scene, settings, .. } =
+        load(&options.scene.name, &options.scene.animation, &given, &options.files)?;
     let plan = DatasetPlan {
         scene: scene.name.clone(),
         frames: options.frames,

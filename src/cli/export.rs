@@ -56,7 +56,8 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
         )));
     }
     let given = options.scene.given(&[]);
-    let LoadedScene { mut scene, settings, .. } = load(&options.scene.name, &given, &options.files)?;
+    let LoadedScene { mut scene, settings, .. } =
+        load(&options.scene.name, &options.scene.animation, &given, &options.files)?;
     options.camera.place(&mut scene)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {

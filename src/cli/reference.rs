@@ -103,7 +103,8 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
             "--json {path}: would overwrite the picture or the scene; give it another name"
         )));
     }
-    let LoadedScene { mut scene, settings, load_ms } = load(&options.scene.name, &given, &options.files)?;
+    let LoadedScene { mut scene, settings, load_ms } =
+        load(&options.scene.name, &options.scene.animation, &given, &options.files)?;
     options.camera.place(&mut scene)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);

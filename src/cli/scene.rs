@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::options::FileOptions;
 use super::{CliError, say};
-use crate::formats::load_scene;
+use crate::formats::load_animated;
 use crate::scene::Scene;
 use crate::settings::{GivenSettings, Settings, parser_of};
 
@@ -23,6 +23,16 @@ pub(super) struct SceneOptions {
     /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
     #[arg(long, value_name = "SECONDS", value_parser = parser_of("time_step"), allow_negative_numbers = true)]
     time_step: Option<String>,
+    #[command(flatten)]
+    pub animation: AnimationOption,
+}
+
+/// Which animation of a model is shown.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct AnimationOption {
+    /// The animation of a .gltf or .glb, by name or by index from 0. Otherwise the first.
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub animation: Option<String>,
 }
 
 /// `--bounces`.
@@ -74,9 +84,14 @@ pub(super) struct LoadedScene {
 }
 
 /// Loads the scene `name`, prints its warnings, and resolves its settings with those `given`.
-pub(super) fn load(name: &str, given: &GivenSettings, files: &FileOptions) -> Result<LoadedScene, CliError> {
+pub(super) fn load(
+    name: &str,
+    AnimationOption { animation }: &AnimationOption,
+    given: &GivenSettings,
+    files: &FileOptions,
+) -> Result<LoadedScene, CliError> {
     let begun = Instant::now();
-    let scene = load_scene(name, files.assets_folder().as_deref())?;
+    let scene = load_animated(name, files.assets_folder().as_deref(), animation.as_deref())?;
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     let settings = Settings::resolve(&scene.settings, given)

@@ -18,19 +18,36 @@ use crate::scene::{Instance, Scene};
 /// # Errors
 /// One line that names the file, the line or key if known, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-    load_with(name, assets, &mut ReadFiles::default())
+    load_with(name, assets, None, &mut ReadFiles::default())
+}
+
+/// The same, with the animation of a glTF file that has this name or index instead of the first one.
+///
+/// # Errors
+/// Those of [`load_scene`]; the file has no such animation.
+pub fn load_animated(
+    name: &str,
+    assets: Option<&Path>,
+    animation: Option<&str>,
+) -> Result<Scene, SceneError> {
+    load_with(name, assets, animation, &mut ReadFiles::default())
 }
 
 /// The same; `read` receives what was read for a scene file.
 pub(crate) fn load_with(
     name: &str,
     assets: Option<&Path>,
+    animation: Option<&str>,
     read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let begun = Instant::now();
     let scene = match find(name)? {
+        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path, animation)?,
+        _ if animation.is_some() => {
+            let problem = "only glTF files have animations to choose from; leave --animation out";
+            return Err(SceneError::invalid(Path::new(name), None, problem));
+        }
         Source::File(path, text) => load_toml(&path, &text, assets, read)?,
-        Source::Model(path) if gltf::is_gltf(&path) => gltf::load(&path)?,
         Source::Model(path) => load_bare_obj(&path)?,
         Source::CornellBox => builtin::cornell_box(),
     };

@@ -77,7 +77,7 @@ impl SceneDocument {
     /// Those of [`load_scene`](crate::formats::load_scene).
     pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene, ReadFiles), SceneError> {
         let mut read = ReadFiles::default();
-        let mut scene = load::load_with(name, assets, &mut read)?;
+        let mut scene = load::load_with(name, assets, None, &mut read)?;
         let source = load::find(name)?;
         let (path, text) = match &source {
             Source::File(path, text) => (path.clone(), text.clone()),

@@ -11,46 +11,23 @@ use std::sync::Arc;
 use ::gltf::json;
 use ::gltf::json::validation::{Checked, Error as Violation, Validate};
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use base64::alphabet;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
+use super::extensions::{Support, support_of};
+use super::repair::repair;
 use crate::formats::error::SceneError;
 
-/// The extensions that are read.
-const KNOWN: [&str; 10] = [
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "MSFT_texture_dds",
-];
+/// What the validation asks for and nobody needs: data that is zero, images that no material uses, shapes that have no
+/// positions; and the bounds of positions, which are computed.
+const DISPENSABLE: [&str; 3] = [".bufferView", ".source", "[\"POSITION\"]"];
+const BOUNDS: [&str; 2] = [".min", ".max"];
 
-/// Those that name a texture's image.
-const IMAGE_FORMATS: [&str; 2] = ["EXT_texture_webp", "MSFT_texture_dds"];
-
-/// The document of a text. Images of other formats come in place of those that textures have for readers that do not know
-/// them, or of none.
-fn parse(json: &[u8]) -> serde_json::Result<json::Root> {
-    let text = String::from_utf8_lossy(json);
-    if !IMAGE_FORMATS.iter().any(|name| text.contains(name)) {
-        return serde_json::from_slice(json);
-    }
-    let mut document: serde_json::Value = serde_json::from_slice(json)?;
-    let textures = document.get_mut("textures").and_then(serde_json::Value::as_array_mut);
-    for texture in textures.into_iter().flatten() {
-        let source = |name: &&str| texture.get("extensions")?.get(name)?.get("source").cloned();
-        if let (Some(source), Some(texture)) =
-            (IMAGE_FORMATS.iter().find_map(source), texture.as_object_mut())
-        {
-            texture.insert("source".to_owned(), source);
-        }
-    }
-    serde_json::from_value(document)
-}
+/// Base64 with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
 
 /// A file in memory.
 pub(super) struct Source {
@@ -70,7 +47,9 @@ impl Source {
         let bytes =
             std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
         let invalid = |problem: String| SceneError::invalid(file, None, problem);
-        let (json, blob) = if bytes.starts_with(b"glTF") {
+        let (json, blob) = if bytes.starts_with(b"glTF\x01\0\0\0") {
+            return Err(invalid("is a GLB of glTF 1.0; export it as glTF 2.0".to_owned()));
+        } else if bytes.starts_with(b"glTF") {
             let glb = ::gltf::Glb::from_slice(&bytes).map_err(|error| {
                 invalid(format!("is not a whole GLB ({error}); export or download it again"))
             })?;
@@ -78,14 +57,22 @@ impl Source {
         } else {
             (Cow::Borrowed(bytes.as_slice()), None)
         };
-        let root =
-            parse(&json).map_err(|error| invalid(format!("is not glTF 2.0 ({error}); export it again")))?;
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&json);
+        let is_none =
+            |error: serde_json::Error| invalid(format!("is not glTF 2.0 ({error}); export it again"));
+        let mut document: serde_json::Value = serde_json::from_slice(json).map_err(is_none)?;
+        if let Some(version) = document["asset"]["version"].as_str().filter(|v| !v.starts_with("2.")) {
+            return Err(invalid(format!("is glTF {version}; export it as glTF 2.0")));
+        }
+        let mut not_shown = BTreeSet::new();
+        repair(&mut document, &mut not_shown);
+        let root: json::Root = serde_json::from_value(document).map_err(is_none)?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
             document: Arc::new(::gltf::Document::from_json_without_validation(json::Root::default())),
             buffers: Vec::new(),
-            not_shown: BTreeSet::new(),
+            not_shown,
         };
         source.check(&root)?;
         source.buffers = source.read_buffers(&root, blob)?;
@@ -100,26 +87,28 @@ impl Source {
 
     /// Checks version, extensions, and what the format demands of each object.
     fn check(&mut self, root: &json::Root) -> Result<(), SceneError> {
-        if !root.asset.version.starts_with("2.") {
-            return Err(self.error(format!("is glTF {}; export it as glTF 2.0", root.asset.version)));
+        if let Some(version) = root.asset.min_version.as_deref().filter(|version| *version != "2.0") {
+            return Err(self.error(format!("needs a reader of glTF {version}; export it as glTF 2.0")));
         }
-        let unknown = |names: &[String]| -> Vec<String> {
-            names.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect()
-        };
-        let required = unknown(&root.extensions_required);
-        if !required.is_empty() {
-            return Err(self.error(format!(
-                "needs extensions that are not known: {}; export it without them",
-                required.join(", ")
-            )));
+        for name in &root.extensions_required {
+            if let Support::Refused(advice) = support_of(name) {
+                return Err(self.error(format!("needs the extension {name}, which is not read; {advice}")));
+            }
         }
-        let optional = unknown(&root.extensions_used);
-        self.not_shown.extend(optional.into_iter().map(|name| format!("extension {name}")));
+        let left_out = root
+            .extensions_used
+            .iter()
+            .chain(&root.extensions_required)
+            .filter(|name| matches!(support_of(name), Support::Ignored | Support::Refused(_)));
+        self.not_shown.extend(left_out.map(|name| format!("extension {name}")));
         self.check_positions(root)?;
         let mut violation = None;
         root.validate(root, json::Path::new, &mut |path, error| {
-            if error != Violation::Unsupported && violation.is_none() {
-                violation = Some((path().to_string(), error));
+            let path = path().to_string();
+            let is_any = |ends: &[&str]| ends.iter().any(|end| path.ends_with(end));
+            let dispensable = is_any(&BOUNDS) || error == Violation::Missing && is_any(&DISPENSABLE);
+            if error != Violation::Unsupported && violation.is_none() && !dispensable {
+                violation = Some((path, error));
             }
         });
         match violation {
@@ -173,14 +162,8 @@ impl Source {
 
     /// The bytes of a data URI or of a file below the folder of this one. `what` names it in errors.
     pub fn resolve(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-            let encoded = encoded.ok_or_else(|| {
-                self.error(format!("{what}: its data URI is not base64; export the file again"))
-            })?;
-            return STANDARD.decode(encoded).map_err(|error| {
-                self.error(format!("{what}: its data URI is not base64 ({error}); export the file again"))
-            });
+        if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+            return self.decode_data_uri(uri, what);
         }
         let path = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
         let parts = Path::new(path.as_ref()).components();
@@ -197,10 +180,39 @@ impl Source {
                 "{what}: the uri \"{uri}\" leads out of the folder of the file; put it beside the file"
             )));
         }
-        let file = self.file.parent().unwrap_or(Path::new("")).join(&path);
-        std::fs::read(&file).map_err(|reason| {
+        let folder = self.file.parent().unwrap_or(Path::new(""));
+        let file = folder.join(&path);
+        let file = match path.split_once('?') {
+            // A question mark belongs to a name, or begins what only servers read.
+            Some((before, _)) if !file.exists() => folder.join(before),
+            _ => file,
+        };
+        let read = std::fs::read(&file).or_else(|reason| match same_but_case(&file) {
+            Some(other) => std::fs::read(other),
+            None => Err(reason),
+        });
+        read.map_err(|reason| {
             self.error(format!("{what}: {} cannot be read ({reason}); put it there", file.display()))
         })
+    }
+
+    /// The bytes of a data URI: Base64 with either alphabet, padded or not, also with line breaks or percent-encoded.
+    fn decode_data_uri(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
+        let invalid = |reason: String| {
+            self.error(format!("{what}: its data URI is not base64{reason}; export the file again"))
+        };
+        let (kind, data) = uri.split_once(',').unwrap_or((uri, ""));
+        if !kind.to_ascii_lowercase().ends_with(";base64") {
+            return Err(invalid(String::new()));
+        }
+        let standard = |byte: u8| match byte {
+            b'-' => b'+',
+            b'_' => b'/',
+            byte => byte,
+        };
+        let bytes = percent_encoding::percent_decode_str(data);
+        let bytes: Vec<u8> = bytes.filter(|byte| !byte.is_ascii_whitespace()).map(standard).collect();
+        BASE64.decode(bytes).map_err(|error| invalid(format!(" ({error})")))
     }
 
     /// The bytes of a buffer view.
@@ -217,4 +229,12 @@ impl Source {
             ))
         })
     }
+}
+
+/// The only file beside `file` whose name differs in nothing but case.
+fn same_but_case(file: &Path) -> Option<PathBuf> {
+    let name = |path: &Path| Some(path.file_name()?.to_string_lossy().to_lowercase());
+    let files = std::fs::read_dir(file.parent()?).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut same = files.filter(|other| name(other) == name(file));
+    same.next().filter(|_| same.next().is_none())
 }
