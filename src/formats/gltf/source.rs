@@ -14,6 +14,8 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
+use unicode_normalization::UnicodeNormalization;
+
 use super::extensions::{Support, support_of};
 use super::repair::repair;
 use crate::formats::error::SceneError;
@@ -187,7 +189,7 @@ impl Source {
             Some((before, _)) if !file.exists() => folder.join(before),
             _ => file,
         };
-        let read = std::fs::read(&file).or_else(|reason| match same_but_case(&file) {
+        let read = std::fs::read(&file).or_else(|reason| match same_name(&file) {
             Some(other) => std::fs::read(other),
             None => Err(reason),
         });
@@ -196,23 +198,22 @@ impl Source {
         })
     }
 
-    /// The bytes of a data URI: Base64 with either alphabet, padded or not, also with line breaks or percent-encoded.
+    /// The bytes of a data URI, percent-encoded or Base64: with either alphabet, padded or not, also with line breaks.
     fn decode_data_uri(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
-        let invalid = |reason: String| {
-            self.error(format!("{what}: its data URI is not base64{reason}; export the file again"))
-        };
         let (kind, data) = uri.split_once(',').unwrap_or((uri, ""));
+        let bytes = percent_encoding::percent_decode_str(data);
         if !kind.to_ascii_lowercase().ends_with(";base64") {
-            return Err(invalid(String::new()));
+            return Ok(bytes.collect());
         }
         let standard = |byte: u8| match byte {
             b'-' => b'+',
             b'_' => b'/',
             byte => byte,
         };
-        let bytes = percent_encoding::percent_decode_str(data);
         let bytes: Vec<u8> = bytes.filter(|byte| !byte.is_ascii_whitespace()).map(standard).collect();
-        BASE64.decode(bytes).map_err(|error| invalid(format!(" ({error})")))
+        BASE64.decode(bytes).map_err(|error| {
+            self.error(format!("{what}: its data URI is not base64 ({error}); export the file again"))
+        })
     }
 
     /// The bytes of a buffer view.
@@ -231,9 +232,10 @@ impl Source {
     }
 }
 
-/// The only file beside `file` whose name differs in nothing but case.
-fn same_but_case(file: &Path) -> Option<PathBuf> {
-    let name = |path: &Path| Some(path.file_name()?.to_string_lossy().to_lowercase());
+/// The only file beside `file` whose name differs in nothing but case, or in how its accents are composed.
+fn same_name(file: &Path) -> Option<PathBuf> {
+    let name =
+        |path: &Path| Some(path.file_name()?.to_string_lossy().nfc().collect::<String>().to_lowercase());
     let files = std::fs::read_dir(file.parent()?).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
     let mut same = files.filter(|other| name(other) == name(file));
     same.next().filter(|_| same.next().is_none())
