@@ -12,13 +12,16 @@ pub struct Animation {
     /// Keyframes, sorted by time; smoothly interpolated (Catmull-Rom, slerp), held before the first and after the
     /// last.
     pub keyframes: Vec<Keyframe>,
-    /// Whether positions between keyframes lie on a line instead of a smooth curve.
-    pub linear: bool,
+    /// Whether the keyframes are samples of a motion that may jump: between two that are [`JUMP`] apart, and at the end.
+    pub sampled: bool,
     /// Constant rotation: axis (unit), radians a second, about `pivot` (world space).
     pub rotation: Option<Rotation>,
     /// Whether the keyframes repeat after the last one. Motion is continuous if the first and last key are equal.
     pub repeat: bool,
 }
+
+/// Time between the sides of a jump, seconds.
+pub const JUMP: f64 = 1e-4;
 
 /// One key of an animation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,13 +119,9 @@ impl Animation {
         let span = b.time - a.time;
         let s = ((time - a.time) / span) as f32;
         let tangent = |i: usize| self.tangent(i, span);
-        let translation = match self.linear {
-            true => a.translation.lerp(b.translation, s),
-            false => hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
-        };
         Keyframe {
             time,
-            translation,
+            translation: hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
             rotation: a.rotation.slerp(b.rotation, s).normalize(),
             stretch: a.stretch + (b.stretch - a.stretch) * s,
         }
@@ -144,7 +143,15 @@ impl Animation {
         let last = keys.len() - 1;
         let [mut before, mut after] = [keys[i.saturating_sub(1)], keys[(i + 1).min(last)]];
         // With repetition, the last key but one precedes the first, and the second follows the last.
-        if self.repeat && last > 0 && (i == 0 || i == last) {
+        if self.sampled {
+            // A jump has a slope on either side.
+            let is_jump = |a: &Keyframe, b: &Keyframe| b.time - a.time < 1.5 * JUMP;
+            before = if is_jump(&before, &keys[i]) { keys[i] } else { before };
+            after = if is_jump(&keys[i], &after) { keys[i] } else { after };
+            if before.time == after.time {
+                return Vec3::ZERO;
+            }
+        } else if self.repeat && last > 0 && (i == 0 || i == last) {
             let [before_offset, after_offset] =
                 [keys[last - 1].time - keys[last].time, keys[1].time - keys[0].time];
             before = Keyframe { time: keys[i].time + before_offset, ..keys[last - 1] };

@@ -25,7 +25,7 @@ pub(crate) mod texture;
 mod texture_use;
 mod world_surface;
 
-pub use animation::{Animation, Keyframe, Motion, Rotation, invertible};
+pub use animation::{Animation, JUMP, Keyframe, Motion, Rotation, invertible};
 pub use bounds::BoundingSphere;
 pub(crate) use bounds::MAX_COORDINATE;
 pub use camera::Camera;

@@ -60,7 +60,8 @@ fn piece_of(
     let mut piece = Mesh { positions, normals: normals.unwrap_or_default(), ..Mesh::default() };
     reader.add_to(&mut piece, &scene.materials[material])?;
     shape.pose(&reader, &mut piece)?;
-    if piece.positions.iter().any(|position| position.abs().max_element() > MAX_COORDINATE) {
+    let in_range = |position: &Vec3| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
+    if !piece.positions.iter().all(in_range) {
         return Err(
             source.error(format!("{place}: a vertex is beyond +-{MAX_COORDINATE:e}; scale the model down"))
         );

@@ -105,7 +105,7 @@ pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
     }
     whole.sort_by_material();
     if whole.triangles.is_empty() {
-        return Err(file.source.error("has no triangles; export a model with meshes"));
+        return Err(file.empty());
     }
     file.warn(scene);
     scene.meshes.push(whole.into());
@@ -258,10 +258,18 @@ impl File {
 
     fn finish(&self, scene: &mut Scene) -> Result<(), SceneError> {
         if scene.instances.is_empty() {
-            return Err(self.source.error("has no triangles; export a model with meshes"));
+            return Err(self.empty());
         }
         self.warn(scene);
         Ok(())
+    }
+
+    /// The error about a file that shows nothing, with what it leaves out.
+    fn empty(&self) -> SceneError {
+        let names: Vec<&str> = self.source.not_shown.iter().map(String::as_str).collect();
+        let left_out =
+            if names.is_empty() { String::new() } else { format!(" (not shown: {})", names.join(", ")) };
+        self.source.error(format!("has no triangles{left_out}; export a model with meshes in its scene"))
     }
 
     /// Names what is in the file and is not shown.

@@ -1,7 +1,7 @@
 //! The animation of nodes as that of the scene.
 //!
 //! In: an animation of a file. Out: for what nodes place, keyframes of its motion relative to the rest pose, close enough
-//! that a linear interpolation between them does what the file's would. It repeats.
+//! that between them the scene's interpolation does what the file's would. It repeats.
 
 use std::collections::HashMap;
 
@@ -12,14 +12,11 @@ use glam::{Affine3A, Mat3A, Quat, Vec3, Vec4};
 use super::nodes::{Placed, Tree, unit};
 use super::source::Source;
 use crate::formats::error::SceneError;
-use crate::scene::{Animation, Keyframe};
+use crate::scene::{Animation, JUMP, Keyframe};
 
 /// Longest time between two keyframes, seconds, unless a file then had more keyframes than this.
 const STEP: f64 = 1.0 / 60.0;
 const MAX_KEYFRAMES: f64 = 4e6;
-
-/// How long before a jump the value before it is kept.
-const JUMP: f64 = 1e-4;
 
 /// Longest animation, seconds.
 const MAX_TIME: f32 = 1e6;
@@ -121,7 +118,7 @@ impl Motions {
     pub fn animate(&self, tree: &Tree, placed: &[Placed]) -> Vec<Option<Animation>> {
         let moving = self.moving(tree);
         let count = placed.iter().filter(|place| moving[place.node]).count();
-        let still = || Animation { linear: true, repeat: true, ..Animation::default() };
+        let still = || Animation { sampled: true, repeat: true, ..Animation::default() };
         let mut animations: Vec<_> = placed.iter().map(|place| moving[place.node].then(still)).collect();
         let (mut worlds, mut turns) = (tree.transforms.clone(), tree.rotations.clone());
         let times = if count > 0 { self.times(count) } else { Vec::new() };

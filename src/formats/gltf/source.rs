@@ -66,6 +66,9 @@ impl Source {
         if let Some(version) = document["asset"]["version"].as_str().filter(|v| !v.starts_with("2.")) {
             return Err(invalid(format!("is glTF {version}; export it as glTF 2.0")));
         }
+        if !fits(&document) {
+            return Err(invalid("has a number that is out of range; export it again".to_owned()));
+        }
         let mut not_shown = BTreeSet::new();
         repair(&mut document, &mut not_shown);
         let root: json::Root = serde_json::from_value(document).map_err(is_none)?;
@@ -229,6 +232,19 @@ impl Source {
                 bytes.len()
             ))
         })
+    }
+}
+
+/// Whether all numbers that are read fit into 32-bit floats.
+fn fits(value: &serde_json::Value) -> bool {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) => number.as_f64().is_some_and(|number| number.abs() <= f64::from(f32::MAX)),
+        Value::Array(values) => values.iter().all(fits),
+        Value::Object(object) => {
+            object.iter().all(|(key, value)| ["extras", "min", "max"].contains(&key.as_str()) || fits(value))
+        }
+        _ => true,
     }
 }
 

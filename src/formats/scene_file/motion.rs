@@ -105,5 +105,5 @@ pub(crate) fn animation_of(
     if keyframes.is_empty() && rotation.is_none() {
         return Err(entry.error("needs keyframes or a rotation"));
     }
-    Ok(Some(Animation { keyframes, rotation, repeat: animation.repeat, linear: false }))
+    Ok(Some(Animation { keyframes, rotation, repeat: animation.repeat, sampled: false }))
 }
