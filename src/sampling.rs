@@ -7,6 +7,7 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Largest float below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -98,31 +99,68 @@ pub(crate) fn discrete(cdf: &[f32], u: f32) -> (usize, f32) {
     (bin, rest.clamp(0.0, BELOW_ONE))
 }
 
-/// The angular falloff of a spot light: 1 inside the inner cone, smoothstep in the cosine to 0 at the outer one.
+/// How the intensity of a spot light falls between its cones, by t: 0 at the outer and 1 at the inner one, linear in the
+/// cosine of the angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpotFalloff {
+    /// Smoothstep, t^2 (3 - 2 t): that of scene files.
+    #[default]
+    Smooth,
+    /// t^2: that of glTF (KHR_lights_punctual).
+    Square,
+}
+
+impl SpotFalloff {
+    /// Share of the intensity at t, 0 to 1.
+    pub fn at(self, t: f64) -> f64 {
+        match self {
+            Self::Smooth => t * t * (3.0 - 2.0 * t),
+            Self::Square => t * t,
+        }
+    }
+
+    /// Its integral from 0 to 1.
+    pub fn mean(self) -> f64 {
+        match self {
+            Self::Smooth => 0.5,
+            Self::Square => 1.0 / 3.0,
+        }
+    }
+}
+
+/// The angular falloff of a spot light: 1 inside the inner cone, falling in the cosine to 0 at the outer one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SpotCone {
     /// 1 - cos of the inner angle; narrow cones need it exact.
     inner: f64,
     /// 1 - cos of the outer angle.
     outer: f64,
+    falloff: SpotFalloff,
 }
 
 impl SpotCone {
     /// Half angles in radians.
-    pub(crate) fn new(inner_angle: f32, outer_angle: f32) -> Self {
+    pub(crate) fn new(inner_angle: f32, outer_angle: f32, falloff: SpotFalloff) -> Self {
         let one_minus_cos = |angle: f32| 2.0 * (0.5 * f64::from(angle)).sin().powi(2);
-        Self { inner: one_minus_cos(inner_angle), outer: one_minus_cos(outer_angle) }
+        Self { inner: one_minus_cos(inner_angle), outer: one_minus_cos(outer_angle), falloff }
     }
 
     /// Samples a direction about +z in proportion to the emitted intensity.
     pub(crate) fn sample(&self, u: Vec2) -> Vec3 {
-        // The distribution of 1 - cos has a flat part and a falloff, whose integral is half its width.
+        // The distribution of 1 - cos has a flat part and a falloff.
         let falloff = self.outer - self.inner;
-        let mass = f64::from(u.x) * (self.inner + 0.5 * falloff);
+        let mass = f64::from(u.x) * (self.inner + self.falloff.mean() * falloff);
         let one_minus_cos = if mass <= self.inner || falloff <= 0.0 {
             mass.min(self.inner)
         } else {
-            self.inner + falloff * inverse_falloff((mass - self.inner) / falloff)
+            let mass = (mass - self.inner) / falloff;
+            let place = match self.falloff {
+                SpotFalloff::Smooth => inverse_falloff(mass),
+                // From the inner edge the square leaves (1 - x)^3 / 3 of its integral.
+                SpotFalloff::Square => 1.0 - (1.0 - 3.0 * mass).max(0.0).cbrt(),
+            };
+            self.inner + falloff * place
         };
         let sin_theta = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt() as f32;
         let (sin, cos) = (TAU * u.y).sin_cos();
@@ -264,13 +302,20 @@ pub(crate) mod tests {
 
     #[test]
     fn spots_follow_their_falloff() {
-        for (inner, outer) in [(0.2f32, 0.5f32), (0.0, 1.0), (1.0, 3.0), (0.002, 0.004), (0.7, 0.70001)] {
-            let cone = SpotCone::new(inner, outer);
+        let cones = [(0.2f32, 0.5f32), (0.0, 1.0), (1.0, 3.0), (0.002, 0.004), (0.7, 0.70001)];
+        let both = |(inner, outer)| [SpotFalloff::Smooth, SpotFalloff::Square].map(|f| (inner, outer, f));
+        for (inner, outer, falloff_kind) in cones.into_iter().flat_map(both) {
+            let cone = SpotCone::new(inner, outer, falloff_kind);
             // The integral of the emission from the axis down to 1 - cos = x.
             let (near, falloff) = (cone.inner, cone.outer - cone.inner);
             let mass = |x: f64| {
                 let rim = ((x - near) / falloff).clamp(0.0, 1.0);
-                x.min(near) + falloff * (rim - rim.powi(3) + 0.5 * rim.powi(4))
+                x.min(near)
+                    + falloff
+                        * match falloff_kind {
+                            SpotFalloff::Smooth => rim - rim.powi(3) + 0.5 * rim.powi(4),
+                            SpotFalloff::Square => (1.0 - (1.0 - rim).powi(3)) / 3.0,
+                        }
             };
             let bins = 64;
             let edge = |bin: usize| cone.outer * bin as f64 / bins as f64;
@@ -286,7 +331,7 @@ pub(crate) mod tests {
                 counts[((x / cone.outer * bins as f64) as usize).min(bins - 1)] += 1;
             }
             let chi = chi_square(&counts, &shares);
-            assert!(chi < 0.7, "{inner} {outer}: {chi}");
+            assert!(chi < 0.7, "{inner} {outer} {falloff_kind:?}: {chi}");
         }
     }
 

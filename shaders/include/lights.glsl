@@ -7,6 +7,8 @@ const float FAR = 1e30;
 const uint LIGHT_POINT = 0u;
 const uint LIGHT_SPOT = 1u;
 const uint LIGHT_DIRECTIONAL = 2u;
+// A spot whose intensity falls by the square, as that of glTF.
+const uint LIGHT_SQUARE_SPOT = 3u;
 
 // Irradiance on a plane across the direction to the light, unoccluded.
 vec3 unshadowed(LightData light, vec3 p, out vec3 to_light) {
@@ -18,8 +20,10 @@ vec3 unshadowed(LightData light, vec3 p, out vec3 to_light) {
     float squared = max(dot(d, d), 1e-30);
     to_light = d * inversesqrt(squared);
     float falloff = 1.0;
-    if (light.kind == LIGHT_SPOT) {
-        falloff = smoothstep(light.direction.w, light.position.w, dot(-to_light, light.direction.xyz));
+    if (light.kind == LIGHT_SPOT || light.kind == LIGHT_SQUARE_SPOT) {
+        float inner = light.position.w, outer = light.direction.w;
+        float t = clamp((dot(-to_light, light.direction.xyz) - outer) / (inner - outer), 0.0, 1.0);
+        falloff = t * t * (light.kind == LIGHT_SPOT ? 3.0 - 2.0 * t : 1.0);
     }
     return light.power.rgb * falloff / squared;
 }

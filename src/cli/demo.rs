@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::options::{CameraOptions, RunOptions};
 use super::render::{RenderOptions, ViewOptions, render};
+use super::scene::AnimationOption;
 use super::{CliError, device, say};
 use crate::demo::{self, DemoError, Launch};
 use crate::settings::GivenSettings;
@@ -69,6 +70,7 @@ fn render_instead(options: DemoOptions, reason: &str) -> Result<(), CliError> {
         time: None,
         out,
         layers: false,
+        animation: AnimationOption::default(),
         camera,
         view,
         settings,

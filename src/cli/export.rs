@@ -57,7 +57,7 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     }
     let given = options.scene.given(&[]);
     let LoadedScene { mut scene, settings, .. } =
-        load(&options.scene.name, &given, &options.files, &options.camera.parts())?;
+        load(&options.scene.name, &given, &options.files, &options.scene.animation.seen_by(options.camera.parts()))?;
     options.camera.place(&mut scene)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::options::{CameraOptions, RunOptions};
 use super::progress::{frames_bar, preparing};
-use super::scene::{LoadedScene, load};
+use super::scene::{AnimationOption, LoadedScene, load};
 use super::{CliError, device, say};
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView, Vpls};
@@ -36,6 +36,8 @@ pub(super) struct RenderOptions {
     /// Add the G-buffer, direct and indirect light to an .exr as layers.
     #[arg(long, help_heading = "Files")]
     pub layers: bool,
+    #[command(flatten)]
+    pub animation: AnimationOption,
     #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
@@ -125,7 +127,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
     let LoadedScene { mut scene, settings, load_ms } =
-        load(&options.scene, &options.settings, &options.run.files, &options.camera.parts())?;
+        load(&options.scene, &options.settings, &options.run.files, &options.animation.seen_by(options.camera.parts()))?;
     options.camera.place(&mut scene)?;
     let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::options::FileOptions;
 use super::progress::preparing;
 use super::{CliError, say};
-use crate::formats::load_scene_seen_by;
+use crate::formats::{LoadOptions, load_scene_with};
 use crate::scene::{CameraOverride, Scene};
 use crate::settings::{GivenSettings, Settings, parser_of};
 
@@ -24,6 +24,23 @@ pub(super) struct SceneOptions {
     /// Seconds of animation from one frame to the next, such as 1/60. Otherwise the scene's, or 1/60.
     #[arg(long, value_name = "SECONDS", value_parser = parser_of("time_step"), allow_negative_numbers = true)]
     time_step: Option<String>,
+    #[command(flatten)]
+    pub animation: AnimationOption,
+}
+
+/// Which animation of a model is shown.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct AnimationOption {
+    /// The animation of a .gltf or .glb, by name or by index from 0. Otherwise the first.
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub animation: Option<String>,
+}
+
+impl AnimationOption {
+    /// What is asked of a file that is seen by the scene's camera, but for what `camera` overrides.
+    pub fn seen_by(&self, camera: CameraOverride) -> LoadOptions {
+        LoadOptions { animation: self.animation.clone(), seen_by: camera }
+    }
 }
 
 /// `--bounces`.
@@ -74,15 +91,15 @@ pub(super) struct LoadedScene {
     pub load_ms: f64,
 }
 
-/// Loads the scene `name`, to be `seen_by` a camera, prints its warnings, and resolves its settings with those `given`.
+/// Loads the scene `name`, prints its warnings, and resolves its settings with those `given`.
 pub(super) fn load(
     name: &str,
     given: &GivenSettings,
     files: &FileOptions,
-    seen_by: &CameraOverride,
+    options: &LoadOptions,
 ) -> Result<LoadedScene, CliError> {
     let begun = Instant::now();
-    let scene = preparing(|| load_scene_seen_by(name, files.assets_folder().as_deref(), seen_by))?;
+    let scene = preparing(|| load_scene_with(name, files.assets_folder().as_deref(), options))?;
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     scene.warnings.iter().for_each(|warning| say::warning(warning));
     let settings = Settings::resolve(&scene.settings, given)

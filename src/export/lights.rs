@@ -16,7 +16,7 @@ use glam::{Affine3A, Mat3, Vec3};
 use super::exporter::{Content, Export, named};
 use super::materials::write_environment;
 use super::remarks;
-use super::spot::ramps;
+use super::spot::{Ramp, ramps};
 use super::xml::Element;
 use crate::scene::{Light, LightKind};
 
@@ -31,13 +31,14 @@ impl Export<'_> {
                     self.lights.point += 1;
                     emitters.push(self.point(light, id, *intensity));
                 }
-                LightKind::Spot { intensity, inner_angle, outer_angle } => {
+                LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => {
                     self.lights.spot += 1;
                     self.remarks.insert(remarks::SPOT_FALLOFF);
                     if light.radius > 0.0 {
                         self.remarks.insert(remarks::SPOT_RADIUS);
                     }
-                    emitters.extend(spot(light, &id, *intensity, [*inner_angle, *outer_angle]));
+                    let ramps = ramps(*inner_angle, *outer_angle, *falloff);
+                    emitters.extend(spot(light, &id, *intensity, ramps));
                 }
                 LightKind::Directional { irradiance } => {
                     self.lights.directional += 1;
@@ -126,11 +127,12 @@ fn shining(shape: Element, radiance: Vec3) -> Element {
 const ENVIRONMENT_FILE: &str = "textures/environment.exr";
 
 /// The Mitsuba spots whose sum is one spot light; together they have the sampling weight of one light.
-fn spot(light: &Light, id: &str, intensity: Vec3, [inner, outer]: [f32; 2]) -> Vec<Element> {
+fn spot(light: &Light, id: &str, intensity: Vec3, ramps: Vec<Ramp>) -> Vec<Element> {
     let (x, y) = light.direction.any_orthonormal_pair();
     let place = Affine3A::from_mat3_translation(Mat3::from_cols(x, y, light.direction), light.position);
-    let ramps = ramps(inner, outer).into_iter().enumerate();
     ramps
+        .into_iter()
+        .enumerate()
         .map(|(index, ramp)| {
             Element::plugin("emitter", "spot")
                 .attribute("id", format!("{id}-{index}"))

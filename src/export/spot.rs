@@ -1,11 +1,13 @@
 //! The falloff of a spot light as a sum of Mitsuba's.
 //!
-//! In: the cone angles of a spot light with a smoothstep falloff in the cosine. Out: spots with a linear falloff
+//! In: the cone angles of a spot light with its falloff in the cosine. Out: spots with a linear falloff
 //! in the angle, as in Mitsuba, whose sum interpolates that curve piecewise linearly.
 //!
 //! Ramps begin at vertices where the polyline bends down (near the inner cone) and end where it bends up (near the
 //! outer cone). They are paired from the outside in, which makes each as similar to the sum as possible: Mitsuba
 //! samples one of them at random, and similar ramps give less noise.
+
+use crate::scene::SpotFalloff;
 
 /// Segments of the polyline; the error falls with their square.
 const SIDES: usize = 32;
@@ -23,8 +25,8 @@ pub(super) struct Ramp {
 }
 
 /// Ramps whose sum is within 0.001 of the falloff at any angle; their fractions sum to 1.
-pub(super) fn ramps(inner_angle: f32, outer_angle: f32) -> Vec<Ramp> {
-    let corners = corners(f64::from(inner_angle), f64::from(outer_angle));
+pub(super) fn ramps(inner_angle: f32, outer_angle: f32, falloff: SpotFalloff) -> Vec<Ramp> {
+    let corners = corners(f64::from(inner_angle), f64::from(outer_angle), falloff);
 
     // Compute the change of slope at each vertex.
     let mut slopes = vec![0.0];
@@ -52,12 +54,11 @@ pub(super) fn ramps(inner_angle: f32, outer_angle: f32) -> Vec<Ramp> {
 
 /// Vertices (angle, height) of the polyline, from the inner cone outwards, with a density in proportion to the root of
 /// the curve's second derivative, which equalises the error of all segments.
-fn corners(inner: f64, outer: f64) -> Vec<(f64, f64)> {
+fn corners(inner: f64, outer: f64, falloff: SpotFalloff) -> Vec<(f64, f64)> {
     let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
     let angle_at = |step: usize| inner + (outer - inner) * step as f64 / STEPS as f64;
     let height_at = |step: usize| {
-        let t = ((angle_at(step).cos() - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+        falloff.at(((angle_at(step).cos() - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0))
     };
     let heights: Vec<f64> = (0..=STEPS).map(height_at).collect();
     let bend = |step: usize| (heights[step - 1] - 2.0 * heights[step] + heights[step + 1]).abs().sqrt();
@@ -88,20 +89,23 @@ mod tests {
     #[test]
     fn sums_are_the_falloff_for_all_cones() {
         for outer in [1.0f32, 10.0, 25.0, 45.0, 80.0, 90.0, 120.0, 179.0] {
-            for part in [0.0f32, 0.3, 0.8, 0.99] {
+            for (part, falloff) in [0.0f32, 0.3, 0.8, 0.99]
+                .into_iter()
+                .flat_map(|part| [(part, SpotFalloff::Smooth), (part, SpotFalloff::Square)])
+            {
                 let (inner, outer) = ((outer * part).to_radians(), outer.to_radians());
-                let ramps = ramps(inner, outer);
+                let ramps = ramps(inner, outer, falloff);
                 assert!(ramps.len() <= SIDES, "{}", ramps.len());
                 assert!(ramps.iter().all(|ramp| ramp.share > 0.0 && ramp.beam < ramp.cutoff), "{ramps:?}");
                 let (cos_inner, cos_outer) = (f64::from(inner).cos(), f64::from(outer).cos());
                 for i in 0..=2000 {
                     let angle = f64::from(outer) * 1.1 * f64::from(i) / 2000.0;
                     let t = ((angle.cos() - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
-                    let expected = if angle < f64::from(outer) { t * t * (3.0 - 2.0 * t) } else { 0.0 };
+                    let expected = if angle < f64::from(outer) { falloff.at(t) } else { 0.0 };
                     let error = mitsuba(&ramps, angle) - expected;
                     assert!(error.abs() < 1e-3, "{inner} {outer}: {error} at {angle}");
                     if outer > 0.1 {
-                        let ours = f64::from(spot_falloff(angle.cos() as f32, inner, outer));
+                        let ours = f64::from(spot_falloff(angle.cos() as f32, inner, outer, falloff));
                         assert!(angle > f64::from(outer) || (ours - expected).abs() < 1e-3);
                     }
                 }
@@ -113,7 +117,7 @@ mod tests {
     fn they_are_alike() {
         // Choosing a ramp by its share, the squared noise of a sample where little light comes, over what it
         // would be were each side of the polygon a ramp of its own.
-        let ramps = ramps(20f32.to_radians(), 25f32.to_radians());
+        let ramps = ramps(20f32.to_radians(), 25f32.to_radians(), SpotFalloff::Smooth);
         let angle = 24.5f64.to_radians();
         let expected = mitsuba(&ramps, angle);
         let square: f64 = ramps

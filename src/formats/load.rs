@@ -20,34 +20,43 @@ use crate::scene::{CameraOverride, Instance, Scene};
 /// # Errors
 /// One line that names the file, the line or key if known, and what to do.
 pub fn load_scene(name: &str, assets: Option<&Path>) -> Result<Scene, SceneError> {
-    load_scene_seen_by(name, assets, &CameraOverride::default())
+    load_scene_with(name, assets, &LoadOptions::default())
 }
 
-/// The same, for a camera that is going to be overridden: a bare model is lit for what that sees.
+/// What is asked of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// Name or index of the animation of a glTF file, otherwise the first one.
+    pub animation: Option<String>,
+    /// The camera that is going to be overridden: a bare model is lit for what that sees.
+    pub seen_by: CameraOverride,
+}
+
+/// The same as [`load_scene`], as `options` ask.
 ///
 /// # Errors
-/// Likewise.
-pub fn load_scene_seen_by(
-    name: &str,
-    assets: Option<&Path>,
-    seen_by: &CameraOverride,
-) -> Result<Scene, SceneError> {
-    load_with(name, assets, seen_by, &mut ReadFiles::default())
+/// Likewise; the file has no such animation.
+pub fn load_scene_with(name: &str, assets: Option<&Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
+    load_with(name, assets, options, &mut ReadFiles::default())
 }
 
 /// The same; `read` receives what was read for a scene file.
 pub(crate) fn load_with(
     name: &str,
     assets: Option<&Path>,
-    seen_by: &CameraOverride,
+    options: &LoadOptions,
     read: &mut ReadFiles,
 ) -> Result<Scene, SceneError> {
     let begun = Instant::now();
     activity::begin(format!("reading {name}"));
     let mut scene = match find(name)? {
+        Source::Model(path) if gltf::is_gltf(&path) => guarded(&path, || gltf::load(&path, options))?,
+        _ if options.animation.is_some() => {
+            let problem = "only glTF files have animations to choose from; leave --animation out";
+            return Err(SceneError::invalid(Path::new(name), None, problem));
+        }
         Source::File(path, text) => load_toml(&path, &text, assets, read)?,
-        Source::Model(path) if gltf::is_gltf(&path) => guarded(&path, || gltf::load(&path, seen_by))?,
-        Source::Model(path) => load_bare_obj(&path, seen_by)?,
+        Source::Model(path) => load_bare_obj(&path, &options.seen_by)?,
         Source::CornellBox => builtin::cornell_box(),
     };
     scene.warnings.iter_mut().for_each(|warning| *warning = foreign::one_line(warning));

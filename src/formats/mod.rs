@@ -15,7 +15,7 @@ mod scene_file;
 
 pub use document::{ModelSource, Placement, SceneDocument};
 pub use error::{Place, SceneError};
-pub use load::{load_scene, load_scene_seen_by, missing_asset, scene_of_text};
+pub use load::{LoadOptions, load_scene, load_scene_with, missing_asset, scene_of_text};
 pub use scene_file::schema::{
     AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, Primitive,
     RotationEntry, ScaleEntry, SpinEntry,

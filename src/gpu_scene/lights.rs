@@ -1,7 +1,7 @@
 //! Point, spot and directional lights as shaders read them.
 
 use super::structs::LightData;
-use crate::scene::{Light, LightKind, Pose};
+use crate::scene::{Light, LightKind, Pose, SpotFalloff};
 
 /// The lights of a pose that have no area, in the scene's order; with their extent where shadows are soft.
 pub fn lights_of(pose: &Pose, soft: bool) -> Vec<LightData> {
@@ -13,9 +13,12 @@ pub fn lights_of(pose: &Pose, soft: bool) -> Vec<LightData> {
 fn light_data(light: &Light) -> Option<LightData> {
     let (kind, power, inner, outer) = match light.kind {
         LightKind::Point { intensity } => (0, intensity, 0.0, 0.0),
-        LightKind::Spot { intensity, inner_angle, outer_angle } => {
-            (1, intensity, inner_angle.cos(), outer_angle.cos())
-        }
+        LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => (
+            if falloff == SpotFalloff::Smooth { 1 } else { 3 },
+            intensity,
+            inner_angle.cos(),
+            outer_angle.cos(),
+        ),
         LightKind::Directional { irradiance } => (2, irradiance, 0.0, 0.0),
         LightKind::Area { .. } => return None,
     };

@@ -253,8 +253,8 @@ impl PosedLight {
 fn unshadowed(light: &Light, p: Vec3) -> Option<(Vec3, LightCone)> {
     let (intensity, cone_angles) = match light.kind {
         LightKind::Point { intensity } => (intensity, None),
-        LightKind::Spot { intensity, inner_angle, outer_angle } => {
-            (intensity, Some((inner_angle, outer_angle)))
+        LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => {
+            (intensity, Some((inner_angle, outer_angle, falloff)))
         }
         LightKind::Directional { irradiance } => {
             return Some((irradiance, LightCone::to_disc(-light.direction, light.half_angle)));
@@ -265,8 +265,9 @@ fn unshadowed(light: &Light, p: Vec3) -> Option<(Vec3, LightCone)> {
     let squared = to_light.length_squared().max(1e-30);
     let distance = squared.sqrt();
     let direction = to_light / distance;
-    let falloff =
-        cone_angles.map_or(1.0, |(inner, outer)| spot_falloff(-direction.dot(light.direction), inner, outer));
+    let falloff = cone_angles.map_or(1.0, |(inner, outer, falloff)| {
+        spot_falloff(-direction.dot(light.direction), inner, outer, falloff)
+    });
     let cone = LightCone::to_sphere(direction, distance, light.radius);
     Some((intensity * (falloff / squared), cone))
 }

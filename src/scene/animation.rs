@@ -12,14 +12,19 @@ pub struct Animation {
     /// Keyframes, sorted by time; smoothly interpolated (Catmull-Rom, slerp), held before the first and after the
     /// last.
     pub keyframes: Vec<Keyframe>,
+    /// Whether the keyframes are samples of a motion that may jump: between two that are [`JUMP`] apart, and at the end.
+    pub sampled: bool,
     /// Constant rotation: axis (unit), radians a second, about `pivot` (world space).
     pub rotation: Option<Rotation>,
     /// Whether the keyframes repeat after the last one. Motion is continuous if the first and last key are equal.
     pub repeat: bool,
 }
 
+/// Time between the sides of a jump, seconds.
+pub const JUMP: f64 = 1e-4;
+
 /// One key of an animation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Keyframe {
     /// Seconds.
     pub time: f64,
@@ -27,6 +32,8 @@ pub struct Keyframe {
     pub translation: Vec3,
     /// Rotation applied about the object's own origin.
     pub rotation: Quat,
+    /// How an instance is scaled and sheared about its own origin before the rotation.
+    pub stretch: Mat3A,
 }
 
 /// Constant rotation.
@@ -40,22 +47,38 @@ pub struct Rotation {
     pub pivot: Option<Vec3>,
 }
 
-/// A rigid motion, as a rotation about the object's own origin and the new position of that origin: exact at rest.
+/// A motion, as what turns and stretches the object about its own origin, and the new position of that: exact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// About the object's own origin.
     pub rotation: Quat,
     /// Position of its origin, world space.
     pub position: Vec3,
+    /// Scale and shear of an instance, before the rotation.
+    pub stretch: Mat3A,
+}
+
+/// Least scale of an object that is scaled to nothing, or of its thickness over its size.
+const LEAST_SCALE: f32 = 1e-6;
+
+/// The matrix, or where it scales an axis to nothing one that has an inverse: by a little of `like` more, which turns
+/// alike. A point is too small to be seen.
+pub fn invertible(matrix: Mat3A, like: Mat3A) -> Mat3A {
+    let largest = |m: Mat3A| m.to_cols_array().into_iter().fold(0.0f32, |most, v| most.max(v.abs()));
+    let size = largest(matrix);
+    if size > LEAST_SCALE && (matrix * (1.0 / size)).determinant().abs() > 1e-9 {
+        return matrix;
+    }
+    let scale = if size > LEAST_SCALE { size } else { 1.0 } * LEAST_SCALE;
+    matrix + like * (scale / largest(like))
 }
 
 impl Motion {
     /// Object to world of an object with rest transform `rest`.
     pub fn transform(&self, rest: &Affine3A) -> Affine3A {
-        Affine3A {
-            matrix3: Mat3A::from_quat(self.rotation) * rest.matrix3,
-            translation: self.position.into(),
-        }
+        let rotation = Mat3A::from_quat(self.rotation);
+        let matrix3 = invertible(rotation * self.stretch * rest.matrix3, rotation * rest.matrix3);
+        Affine3A { matrix3, translation: self.position.into() }
     }
 }
 
@@ -64,7 +87,7 @@ impl Animation {
     /// rotation about `origin`, then the constant rotation about its pivot, then the keyed translation.
     pub fn motion(&self, time: f64, origin: Vec3) -> Motion {
         let key = self.key_at(time);
-        let mut motion = Motion { rotation: key.rotation, position: origin };
+        let mut motion = Motion { rotation: key.rotation, position: origin, stretch: key.stretch };
         if let Some(rotation) = &self.rotation {
             // Reduce the angle in f64, so that a long run stays exact.
             let angle = (f64::from(rotation.speed) * time).rem_euclid(std::f64::consts::TAU);
@@ -84,7 +107,7 @@ impl Animation {
         let time = self.key_time(time);
         let next = keys.partition_point(|key| key.time <= time);
         let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-            return Keyframe { time, translation: Vec3::ZERO, rotation: Quat::IDENTITY };
+            return Keyframe { time, ..Keyframe::default() };
         };
         if next == 0 {
             return Keyframe { time, ..*first };
@@ -100,6 +123,7 @@ impl Animation {
             time,
             translation: hermite([a.translation, b.translation], [tangent(next - 1), tangent(next)], s),
             rotation: a.rotation.slerp(b.rotation, s).normalize(),
+            stretch: a.stretch + (b.stretch - a.stretch) * s,
         }
     }
 
@@ -119,7 +143,15 @@ impl Animation {
         let last = keys.len() - 1;
         let [mut before, mut after] = [keys[i.saturating_sub(1)], keys[(i + 1).min(last)]];
         // With repetition, the last key but one precedes the first, and the second follows the last.
-        if self.repeat && last > 0 && (i == 0 || i == last) {
+        if self.sampled {
+            // A jump has a slope on either side.
+            let is_jump = |a: &Keyframe, b: &Keyframe| b.time - a.time < 1.5 * JUMP;
+            before = if is_jump(&before, &keys[i]) { keys[i] } else { before };
+            after = if is_jump(&keys[i], &after) { keys[i] } else { after };
+            if before.time == after.time {
+                return Vec3::ZERO;
+            }
+        } else if self.repeat && last > 0 && (i == 0 || i == last) {
             let [before_offset, after_offset] =
                 [keys[last - 1].time - keys[last].time, keys[1].time - keys[0].time];
             before = Keyframe { time: keys[i].time + before_offset, ..keys[last - 1] };
@@ -155,7 +187,8 @@ mod tests {
     use super::*;
 
     fn key(time: f64, translation: Vec3, degrees: f32) -> Keyframe {
-        Keyframe { time, translation, rotation: Quat::from_rotation_y(degrees.to_radians()) }
+        let rotation = Quat::from_rotation_y(degrees.to_radians());
+        Keyframe { time, translation, rotation, ..Keyframe::default() }
     }
 
     #[test]

@@ -15,9 +15,10 @@ impl Light {
     pub fn flux(&self, scene: &Scene, pose: &Pose, bounds: &BoundingSphere) -> Vec3 {
         match &self.kind {
             LightKind::Point { intensity } => *intensity * (4.0 * PI),
-            LightKind::Spot { intensity, inner_angle, outer_angle } => {
-                // Smoothstep is 1/2 on average, so the falloff counts for half of its solid angle.
-                *intensity * (2.0 * PI * (1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos())))
+            LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => {
+                // The falloff counts for its mean over its solid angle.
+                let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
+                *intensity * (2.0 * PI * (1.0 - inner + falloff.mean() as f32 * (inner - outer)))
             }
             LightKind::Directional { irradiance } => *irradiance * (PI * bounds.radius * bounds.radius),
             LightKind::Area { instance, triangles } => {

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Animation;
+pub use crate::sampling::SpotFalloff;
 
 /// Type and power of a light.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,8 +16,7 @@ pub enum LightKind {
         /// W/sr.
         intensity: Vec3,
     },
-    /// Intensity along the axis in W/sr, full within the inner cone, falling to zero at the outer by
-    /// smoothstep in the cosine.
+    /// Intensity along the axis in W/sr, full within the inner cone, falling to zero at the outer.
     Spot {
         /// W/sr on the axis.
         intensity: Vec3,
@@ -24,6 +24,8 @@ pub enum LightKind {
         inner_angle: f32,
         /// Half angle of the outer cone, radians, greater than the inner and less than pi.
         outer_angle: f32,
+        /// How it falls.
+        falloff: SpotFalloff,
     },
     /// Irradiance in W/m^2 on a plane perpendicular to the direction.
     Directional {
@@ -117,11 +119,11 @@ pub fn luminance(rgb: Vec3) -> f32 {
 }
 
 /// Intensity of a spot light relative to its axis, at an angle with cosine `cos` to the axis: 1 inside the inner cone,
-/// 0 outside the outer, smoothstep in the cosine between. Angles in radians.
-pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32) -> f32 {
+/// 0 outside the outer. Angles in radians.
+pub fn spot_falloff(cos: f32, inner_angle: f32, outer_angle: f32, falloff: SpotFalloff) -> f32 {
     let (cos_inner, cos_outer) = (inner_angle.cos(), outer_angle.cos());
     let t = ((cos - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    falloff.at(f64::from(t)) as f32
 }
 
 impl Light {

@@ -28,14 +28,14 @@ pub(crate) mod texture;
 mod texture_use;
 mod world_surface;
 
-pub use animation::{Animation, Keyframe, Motion, Rotation};
+pub use animation::{Animation, JUMP, Keyframe, Motion, Rotation, invertible};
 pub use bounds::BoundingSphere;
 pub(crate) use bounds::MAX_COORDINATE;
 pub use camera::Camera;
 pub use camera_override::CameraOverride;
 pub use contents::{Instance, Pose, Scene};
 pub use environment::{Environment, EnvironmentMap};
-pub use light::{AreaTriangle, Light, LightKind, LightType, luminance, spot_falloff};
+pub use light::{AreaTriangle, Light, LightKind, LightType, SpotFalloff, luminance, spot_falloff};
 pub use light_cone::{ConeSample, LightCone};
 pub(crate) use material::GLTF_F0;
 pub use material::{Alpha, AlphaMask, Material, Texture, ThinSurface, roughness_of_exponent};

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::camera::Camera;
 use super::contents::{Pose, Scene};
-use super::light::{Light, LightKind, LightType};
+use super::light::{Light, LightKind, LightType, SpotFalloff};
 use super::recording::{RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 
 impl RecordedFrame {
@@ -70,9 +70,11 @@ fn recorded_environment(pose: &Pose) -> Option<RecordedEnvironment> {
 }
 
 fn recorded_light(light: &Light) -> RecordedLight {
+    let mut spot_falloff = SpotFalloff::default();
     let (kind, power, angles) = match light.kind {
         LightKind::Point { intensity } => (LightType::Point, intensity, [0.0; 2]),
-        LightKind::Spot { intensity, inner_angle, outer_angle } => {
+        LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => {
+            spot_falloff = falloff;
             (LightType::Spot, intensity, [inner_angle, outer_angle])
         }
         LightKind::Directional { irradiance } => (LightType::Directional, irradiance, [0.0; 2]),
@@ -85,6 +87,7 @@ fn recorded_light(light: &Light) -> RecordedLight {
         direction: light.direction,
         power,
         angles,
+        falloff: spot_falloff,
         radius: light.radius,
         half_angle: light.half_angle,
     }
@@ -94,7 +97,10 @@ fn light_of(recorded: &RecordedLight, mut next_area: impl FnMut() -> Option<Ligh
     let [inner_angle, outer_angle] = recorded.angles;
     let kind = match recorded.kind {
         LightType::Point => LightKind::Point { intensity: recorded.power },
-        LightType::Spot => LightKind::Spot { intensity: recorded.power, inner_angle, outer_angle },
+        LightType::Spot => {
+            let falloff = recorded.falloff;
+            LightKind::Spot { intensity: recorded.power, inner_angle, outer_angle, falloff }
+        }
         LightType::Directional => LightKind::Directional { irradiance: recorded.power },
         LightType::Area => next_area()?,
     };

@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::camera::Camera;
-use super::light::LightType;
+use super::light::{LightType, SpotFalloff};
 use crate::settings::Settings;
 
 /// One frame.
@@ -50,6 +50,9 @@ pub struct RecordedLight {
     pub power: Vec3,
     /// Half angles of a spot's cones, radians.
     pub angles: [f32; 2],
+    /// How a spot's intensity falls between them.
+    #[serde(default)]
+    pub falloff: SpotFalloff,
     /// Radius of the sphere that shines.
     #[serde(default)]
     pub radius: f32,

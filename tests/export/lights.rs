@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::Vec3;
-use glowworm::scene::{Environment, EnvironmentMap, Scene, spot_falloff};
+use glowworm::scene::{Environment, EnvironmentMap, Scene, SpotFalloff, spot_falloff};
 
 use crate::support::*;
 
@@ -54,7 +54,7 @@ fn spots_fall_off_as_ours() {
     let intensity = Vec3::new(5.0, 5.0, 6.0);
     for step in 0..=300 {
         let angle = 0.1f32.to_radians() * step as f32;
-        let expected = intensity * spot_falloff(angle.cos(), inner, outer);
+        let expected = intensity * spot_falloff(angle.cos(), inner, outer, SpotFalloff::Smooth);
         let got = sent(root, "light-3-torch", angle);
         assert!(got.distance(expected) < 6e-4 * intensity.length(), "{got} {expected} at {angle}");
     }

@@ -4,6 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 use glowworm::reference::{PixelFilter, ReferenceSettings};
+use glowworm::scene::{SpotFalloff, spot_falloff};
 
 use super::lights::{assert_floor, floor};
 use super::support::{assert_near, colour, layer, mean, picture, settings};
@@ -59,7 +60,7 @@ fn an_extent_above_the_horizon_leaves_a_light_as_bright() {
         .replace("point", "spot");
     let rendered = picture(&floor(&spot), &settings(16, Some(0)), 512);
     let (inner, outer) = (20f32.to_radians(), 40f32.to_radians());
-    let expected = |p: Vec3| expected(p) * glowworm::scene::spot_falloff(falloff(p).1, inner, outer);
+    let expected = |p: Vec3| expected(p) * spot_falloff(falloff(p).1, inner, outer, SpotFalloff::Smooth);
     assert_floor(&rendered, &colour(&rendered), expected, 0.015);
 
     let rendered = picture(&floor(&sun(Vec3::new(1.0, -1.0, 0.0), 40.0)), &settings(8, Some(0)), 512);

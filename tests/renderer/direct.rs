@@ -1,8 +1,10 @@
 //! Direct light against its formula and the CPU's rays.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use glowworm::bvh::{Ray, TwoLevelBvh};
-use glowworm::scene::{LightKind, spot_falloff};
+use glowworm::scene::{LightKind, SpotFalloff, spot_falloff};
 
 use super::support::{GpuFixture, exact, layer, luminance, scene};
 
@@ -36,8 +38,16 @@ fn floor(light: &str) -> String {
 
 /// Compares every pixel with the formula and a shadow ray; only where an edge is a matter of rounding may they differ.
 fn check(light: &str) {
+    check_with(light, SpotFalloff::Smooth);
+}
+
+/// The same where a spot falls like this.
+fn check_with(light: &str, of_spot: SpotFalloff) {
     let Some(gpu) = GpuFixture::open() else { return };
-    let scene = scene(&floor(light));
+    let mut scene = scene(&floor(light));
+    if let LightKind::Spot { falloff, .. } = &mut Arc::make_mut(&mut scene).lights[0].kind {
+        *falloff = of_spot;
+    }
     let mut settings = exact([160, 120]);
     settings.vpl.slots = 4;
     let picture = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
@@ -59,9 +69,10 @@ fn check(light: &str) {
                 let d = light.position - p;
                 (d.normalize(), intensity / d.length_squared(), d.length())
             }
-            LightKind::Spot { intensity, inner_angle, outer_angle } => {
+            LightKind::Spot { intensity, inner_angle, outer_angle, falloff } => {
                 let d = light.position - p;
-                let falloff = spot_falloff(-d.normalize().dot(light.direction), inner_angle, outer_angle);
+                let cosine = -d.normalize().dot(light.direction);
+                let falloff = spot_falloff(cosine, inner_angle, outer_angle, falloff);
                 (d.normalize(), intensity * falloff / d.length_squared(), d.length())
             }
             LightKind::Area { .. } => unreachable!(),
@@ -98,6 +109,14 @@ fn spot_light() {
 fn wide_spot_light() {
     check(
         "type = \"spot\"\nposition = [1, 4, 1]\ndirection = [0, -1, 0]\nintensity = [60, 60, 60]\ninner_deg = 70\nouter_deg = 85",
+    );
+}
+
+#[test]
+fn spot_light_of_gltf() {
+    check_with(
+        "type = \"spot\"\nposition = [1, 4, 1]\ndirection = [0, -1, 0]\nintensity = [60, 60, 60]\ninner_deg = 10\nouter_deg = 65",
+        SpotFalloff::Square,
     );
 }
 

@@ -66,7 +66,7 @@ fn files_that_are_named_must_be_there_and_inside() {
         ("/etc/hostname", &["out of the folder"]),
         ("http://a/b.bin", &["out of the folder"]),
         ("data:application/octet-stream;base64,%%%", &["not base64"]),
-        ("data:text/plain,hello", &["not base64"]),
+        ("data:text/plain,hello", &["buffer 0", "5 bytes instead of 66"]),
     ] {
         broken(|d, _| d["buffers"][0]["uri"] = json!(uri), parts);
     }

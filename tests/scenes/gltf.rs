@@ -1,7 +1,7 @@
 //! glTF files, made by code: what they place.
 
 use glam::{Quat, Vec2, Vec4};
-use glowworm::scene::{Alpha, SurfacePoint, Wrap};
+use glowworm::scene::{Alpha, SpotFalloff, SurfacePoint, Wrap};
 use serde_json::{Value, json};
 
 use super::gltf_files::{add_accessor, buffer, data_uri, document, glb, load_glb, png};
@@ -245,7 +245,11 @@ fn lights_and_cameras_land_where_they_should() {
     assert_eq!(point.position, Vec3::new(2.0, 2.0, 3.0));
     assert_eq!(sun.kind, LightKind::Directional { irradiance: Vec3::splat(2.0) });
     assert!(sun.direction.distance(Vec3::NEG_Y) < 1e-6 && spot.direction.distance(Vec3::NEG_Y) < 1e-6);
-    assert_eq!(spot.kind, LightKind::Spot { intensity: Vec3::ONE, inner_angle: 0.2, outer_angle: 0.5 });
+    let falloff = SpotFalloff::Square;
+    assert_eq!(
+        spot.kind,
+        LightKind::Spot { intensity: Vec3::ONE, inner_angle: 0.2, outer_angle: 0.5, falloff }
+    );
     assert_eq!(spot.position, Vec3::new(1.0, 2.0, 3.0));
     let camera = scene.camera;
     assert_eq!((camera.eye, camera.vertical_fov), (Vec3::new(1.0, 2.0, 7.0), 0.7));

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Quat;
 use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
-use glowworm::scene::{Camera, spot_falloff};
+use glowworm::scene::Camera;
 use serde_json::{Value, json};
 
 use super::gltf_files::{add_accessor, buffer, document, glb, load_glb};
@@ -69,7 +69,7 @@ fn punctual_lights_bring_the_irradiance_that_their_units_say() {
             json!({ "type": "spot", "spot": spot }),
             POINT + Vec3::Z * 2.0,
             tilt,
-            intensity / 4.0 * spot_falloff(0.6f32.cos(), 0.4, 0.8),
+            intensity / 4.0 * ((0.6f32.cos() - 0.8f32.cos()) / (0.4f32.cos() - 0.8f32.cos())).powi(2),
         ),
         (
             "spot beyond its cone",

@@ -14,6 +14,7 @@ mod foreign_files;
 mod gltf;
 mod gltf_files;
 mod gltf_pictures;
+mod gltf_structure;
 mod lights;
 mod made;
 mod models;

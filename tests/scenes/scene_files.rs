@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glowworm::scene::{Mesh, spot_falloff};
+use glowworm::scene::{Mesh, SpotFalloff, spot_falloff};
 
 use super::*;
 
@@ -163,7 +163,7 @@ fn flux_agrees_with_numerical_integration() {
     };
     close(flux[0], sphere(&|_| 1.0));
     let (inner, outer) = (20f32.to_radians(), 40f32.to_radians());
-    close(flux[1], sphere(&|cos| 2.0 * spot_falloff(cos, inner, outer)));
+    close(flux[1], sphere(&|cos| 2.0 * spot_falloff(cos, inner, outer, SpotFalloff::Smooth)));
     close(flux[2], 3.0 * PI * bounds.radius * bounds.radius);
     close(flux[3], 4.0 * PI * 8.0);
     close(flux[4], 5.0 * PI * 6.0);
@@ -174,10 +174,10 @@ fn flux_agrees_with_numerical_integration() {
 #[test]
 fn spot_falloff_is_smooth_and_bounded() {
     let (inner, outer) = (0.3f32, 0.9f32);
-    assert_eq!(spot_falloff(0.31f32.cos().max(inner.cos()), inner, outer), 1.0);
-    assert_eq!(spot_falloff(outer.cos() - 0.01, inner, outer), 0.0);
+    assert_eq!(spot_falloff(0.31f32.cos().max(inner.cos()), inner, outer, SpotFalloff::Smooth), 1.0);
+    assert_eq!(spot_falloff(outer.cos() - 0.01, inner, outer, SpotFalloff::Smooth), 0.0);
     let middle = 0.5 * (inner.cos() + outer.cos());
-    assert!((spot_falloff(middle, inner, outer) - 0.5).abs() < 1e-6);
+    assert!((spot_falloff(middle, inner, outer, SpotFalloff::Smooth) - 0.5).abs() < 1e-6);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glowworm::bvh::TwoLevelBvh;
 use glowworm::estimators::World;
 use glowworm::estimators::vpls::{GpuVpl, SlotState, SlotView, VplCounters, VplManager};
 use glowworm::scene::{
-    Alpha, AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene, luminance,
+    Alpha, AreaTriangle, Instance, Light, LightKind, Material, Mesh, Pose, Scene, SpotFalloff, luminance,
 };
 use glowworm::settings::{Settings, VplSettings};
 
@@ -134,7 +134,12 @@ pub fn point(intensity: f32, position: Vec3) -> Light {
 }
 
 pub fn spot(intensity: f32, position: Vec3, direction: Vec3) -> Light {
-    let kind = LightKind::Spot { intensity: Vec3::splat(intensity), inner_angle: 0.3, outer_angle: 0.6 };
+    let kind = LightKind::Spot {
+        intensity: Vec3::splat(intensity),
+        inner_angle: 0.3,
+        outer_angle: 0.6,
+        falloff: SpotFalloff::Smooth,
+    };
     light(kind, position, direction)
 }
 

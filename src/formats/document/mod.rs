@@ -21,7 +21,7 @@ use super::scene_file::schema::{
     CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, ModelEntry, Primitive, SceneFile,
 };
 use super::scene_file::{MaterialEdit, ReadFiles, load_toml};
-use crate::scene::{Animation, Camera, CameraOverride, Light, LightType, Scene};
+use crate::scene::{Animation, Camera, Light, LightType, Scene};
 
 /// The Cornell box as a scene file.
 const CORNELL_BOX: &str = "name = \"cornell-box\"
@@ -77,7 +77,7 @@ impl SceneDocument {
     /// Those of [`load_scene`](crate::formats::load_scene).
     pub fn open(name: &str, assets: Option<&Path>) -> Result<(Self, Scene, ReadFiles), SceneError> {
         let mut read = ReadFiles::default();
-        let mut scene = load::load_with(name, assets, &CameraOverride::default(), &mut read)?;
+        let mut scene = load::load_with(name, assets, &load::LoadOptions::default(), &mut read)?;
         let source = load::find(name)?;
         let (path, text) = match &source {
             Source::File(path, text) => (path.clone(), text.clone()),

@@ -32,32 +32,7 @@ impl Source {
         let vector = |bytes: &[u8]| -> [f32; N] {
             std::array::from_fn(|i| float(&bytes[i * component.size()..], component, normalized))
         };
-        let mut vectors: Vec<[f32; N]> = match accessor.view() {
-            Some(view) => self
-                .elements(accessor, &view, accessor.offset(), accessor.count(), accessor.size())?
-                .map(vector)
-                .collect(),
-            None if accessor.count() <= MAX_ZEROS => vec![[0.0; N]; accessor.count()],
-            None => return Err(self.bad_accessor(accessor, what, "has no data")),
-        };
-        if let Some(sparse) = accessor.sparse() {
-            let (indices, values) = (sparse.indices(), sparse.values());
-            let kind = match indices.index_type() {
-                ::gltf::accessor::sparse::IndexType::U8 => DataType::U8,
-                ::gltf::accessor::sparse::IndexType::U16 => DataType::U16,
-                ::gltf::accessor::sparse::IndexType::U32 => DataType::U32,
-            };
-            let count = sparse.count();
-            let places = self.elements(accessor, &indices.view(), indices.offset(), count, kind.size())?;
-            let replacements =
-                self.elements(accessor, &values.view(), values.offset(), count, accessor.size())?;
-            for (place, replacement) in places.map(|bytes| index(bytes, kind)).zip(replacements.map(vector)) {
-                *vectors
-                    .get_mut(place as usize)
-                    .ok_or_else(|| self.bad_accessor(accessor, what, "replaces an element past its end"))? =
-                    replacement;
-            }
-        }
+        let vectors = self.decoded(accessor, what, [0.0; N], vector)?;
         if vectors.iter().flatten().any(|number| !number.is_finite()) {
             return Err(self.bad_accessor(accessor, what, "has a number that is not finite"));
         }
@@ -83,10 +58,44 @@ impl Source {
         if !scalar || !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
             return Err(self.bad_accessor(accessor, "indices", "is not of unsigned integers"));
         }
-        let view = accessor.view().ok_or_else(|| self.bad_accessor(accessor, "indices", "has no data"))?;
-        let elements =
-            self.elements(accessor, &view, accessor.offset(), accessor.count(), accessor.size())?;
-        Ok(elements.map(|bytes| index(bytes, kind)).collect())
+        self.decoded(accessor, "indices", 0, |bytes| index(bytes, kind))
+    }
+
+    /// The elements of an accessor, each decoded from its bytes. Without data they are `zero`, but for those that a sparse
+    /// accessor replaces.
+    fn decoded<T: Clone>(
+        &self,
+        accessor: &Accessor<'_>,
+        what: &str,
+        zero: T,
+        decode: impl Fn(&[u8]) -> T + Copy,
+    ) -> Result<Vec<T>, SceneError> {
+        let size = accessor.size();
+        let mut values: Vec<T> = match accessor.view() {
+            Some(view) => self
+                .elements(accessor, &view, accessor.offset(), accessor.count(), size)?
+                .map(decode)
+                .collect(),
+            None if accessor.count() <= MAX_ZEROS => vec![zero; accessor.count()],
+            None => return Err(self.bad_accessor(accessor, what, "has no data")),
+        };
+        let Some(sparse) = accessor.sparse() else { return Ok(values) };
+        let (indices, replacements) = (sparse.indices(), sparse.values());
+        let kind = match indices.index_type() {
+            ::gltf::accessor::sparse::IndexType::U8 => DataType::U8,
+            ::gltf::accessor::sparse::IndexType::U16 => DataType::U16,
+            ::gltf::accessor::sparse::IndexType::U32 => DataType::U32,
+        };
+        let count = sparse.count();
+        let places = self.elements(accessor, &indices.view(), indices.offset(), count, kind.size())?;
+        let replacements =
+            self.elements(accessor, &replacements.view(), replacements.offset(), count, size)?;
+        for (place, replacement) in places.map(|bytes| index(bytes, kind)).zip(replacements.map(decode)) {
+            let value = values.get_mut(place as usize);
+            *value.ok_or_else(|| self.bad_accessor(accessor, what, "replaces an element past its end"))? =
+                replacement;
+        }
+        Ok(values)
     }
 
     /// `count` elements of `size` bytes from `offset` in a view.

@@ -1,13 +1,14 @@
 //! Meshes.
 //!
-//! In: a mesh of the file. Out: one of the scene's with the triangles of all its primitives, its normals completed (flat
+//! In: a mesh of the file, and how a node poses it. Out: one of the scene's with the triangles of all its primitives, its normals completed (flat
 //! ones where the file has none), and tangents and a second set of texture coordinates where its materials need them.
 
 use ::gltf::mesh::Mode;
-use ::gltf::{Mesh as FileMesh, Primitive, Semantic};
+use ::gltf::{Accessor, Mesh as FileMesh, Primitive, Semantic};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use super::materials::Materials;
+use super::shape::Shape;
 use super::source::Source;
 use crate::formats::error::SceneError;
 use crate::scene::Mesh;
@@ -16,14 +17,15 @@ use crate::scene::{MAX_COORDINATE, Material, Scene, SurfaceTransform, normals, t
 /// The mesh `mesh`; none if it has no triangles.
 pub(super) fn mesh_of(
     source: &mut Source,
-    mesh: &FileMesh<'_>,
+    (mesh, shape): (&FileMesh<'_>, &Shape),
     materials: &Materials,
     scene: &Scene,
 ) -> Result<Option<Mesh>, SceneError> {
     let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
     let mut made = Mesh { name, ..Mesh::default() };
     for primitive in mesh.primitives() {
-        append(source, &mut made, &primitive, (mesh.index(), materials), scene)?;
+        let piece = piece_of(source, (&primitive, shape), (mesh.index(), materials), scene)?;
+        piece.into_iter().for_each(|piece| made.append(piece));
     }
     made.drop_degenerate_triangles();
     made.sort_by_material();
@@ -34,36 +36,37 @@ pub(super) fn mesh_of(
     Ok((!made.triangles.is_empty()).then_some(made))
 }
 
-fn append(
+/// The triangles of a primitive; none if it has none.
+fn piece_of(
     source: &mut Source,
-    made: &mut Mesh,
-    primitive: &Primitive<'_>,
+    (primitive, shape): (&Primitive<'_>, &Shape),
     (mesh, materials): (usize, &Materials),
     scene: &Scene,
-) -> Result<(), SceneError> {
+) -> Result<Option<Mesh>, SceneError> {
     let place = format!("mesh {mesh} primitive {}", primitive.index());
-    if primitive.morph_targets().len() > 0 {
-        source.not_shown.insert("morph targets (the shape at rest is)".to_owned());
-    }
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         source.not_shown.insert("points and lines".to_owned());
-        return Ok(());
+        return Ok(None);
     }
     let Some(accessor) = primitive.get(&Semantic::Positions) else {
-        return Err(source.error(format!("{place} has no POSITION; export the file again")));
+        source.not_shown.insert("primitives without positions".to_owned());
+        return Ok(None);
     };
-    let positions: Vec<Vec3> =
-        source.vertices(&accessor, "POSITION")?.into_iter().map(Vec3::from_array).collect();
-    if positions.iter().any(|position| position.abs().max_element() > MAX_COORDINATE) {
+    let material = materials.of(&primitive.material());
+    let vectors = |list: Vec<[f32; 3]>| list.into_iter().map(Vec3::from_array).collect();
+    let positions: Vec<Vec3> = vectors(source.vertices(&accessor, "POSITION")?);
+    let reader = Attributes { source, primitive, place: &place, count: positions.len() };
+    let normals = reader.read::<3>(&Semantic::Normals, "normals")?.map(vectors);
+    let has_normals = normals.is_some();
+    let mut piece = Mesh { positions, normals: normals.unwrap_or_default(), ..Mesh::default() };
+    reader.add_to(&mut piece, &scene.materials[material])?;
+    shape.pose(&reader, &mut piece)?;
+    let in_range = |position: &Vec3| position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
+    if !piece.positions.iter().all(in_range) {
         return Err(
             source.error(format!("{place}: a vertex is beyond +-{MAX_COORDINATE:e}; scale the model down"))
         );
     }
-    let material = materials.of(&primitive.material());
-    let reader = Attributes { source, primitive, place: &place, count: positions.len() };
-    let normals = reader.read::<3>(&Semantic::Normals, "normals")?;
-    let mut piece = Mesh { positions, ..Mesh::default() };
-    reader.add_to(&mut piece, &scene.materials[material])?;
     let indices = match primitive.indices() {
         Some(accessor) => source.indices(&accessor)?,
         None => (0..piece.positions.len() as u32).collect(),
@@ -76,18 +79,18 @@ fn append(
     }
     piece.triangles = triangles_of(primitive.mode(), &indices);
     piece.triangle_materials = vec![material as u32; piece.triangles.len()];
-    match normals {
-        Some(normals) => {
-            piece.normals = normals.into_iter().map(|n| Vec3::from_array(n).normalize_or_zero()).collect();
-        }
-        None => shade_flat(&mut piece),
+    if shape.mirrors() {
+        piece.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    match has_normals {
+        true => piece.normals.iter_mut().for_each(|normal| *normal = normal.normalize_or_zero()),
+        false => shade_flat(&mut piece),
     }
     if !piece.tangents.is_empty() {
         let usable = |(tangent, normal): (&Vec4, &Vec3)| tangents::usable(*tangent, *normal);
         piece.tangents = piece.tangents.iter().zip(&piece.normals).map(usable).collect();
     }
-    made.append(piece);
-    Ok(())
+    Ok(Some(piece))
 }
 
 /// Gives each triangle vertices of its own with its normal. The file's tangents do not count then.
@@ -102,38 +105,49 @@ fn shade_flat(piece: &mut Mesh) {
 }
 
 /// Reads a primitive's attributes.
-struct Attributes<'a> {
-    source: &'a Source,
-    primitive: &'a Primitive<'a>,
+pub(super) struct Attributes<'a> {
+    pub source: &'a Source,
+    pub primitive: &'a Primitive<'a>,
     /// Names it in errors.
-    place: &'a str,
+    pub place: &'a str,
     /// Of its vertices.
     count: usize,
 }
 
 impl Attributes<'_> {
     /// One attribute, if it is there.
-    fn read<const N: usize>(
+    pub fn read<const N: usize>(
         &self,
         semantic: &Semantic,
         what: &str,
     ) -> Result<Option<Vec<[f32; N]>>, SceneError> {
         let Some(accessor) = self.primitive.get(semantic) else { return Ok(None) };
-        let integers = matches!(semantic, Semantic::Colors(_));
-        let values = match integers {
-            // The specification lets these be normalised integers, whatever else is.
-            true => self.source.vectors(&accessor, what)?,
-            false => self.source.vertices(&accessor, what)?,
+        let values = match semantic {
+            // The specification lets these be integers, whatever else is.
+            Semantic::Colors(_) | Semantic::Joints(_) | Semantic::Weights(_) => {
+                self.of_each_vertex(self.source.vectors(&accessor, what)?, what)
+            }
+            _ => self.values(&accessor, what),
         };
-        if values.len() != self.count {
-            return Err(self.source.error(format!(
-                "{} has {} positions, but {} {what}; export the file again",
-                self.place,
-                self.count,
-                values.len()
-            )));
+        values.map(Some)
+    }
+
+    /// The numbers of an accessor, which must be one for each vertex.
+    pub fn values<const N: usize>(
+        &self,
+        accessor: &Accessor<'_>,
+        what: &str,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        self.of_each_vertex(self.source.vertices(accessor, what)?, what)
+    }
+
+    fn of_each_vertex<T>(&self, values: Vec<T>, what: &str) -> Result<Vec<T>, SceneError> {
+        if values.len() == self.count {
+            return Ok(values);
         }
-        Ok(Some(values))
+        let (count, given) = (self.count, values.len());
+        let problem = format!("{} has {count} positions, but {given} {what}", self.place);
+        Err(self.source.error(format!("{problem}; export the file again")))
     }
 
     /// Adds texture coordinates, and what else the material needs and is there.

@@ -6,10 +6,13 @@
 //! Units: metres. Candela and lux are divided by 683 lm/W, emission is taken as W/m^2/sr.
 
 mod accessor;
+mod extensions;
 mod materials;
 mod meshes;
 mod motion;
 mod nodes;
+mod repair;
+mod shape;
 mod source;
 
 use std::collections::HashMap;
@@ -23,11 +26,12 @@ use glam::{Affine3A, Vec3};
 use self::materials::Materials;
 use self::meshes::{baked, mesh_of};
 use self::motion::Motions;
-use self::nodes::{Placed, placed};
+use self::nodes::{Placed, Tree};
+use self::shape::Shape;
 use self::source::Source;
 use super::error::SceneError;
-use super::{default_view, obj};
-use crate::scene::{Animation, Camera, CameraOverride, Instance, Light, LightKind, Mesh, Scene};
+use super::{LoadOptions, default_view, obj};
+use crate::scene::{Animation, Camera, Instance, Light, LightKind, Mesh, Scene, SpotFalloff};
 
 /// Luminous efficacy by which photometric units become radiometric ones, lm/W.
 const EFFICACY: f32 = 683.0;
@@ -42,16 +46,19 @@ pub(crate) fn is_gltf(file: &Path) -> bool {
 }
 
 /// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none.
-pub(crate) fn load(file: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneError> {
+pub(crate) fn load(file: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(file));
     // As the specification has it.
     scene.metres_per_unit = Some(1.0);
     let mut file = File::open(file, &mut scene)?;
-    let motions = Motions::read(&mut file.source)?;
+    let motions = Motions::read(&mut file.source, options.animation.as_deref())?;
     let placed = std::mem::take(&mut file.placed);
+    let moving = motions.moving(&file.tree);
+    if file.source.document.skins().flat_map(|skin| skin.joints()).any(|joint| moving[joint.index()]) {
+        file.source.not_shown.insert("animation of skins".to_owned());
+    }
     let mut camera = None;
-    for place in &placed {
-        let animation = motions.of(place);
+    for (place, animation) in placed.iter().zip(motions.animate(&file.tree, &placed)) {
         file.add_instance(&mut scene, place, animation.clone())?;
         file.add_light(&mut scene, place, animation.clone())?;
         if let Some(found) = file.camera(place)? {
@@ -71,7 +78,7 @@ pub(crate) fn load(file: &Path, seen_by: &CameraOverride) -> Result<Scene, Scene
         scene.camera_animation = animation;
         found
     });
-    default_view::add_default_camera_and_light(&mut scene, placed_camera, seen_by);
+    default_view::add_default_camera_and_light(&mut scene, placed_camera, &options.seen_by);
     Ok(scene)
 }
 
@@ -86,8 +93,10 @@ pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
             file.source.not_shown.insert("cameras and lights (the scene file's are)".to_owned());
         }
         let Some(mesh) = node.mesh() else { continue };
-        if let Some(mesh) = mesh_of(&mut file.source, &mesh, &file.materials, scene)? {
-            whole.append(baked(&mesh, &place.transform));
+        let shape = Shape::of(&file.source, &file.tree, &node)?;
+        if let Some(mesh) = mesh_of(&mut file.source, (&mesh, &shape), &file.materials, scene)? {
+            let skinned = node.skin().is_some();
+            whole.append(if skinned { mesh } else { baked(&mesh, &place.transform) });
         }
     }
     if file.source.document.animations().len() > 0 {
@@ -95,7 +104,7 @@ pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
     }
     whole.sort_by_material();
     if whole.triangles.is_empty() {
-        return Err(file.source.error("has no triangles; export a model with meshes"));
+        return Err(file.empty());
     }
     file.warn(scene);
     scene.meshes.push(whole.into());
@@ -106,17 +115,18 @@ pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneEr
 struct File {
     source: Source,
     materials: Materials,
+    tree: Tree,
     placed: Vec<Placed>,
-    /// Scene index of each mesh of the file that is used; none if it has no triangles.
-    meshes: HashMap<usize, Option<usize>>,
+    /// Scene index of each mesh of the file that is used, with the node that poses it; none if it has no triangles.
+    meshes: HashMap<(usize, Option<usize>), Option<usize>>,
 }
 
 impl File {
     fn open(file: &Path, scene: &mut Scene) -> Result<Self, SceneError> {
         let mut source = Source::read(file)?;
-        let placed = placed(&mut source)?;
+        let (tree, placed) = nodes::read(&mut source)?;
         let materials = Materials::add(&mut source, scene)?;
-        Ok(Self { source, materials, placed, meshes: HashMap::new() })
+        Ok(Self { source, materials, tree, placed, meshes: HashMap::new() })
     }
 
     fn name(&self, place: &Placed) -> String {
@@ -133,23 +143,29 @@ impl File {
         animation: Option<Animation>,
     ) -> Result<(), SceneError> {
         let document = Arc::clone(&self.source.document);
-        let Some(mesh) = place.in_document(&document).mesh() else { return Ok(()) };
-        let known = self.meshes.get(&mesh.index()).copied();
+        let node = place.in_document(&document);
+        let Some(mesh) = node.mesh() else { return Ok(()) };
+        let is_posed = node.skin().is_some() || node.weights().is_some();
+        let key = (mesh.index(), is_posed.then_some(place.node));
+        let known = self.meshes.get(&key).copied();
         let index = match known {
             Some(index) => index,
             None => {
-                let made = mesh_of(&mut self.source, &mesh, &self.materials, scene)?;
+                let shape = Shape::of(&self.source, &self.tree, &node)?;
+                let made = mesh_of(&mut self.source, (&mesh, &shape), &self.materials, scene)?;
                 let index = made.map(|made| {
                     scene.meshes.push(made.into());
                     scene.meshes.len() - 1
                 });
-                self.meshes.insert(mesh.index(), index);
+                self.meshes.insert(key, index);
                 index
             }
         };
         let Some(mut index) = index else { return Ok(()) };
-        let mut transform = place.transform;
-        let mut animation = animation;
+        let (mut transform, mut animation) = (place.transform, animation);
+        if node.skin().is_some() {
+            (transform, animation) = (Affine3A::IDENTITY, None);
+        }
         if transform.matrix3.determinant() < 0.0 && scene.is_emissive(index) {
             // Which side emits depends on the winding, so a mirrored light gets a mesh of its own.
             scene.meshes.push(baked(&scene.meshes[index], &transform).into());
@@ -159,7 +175,7 @@ impl File {
                 self.source.not_shown.insert("animation of mirrored surfaces that emit".to_owned());
             }
         }
-        if !transform.inverse().is_finite() {
+        if animation.is_none() && place.is_nothing {
             self.source.not_shown.insert("meshes scaled to nothing".to_owned());
             return Ok(());
         }
@@ -193,7 +209,7 @@ impl File {
             Kind::Spot { inner_cone_angle, outer_cone_angle } => {
                 let outer_angle = outer_cone_angle.clamp(2.0 * LEAST_FALLOFF, std::f32::consts::FRAC_PI_2);
                 let inner_angle = inner_cone_angle.clamp(0.0, outer_angle - LEAST_FALLOFF);
-                LightKind::Spot { intensity: power, inner_angle, outer_angle }
+                LightKind::Spot { intensity: power, inner_angle, outer_angle, falloff: SpotFalloff::Square }
             }
         };
         if light.range().is_some() {
@@ -241,10 +257,18 @@ impl File {
 
     fn finish(&self, scene: &mut Scene) -> Result<(), SceneError> {
         if scene.instances.is_empty() {
-            return Err(self.source.error("has no triangles; export a model with meshes"));
+            return Err(self.empty());
         }
         self.warn(scene);
         Ok(())
+    }
+
+    /// The error about a file that shows nothing, with what it leaves out.
+    fn empty(&self) -> SceneError {
+        let names: Vec<&str> = self.source.not_shown.iter().map(String::as_str).collect();
+        let left_out =
+            if names.is_empty() { String::new() } else { format!(" (not shown: {})", names.join(", ")) };
+        self.source.error(format!("has no triangles{left_out}; export a model with meshes in its scene"))
     }
 
     /// Names what is in the file and is not shown.

@@ -1,24 +1,22 @@
 //! The animation of nodes as that of the scene.
 //!
-//! In: the first animation of a file. Out: for what a chain of nodes places, keyframes of its rigid motion relative to
-//! the rest pose, close enough that between them the scene's interpolation does what the file's would. It repeats.
+//! In: an animation of a file. Out: for what nodes place, keyframes of its motion relative to the rest pose, close enough
+//! that between them the scene's interpolation does what the file's would. It repeats.
 
 use std::collections::HashMap;
 
+use ::gltf::Animation as FileAnimation;
 use ::gltf::animation::{Interpolation, Property};
-use glam::{Affine3A, Quat, Vec3, Vec4};
+use glam::{Affine3A, Mat3A, Quat, Vec3, Vec4};
 
-use super::nodes::Placed;
+use super::nodes::{Placed, Tree, unit};
 use super::source::Source;
 use crate::formats::error::SceneError;
-use crate::scene::{Animation, Keyframe};
+use crate::scene::{Animation, JUMP, Keyframe};
 
-/// Longest time between two keyframes, seconds, and most keyframes.
+/// Longest time between two keyframes, seconds, unless a file then had more keyframes than this.
 const STEP: f64 = 1.0 / 60.0;
-const MAX_STEPS: f64 = 20_000.0;
-
-/// How long before a jump the value before it is kept.
-const JUMP: f64 = 1e-4;
+const MAX_KEYFRAMES: f64 = 4e6;
 
 /// Longest animation, seconds.
 const MAX_TIME: f32 = 1e6;
@@ -31,11 +29,12 @@ struct Track {
     values: Vec<Vec4>,
 }
 
-/// Rest pose and tracks of a node.
+/// Tracks of a node.
 #[derive(Default)]
 struct NodeMotion {
     translation: Option<Track>,
     rotation: Option<Track>,
+    scale: Option<Track>,
 }
 
 /// The animation of a file's nodes.
@@ -45,83 +44,153 @@ pub(super) struct Motions {
     nodes: HashMap<usize, NodeMotion>,
 }
 
+/// The animation that is called `choice`, or has this index; the first one without a choice.
+fn chosen<'a>(
+    source: &Source,
+    mut animations: impl Iterator<Item = FileAnimation<'a>> + Clone,
+    choice: Option<&str>,
+) -> Result<Option<FileAnimation<'a>>, SceneError> {
+    let Some(choice) = choice else { return Ok(animations.next()) };
+    let named = animations.clone().find(|animation| animation.name() == Some(choice));
+    let found = named.or_else(|| animations.clone().nth(choice.parse().ok()?));
+    let name = |(index, animation): (usize, FileAnimation<'a>)| match animation.name() {
+        Some(name) => format!("{index} (\"{name}\")"),
+        None => index.to_string(),
+    };
+    found.map(Some).ok_or_else(|| {
+        let known: Vec<String> = animations.enumerate().map(name).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        source.error(format!("has no animation \"{choice}\"; give the name or index of one of: {known}"))
+    })
+}
+
 impl Motions {
-    /// Reads the first animation.
-    pub fn read(source: &mut Source) -> Result<Self, SceneError> {
+    /// Reads the animation of this name or index, or the first one.
+    pub fn read(source: &mut Source, choice: Option<&str>) -> Result<Self, SceneError> {
         let document = source.document.clone();
         let rest = |node: ::gltf::Node<'_>| {
             let (translation, rotation, scale) = node.transform().decomposed();
-            let rotation = Quat::from_array(rotation).normalize();
-            (Vec3::from_array(translation), rotation, Vec3::from_array(scale))
+            (Vec3::from_array(translation), unit(Quat::from_array(rotation)), Vec3::from_array(scale))
         };
         let mut motions = Self { rest: document.nodes().map(rest).collect(), nodes: HashMap::new() };
-        let Some(animation) = document.animations().next() else { return Ok(motions) };
-        if document.animations().len() > 1 {
-            source.not_shown.insert("animations but the first".to_owned());
+        let Some(animation) = chosen(source, document.animations(), choice)? else { return Ok(motions) };
+        if document.animations().len() > 1 && choice.is_none() {
+            source.not_shown.insert("animations but the first (--animation chooses)".to_owned());
         }
         for channel in animation.channels() {
             let (target, sampler) = (channel.target(), channel.sampler());
-            let values = match target.property() {
-                Property::Translation => {
-                    let values = source.vectors::<3>(&sampler.output(), "translation")?;
+            let property = target.property();
+            let values = match property {
+                Property::Translation | Property::Scale => {
+                    let values = source.vectors::<3>(&sampler.output(), "translation or scale")?;
                     values.into_iter().map(|value| Vec3::from_array(value).extend(0.0)).collect()
                 }
                 Property::Rotation => {
                     let values = source.vectors::<4>(&sampler.output(), "rotation")?;
                     values.into_iter().map(Vec4::from_array).collect()
                 }
-                Property::Scale | Property::MorphTargetWeights => {
-                    source.not_shown.insert("animation of scale and shape".to_owned());
+                Property::MorphTargetWeights => {
+                    source.not_shown.insert("animation of morph targets".to_owned());
                     continue;
                 }
             };
             let track = track_of(source, &sampler, values)?;
             let node = motions.nodes.entry(target.node().index()).or_default();
-            match target.property() {
-                Property::Translation => node.translation = Some(track),
-                _ => node.rotation = Some(track),
-            }
+            *match property {
+                Property::Translation => &mut node.translation,
+                Property::Scale => &mut node.scale,
+                _ => &mut node.rotation,
+            } = Some(track);
         }
         Ok(motions)
     }
 
-    /// The motion of what `placed` places, if any node above it or itself moves.
-    pub fn of(&self, placed: &Placed) -> Option<Animation> {
-        let moving: Vec<&NodeMotion> = placed.chain.iter().filter_map(|node| self.nodes.get(node)).collect();
-        let tracks = moving.iter().flat_map(|node| [&node.translation, &node.rotation]).flatten();
-        let times = times_of(tracks)?;
-        let pose = |transform: Affine3A| {
-            let (_, rotation, translation) = transform.to_scale_rotation_translation();
-            (rotation.normalize(), translation)
-        };
-        let (rest_rotation, rest_position) = pose(placed.transform);
-        let keyframe = |time: f64| {
-            let (rotation, position) = pose(self.transform(&placed.chain, time));
-            Keyframe {
-                time,
-                translation: position - rest_position,
-                rotation: (rotation * rest_rotation.inverse()).normalize(),
-            }
-        };
-        let keyframes = times.into_iter().map(keyframe).collect();
-        Some(Animation { keyframes, rotation: None, repeat: true })
+    /// Which nodes move, or any above them.
+    pub fn moving(&self, tree: &Tree) -> Vec<bool> {
+        let mut moving = vec![false; self.rest.len()];
+        for &(node, parent) in &tree.order {
+            moving[node] = self.nodes.contains_key(&node) || parent.is_some_and(|parent| moving[parent]);
+        }
+        moving
     }
 
-    /// Node to world of the last of `chain` at `time`.
-    fn transform(&self, chain: &[usize], time: f64) -> Affine3A {
-        let local = |node: &usize| {
-            let (mut translation, mut rotation, scale) = self.rest[*node];
-            if let Some(motion) = self.nodes.get(node) {
-                if let Some(track) = &motion.translation {
-                    translation = track.at(time, false).truncate();
-                }
-                if let Some(track) = &motion.rotation {
-                    rotation = Quat::from_vec4(track.at(time, true)).normalize();
+    /// The motion of what each of `placed` places, if it moves.
+    pub fn animate(&self, tree: &Tree, placed: &[Placed]) -> Vec<Option<Animation>> {
+        let moving = self.moving(tree);
+        let count = placed.iter().filter(|place| moving[place.node]).count();
+        let still = || Animation { sampled: true, repeat: true, ..Animation::default() };
+        let mut animations: Vec<_> = placed.iter().map(|place| moving[place.node].then(still)).collect();
+        let (mut worlds, mut turns) = (tree.transforms.clone(), tree.rotations.clone());
+        let times = if count > 0 { self.times(count) } else { Vec::new() };
+        for time in times {
+            for &(node, parent) in tree.order.iter().filter(|(node, _)| moving[*node]) {
+                let (above, turn) = parent
+                    .map_or((Affine3A::IDENTITY, Quat::IDENTITY), |parent| (worlds[parent], turns[parent]));
+                let (translation, rotation, scale) = self.local(node, time);
+                let local = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
+                (worlds[node], turns[node]) = (above * local, (turn * rotation).normalize());
+            }
+            for (place, animation) in placed.iter().zip(&mut animations) {
+                let Some(animation) = animation else { continue };
+                let rotation = (turns[place.node] * tree.rotations[place.node].inverse()).normalize();
+                let transform = worlds[place.node] * place.local;
+                let unturned = Mat3A::from_quat(rotation.inverse()) * transform.matrix3;
+                let stretch = unturned * place.transform.matrix3.inverse();
+                let rigid = stretch.abs_diff_eq(Mat3A::IDENTITY, 1e-5);
+                animation.keyframes.push(Keyframe {
+                    time,
+                    translation: (transform.translation - place.transform.translation).into(),
+                    rotation,
+                    stretch: if rigid { Mat3A::IDENTITY } else { stretch },
+                });
+            }
+        }
+        animations
+    }
+
+    /// Translation, rotation and scale of a node at `time`.
+    fn local(&self, node: usize, time: f64) -> (Vec3, Quat, Vec3) {
+        let (mut translation, mut rotation, mut scale) = self.rest[node];
+        if let Some(motion) = self.nodes.get(&node) {
+            if let Some(track) = &motion.translation {
+                translation = track.at(time, false).truncate();
+            }
+            if let Some(track) = &motion.rotation {
+                rotation = unit(Quat::from_vec4(track.at(time, true)));
+            }
+            if let Some(track) = &motion.scale {
+                scale = track.at(time, false).truncate();
+            }
+        }
+        (translation, rotation, scale)
+    }
+
+    /// Times of the keyframes of each of `count` things that move: those of all tracks, and more between them.
+    fn times(&self, count: usize) -> Vec<f64> {
+        let mut keys = vec![0.0];
+        for motion in self.nodes.values() {
+            for track in [&motion.translation, &motion.rotation, &motion.scale].into_iter().flatten() {
+                let jumps = track.interpolation == Interpolation::Step;
+                for time in track.times.iter().map(|time| f64::from(*time)) {
+                    keys.extend((jumps && time > JUMP).then_some(time - JUMP));
+                    keys.push(time);
                 }
             }
-            Affine3A::from_scale_rotation_translation(scale, rotation, translation)
-        };
-        chain.iter().map(local).fold(Affine3A::IDENTITY, |above, local| above * local)
+        }
+        keys.sort_by(f64::total_cmp);
+        keys.dedup();
+        let end = keys[keys.len() - 1];
+        let most = MAX_KEYFRAMES / count as f64;
+        if keys.len() as f64 > most {
+            keys = vec![0.0, end];
+        }
+        let step = STEP.max(end / most);
+        let mut times = vec![0.0];
+        for pair in keys.windows(2) {
+            let parts = ((pair[1] - pair[0]) / step).ceil().max(1.0) as usize;
+            times.extend((1..=parts).map(|part| pair[0] + (pair[1] - pair[0]) * part as f64 / parts as f64));
+        }
+        times
     }
 }
 
@@ -141,32 +210,6 @@ fn track_of(
         return Err(source.error(problem));
     }
     Ok(Track { interpolation, times, values })
-}
-
-/// Times at which to set keyframes: those of all tracks, and more between them; none where nothing moves.
-fn times_of<'a>(tracks: impl Iterator<Item = &'a Track>) -> Option<Vec<f64>> {
-    let mut keys = vec![0.0];
-    let mut any = false;
-    for track in tracks {
-        any = true;
-        for &time in &track.times {
-            let time = f64::from(time);
-            if track.interpolation == Interpolation::Step && time > JUMP {
-                keys.push(time - JUMP);
-            }
-            keys.push(time);
-        }
-    }
-    keys.sort_by(f64::total_cmp);
-    keys.dedup();
-    let end = *keys.last()?;
-    let step = STEP.max(end / MAX_STEPS);
-    let mut times = vec![0.0];
-    for pair in keys.windows(2) {
-        let parts = ((pair[1] - pair[0]) / step).ceil().max(1.0) as usize;
-        times.extend((1..=parts).map(|part| pair[0] + (pair[1] - pair[0]) * part as f64 / parts as f64));
-    }
-    any.then_some(times)
 }
 
 impl Track {

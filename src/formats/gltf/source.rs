@@ -15,46 +15,16 @@ use base64::alphabet::STANDARD;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
+use super::extensions::{Support, support_of};
+use super::repair::repair;
 use crate::foreign::{mistaken, unicode_of};
 use crate::formats::error::SceneError;
 use crate::formats::obj::find_any_case;
 
-/// The extensions that are read.
-const KNOWN: [&str; 10] = [
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "MSFT_texture_dds",
-];
-
-/// Those that name a texture's image.
-const IMAGE_FORMATS: [&str; 2] = ["EXT_texture_webp", "MSFT_texture_dds"];
-
-/// The document of a text. Images of other formats come in place of those that textures have for readers that do not know
-/// them, or of none.
-fn parse(json: &[u8]) -> serde_json::Result<json::Root> {
-    let text = String::from_utf8_lossy(json);
-    if !IMAGE_FORMATS.iter().any(|name| text.contains(name)) {
-        return serde_json::from_slice(json);
-    }
-    let mut document: serde_json::Value = serde_json::from_slice(json)?;
-    let textures = document.get_mut("textures").and_then(serde_json::Value::as_array_mut);
-    for texture in textures.into_iter().flatten() {
-        let source = |name: &&str| texture.get("extensions")?.get(name)?.get("source").cloned();
-        if let (Some(source), Some(texture)) =
-            (IMAGE_FORMATS.iter().find_map(source), texture.as_object_mut())
-        {
-            texture.insert("source".to_owned(), source);
-        }
-    }
-    serde_json::from_value(document)
-}
+/// What the validation asks for and nobody needs: data that is zero, images that no material uses, shapes that have no
+/// positions; and the bounds of positions, which are computed.
+const DISPENSABLE: [&str; 3] = [".bufferView", ".source", "[\"POSITION\"]"];
+const BOUNDS: [&str; 2] = [".min", ".max"];
 
 const VERSION_1: &str = "is glTF 1.0; export it as glTF 2.0";
 
@@ -130,13 +100,23 @@ impl Source {
         };
         let json = unicode_of(&json)
             .ok_or_else(|| invalid("is not UTF-8 text, as JSON is; export it again".to_owned()))?;
-        let root = parse(json.as_bytes()).map_err(|error| invalid(why_not_gltf(&json, &error)))?;
+        let wrong = |error: serde_json::Error| invalid(why_not_gltf(&json, &error));
+        let mut document: serde_json::Value = serde_json::from_str(&json).map_err(wrong)?;
+        if let Some(version) = document["asset"]["version"].as_str().filter(|v| !v.starts_with("2.")) {
+            return Err(invalid(format!("is glTF {version}; export it as glTF 2.0")));
+        }
+        if !fits(&document) {
+            return Err(invalid("has a number that is out of range; export it again".to_owned()));
+        }
+        let mut not_shown = BTreeSet::new();
+        repair(&mut document, &mut not_shown);
+        let root: json::Root = serde_json::from_value(document).map_err(wrong)?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
             document: Arc::new(::gltf::Document::from_json_without_validation(json::Root::default())),
             buffers: Vec::new(),
-            not_shown: BTreeSet::new(),
+            not_shown,
         };
         source.check(&root)?;
         source.buffers = source.read_buffers(&root, blob)?;
@@ -151,26 +131,28 @@ impl Source {
 
     /// Checks version, extensions, and what the format demands of each object.
     fn check(&mut self, root: &json::Root) -> Result<(), SceneError> {
-        if !root.asset.version.starts_with("2.") {
-            return Err(self.error(format!("is glTF {}; export it as glTF 2.0", root.asset.version)));
+        if let Some(version) = root.asset.min_version.as_deref().filter(|version| *version != "2.0") {
+            return Err(self.error(format!("needs a reader of glTF {version}; export it as glTF 2.0")));
         }
-        let unknown = |names: &[String]| -> Vec<String> {
-            names.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect()
-        };
-        let required = unknown(&root.extensions_required);
-        if !required.is_empty() {
-            return Err(self.error(format!(
-                "needs extensions that are not known: {}; export it without them",
-                required.join(", ")
-            )));
+        for name in &root.extensions_required {
+            if let Support::Refused(advice) = support_of(name) {
+                return Err(self.error(format!("needs the extension {name}, which is not read; {advice}")));
+            }
         }
-        let optional = unknown(&root.extensions_used);
-        self.not_shown.extend(optional.into_iter().map(|name| format!("extension {name}")));
+        let left_out = root
+            .extensions_used
+            .iter()
+            .chain(&root.extensions_required)
+            .filter(|name| matches!(support_of(name), Support::Ignored | Support::Refused(_)));
+        self.not_shown.extend(left_out.map(|name| format!("extension {name}")));
         self.check_positions(root)?;
         let mut violation = None;
         root.validate(root, json::Path::new, &mut |path, error| {
-            if error != Violation::Unsupported && violation.is_none() {
-                violation = Some((path().to_string(), error));
+            let path = path().to_string();
+            let is_any = |ends: &[&str]| ends.iter().any(|end| path.ends_with(end));
+            let dispensable = is_any(&BOUNDS) || error == Violation::Missing && is_any(&DISPENSABLE);
+            if error != Violation::Unsupported && violation.is_none() && !dispensable {
+                violation = Some((path, error));
             }
         });
         match violation {
@@ -277,5 +259,18 @@ impl Source {
                 bytes.len()
             ))
         })
+    }
+}
+
+/// Whether all numbers that are read fit into 32-bit floats.
+fn fits(value: &serde_json::Value) -> bool {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) => number.as_f64().is_some_and(|number| number.abs() <= f64::from(f32::MAX)),
+        Value::Array(values) => values.iter().all(fits),
+        Value::Object(object) => {
+            object.iter().all(|(key, value)| ["extras", "min", "max"].contains(&key.as_str()) || fits(value))
+        }
+        _ => true,
     }
 }

@@ -12,7 +12,9 @@ use super::entry::{At, Entry, degrees_of};
 use super::motion::{animation_of, check_not_mirrored};
 use super::schema::LightEntry;
 use crate::formats::error::SceneError;
-use crate::scene::{Instance, Light, LightKind, LightType, MAX_COORDINATE, Material, Mesh, Scene};
+use crate::scene::{
+    Instance, Light, LightKind, LightType, MAX_COORDINATE, Material, Mesh, Scene, SpotFalloff,
+};
 
 /// Adds the light of entry `index`.
 pub(super) fn add_light(builder: &mut Builder, index: usize, light: &LightEntry) -> Result<(), SceneError> {
@@ -145,7 +147,12 @@ fn spot(entry: &Entry, light: &LightEntry, intensity: Vec3) -> Result<LightKind,
             "cone half angles must be 0 <= inner_deg < outer_deg < 180 (inner {inner}, outer {outer})"
         )));
     }
-    Ok(LightKind::Spot { intensity, inner_angle: inner.to_radians(), outer_angle: outer.to_radians() })
+    Ok(LightKind::Spot {
+        intensity,
+        inner_angle: inner.to_radians(),
+        outer_angle: outer.to_radians(),
+        falloff: SpotFalloff::Smooth,
+    })
 }
 
 /// Adds a quad as an area light, with its centre as origin, so that animation rotates it about its centre.
@@ -228,7 +235,7 @@ pub(crate) fn entry_of(light: &Light) -> Option<LightEntry> {
         LightKind::Point { intensity } => {
             Some(LightEntry { position, intensity: Some(intensity.to_array()), radius, ..entry })
         }
-        LightKind::Spot { intensity, inner_angle, outer_angle } => Some(LightEntry {
+        LightKind::Spot { intensity, inner_angle, outer_angle, .. } => Some(LightEntry {
             kind: LightType::Spot,
             position,
             direction,
@@ -259,7 +266,16 @@ mod tests {
         let intensity = Vec3::new(1.0, 2.0, 3.0);
         for (kind, direction, [radius, half_angle]) in [
             (LightKind::Point { intensity }, Vec3::NEG_Y, [0.7, 0.0]),
-            (LightKind::Spot { intensity, inner_angle: 0.2, outer_angle: 0.5 }, Vec3::X, [0.3, 0.0]),
+            (
+                LightKind::Spot {
+                    intensity,
+                    inner_angle: 0.2,
+                    outer_angle: 0.5,
+                    falloff: SpotFalloff::Smooth,
+                },
+                Vec3::X,
+                [0.3, 0.0],
+            ),
             (LightKind::Directional { irradiance: intensity }, Vec3::Z, [0.0, 0.123_456_79]),
         ] {
             let position = if half_angle > 0.0 { Vec3::ZERO } else { Vec3::new(0.1, 0.2, 0.3) };

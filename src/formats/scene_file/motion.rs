@@ -91,6 +91,7 @@ pub(crate) fn animation_of(
             time: key.time,
             translation: entry.place("keyframes.translation", key.translation.unwrap_or_default())?,
             rotation: rotation_of(&entry, key.rotation)?,
+            ..Keyframe::default()
         });
     }
     let rotation = match &animation.rotation {
@@ -104,5 +105,5 @@ pub(crate) fn animation_of(
     if keyframes.is_empty() && rotation.is_none() {
         return Err(entry.error("needs keyframes or a rotation"));
     }
-    Ok(Some(Animation { keyframes, rotation, repeat: animation.repeat }))
+    Ok(Some(Animation { keyframes, rotation, repeat: animation.repeat, sampled: false }))
 }

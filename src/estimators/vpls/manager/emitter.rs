@@ -57,10 +57,10 @@ impl Emitter {
     pub(super) fn new(world: World<'_>, light: &Light, disc: &FocusedDisc) -> Self {
         let source = match &light.kind {
             LightKind::Point { .. } => Source::Point { position: light.position },
-            LightKind::Spot { inner_angle, outer_angle, .. } => Source::Spot {
+            LightKind::Spot { inner_angle, outer_angle, falloff, .. } => Source::Spot {
                 position: light.position,
                 frame: Frame::around(light.direction),
-                cone: SpotCone::new(*inner_angle, *outer_angle),
+                cone: SpotCone::new(*inner_angle, *outer_angle, *falloff),
                 outer_angle: *outer_angle,
             },
             LightKind::Directional { .. } => {

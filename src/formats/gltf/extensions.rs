@@ -1,0 +1,71 @@
+//! The extensions of glTF, and what becomes of each. docs/FILES.md has the same table; a test compares both.
+
+/// What becomes of an extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Support {
+    /// As it says.
+    Read,
+    /// In part, or by something simpler; docs/FILES.md says how.
+    Approximated,
+    /// It is left out with a warning, also where the file requires it.
+    Ignored,
+    /// A file that requires it is refused, with this advice.
+    Refused(&'static str),
+}
+
+const READ: &str = "EXT_mesh_gpu_instancing EXT_texture_webp KHR_materials_emissive_strength KHR_materials_ior \
+    KHR_mesh_quantization KHR_node_visibility KHR_texture_transform MSFT_texture_dds";
+
+const APPROXIMATED: &str =
+    "KHR_lights_punctual KHR_materials_specular KHR_materials_transmission KHR_materials_unlit";
+
+const IGNORED: &str = "EXT_instance_features EXT_lights_ies EXT_lights_image_based EXT_mesh_features EXT_mesh_manifold \
+    EXT_structural_metadata EXT_texture_astc EXT_texture_avif KHR_animation_pointer KHR_audio_emitter KHR_interactivity \
+    KHR_materials_anisotropy KHR_materials_clearcoat KHR_materials_diffuse_transmission KHR_materials_dispersion \
+    KHR_materials_iridescence KHR_materials_pbrSpecularGlossiness KHR_materials_sheen KHR_materials_variants \
+    KHR_materials_volume KHR_node_hoverability KHR_node_selectability KHR_physics_rigid_bodies KHR_techniques_webgl \
+    KHR_texture_basisu KHR_xmp KHR_xmp_json_ld MSFT_lod MSFT_packing_normalRoughnessMetallic \
+    MSFT_packing_occlusionRoughnessMetallic";
+
+const EXPORT: &str = "export the file again without it";
+const UNPACK: &str = "unpack it with gltfpack -i FILE -o unpacked.glb -noq";
+const REFUSED: [(&str, &str); 5] = [
+    ("EXT_mesh_primitive_restart", EXPORT),
+    ("EXT_meshopt_compression", UNPACK),
+    ("KHR_draco_mesh_compression", "decode it with gltf-transform copy FILE decoded.glb"),
+    ("KHR_gaussian_splatting", EXPORT),
+    ("KHR_meshopt_compression", UNPACK),
+];
+
+/// What becomes of the extension `name`. One that nobody here knows may change what a file means.
+pub(super) fn support_of(name: &str) -> Support {
+    let lists = [(READ, Support::Read), (APPROXIMATED, Support::Approximated), (IGNORED, Support::Ignored)];
+    let found = lists.iter().find(|(names, _)| names.split_whitespace().any(|known| known == name));
+    let advice = || REFUSED.iter().find(|(known, _)| *known == name).map_or(EXPORT, |(_, advice)| *advice);
+    found.map_or_else(|| Support::Refused(advice()), |(_, support)| *support)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_has_the_same_table() {
+        // Rows of a name in backticks, then the word.
+        let row = |line: &'static str| {
+            let (name, rest) = line.strip_prefix("| `")?.split_once("` | ")?;
+            let is_extension = ["EXT_", "KHR_", "MSFT_"].iter().any(|start| name.starts_with(start));
+            is_extension.then(|| (name, rest.split([':', ' ']).next().unwrap_or_default()))
+        };
+        let rows: Vec<_> = include_str!("../../../docs/FILES.md").lines().filter_map(row).collect();
+        assert!(rows.is_sorted(), "by name");
+        let lists = [("read", READ), ("approximated", APPROXIMATED), ("ignored", IGNORED)];
+        let mut known: Vec<_> = lists
+            .iter()
+            .flat_map(|(word, names)| names.split_whitespace().map(move |name| (name, *word)))
+            .chain(REFUSED.iter().map(|(name, _)| (*name, "refused")))
+            .collect();
+        known.sort_unstable();
+        assert_eq!(rows, known);
+    }
+}
