@@ -11,7 +11,7 @@ use crate::scene::{AlphaMask, AreaTriangle, BoundingSphere, Mesh, Pose, Scene, l
 /// The emissive triangles of an instance, in world space.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLight {
-    /// Ascending by index.
+    /// Ascending by side.
     pub(super) triangles: Vec<Emitter>,
     /// Cumulative distribution over the triangles, by luminous flux.
     pub(super) cdf: Vec<f32>,
@@ -24,16 +24,18 @@ pub(super) struct AreaLight {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
-    pub(super) index: u32,
+    /// Index of the triangle, and whether it is its front.
+    pub(super) side: (u32, bool),
     pub(super) corners: [Vec3; 3],
     /// Unit normal of the side that emits.
     pub(super) normal: Vec3,
     pub(super) radiance: Vec3,
     /// Pdf of a point on it within its light over area, 1/scene unit^2.
     pub(super) area_pdf: f32,
-    /// Index of its alpha mask, if it has one, and its texture coordinates there.
+    /// Index of its alpha mask, if it has one, and its texture coordinates and alphas there.
     pub(super) mask: Option<usize>,
     pub(super) uvs: [Vec2; 3],
+    pub(super) alphas: [f32; 3],
 }
 
 impl AreaLight {
@@ -46,7 +48,7 @@ impl AreaLight {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
             triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
-        emitters.sort_by_key(|emitter| emitter.index);
+        emitters.sort_by_key(|emitter| emitter.side);
         let power: f64 = emitters.iter().map(Emitter::power).sum();
         let mut sum = 0.0;
         let mut cdf = Vec::with_capacity(emitters.len());
@@ -84,7 +86,10 @@ impl AreaLight {
         let point = (b - a) * weights.x + (c - a) * weights.y + a;
         if let Some(mask) = emitter.mask {
             let [a, b, c] = emitter.uvs;
-            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
+            let alpha = emitter.alphas[0] * (1.0 - weights.x - weights.y)
+                + emitter.alphas[1] * weights.x
+                + emitter.alphas[2] * weights.y;
+            if !alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y, alpha) {
                 return None;
             }
         }
@@ -117,17 +122,18 @@ impl Emitter {
             mesh.triangle_positions(triangle.triangle).map(|corner| transform.transform_point3(corner));
         let [a, b, c] = corners;
         // Mirroring flips the winding but not the front side.
-        let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let side = if (transform.matrix3.determinant() < 0.0) == triangle.front { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
         let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
         Self {
-            index: triangle.triangle,
+            side: (triangle.triangle, triangle.front),
             corners,
             normal,
             radiance: triangle.radiance,
             area_pdf: 0.0,
             mask: material.alpha_mask,
             uvs: mesh.mask_coordinates(triangle.triangle, material),
+            alphas: mesh.alphas(triangle.triangle),
         }
     }
 

@@ -172,19 +172,19 @@ impl Lights {
         if total > 0.0 { light.weight(p, n) / total * environment.density(direction) } else { 0.0 }
     }
 
-    /// The emission of triangle `triangle` of `instance` along a scattered ray that hit it: its radiance, and the pdf
+    /// The emission of a side of a triangle (its index, whether it is the front) of `instance` along a scattered ray that hit it: its radiance, and the pdf
     /// (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if it emits nothing
     /// there.
     pub(super) fn emitted(
         &self,
         instance: u32,
-        triangle: u32,
+        triangle: (u32, bool),
         hit: &ScatteredHit,
         subset: LightSubset,
     ) -> Option<(Vec3, f32)> {
         for &index in &self.of_instance[instance as usize] {
             let PosedLight::Area(area) = &self.lights[index] else { continue };
-            let Ok(place) = area.triangles.binary_search_by_key(&triangle, |emitter| emitter.index) else {
+            let Ok(place) = area.triangles.binary_search_by_key(&triangle, |emitter| emitter.side) else {
                 continue;
             };
             let emitter = &area.triangles[place];

@@ -117,7 +117,8 @@ impl<'a> Reference<'a> {
         let instances = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
         let instance_at = |pixel: usize| {
             let ray = self.camera_ray(self.raster_point(pixel, Vec2::splat(0.5)));
-            self.bvh.intersect(&ray).map_or(-1, |hit| hit.instance as i32)
+            let hit = self.world().behind_hidden(&ray, self.bvh.intersect(&ray));
+            hit.map_or(-1, |hit| hit.instance as i32)
         };
         let instances = instances.map(instance_at).collect();
         Film::new(self.size.x as usize, self.size.y as usize, self.layers, instances)

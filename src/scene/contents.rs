@@ -147,7 +147,10 @@ impl Scene {
     pub fn opaque_at(&self, material: u32, at: impl Into<Attributes>) -> bool {
         let material = &self.materials[material as usize];
         match material.alpha_mask {
-            Some(mask) => self.alpha_masks[mask].opaque_at(material.mask_coordinates(at.into().uvs)),
+            Some(mask) => {
+                let at = at.into();
+                self.alpha_masks[mask].opaque_at(material.mask_coordinates(at.uvs), at.colour.w)
+            }
             None => true,
         }
     }
@@ -169,7 +172,8 @@ impl Scene {
             scene.instances.iter().map(place).collect()
         };
         let materials = |scene: &Self| -> Vec<_> {
-            let of = |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask);
+            let of =
+                |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask, m.double_sided);
             scene.materials.iter().map(of).collect()
         };
         same_meshes

@@ -28,7 +28,7 @@ pub enum LightKind {
         /// W/m^2.
         irradiance: Vec3,
     },
-    /// The emissive triangles of an instance; they emit from their front sides.
+    /// The emissive triangles of an instance.
     Area {
         /// Index into `Scene::instances`.
         instance: usize,
@@ -57,6 +57,8 @@ pub enum LightType {
 pub struct AreaTriangle {
     /// Index into the instance's mesh's triangles.
     pub triangle: u32,
+    /// The side that emits; where both do, each has an entry.
+    pub front: bool,
     /// Radiance, W/m^2/sr.
     pub radiance: Vec3,
 }

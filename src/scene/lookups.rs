@@ -16,7 +16,7 @@ const EMISSION_POINTS: u32 = 16;
 impl TextureUse {
     /// Linear colour (level 0, bilinear).
     pub(crate) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
-        scene.textures[self.texture].sample_wrapped(self.coordinates(at.uvs), self.wrap)
+        scene.textures[self.texture].sample_rgba(self.coordinates(at.uvs), self).truncate()
     }
 }
 
@@ -59,7 +59,7 @@ impl Material {
         self.bsdf_at(scene, at).mean_albedo()
     }
 
-    /// Radiance of the front side at a point, W/m^2/sr.
+    /// Radiance of the sides that emit at a point, W/m^2/sr.
     pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
         if self.is_emissive() {
             self.emission * texel(scene, self.emission_texture, &at.into())
@@ -68,7 +68,7 @@ impl Material {
         }
     }
 
-    /// Radiance of the front side, averaged over its texture.
+    /// The same, averaged over its texture.
     pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
         self.emission * mean(scene, self.emission_texture)
     }
@@ -77,7 +77,7 @@ impl Material {
     pub fn thin_surface_at(&self, scene: &Scene, at: impl Into<Attributes>) -> ThinSurface {
         let at = at.into();
         let texel = self.base_colour_texture.map_or(Vec4::ONE, |texture| {
-            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), texture.wrap)
+            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), &texture)
         });
         let colour = texel * at.colour;
         let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };
@@ -108,12 +108,15 @@ impl Scene {
     /// Adds an area light for instance `instance`, with its name, if any of its triangles is emissive.
     pub fn add_area_light(&mut self, instance: usize) {
         let mesh = &self.meshes[self.instances[instance].mesh];
-        let emission = |(triangle, &material): (usize, &u32)| {
+        let mut triangles = Vec::new();
+        for (triangle, &material) in (0..).zip(&mesh.triangle_materials) {
             let material = &self.materials[material as usize];
-            let radiance = self.triangle_emission(mesh, triangle as u32, material);
-            (radiance != Vec3::ZERO).then_some(AreaTriangle { triangle: triangle as u32, radiance })
-        };
-        let triangles: Vec<_> = mesh.triangle_materials.iter().enumerate().filter_map(emission).collect();
+            let radiance = self.triangle_emission(mesh, triangle, material);
+            if radiance != Vec3::ZERO {
+                let sides = [true, false].into_iter().filter(|&front| material.emits_on(front));
+                triangles.extend(sides.map(|front| AreaTriangle { triangle, front, radiance }));
+            }
+        }
         if !triangles.is_empty() {
             self.lights.push(Light {
                 name: self.instances[instance].name.clone(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::bvh_support::Random;
 use crate::support::{GpuFixture, assets, channel, layer, named_scene, skip};
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
+use glam::{Affine3A, Mat2, Quat, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::formats::load_scene;
 use glowworm::gpu_scene::GpuScene;
@@ -203,7 +203,8 @@ fn made() -> Scene {
         mesh.second_uvs = mesh.uvs.iter().map(|uv| Vec2::new(uv.y, 2.0 * uv.x) - 0.4).collect();
         let side = if index % 2 == 0 { 1.0 } else { -1.0 };
         mesh.tangents = vec![Vec3::new(0.6, 0.8, 0.0).extend(side); 4];
-        mesh.colours = vec![[255, 128, 0, 255], [20, 200, 90, 255], [255; 4], [77, 33, 250, 255]];
+        let colours = [[1.0, 0.5, 0.0, 1.0], [0.08, 0.8, 0.3, 1.0], [1.0; 4], [0.3, 0.002, 0.98, 1.0]];
+        mesh.colours = colours.map(Vec4::from_array).to_vec();
         scene.meshes.push(mesh.into());
         let turned = Quat::from_euler(glam::EulerRot::XYZ, random.unit(), random.unit() * 6.0, random.unit());
         let scale = Vec3::new(side * 1.5, 0.8, 1.0 + 0.2 * index as f32);

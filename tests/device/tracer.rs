@@ -279,7 +279,8 @@ fn sheet_world(random: &mut Random) -> World {
         *material = if random.below(12) == 0 { 0 } else { first + random.below(count) };
     }
     soup.uvs = soup.positions.iter().map(|_| 3.0 * Vec2::new(random.unit(), random.unit())).collect();
-    soup.colours = soup.positions.iter().map(|_| [0; 4].map(|_| random.below(256) as u8)).collect();
+    let mut share = || random.below(257) as f32 / 256.0;
+    soup.colours = soup.positions.iter().map(|_| Vec4::new(share(), share(), share(), share())).collect();
     world
 }
 
@@ -302,9 +303,9 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
         let mesh = &scene.meshes[scene.instances[crossing.instance as usize].mesh];
         let material = &scene.materials[mesh.triangle_materials[crossing.triangle as usize] as usize];
         if !material.is_thin_surface() {
-            let is_there = material
-                .alpha_mask
-                .is_none_or(|mask| scene.alpha_masks[mask].opaque_at(met.attributes.uvs[0]));
+            let is_there = material.alpha_mask.is_none_or(|mask| {
+                scene.alpha_masks[mask].opaque_at(met.attributes.uvs[0], met.attributes.colour.w)
+            });
             passed = if is_there { Vec3::ZERO } else { passed };
             continue;
         }

@@ -147,7 +147,7 @@ pub fn directional(irradiance: f32, direction: Vec3) -> Light {
 pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
     let triangles = scene.meshes[scene.instances[instance].mesh].triangles.len();
     let triangles = (0..triangles as u32)
-        .map(|triangle| AreaTriangle { triangle, radiance: Vec3::splat(radiance) })
+        .map(|triangle| AreaTriangle { triangle, front: true, radiance: Vec3::splat(radiance) })
         .collect();
     let kind = LightKind::Area { instance, triangles };
     light(kind, Vec3::ZERO, Vec3::NEG_Y)

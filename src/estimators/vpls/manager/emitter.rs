@@ -118,8 +118,8 @@ impl Emitter {
     pub(super) fn primary(&self, world: World<'_>, u: Vec2) -> WorldSurface {
         match &self.source {
             Source::Area(table) => {
-                let point = table.sample(u).0;
-                world.scene.surface_at(world.pose, table.instance, point, Side::Front(true)).surface
+                let (point, side, _) = table.sample(u);
+                world.scene.surface_at(world.pose, table.instance, point, side).surface
             }
             Source::Environment(sky) => sky.surface(sky.sample(u).0),
             _ => WorldSurface::default(),
@@ -200,8 +200,8 @@ impl Source {
 pub(super) struct AreaTable {
     /// The emissive instance.
     pub(super) instance: u32,
-    /// Its emissive triangles, ascending.
-    triangles: Vec<u32>,
+    /// Its emissive triangles, ascending, and whether it is their front.
+    sides: Vec<(u32, bool)>,
     /// Their cumulative distribution.
     cdf: Vec<f32>,
     /// Triangle flux / (probability * light flux), per channel: 1 for lights of uniform colour.
@@ -212,7 +212,7 @@ impl AreaTable {
     /// Total flux pi A L, W, and the distribution.
     fn new(world: World<'_>, instance: usize, triangles: &[AreaTriangle]) -> (Vec3, Self) {
         let mut sorted = triangles.to_vec();
-        sorted.sort_by_key(|emitter| emitter.triangle);
+        sorted.sort_by_key(|emitter| (emitter.triangle, emitter.front));
         let powers: Vec<DVec3> = sorted
             .iter()
             .map(|emitter| {
@@ -235,26 +235,24 @@ impl AreaTable {
             .collect();
         let table = Self {
             instance: instance as u32,
-            triangles: sorted.iter().map(|emitter| emitter.triangle).collect(),
+            sides: sorted.iter().map(|emitter| (emitter.triangle, emitter.front)).collect(),
             cdf,
             weights,
         };
         (total.as_vec3(), table)
     }
 
-    /// Samples a point on the light, with the weight of a path that starts there.
-    pub(super) fn sample(&self, u: Vec2) -> (SurfacePoint, Vec3) {
+    /// Samples a point on the light and its side, with the weight of a path that starts there.
+    pub(super) fn sample(&self, u: Vec2) -> (SurfacePoint, Side, Vec3) {
         let (bin, rest) = sampling::discrete(&self.cdf, u.x);
-        let point = SurfacePoint {
-            triangle: self.triangles[bin],
-            barycentrics: sampling::triangle(Vec2::new(rest, u.y)),
-        };
-        (point, self.weights[bin])
+        let (triangle, front) = self.sides[bin];
+        let point = SurfacePoint { triangle, barycentrics: sampling::triangle(Vec2::new(rest, u.y)) };
+        (point, Side::Front(front), self.weights[bin])
     }
 
-    /// Whether a triangle of the instance belongs to the light.
-    pub(super) fn contains(&self, triangle: u32) -> bool {
-        self.triangles.binary_search(&triangle).is_ok()
+    /// Whether a side of a triangle of the instance belongs to the light.
+    pub(super) fn contains(&self, triangle: u32, front: bool) -> bool {
+        self.sides.binary_search(&(triangle, front)).is_ok()
     }
 }
 
