@@ -55,6 +55,9 @@ impl Export<'_> {
 
     /// Adds the mask or coverage of a material to its surface.
     fn cut(&mut self, surface: Element, material: &Material) -> Element {
+        if !material.double_sided {
+            self.remarks.insert(remarks::BACKS);
+        }
         let masked = |opacity: Element| Element::plugin("bsdf", "mask").child(opacity);
         if material.alpha == Alpha::Blend {
             return masked(self.coverage(material)).child(surface);
@@ -63,6 +66,9 @@ impl Export<'_> {
             Some(mask) if !material.is_thin_surface() => {
                 let file = format!("textures/{}.png", named("mask", mask, ""));
                 self.add_file(&file, Content::Mask(mask));
+                if !self.scene.alpha_masks[mask].nearest {
+                    self.remarks.insert(remarks::CUT_TEXELS);
+                }
                 let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);
                 masked(bitmap("opacity", &file, "nearest", wrap).boolean("raw", true)).child(surface)
             }

@@ -212,6 +212,9 @@ impl Export<'_> {
         if glow.alpha_mask.is_some() {
             self.remarks.insert(remarks::MASKED_EMISSION);
         }
+        if glow.emits_on_both_sides {
+            self.remarks.insert(remarks::ONE_SIDED_EMISSION);
+        }
         smooth
     }
 }

@@ -26,7 +26,7 @@ use super::lights::{LightSubset, ScatteredHit};
 use super::path_tracer::Reference;
 use super::sampler::Sampler;
 use crate::bsdf::{Reflection, Sampled};
-use crate::bvh::{Hit, Ray, Transmission};
+use crate::bvh::{Hit, Ray};
 use crate::sampling::{self, Frame};
 use crate::scene::{Attributes, Footprint, Material, SidedSurface, Texture, WorldSurface, luminance};
 
@@ -255,22 +255,6 @@ impl Reference<'_> {
             shadow_rays.trace(self, |path, light| paths[path].gathered += light);
             active = surviving;
         }
-    }
-
-    /// The surface where the light along each ray stops, if any, and its weight. `pass` takes the ray of an index from its
-    /// closest hit through thin surfaces.
-    fn intersect(
-        &self,
-        rays: &[Ray],
-        mut pass: impl FnMut(usize, Option<Hit>) -> (Option<Hit>, Transmission),
-    ) -> Vec<(Option<Hit>, Vec3)> {
-        let hits = self.bvh.intersect_all(rays);
-        hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
-        let pass = |(index, hit): (usize, Option<Hit>)| {
-            let (hit, transmission) = pass(index, hit);
-            (hit, transmission.weight)
-        };
-        hits.into_iter().enumerate().map(pass).collect()
     }
 
     /// Samples the next ray of a path; none if it points into the surface, which absorbs it, or nothing is reflected.

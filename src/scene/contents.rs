@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
+use super::alpha_mask::AlphaMask;
 use super::animation::Animation;
 use super::bounds::{BoundingSphere, bounds_of};
 use super::camera::Camera;
 use super::environment::Environment;
 use super::light::Light;
-use super::material::{AlphaMask, Material, Texture};
+use super::material::{Material, Texture};
 use super::mesh::Mesh;
 use super::recording::RecordedFrame;
 use super::texture_use::Attributes;

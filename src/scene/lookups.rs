@@ -16,7 +16,8 @@ const EMISSION_POINTS: u32 = 16;
 impl TextureUse {
     /// Linear colour (level 0, bilinear).
     pub(crate) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
-        scene.textures[self.texture].sample_rgba(self.coordinates(at.uvs), self).truncate()
+        let image = &scene.textures[self.texture];
+        image.filter(image.footprint(self.coordinates(at.uvs), self))
     }
 }
 

@@ -1,8 +1,8 @@
-//! Surface materials, their textures and alpha masks.
+//! Surface materials and their textures.
 
 use glam::{Vec2, Vec3};
 
-use super::texture_use::{TextureUse, Wrap};
+use super::texture_use::TextureUse;
 use crate::bsdf::Bsdf;
 
 /// What dielectrics reflect at normal incidence in glTF.
@@ -73,25 +73,6 @@ pub struct Texture {
     /// RGBA of 8 bits or little-endian half floats, alpha always linear; level 0 first, each level half the one before
     /// (rounded down, at least 1), filtered in linear light. (width, height, texels by rows from the top).
     pub levels: Vec<(u32, u32, Vec<u8>)>,
-}
-
-/// The alpha by which a surface is cut out: the same for raster, CPU rays and shader rays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AlphaMask {
-    /// Width in texels.
-    pub width: u32,
-    /// Height in texels.
-    pub height: u32,
-    /// Alpha by rows from the top, linear: a byte a texel, or two, little-endian.
-    pub texels: Vec<u8>,
-    /// Whether it is two.
-    pub wide: bool,
-    /// Along u and v. It is read where the texture of the base colour is.
-    pub wrap: [Wrap; 2],
-    /// As [`TextureUse::nearest`].
-    pub nearest: bool,
-    /// The surface is there where alpha, interpolated, times that of its vertices is at least this.
-    pub threshold: f32,
 }
 
 impl Material {

@@ -1,6 +1,6 @@
-//! Textures: the sRGB transfer function, mip chains and alpha masks.
+//! Textures: the sRGB transfer function, mip chains and filters.
 //!
-//! In: texels. Out: [`Texture`]s with every mip level, filtered in linear light, and [`AlphaMask`]s.
+//! In: texels. Out: [`Texture`]s with every mip level, filtered in linear light.
 
 use std::ops::{Add, Mul, Sub};
 use std::sync::LazyLock;
@@ -8,12 +8,9 @@ use std::sync::LazyLock;
 use exr::prelude::f16;
 use glam::{Vec2, Vec3, Vec4};
 
-use super::material::{AlphaMask, Texture};
+use super::material::Texture;
 use super::texture_use::{TextureUse, Wrap, wrapped};
 use crate::memory;
-
-/// By how much, relatively, alpha may miss the cutoff of a mask: vertices have half floats.
-const TOLERANCE: f32 = 1.0 / 2048.0;
 
 /// Largest width and height of a texture, texels: what common devices can do.
 const MAX_EXTENT: u32 = 16_384;
@@ -104,13 +101,12 @@ impl Texture {
 
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
-        self.filter(self.footprint(uv, Wrap::REPEAT, false))
+        self.filter(self.footprint(uv, &0.into()))
     }
 
-    /// The same as a material reads it, with alpha; `uv` are coordinates on the image.
+    /// The same with alpha, as a material reads it; `uv` are coordinates on the image.
     pub fn sample_rgba(&self, uv: Vec2, texture: &TextureUse) -> Vec4 {
-        let footprint = self.footprint(uv, texture.wrap, texture.nearest);
-        footprint.interpolate(|place| self.texel(0, place))
+        self.footprint(uv, texture).interpolate(|place| self.texel(0, place))
     }
 
     /// Linear colour and alpha of texel `place` of a level, by rows from the top.
@@ -146,17 +142,18 @@ impl Texture {
     /// Prefetches the texels of the filter at `uv`.
     pub(crate) fn prefetch(&self, uv: Vec2, texture: &TextureUse) -> Footprint {
         let texels = &self.levels[0].2;
-        let footprint = self.footprint(uv, texture.wrap, texture.nearest);
+        let footprint = self.footprint(uv, texture);
         let bytes = TEXEL_BYTES[usize::from(self.half)];
         memory::prefetch(&texels[bytes * footprint.top[0] as usize]);
         memory::prefetch(&texels[bytes * footprint.bottom[0] as usize]);
         footprint
     }
 
+    /// The filter at `uv`, on the image, as a material reads it.
     #[inline(always)]
-    fn footprint(&self, uv: Vec2, wrap: [Wrap; 2], nearest: bool) -> Footprint {
+    pub(crate) fn footprint(&self, uv: Vec2, texture: &TextureUse) -> Footprint {
         let (width, height, _) = self.levels[0];
-        Footprint::new([width, height], uv, wrap, nearest)
+        Footprint::new([width, height], uv, texture.wrap, texture.nearest)
     }
 }
 
@@ -225,51 +222,6 @@ fn half_texel(texel: Vec4) -> [u8; 8] {
 pub(crate) fn surplus_levels(width: u32, height: u32) -> usize {
     let extent = width.max(height);
     (0..).find(|&level| extent >> level <= MAX_EXTENT).unwrap_or(0) as usize
-}
-
-impl AlphaMask {
-    /// The mask of `opacity` (0 to 255 for each texel) times `dissolve`, cut at a half; none if all texels are opaque.
-    pub fn from_opacity(width: u32, height: u32, opacity: &[u8], dissolve: f32) -> Option<Self> {
-        let mask = Self::new([width, height], opacity.to_vec()).cut_at(0.5, dissolve);
-        mask.cuts().then_some(mask)
-    }
-
-    /// The mask of `opacity` (0 to 255 for each texel), cut at a half.
-    pub fn new([width, height]: [u32; 2], opacity: Vec<u8>) -> Self {
-        let (wrap, nearest) = (Wrap::REPEAT, false);
-        Self { width, height, texels: opacity, wide: false, wrap, nearest, threshold: 0.0 }.cut_at(0.5, 1.0)
-    }
-
-    /// The same, cut where alpha times `factor` is below `cutoff`.
-    pub fn cut_at(self, cutoff: f32, factor: f32) -> Self {
-        let threshold = cutoff / factor.max(f32::MIN_POSITIVE) * (1.0 - TOLERANCE);
-        Self { threshold: threshold.min(f32::MAX), ..self }
-    }
-
-    /// Whether any texel is cut out.
-    pub fn cuts(&self) -> bool {
-        (0..self.width * self.height).any(|place| self.texel(place) < self.threshold)
-    }
-
-    /// Whether no texel is opaque.
-    pub fn is_empty(&self) -> bool {
-        (0..self.width * self.height).all(|place| self.texel(place) < self.threshold)
-    }
-
-    fn texel(&self, place: u32) -> f32 {
-        let place = place as usize;
-        if self.wide {
-            let at = 2 * place;
-            return f32::from(u16::from_le_bytes([self.texels[at], self.texels[at + 1]])) / 65_535.0;
-        }
-        f32::from(self.texels[place]) / 255.0
-    }
-
-    /// Whether the surface is opaque at `uv` (origin top left), where the alpha of its vertices is `alpha`.
-    pub fn opaque_at(&self, uv: Vec2, alpha: f32) -> bool {
-        let footprint = Footprint::new([self.width, self.height], uv, self.wrap, self.nearest);
-        footprint.interpolate(|place| self.texel(place)) * alpha >= self.threshold
-    }
 }
 
 /// The texels along one axis under a texel of the next level, with their box filter weights.
@@ -383,30 +335,6 @@ mod tests {
             assert!((got - expected).abs() < 1e-5, "{u}: {got}");
         }
         assert!(texture.sample(Vec2::new(f32::NAN, f32::INFINITY)).is_finite());
-    }
-
-    #[test]
-    fn masks_hold_alpha_times_dissolve() {
-        assert_eq!(AlphaMask::from_opacity(2, 1, &[255, 128], 1.0), None);
-        let mask = AlphaMask::from_opacity(2, 1, &[255, 0], 0.9).unwrap();
-        // Halfway between the middles of the texels alpha is .45; a half is at 4/9 of the way.
-        let at = |u: f32| mask.opaque_at(Vec2::new(u, 0.5), 1.0);
-        assert!(at(0.25) && at(0.25 + 0.5 * 0.44) && !at(0.25 + 0.5 * 0.45) && !at(0.75));
-        assert!(!mask.opaque_at(Vec2::new(0.25, 0.5), 0.5) && mask.opaque_at(Vec2::new(0.25, 0.5), 0.6));
-        let nearest = AlphaMask { nearest: true, ..mask };
-        assert!(
-            nearest.opaque_at(Vec2::new(0.49, 0.5), 1.0) && !nearest.opaque_at(Vec2::new(0.51, 0.5), 1.0)
-        );
-        let hidden = AlphaMask::from_opacity(1, 1, &[255], 0.4);
-        assert!(hidden.is_some_and(|mask| !mask.opaque_at(Vec2::splat(0.3), 1.0)));
-    }
-
-    #[test]
-    fn the_limits_of_the_cutoff() {
-        let texels = |cutoff| AlphaMask::new([2, 1], vec![255, 254]).cut_at(cutoff, 1.0);
-        let shown = |cutoff: f32| [0.25, 0.75].map(|u| texels(cutoff).opaque_at(Vec2::new(u, 0.5), 1.0));
-        assert_eq!([0.0, 0.996, 1.0, 1.1].map(shown), [[true; 2], [true; 2], [true, false], [false; 2]]);
-        assert!(!AlphaMask::new([1, 1], vec![255]).cut_at(0.5, 0.0).opaque_at(Vec2::ZERO, 1.0));
     }
 
     #[test]

@@ -321,7 +321,8 @@ impl<'a> ModelSurvey<'a> {
             let LightKind::Area { instance, triangles } = &light.kind else { continue };
             for emitter in triangles.iter().step_by(triangles.len().div_ceil(MOST).max(1)) {
                 let at = SurfacePoint { triangle: emitter.triangle, barycentrics: Vec2::splat(1.0 / 3.0) };
-                let found = self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(true));
+                let found =
+                    self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(emitter.front));
                 points.push(Sample {
                     position: found.surface.offset_position(self.radius),
                     ..Sample::of(&found)
