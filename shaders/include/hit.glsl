@@ -85,6 +85,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
         surface.colour = mat3x4(unpack_halves(vertex_colours.data[places.x]), unpack_halves(vertex_colours.data[places.y]),
             unpack_halves(vertex_colours.data[places.z])) * weights;
     }
+    vec3 vertex_colour = surface.colour.rgb;
     if (material.base_texture.image > 0u) surface.colour *= sample_texture(material.base_texture, uvs, lod);
     surface.bsdf = Bsdf(material.base.rgb * surface.colour.rgb, material.base.w, material.reflectance.rgb,
         material.reflectance.w, material.emission.w);
@@ -95,6 +96,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     }
     surface.emission =
         emits_on(material, surface.front) ? material.emission.rgb * instance.emission.rgb : vec3(0.0);
+    if ((material.flags & UNLIT) != 0u) surface.emission *= vertex_colour;
     if (material.emission_texture.image > 0u && surface.emission != vec3(0.0)) {
         surface.emission *= sample_texture(material.emission_texture, uvs, lod).rgb;
     }

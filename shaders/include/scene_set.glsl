@@ -57,6 +57,8 @@ const uint COLOURED = 1u;
 const uint SINGLE_SIDED = 2u;
 // Its back emits as its front does.
 const uint EMITS_ON_BOTH_SIDES = 4u;
+// Its emission is multiplied with the vertices' colours.
+const uint UNLIT = 8u;
 
 bool emits_on(MaterialData material, bool front) { return front || (material.flags & EMITS_ON_BOTH_SIDES) != 0u; }
 

@@ -89,6 +89,7 @@ void main() {
     }
     if (DETAILED) {
         bsdf.base *= colour.rgb;
+        if ((material.flags & UNLIT) != 0u) emission *= colour.rgb;
         if (material.normal_texture.image > 0u) {
             texel = sampled(normal_texture, material.normal_texture, gradients).rgb;
         }

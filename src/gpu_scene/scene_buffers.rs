@@ -11,7 +11,7 @@ use super::environment::EnvironmentTexture;
 use super::geometry::{Geometry, first_triangles};
 use super::skip::{LastInputs, Version};
 use super::structs::{
-    COLOURED, EMITS_ON_BOTH_SIDES, InstanceData, MaterialData, SINGLE_SIDED, TextureUseData,
+    COLOURED, EMITS_ON_BOTH_SIDES, InstanceData, MaterialData, SINGLE_SIDED, TextureUseData, UNLIT,
 };
 use super::{Named, to_u32};
 use crate::bvh::gpu::rows;
@@ -221,18 +221,20 @@ fn material_data(scene: &Scene, material: &Material, colour: Option<Vec3>) -> Ma
         |texture: Option<TextureUse>| texture.map_or_else(TextureUseData::default, TextureUseData::from);
     let mut mean = material.mean_bsdf(scene);
     mean.base *= colour.unwrap_or(Vec3::ONE);
+    let tint = colour.filter(|_| material.unlit).unwrap_or(Vec3::ONE);
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     MaterialData {
         base: material.reflected_base().extend(material.metallic),
         reflectance: material.f0.extend(material.f90),
         emission: material.emission.extend(material.roughness),
-        mean_emission: material.mean_emission(scene).extend(0.0),
+        mean_emission: (material.mean_emission(scene) * tint).extend(0.0),
         mean_albedo: mean.mean_albedo().extend(0.0),
         mask: mask_plus_one(material),
         normal_scale: material.normal_scale,
         flags: flag(colour.is_some(), COLOURED)
             | flag(!material.double_sided, SINGLE_SIDED)
-            | flag(material.emits_on_both_sides, EMITS_ON_BOTH_SIDES),
+            | flag(material.emits_on_both_sides, EMITS_ON_BOTH_SIDES)
+            | flag(material.unlit, UNLIT),
         base_texture: data(material.base_colour_texture),
         metallic_roughness_texture: data(material.metallic_roughness_texture),
         emission_texture: data(material.emission_texture),

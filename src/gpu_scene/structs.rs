@@ -108,7 +108,7 @@ pub struct MaterialData {
     pub mask: u32,
     /// What the slopes of its normal map are multiplied by.
     pub normal_scale: f32,
-    /// [`COLOURED`], [`SINGLE_SIDED`], [`EMITS_ON_BOTH_SIDES`].
+    /// [`COLOURED`], [`SINGLE_SIDED`], [`EMITS_ON_BOTH_SIDES`], [`UNLIT`].
     pub flags: u32,
     /// Unused.
     pub pad1: u32,
@@ -128,6 +128,8 @@ pub const COLOURED: u32 = 1;
 pub const SINGLE_SIDED: u32 = 2;
 /// In [`MaterialData::flags`]: its back emits as its front does.
 pub const EMITS_ON_BOTH_SIDES: u32 = 4;
+/// In [`MaterialData::flags`]: its emission is multiplied with the vertices' colours.
+pub const UNLIT: u32 = 8;
 
 /// How a material uses a texture; `TextureUse` in shaders/include/scene.glsl.
 #[repr(C)]

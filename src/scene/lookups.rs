@@ -62,11 +62,12 @@ impl Material {
 
     /// Radiance of the sides that emit at a point, W/m^2/sr.
     pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        if self.is_emissive() {
-            self.emission * texel(scene, self.emission_texture, &at.into())
-        } else {
-            Vec3::ZERO
+        if !self.is_emissive() {
+            return Vec3::ZERO;
         }
+        let at = at.into();
+        let colour = if self.unlit { at.colour.truncate() } else { Vec3::ONE };
+        self.emission * colour * texel(scene, self.emission_texture, &at)
     }
 
     /// The same, averaged over its texture.
@@ -97,7 +98,7 @@ fn mean(scene: &Scene, texture: Option<TextureUse>) -> Vec3 {
 impl Scene {
     /// Radiance of a triangle, averaged over it, W/m^2/sr.
     fn triangle_emission(&self, mesh: &Mesh, triangle: u32, material: &Material) -> Vec3 {
-        if material.emission_texture.is_none() {
+        if material.emission_texture.is_none() && (!material.unlit || mesh.colours.is_empty()) {
             return material.emission;
         }
         let at = |barycentrics| mesh.interpolate(SurfacePoint { triangle, barycentrics }).attributes;

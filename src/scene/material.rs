@@ -57,6 +57,8 @@ pub struct Material {
     pub double_sided: bool,
     /// Whether its back emits as its front does.
     pub emits_on_both_sides: bool,
+    /// Whether its emission is that of its base colour, and so multiplied with the vertices' colours (KHR_materials_unlit).
+    pub unlit: bool,
     /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. What is cut out does not emit.
     pub alpha_mask: Option<usize>,
 }
@@ -101,6 +103,7 @@ impl Material {
             transmission: 0.0,
             double_sided: true,
             emits_on_both_sides: false,
+            unlit: false,
             alpha_mask: None,
         }
     }

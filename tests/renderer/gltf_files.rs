@@ -133,11 +133,11 @@ impl File {
     }
 }
 
-/// Pictures by raster and by the path tracer, with layers and without bounces.
+/// Pictures by raster and by the path tracer, with layers and one bounce.
 pub fn pictures(scene: Scene, size: [u32; 2], spp: u64) -> Vec<(&'static str, Picture)> {
-    let mut pictures = vec![("reference", reference(&scene, size, 0, spp))];
+    let mut pictures = vec![("reference", reference(&scene, size, 1, spp))];
     if let Some(gpu) = GpuFixture::open() {
-        let settings = Settings { bounces: 0, ..exact(size) };
+        let settings = Settings { bounces: 1, ..exact(size) };
         let rendered = gpu.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();
         pictures.push(("render", rendered));
     }

@@ -118,46 +118,50 @@ fn emitters_shine_from_the_sides_that_the_material_shows() {
     let lit =
         json!({ "emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1] } });
     let sign = json!({ "extensions": { "KHR_materials_unlit": {} } });
-    for (what, material) in [("emitter", lit), ("sign", sign)] {
-        for (double, mirrored) in [(false, false), (true, false), (false, true), (true, true)] {
-            let mut file = File::new();
-            let mut material = material.clone();
-            material["doubleSided"] = json!(double);
-            let glow = file.material(material);
-            // Walls that face the emitter, so that the one before it does not show.
-            let wall = file.material(json!({}));
-            let scale = if mirrored { [-1.0, 1.0, 1.0] } else { [1.0, 1.0, 1.0] };
-            file.quad(Vec3::ZERO, 0.4, glow, None, json!({ "scale": scale }));
-            file.quad(Vec3::new(0.0, 0.0, -0.5), 3.0, wall, None, json!({}));
-            let turned = json!({ "rotation": [0, 1, 0, 0] });
-            file.quad(Vec3::new(0.0, 0.0, -0.5), 3.0, wall, None, turned);
-            let name = format!("{what}, double {double}, mirrored {mirrored}");
-            let mut on_walls = Vec::new();
-            for side in [1.0, -1.0] {
-                for (who, picture) in
-                    pictures(file.scene(Vec3::new(0.0, 0.0, 4.0 * side), 0.25), [24, 24], 64)
-                {
-                    let front = double || side > 0.0;
-                    let middle = picture.colour[24 * 12 + 12][0];
-                    let expected = if front { 0.99..1.01 } else { 0.0..0.5 };
-                    assert!(expected.contains(&middle), "{who}, {name}, from {side}: {middle}");
-                    assert_eq!(channel(&picture, "instance")[24 * 12 + 12] == 0.0, front, "{who}, {name}");
-                    // The wall behind the emitter, above it.
-                    let walls = layer(&picture, "indirect");
-                    on_walls.push((who, side, mean(walls[..24 * 4].iter().map(|irradiance| irradiance[0]))));
-                }
+    for (what, material, double, mirrored) in [
+        ("emitter", &lit, false, false),
+        ("emitter", &lit, true, false),
+        ("emitter", &lit, false, true),
+        ("emitter", &lit, true, true),
+        ("sign", &sign, false, false),
+        ("sign", &sign, true, true),
+    ] {
+        let mut file = File::new();
+        let mut material = material.clone();
+        material["doubleSided"] = json!(double);
+        let glow = file.material(material);
+        // Black walls that face the emitter, so that the one before it does not show.
+        let wall = file.material(
+            json!({ "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0 } }),
+        );
+        let scale = if mirrored { [-1.0, 1.0, 1.0] } else { [1.0, 1.0, 1.0] };
+        file.quad(Vec3::ZERO, 0.4, glow, None, json!({ "scale": scale }));
+        file.quad(Vec3::new(0.0, 0.0, -0.5), 3.0, wall, None, json!({}));
+        let turned = json!({ "rotation": [0, 1, 0, 0] });
+        file.quad(Vec3::new(0.0, 0.0, -0.5), 3.0, wall, None, turned);
+        let name = format!("{what}, double {double}, mirrored {mirrored}");
+        let mut on_walls = Vec::new();
+        for side in [1.0, -1.0] {
+            for (who, picture) in pictures(file.scene(Vec3::new(0.0, 0.0, 4.0 * side), 0.25), [24, 24], 64) {
+                let front = double || side > 0.0;
+                let middle = picture.colour[24 * 12 + 12][0];
+                let expected = if front { 0.99..1.01 } else { 0.0..0.5 };
+                assert!(expected.contains(&middle), "{who}, {name}, from {side}: {middle}");
+                assert_eq!(channel(&picture, "instance")[24 * 12 + 12] == 0.0, front, "{who}, {name}");
+                // The wall behind the emitter, above it.
+                let walls = layer(&picture, "indirect");
+                on_walls.push((who, side, mean(walls[..24 * 4].iter().map(|irradiance| irradiance[0]))));
             }
-            let expected =
-                on_walls.iter().find(|(who, side, _)| *who == "reference" && *side < 0.0).unwrap().2;
-            assert!(expected > 0.05, "{name}: {expected}");
-            for (who, side, irradiance) in on_walls {
-                let ratio = irradiance / expected;
-                let lit = double || side < 0.0;
-                assert!(
-                    if lit { (ratio - 1.0).abs() < 0.08 } else { ratio < 1e-4 },
-                    "{who}, {name}: {ratio} on the wall that {side} sees"
-                );
-            }
+        }
+        let expected = on_walls.iter().find(|(who, side, _)| *who == "reference" && *side < 0.0).unwrap().2;
+        assert!(expected > 0.05, "{name}: {expected}");
+        for (who, side, irradiance) in on_walls {
+            let ratio = irradiance / expected;
+            let lit = double || side < 0.0;
+            assert!(
+                if lit { (ratio - 1.0).abs() < 0.08 } else { ratio < 1e-4 },
+                "{who}, {name}: {ratio} on the wall that {side} sees"
+            );
         }
     }
 }
@@ -246,15 +250,21 @@ fn nearest_filters_make_steps_in_every_use() {
 fn colours_of_vertices_keep_the_dark() {
     let mut file = File::new();
     let white = file.material(json!({ "pbrMetallicRoughness": { "metallicFactor": 0 } }));
+    let sign = file.material(json!({ "extensions": { "KHR_materials_unlit": {} } }));
     let greys = [0.2, 0.02, 0.002, 0.001];
     for (x, grey) in [-0.75, -0.25, 0.25, 0.75].into_iter().zip(greys) {
-        file.quad(Vec3::new(x, 0.0, 0.0), 0.25, white, Some([[grey, grey, grey, 1.0]; 2]), json!({}));
+        let colours = Some([[grey, grey, grey, 1.0]; 2]);
+        file.quad(Vec3::new(x, 0.125, 0.0), 0.25, white, colours, json!({}));
+        file.quad(Vec3::new(x, -0.125, 0.0), 0.25, sign, colours, json!({}));
     }
     for (who, picture) in pictures(file.scene(Vec3::new(0.0, 0.0, 6.0), 0.02), [32, 2], 1) {
-        for (column, albedo) in layer(&picture, "albedo").into_iter().take(32).enumerate() {
+        // The upper row reflects, the lower one is unlit: emission has 9 bits.
+        let shown = layer(&picture, "albedo").into_iter().take(32).zip(&picture.colour[32..]);
+        for (column, (albedo, sign)) in shown.enumerate() {
             let x = 0.06 * 16.0 * ((column as f32 + 0.5) / 16.0 - 1.0);
             let expected = greys[((x + 1.0) * 2.0) as usize];
             assert!((albedo[0] / expected - 1.0).abs() < 2e-3, "{who} at {x}: {albedo:?} {expected}");
+            assert!((sign[0] / expected - 1.0).abs() < 1e-2, "{who} at {x}: {sign:?} {expected}");
         }
     }
 }

@@ -234,7 +234,8 @@ fn material_of(
     if material.unlit() {
         let (base_colour, f0) = (Vec3::ZERO, Vec3::ZERO);
         let shape = Material { alpha, alpha_mask, opacity, base_colour_texture: base_texture, ..sides };
-        return Ok(Material { base_colour, f0, emission: base, emission_texture: base_texture, ..shape });
+        let emitting = Material { emission: base, emission_texture: base_texture, unlit: true, ..shape };
+        return Ok(Material { base_colour, f0, ..emitting });
     }
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let (f0, f90) = dielectric_of(material);
