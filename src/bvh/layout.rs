@@ -1,5 +1,6 @@
 //! Writes the two-level BVH into the layout of the shaders.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use obvhs::cwbvh::node::CwBvhNode;
@@ -127,14 +128,19 @@ fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
 
 fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
     let mut words = Vec::new();
+    // Masks of one image share its texels.
+    let mut firsts = HashMap::new();
     let table = masks
         .iter()
         .map(|mask| {
-            let first_word = words.len() as u32;
-            words.extend(mask.texels.chunks(4).map(|bytes| {
-                let byte = |i: usize| bytes.get(i).copied().unwrap_or(0);
-                u32::from_le_bytes(std::array::from_fn(byte))
-            }));
+            let first_word = *firsts.entry(mask.texels.as_ptr()).or_insert_with(|| {
+                let first = words.len() as u32;
+                words.extend(mask.texels.chunks(4).map(|bytes| {
+                    let byte = |i: usize| bytes.get(i).copied().unwrap_or(0);
+                    u32::from_le_bytes(std::array::from_fn(byte))
+                }));
+                first
+            });
             let wide = if mask.wide { WIDE_MASK } else { 0 };
             GpuMask {
                 first_word,

@@ -45,6 +45,11 @@ impl AlphaMask {
             .cut_at(0.5, 1.0)
     }
 
+    /// The mask of a surface that is there as far as its vertices are.
+    pub fn whole() -> Self {
+        Self::new([1, 1], vec![255])
+    }
+
     /// The same, cut where alpha times `factor` is below `cutoff`.
     pub fn cut_at(self, cutoff: f32, factor: f32) -> Self {
         let threshold = cutoff / factor.max(f32::MIN_POSITIVE) * (1.0 - TOLERANCE);

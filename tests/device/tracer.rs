@@ -332,7 +332,7 @@ fn sheets_tint(tracer: RayTracer) {
     let pose = world.scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&world.scene, &world.transforms());
     let mut comparison = Comparison::new(gpu, tracer, &bvh);
-    let rays = rays(&mut random, &bvh, 20_000);
+    let rays = rays(&mut random, &bvh, 40_000);
     let answers = comparison.trace(&bvh, &rays);
     let (mut tinted, mut black, mut wrong) = (0, 0, Vec::new());
     for (ray, answer) in rays.iter().zip(&answers) {

@@ -57,6 +57,8 @@ struct Images {
     decoded: Vec<Option<DynamicImage>>,
     /// Scene indices of textures, by image and whether they are linear.
     places: HashMap<(usize, bool), usize>,
+    /// Of images that masks are made of.
+    opacities: HashMap<usize, AlphaMask>,
     /// Materials that cut or blend by the alpha of some of their vertices.
     vertex_alpha: HashSet<usize>,
 }
@@ -97,11 +99,15 @@ impl Images {
                 .map_err(|problem| source.error(format!("{what} {problem}; export the file again")))
         };
         let decoded = images.par_iter().map(read).collect::<Result<_, _>>()?;
-        Ok(Self { decoded, places: HashMap::new(), vertex_alpha: vertex_alpha(source) })
+        let (places, opacities) = (HashMap::new(), HashMap::new());
+        Ok(Self { decoded, places, opacities, vertex_alpha: vertex_alpha(source) })
     }
 
-    fn of(&self, texture: &::gltf::Texture<'_>) -> Option<&DynamicImage> {
-        self.decoded[texture.source().index()].as_ref()
+    /// The mask of a texture's alpha; materials share its texels.
+    fn opacity(&mut self, texture: &::gltf::Texture<'_>) -> AlphaMask {
+        let index = texture.source().index();
+        let read = || self.decoded[index].as_ref().and_then(|image| images::opacity(image, false));
+        self.opacities.entry(index).or_insert_with(|| read().unwrap_or_else(AlphaMask::whole)).clone()
     }
 
     /// Adds a texture to the scene, where it is not there yet; returns its index.
@@ -282,15 +288,17 @@ fn dielectric_of(material: &::gltf::Material<'_>) -> (Vec3, f32) {
 /// How alpha is used, and the mask of what is cut out, which is read as the base colour is.
 fn alpha_of(
     material: &::gltf::Material<'_>,
-    images: &Images,
+    images: &mut Images,
     scene: &mut Scene,
     base: Option<TextureUse>,
 ) -> (Alpha, Option<usize>) {
+    if material.alpha_mode() == AlphaMode::Opaque {
+        return (Alpha::Opaque, None);
+    }
     let pbr = material.pbr_metallic_roughness();
     let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
     let map = pbr.base_color_texture();
-    let opacity = map.as_ref().and_then(|info| images::opacity(images.of(&info.texture())?, false));
-    let mask = opacity.unwrap_or(AlphaMask::new([1, 1], vec![255]));
+    let mask = map.map_or_else(AlphaMask::whole, |info| images.opacity(&info.texture()));
     let by_vertices = material.index().is_some_and(|index| images.vertex_alpha.contains(&index));
     let (wrap, nearest) = base.map_or((Wrap::REPEAT, false), |texture| (texture.wrap, texture.nearest));
     let mask = AlphaMask { wrap, nearest, ..mask };

@@ -214,6 +214,6 @@ fn add_textures<'a>(
 fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
     let from_opacity = maps.opacity.and_then(|name| images::opacity(images.get(name).ok()?, true));
     let from_colour = || maps.colour.and_then(|name| images::opacity(images.get(name).ok()?, false));
-    let mask = from_opacity.or_else(from_colour).unwrap_or(AlphaMask::new([1, 1], vec![255]));
+    let mask = from_opacity.or_else(from_colour).unwrap_or_else(AlphaMask::whole);
     Some(mask.cut_at(0.5, dissolve)).filter(AlphaMask::cuts)
 }
