@@ -3,6 +3,8 @@
 #ifndef BILINEAR_GLSL
 #define BILINEAR_GLSL
 
+#include "wrap.glsl"
+
 struct Footprint {
     uvec4 texels; // top left, top right, bottom left, bottom right, counted from the image's first
     vec2 part;    // from left to right, from top to bottom
@@ -13,7 +15,14 @@ vec3 srgb_decoded(vec3 c) {
     return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
 }
 
-vec4 decoded(vec4 texel, bool linear) { return linear ? texel : vec4(srgb_decoded(texel.rgb), texel.a); }
+// Formats of texels: bytes whose colour is sRGB-encoded or linear, and half floats in two words.
+const uint FORMAT_SRGB = 0u;
+const uint FORMAT_LINEAR = 1u;
+const uint FORMAT_HALF = 2u;
+
+vec4 decoded(vec4 texel, uint format) {
+    return format == FORMAT_SRGB ? vec4(srgb_decoded(texel.rgb), texel.a) : texel;
+}
 
 // The texels `next - 1` and `next`, wrapped around, or those of the border.
 uvec2 neighbours(uint next, uint size, bool repeats) {
@@ -24,7 +33,8 @@ uvec2 neighbours(uint next, uint size, bool repeats) {
 
 // The filter at a place in [0, 1].
 Footprint footprint_at(vec2 place, uvec2 size, uint modes) {
-    vec2 at = place * vec2(size) + 0.5;
+    vec2 at = place * vec2(size);
+    at = (modes & NEAREST) != 0u ? min(floor(at), vec2(size) - 1.0) + 1.0 : at + 0.5;
     uvec2 next = uvec2(at);
     uvec2 x = neighbours(next.x, size.x, (modes & 3u) == 0u);
     uvec2 y = neighbours(next.y, size.y, (modes & 12u) == 0u) * size.x;

@@ -18,7 +18,7 @@ MeanSurface mean_surface_of(TracerHit hit, vec3 origin, vec3 direction) {
     vec3 normal = normalize(transform_normal(instance.world_to_object, cross(b - a, c - a)));
     bool front = dot(normal, direction) < 0.0;
     MaterialData material = materials.data[hit.material];
-    vec3 emission = front ? material.mean_emission.rgb * instance.emission.rgb : vec3(0.0);
+    vec3 emission = emits_on(material, front) ? material.mean_emission.rgb * instance.emission.rgb : vec3(0.0);
     return MeanSurface(origin + hit.t * direction, front ? normal : -normal, material.mean_albedo.rgb, emission);
 }
 
@@ -80,7 +80,12 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     }
 
     // Reflection and emission.
-    surface.colour = mat3x4(unpackUnorm4x8(a.colour), unpackUnorm4x8(b.colour), unpackUnorm4x8(c.colour)) * weights;
+    surface.colour = vec4(1.0);
+    if ((material.flags & COLOURED) != 0u) {
+        surface.colour = mat3x4(unpack_halves(vertex_colours.data[places.x]), unpack_halves(vertex_colours.data[places.y]),
+            unpack_halves(vertex_colours.data[places.z])) * weights;
+    }
+    vec3 vertex_colour = surface.colour.rgb;
     if (material.base_texture.image > 0u) surface.colour *= sample_texture(material.base_texture, uvs, lod);
     surface.bsdf = Bsdf(material.base.rgb * surface.colour.rgb, material.base.w, material.reflectance.rgb,
         material.reflectance.w, material.emission.w);
@@ -89,7 +94,9 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
         surface.bsdf.roughness *= data.x;
         surface.bsdf.metallic *= data.y;
     }
-    surface.emission = surface.front ? material.emission.rgb * instance.emission.rgb : vec3(0.0);
+    surface.emission =
+        emits_on(material, surface.front) ? material.emission.rgb * instance.emission.rgb : vec3(0.0);
+    if ((material.flags & UNLIT) != 0u) surface.emission *= vertex_colour;
     if (material.emission_texture.image > 0u && surface.emission != vec3(0.0)) {
         surface.emission *= sample_texture(material.emission_texture, uvs, lod).rgb;
     }

@@ -46,7 +46,8 @@ bool emitter_is_opaque(Emitter emitter, vec2 weights) {
     uint mask = floatBitsToUint(emitter.radiance.w);
     if (mask == 0u) return true;
     vec2 uv = emitter.uvs.xy * (1.0 - weights.x - weights.y) + emitter.uvs.zw * weights.x + emitter.uv.xy * weights.y;
-    return tracer_mask_bit(mask - 1u, uv);
+    vec3 alphas = vec3(unpackHalf2x16(floatBitsToUint(emitter.uv.z)), unpackHalf2x16(floatBitsToUint(emitter.uv.w)).x);
+    return mask_opaque(mask - 1u, uv, dot(alphas, vec3(1.0 - weights.x - weights.y, weights)));
 }
 
 LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss) {

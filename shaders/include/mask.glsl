@@ -1,12 +1,33 @@
-// Alpha masks for raster passes: the same bits that rays test. Needs scene_set.glsl.
+// Alpha masks, the same for raster and rays. Needs scene_set.glsl. Twin: `AlphaMask` in src/scene/texture.rs.
+
+#ifndef MASK_GLSL
+#define MASK_GLSL
+
+#include "bilinear.glsl"
 #include "wrap.glsl"
 
-// Whether the surface is there at uv (nearest texel). Twin: AlphaMask::opaque_at.
-bool mask_opaque(uint mask, vec2 uv) {
-    uvec4 entry = bvh_masks.masks[mask - 1u]; // first word, width, height, wrap modes
-    vec2 place = wrapped(uv, entry.w);
-    uint x = min(uint(place.x * float(entry.y)), entry.y - 1u);
-    uint y = min(uint(place.y * float(entry.z)), entry.z - 1u);
-    uint bit = y * entry.y + x;
-    return (bvh_mask_bits.words[entry.x + bit / 32u] >> (bit % 32u) & 1u) == 1u;
+// In the modes of a mask: its texels have 16 bits, otherwise 8.
+const uint WIDE_MASK = 128u;
+
+float mask_texel(uvec4 mask, uint texel) {
+    if ((mask.z & WIDE_MASK) != 0u) {
+        uint word = bvh_mask_texels.words[mask.x + texel / 2u];
+        return float(word >> (texel % 2u * 16u) & 0xffffu) / 65535.0;
+    }
+    uint word = bvh_mask_texels.words[mask.x + texel / 4u];
+    return float(word >> (texel % 4u * 8u) & 0xffu) / 255.0;
 }
+
+// Whether the surface is there at uv, where the alpha of its vertices is `alpha`.
+bool mask_opaque(uint index, vec2 uv, float alpha) {
+    uvec4 mask = bvh_masks.masks[index];
+    Footprint at = footprint_at(wrapped(uv, mask.z), uvec2(mask.y & 0xffffu, mask.y >> 16), mask.z);
+    vec2 left = vec2(mask_texel(mask, at.texels.x), mask_texel(mask, at.texels.z));
+    vec2 right = vec2(mask_texel(mask, at.texels.y), mask_texel(mask, at.texels.w));
+    // Equal texels give their value, bit for bit.
+    precise vec2 rows = left + (right - left) * at.part.x;
+    precise float texel = rows.x + (rows.y - rows.x) * at.part.y;
+    return texel * alpha >= uintBitsToFloat(mask.w);
+}
+
+#endif

@@ -21,7 +21,7 @@ struct Vertex {
     uint normal;    // octahedral, two components of 16 bits
     vec2 uv;
     uint tangent;   // see unpack_tangent
-    uint colour;    // linear, and alpha, 8 bits each
+    uint pad;
 };
 
 // How a material uses a texture.
@@ -29,7 +29,7 @@ struct TextureUse {
     vec4 matrix;    // of two columns, for the coordinates
     vec2 offset;    // added then
     uint image;     // index of the texture plus one, 0: none
-    uint modes;     // wrap modes: see wrap.glsl; SECOND_SET
+    uint modes;     // how it is read: see wrap.glsl; SECOND_SET
 };
 
 // A texture is read by the second set of coordinates.
@@ -38,12 +38,12 @@ const uint SECOND_SET = 16u;
 struct MaterialData {
     vec4 base;        // rgb: base colour, to be multiplied with its texture; w: metallic
     vec4 reflectance; // rgb: F0 of a dielectric; w: F90
-    vec4 emission;    // rgb: radiance of the front side, to be multiplied with its texture; w: roughness
+    vec4 emission;    // rgb: radiance of the sides that emit, to be multiplied with its texture; w: roughness
     vec4 mean_emission; // rgb: the same, mean over its texture
     vec4 mean_albedo; // rgb: share of the light that it reflects, mean over textures and directions
     uint mask;        // index of the alpha mask plus one, 0: none
     float normal_scale; // what the slopes of its normal map are multiplied by
-    uint pad0;
+    uint flags;       // of those below
     uint pad1;
     TextureUse base_texture;
     TextureUse metallic_roughness_texture; // green: roughness, blue: metallic
@@ -51,6 +51,16 @@ struct MaterialData {
     TextureUse normal_texture;
 };
 
+// Some of its vertices have colours.
+const uint COLOURED = 1u;
+// Its back does not show to the eye; all other rays meet both sides.
+const uint SINGLE_SIDED = 2u;
+// Its back emits as its front does.
+const uint EMITS_ON_BOTH_SIDES = 4u;
+// Its emission is multiplied with the vertices' colours.
+const uint UNLIT = 8u;
+
+bool emits_on(MaterialData material, bool front) { return front || (material.flags & EMITS_ON_BOTH_SIDES) != 0u; }
 
 struct LightData {
     vec4 position;  // xyz: world position; w: cosine of the spot's inner angle
@@ -80,22 +90,21 @@ struct Emitter {
     vec4 edge_v;   // xyz: to the third
     vec4 radiance; // rgb; w: index of its alpha mask plus one, as bits
     vec4 uvs;      // of the mask: first and second corner
-    vec4 uv;       // xy: third
+    vec4 uv;       // xy: third; zw: alphas of the corners, half floats as bits
 };
 
 // An image in the buffer.
 struct TextureData {
-    uint first;  // texel of the first level
+    uint first;  // word of the first level
     uint size;   // of that, width in the lower 16 bits, height above
     uint levels;
-    uint linear; // 1: its colour is; otherwise sRGB-encoded
+    uint format; // of its texels: see bilinear.glsl
 };
 
 // The corners of a thin surface's triangle. Twins of this and the next: src/bvh/thin_surfaces.rs.
 struct GpuThinTriangle {
-    vec2 uvs[3];     // on the texture of the base colour
-    uint colours[3]; // linear, and alpha, 8 bits each
-    uint pad;
+    vec2 uvs[3];      // on the texture of the base colour
+    uvec2 colours[3]; // linear, and alpha, half floats
 };
 
 // The material of a thin surface.
@@ -104,15 +113,17 @@ struct GpuThinSurface {
     vec4 base;        // rgb: base colour, w: metallic, of its coat, mean over textures
     vec4 reflectance; // rgb: F0, w: F90
     float roughness;  // mean likewise
-    uint first;       // texel of its texture
+    uint first;       // word of its texture
     uint size;        // of that, width in the lower 16 bits, height above; 0: there is none
-    uint modes;       // wrap modes: see wrap.glsl; THIN_LINEAR, THIN_BLENDS
+    uint modes;       // how it is read: see wrap.glsl; THIN_LINEAR, THIN_BLENDS, THIN_HALF
 };
 
 // The texture's colour is linear.
 const uint THIN_LINEAR = 16u;
 // Alpha is the share of the surface that is there; otherwise all is.
 const uint THIN_BLENDS = 32u;
+// The texture's texels are half floats.
+const uint THIN_HALF = 128u;
 
 
 #define SCENE_BUFFER(place) layout(set = 1, binding = place, std430) restrict readonly buffer
@@ -124,7 +135,7 @@ SCENE_BUFFER(3) SecondUvBlock { vec2 data[]; } second_uvs;
 // Three vertices a triangle, in the order of the meshes' triangles.
 SCENE_BUFFER(4) CornerBlock { uint data[]; } corners;
 SCENE_BUFFER(5) TextureBlock { TextureData data[]; } textures;
-// RGBA8, every mip level of every texture.
+// RGBA8, every mip level of every texture; of half floats two words a texel.
 layout(set = 1, binding = 6) uniform textureBuffer texture_texels;
 // Point, spot and directional lights.
 SCENE_BUFFER(7) LightBlock { LightData data[]; } lights;
@@ -139,15 +150,15 @@ SCENE_BUFFER(12) BlueNoiseBlock { uint words[]; } blue_noise;
 
 // What every ray reads. Three words a triangle: corners with (id, masked, material).
 layout(set = 1, binding = 13) uniform utextureBuffer bvh_triangles;
-// Two words a triangle with an alpha mask: three pairs of texture coordinates, then the mask.
+// Two words a triangle with an alpha mask: three pairs of texture coordinates, then the mask (16 bits) and three alphas (half floats).
 SCENE_BUFFER(14) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;
-// (first word of bits, width, height, wrap modes).
+// (first word of texels, width in the lower 16 bits and height above, how it is read, threshold as bits): see mask.glsl.
 SCENE_BUFFER(15) bvh_masks_block { uvec4 masks[]; } bvh_masks;
-SCENE_BUFFER(16) bvh_mask_bits_block { uint words[]; } bvh_mask_bits;
+SCENE_BUFFER(16) bvh_mask_texels_block { uint words[]; } bvh_mask_texels;
 SCENE_BUFFER(17) bvh_thin_triangles_block { GpuThinTriangle data[]; } bvh_thin_triangles;
 // One for each material.
 SCENE_BUFFER(18) bvh_thin_surfaces_block { GpuThinSurface data[]; } bvh_thin_surfaces;
-// RGBA8, level 0 of the textures of thin surfaces.
+// RGBA of 8 bits or half floats, level 0 of the textures of thin surfaces.
 SCENE_BUFFER(19) bvh_thin_texels_block { uint words[]; } bvh_thin_texels;
 #ifdef TRACER_HARDWARE
 layout(set = 1, binding = 20) uniform accelerationStructureEXT bvh_top_level;
@@ -161,6 +172,10 @@ layout(set = 1, binding = 23) uniform utextureBuffer bvh_instances;
 // Groups to begin with, of the static and the dynamic instances: see tracer_find.
 SCENE_BUFFER(24) bvh_roots_block { uvec4 groups; } bvh_roots;
 #endif
+// Linear colour and alpha of all vertices, half floats; of none if all are white.
+SCENE_BUFFER(25) VertexColourBlock { uvec2 data[]; } vertex_colours;
+
+vec4 unpack_halves(uvec2 packed) { return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y)); }
 
 // The coordinates on the image, before wrapping; `uvs` are both sets.
 vec2 coordinates_of(TextureUse use, vec4 uvs) {

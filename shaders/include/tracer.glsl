@@ -13,6 +13,7 @@
 #include "bilinear.glsl"
 #include "bsdf.glsl"
 #include "has_thin_surfaces.glsl"
+#include "mask.glsl"
 #include "wrap.glsl"
 
 const uint TRACER_NONE = 0xffffffffu;
@@ -38,14 +39,6 @@ struct TracerHit {
     vec2 barycentrics;
 };
 
-// Whether an alpha mask leaves the surface there.
-bool tracer_mask_bit(uint index, vec2 uv) {
-    uvec4 mask = bvh_masks.masks[index];
-    uvec2 texel = min(uvec2(wrapped(uv, mask.w) * vec2(mask.yz)), mask.yz - 1u);
-    uint bit = texel.y * mask.y + texel.x;
-    return ((bvh_mask_bits.words[mask.x + bit / 32u] >> (bit % 32u)) & 1u) == 1u;
-}
-
 // Whether the triangle's alpha mask leaves the surface there; masked is 1 + index of the triangle's coordinates.
 bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     uvec4 first_two = bvh_triangle_uvs.words[(masked - 1u) * 2u];
@@ -53,7 +46,10 @@ bool tracer_is_opaque(uint masked, vec2 barycentrics) {
     float first = 1.0 - barycentrics.x - barycentrics.y;
     precise vec2 uv = uintBitsToFloat(first_two.xy) * first + uintBitsToFloat(first_two.zw) * barycentrics.x
         + uintBitsToFloat(third.xy) * barycentrics.y;
-    return tracer_mask_bit(third.z, uv);
+    vec2 two = unpackHalf2x16(third.w);
+    vec3 alphas = vec3(unpackHalf2x16(third.z).y, two);
+    precise float alpha = alphas.x + (alphas.y - alphas.x) * barycentrics.x + (alphas.z - alphas.x) * barycentrics.y;
+    return mask_opaque(third.z & 0xffffu, uv, alpha);
 }
 
 bool tracer_is_thin(uint masked) { return HAS_THIN_SURFACES && (masked & TRACER_THIN) != 0u; }
@@ -78,7 +74,12 @@ vec3 transmittance_of(ThinPoint thin, vec3 reflected) {
 }
 
 vec4 tracer_thin_texel(GpuThinSurface thin, uint texel) {
-    return decoded(unpackUnorm4x8(bvh_thin_texels.words[thin.first + texel]), (thin.modes & THIN_LINEAR) != 0u);
+    if ((thin.modes & THIN_HALF) != 0u) {
+        uint word = thin.first + 2u * texel;
+        return unpack_halves(uvec2(bvh_thin_texels.words[word], bvh_thin_texels.words[word + 1u]));
+    }
+    uint format = (thin.modes & THIN_LINEAR) != 0u ? FORMAT_LINEAR : FORMAT_SRGB;
+    return decoded(unpackUnorm4x8(bvh_thin_texels.words[thin.first + texel]), format);
 }
 
 // What a triangle of a thin surface lets pass: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
@@ -91,8 +92,8 @@ vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object
 
     // Colour of vertices and texture.
     vec3 weights = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
-    vec4 colour = mat3x4(unpackUnorm4x8(corners.colours[0]), unpackUnorm4x8(corners.colours[1]),
-        unpackUnorm4x8(corners.colours[2])) * weights;
+    vec4 colour = mat3x4(unpack_halves(corners.colours[0]), unpack_halves(corners.colours[1]),
+        unpack_halves(corners.colours[2])) * weights;
     if (thin.size != 0u) {
         vec2 uv = mat3x2(corners.uvs[0], corners.uvs[1], corners.uvs[2]) * weights;
         Footprint at = footprint_at(wrapped(uv, thin.modes), uvec2(thin.size & 0xffffu, thin.size >> 16), thin.modes);

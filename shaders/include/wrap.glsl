@@ -6,6 +6,8 @@
 // Wrap modes of an image, u in bits 0 and 1, v in bits 2 and 3.
 const uint WRAP_MIRROR = 1u;
 const uint WRAP_CLAMP = 2u;
+// Beside them: where the image is magnified, the nearest texel shows.
+const uint NEAREST = 64u;
 
 float wrapped(float x, uint mode) {
     if (mode == WRAP_CLAMP) return clamp(x, 0.0, 1.0);

@@ -89,13 +89,15 @@ void main() {
     }
     if (DETAILED) {
         bsdf.base *= colour.rgb;
+        if ((material.flags & UNLIT) != 0u) emission *= colour.rgb;
         if (material.normal_texture.image > 0u) {
             texel = sampled(normal_texture, material.normal_texture, gradients).rgb;
         }
     }
-    if (MASKED && !mask_opaque(material.mask, coordinates(material.base_texture))) discard;
+    float alpha = DETAILED ? colour.a : 1.0;
+    if (MASKED && !mask_opaque(material.mask - 1u, coordinates(material.base_texture), alpha)) discard;
 
-    // Turn both normals to the side that is seen: surfaces are two-sided.
+    // Turn both normals to the side that is seen.
     vec3 to_eye = frame.eye.xyz - position_ws;
     float area = dot(geometric, geometric);
     bool front = gl_FrontFacing != ((push.flags & FLIPS_WINDING) != 0u);
@@ -107,7 +109,9 @@ void main() {
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(diffuse_albedo(bsdf, shading, normalize(to_eye)), bsdf.roughness);
     out_instance = uvec2(push.instance + 1u, push.material | (front ? FRONT_FACING : 0u));
-    if (emission != vec3(0.0)) emission = front ? emission * instances.data[push.instance].emission.rgb : vec3(0.0);
+    if (emission != vec3(0.0)) {
+        emission = emits_on(material, front) ? emission * instances.data[push.instance].emission.rgb : vec3(0.0);
+    }
     out_surface = uvec2(pack_base(bsdf.base, bsdf.metallic), pack_emission(emission));
     out_motion = motion();
 }

@@ -10,8 +10,6 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 packed_normal;
 layout(location = 2) in vec2 uv;
 layout(location = 3) in uint packed_tangent;
-layout(location = 4) in vec4 vertex_colour;
-
 
 layout(location = 0) out vec3 position_ws;
 layout(location = 1) out vec3 normal;
@@ -29,7 +27,9 @@ void main() {
     colour = vec4(1.0);
     if (DETAILED) {
         tangent = unpack_tangent(packed_tangent);
-        colour = vertex_colour;
+        if ((materials.data[push.material].flags & COLOURED) != 0u) {
+            colour = unpack_halves(vertex_colours.data[gl_VertexIndex]);
+        }
         if (gl_VertexIndex < second_uvs.data.length()) uvs.zw = second_uvs.data[gl_VertexIndex];
     } else {
         normal = transform_normal(instance.world_to_object, normal);

@@ -65,9 +65,13 @@ void main() {
     vec3 albedo = vec3(0.0);
     vec3 transmittance = vec3(1.0);
     TracerHit hit;
-    for (int i = 0; i < MOST_THIN_SURFACES && transmittance != vec3(0.0); i++) {
+    int shown = 0;
+    while (shown < MOST_THIN_SURFACES && transmittance != vec3(0.0)) {
         if (!trace_thin_surface(frame.eye.xyz, direction, start, end, hit)) break;
+        start = just_behind(hit.t);
         HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread));
+        if (!met.front && (materials.data[hit.material].flags & SINGLE_SIDED) != 0u) continue;
+        shown++;
         Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);
         ThinPoint thin = thin_point(hit.material, met.colour);
         vec3 weight = transmittance * thin.coverage;
@@ -75,7 +79,6 @@ void main() {
         light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
         albedo += weight * (reflection.diffuse + reflection.reflected);
         transmittance *= transmittance_of(thin, reflection.reflected);
-        start = just_behind(hit.t);
     }
     if (depth == 0.0) {
         light += albedo / PI * push.ambient;

@@ -5,6 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
+use exr::prelude::f16;
 use glam::{Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams, aabb::Aabb, bvh2::Bvh2, cwbvh::CwBvh, cwbvh::node::CwBvhNode, ploc::PlocSearchDistance,
@@ -257,5 +258,8 @@ fn blocks_of(
 
 fn masked_triangle(mesh: &Mesh, id: u32, material: &Material, mask: usize) -> GpuMaskedTriangle {
     let [uv0, uv1, uv2] = mesh.mask_coordinates(id, material);
-    GpuMaskedTriangle { uv0, uv1, uv2, mask: mask as u32, pad: 0 }
+    let alphas = mesh.alphas(id).map(|alpha| f16::from_f32(alpha).to_bits());
+    // No device binds the textures of more masks.
+    let mask = u16::try_from(mask).unwrap_or(u16::MAX);
+    GpuMaskedTriangle { uv0, uv1, uv2, mask, alphas }
 }

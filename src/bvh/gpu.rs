@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3, Vec4};
 use obvhs::cwbvh::node::CwBvhNode;
 
 pub use super::pack::rows;
-pub(crate) use super::pack::wrap_bits;
+pub(crate) use super::pack::{halves, sampler_bits};
 use super::thin_surfaces::GpuThinSurfaces;
 
 /// A triangle in leaf order. 48 bytes: three vec4.
@@ -44,23 +44,23 @@ pub struct GpuMaskedTriangle {
     /// Texture coordinates of the third corner.
     pub uv2: Vec2,
     /// Index into [`GpuAlphaMasks::masks`].
-    pub mask: u32,
-    /// Unused.
-    pub pad: u32,
+    pub mask: u16,
+    /// Alpha of the corners: half floats.
+    pub alphas: [u16; 3],
 }
 
-/// Location and size of an alpha mask's bits. 16 bytes: one uvec4.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+/// Where the texels of an alpha mask are, and how they are read. 16 bytes: one uvec4.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuMask {
-    /// Index of its first word in [`GpuAlphaMasks::mask_bits`].
+    /// Index of its first word in [`GpuAlphaMasks::mask_texels`].
     pub first_word: u32,
-    /// Width in texels.
-    pub width: u32,
-    /// Height in texels.
-    pub height: u32,
-    /// Wrap modes: see shaders/include/wrap.glsl.
-    pub wrap: u32,
+    /// Width in the lower 16 bits, height above.
+    pub size: u32,
+    /// Wrap modes and filter: see shaders/include/wrap.glsl; [`WIDE_MASK`](super::pack::WIDE_MASK).
+    pub modes: u32,
+    /// As [`AlphaMask::threshold`](crate::scene::AlphaMask::threshold).
+    pub threshold: f32,
 }
 
 /// A placed instance in leaf order. 64 bytes: four vec4.
@@ -109,8 +109,8 @@ pub struct GpuAlphaMasks {
     pub triangle_uvs: Vec<GpuMaskedTriangle>,
     /// The scene's alpha masks.
     pub masks: Vec<GpuMask>,
-    /// Their bits: bit `y * width + x` from a mask's first word on, low bit first.
-    pub mask_bits: Vec<u32>,
+    /// Their texels, four or two a word, low bytes first.
+    pub mask_texels: Vec<u32>,
 }
 
 /// The whole BVH, one array per storage buffer; none is empty.

@@ -1,12 +1,13 @@
 //! Writes the two-level BVH into the layout of the shaders.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use obvhs::cwbvh::node::CwBvhNode;
 
 use super::{
     gpu::{GpuAlphaMasks, GpuBvh, GpuBvhRoots, GpuBvhUpdate, GpuGroup, GpuInstance, GpuMask},
-    pack::{non_empty, rows, wrap_bits},
+    pack::{WIDE_MASK, non_empty, rows, sampler_bits},
     top::{PlacedInstance, TopLevel},
     two_level::TwoLevelBvh,
 };
@@ -32,11 +33,11 @@ impl TwoLevelBvh {
     }
 
     pub(super) fn gpu_alpha_masks(&self) -> GpuAlphaMasks {
-        let (masks, mask_bits) = pack_masks(&self.alpha_masks);
+        let (masks, mask_texels) = pack_masks(&self.alpha_masks);
         GpuAlphaMasks {
             triangle_uvs: non_empty(self.bottom.masked.clone()),
             masks: non_empty(masks),
-            mask_bits: non_empty(mask_bits),
+            mask_texels: non_empty(mask_texels),
         }
     }
 
@@ -126,14 +127,28 @@ fn gpu_instance(placed: &PlacedInstance) -> GpuInstance {
 }
 
 fn pack_masks(masks: &[AlphaMask]) -> (Vec<GpuMask>, Vec<u32>) {
-    let mut bits = Vec::new();
+    let mut words = Vec::new();
+    // Masks of one image share its texels.
+    let mut firsts = HashMap::new();
     let table = masks
         .iter()
         .map(|mask| {
-            let first_word = bits.len() as u32;
-            bits.extend_from_slice(&mask.bits);
-            GpuMask { first_word, width: mask.width, height: mask.height, wrap: wrap_bits(mask.wrap) }
+            let first_word = *firsts.entry(mask.texels.as_ptr()).or_insert_with(|| {
+                let first = words.len() as u32;
+                words.extend(mask.texels.chunks(4).map(|bytes| {
+                    let byte = |i: usize| bytes.get(i).copied().unwrap_or(0);
+                    u32::from_le_bytes(std::array::from_fn(byte))
+                }));
+                first
+            });
+            let wide = if mask.wide { WIDE_MASK } else { 0 };
+            GpuMask {
+                first_word,
+                size: mask.width | mask.height << 16,
+                modes: sampler_bits(mask.wrap, mask.nearest) | wide,
+                threshold: mask.threshold,
+            }
         })
         .collect();
-    (table, bits)
+    (table, words)
 }

@@ -1,6 +1,7 @@
 //! Values as shaders have them.
 
 use bytemuck::Zeroable;
+use exr::prelude::f16;
 use glam::{Affine3A, Vec4};
 
 use crate::scene::Wrap;
@@ -16,9 +17,17 @@ pub fn rows(transform: &Affine3A) -> [Vec4; 3] {
     ]
 }
 
-/// Wrap modes as shaders have them; twin: `wrapped` in shaders/include/wrap.glsl.
-pub(crate) fn wrap_bits([u, v]: [Wrap; 2]) -> u32 {
-    u.number() | v.number() << 2
+/// How an image is read, as shaders have it: wrap modes, and whether the nearest texel counts; twin: shaders/include/wrap.glsl.
+pub(crate) fn sampler_bits([u, v]: [Wrap; 2], nearest: bool) -> u32 {
+    u.number() | v.number() << 2 | u32::from(nearest) << 6
+}
+
+/// In [`GpuMask::modes`](super::gpu::GpuMask::modes): two bytes a texel.
+pub const WIDE_MASK: u32 = 128;
+
+/// Four half floats in two words.
+pub(crate) fn halves(value: Vec4) -> [u32; 2] {
+    bytemuck::cast(value.to_array().map(|value| f16::from_f32(value).to_bits()))
 }
 
 /// Pads an empty array with one zeroed element, since Vulkan has no empty buffers.

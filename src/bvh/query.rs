@@ -5,6 +5,7 @@
 
 use std::cell::RefCell;
 
+use exr::prelude::f16;
 use glam::{Vec2, Vec3A, Vec4};
 use rayon::prelude::*;
 
@@ -272,5 +273,7 @@ fn is_opaque(bvh: &TwoLevelBvh, masked: u32, barycentrics: Vec2) -> bool {
     let masked = &bvh.bottom.masked[masked as usize - 1];
     let first = 1.0 - barycentrics.x - barycentrics.y;
     let uv = masked.uv0 * first + masked.uv1 * barycentrics.x + masked.uv2 * barycentrics.y;
-    bvh.alpha_masks[masked.mask as usize].opaque_at(uv)
+    let [a, b, c] = masked.alphas.map(|bits| f16::from_bits(bits).to_f32());
+    let alpha = a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
+    bvh.alpha_masks[masked.mask as usize].opaque_at(uv, alpha)
 }

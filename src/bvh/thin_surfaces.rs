@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec4};
 
-use super::pack::{non_empty, wrap_bits};
+use super::pack::{halves, non_empty, sampler_bits};
 use crate::scene::{Alpha, Material, Mesh, Scene, Wrap};
 
 /// In [`GpuTriangle::masked`](super::gpu::GpuTriangle::masked): the triangle is one of a thin surface, and the rest is the index of its
@@ -18,17 +18,17 @@ pub const THIN_SURFACE: u32 = 1 << 31;
 const LINEAR: u32 = 16;
 /// In [`GpuThinSurface::modes`]: alpha is the share of the surface that is there; otherwise all is.
 const BLENDS: u32 = 32;
+/// In [`GpuThinSurface::modes`]: the texture's texels are half floats, two words each.
+const HALF: u32 = 128;
 
-/// The corners of a thin surface's triangle. 40 bytes.
+/// The corners of a thin surface's triangle. 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuThinTriangle {
     /// Coordinates on the texture of the base colour.
     pub uvs: [Vec2; 3],
-    /// Linear colour and alpha, 8 bits each.
-    pub colours: [u32; 3],
-    /// Unused.
-    pub pad: u32,
+    /// Linear colour and alpha, half floats.
+    pub colours: [[u32; 2]; 3],
 }
 
 /// The material of a thin surface. 64 bytes.
@@ -43,11 +43,11 @@ pub struct GpuThinSurface {
     pub reflectance: Vec4,
     /// Perceptual, mean over textures.
     pub roughness: f32,
-    /// Texel of its texture in [`GpuThinSurfaces::texels`].
+    /// First word of its texture in [`GpuThinSurfaces::texels`].
     pub first: u32,
     /// Size of that, width in the lower 16 bits, height above; 0: there is none.
     pub size: u32,
-    /// Wrap modes of the texture, whether its colour is linear, whether the thin surface blends.
+    /// How the texture is read, whether its colour is linear, whether the thin surface blends.
     pub modes: u32,
 }
 
@@ -58,7 +58,7 @@ pub struct GpuThinSurfaces {
     pub triangles: Vec<GpuThinTriangle>,
     /// One for each material, of which only those of thin surfaces mean anything.
     pub thin_surfaces: Vec<GpuThinSurface>,
-    /// RGBA8, level 0 of the textures of their base colours.
+    /// RGBA of 8 bits or half floats, level 0 of the textures of their base colours.
     pub texels: Vec<u32>,
 }
 
@@ -83,7 +83,9 @@ impl GpuThinSurfaces {
                 );
                 first
             });
-            let modes = thin_surface.modes | wrap_bits(texture.wrap) | if image.linear { LINEAR } else { 0 };
+            let depth = if image.half { HALF | LINEAR } else { 0 };
+            let colour = if image.linear { LINEAR } else { 0 };
+            let modes = thin_surface.modes | sampler_bits(texture.wrap, texture.nearest) | depth | colour;
             GpuThinSurface { first, size: width | height << 16, modes, ..thin_surface }
         });
         let thin_surfaces = non_empty(thin_surfaces.collect());
@@ -100,19 +102,16 @@ fn thin_surface(scene: &Scene, material: &Material) -> GpuThinSurface {
         base: coat.base.extend(coat.metallic),
         reflectance: coat.f0.extend(coat.f90),
         roughness: coat.roughness,
-        modes: wrap_bits(Wrap::REPEAT) | if blends { BLENDS } else { 0 },
+        modes: sampler_bits(Wrap::REPEAT, false) | if blends { BLENDS } else { 0 },
         ..GpuThinSurface::default()
     }
 }
 
 /// The corners of triangle `id` of a mesh, of a thin surface's material.
 pub(super) fn thin_triangle(mesh: &Mesh, id: u32, material: &Material) -> GpuThinTriangle {
-    let colour = |vertex: u32| {
-        mesh.colours.get(vertex as usize).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour))
-    };
+    let colour = |vertex: u32| halves(mesh.colours.get(vertex as usize).copied().unwrap_or(Vec4::ONE));
     GpuThinTriangle {
         uvs: mesh.mask_coordinates(id, material),
         colours: mesh.triangles[id as usize].map(colour),
-        pad: 0,
     }
 }

@@ -45,7 +45,28 @@ impl World<'_> {
         &self,
         ray: &Ray,
         hit: Option<Hit>,
+        numbers: impl Iterator<Item = f32>,
+    ) -> (Option<Hit>, Transmission) {
+        self.pass(ray, hit, numbers, |rest| self.bvh.intersect(rest))
+    }
+
+    /// The same of a ray from the eye, which passes the backs of single-sided surfaces as if they were not there.
+    pub fn pass_from_eye(
+        &self,
+        ray: &Ray,
+        hit: Option<Hit>,
+        numbers: impl Iterator<Item = f32>,
+    ) -> (Option<Hit>, Transmission) {
+        let seen = |rest: &Ray, hit| self.behind_hidden(rest, hit);
+        self.pass(ray, seen(ray, hit), numbers, |rest| seen(rest, self.bvh.intersect(rest)))
+    }
+
+    fn pass(
+        &self,
+        ray: &Ray,
+        hit: Option<Hit>,
         mut numbers: impl Iterator<Item = f32>,
+        intersect: impl Fn(&Ray) -> Option<Hit>,
     ) -> (Option<Hit>, Transmission) {
         let (mut hit, mut transmission) = (hit, Transmission::CLEAR);
         if !self.bvh.has_thin_surfaces() {
@@ -62,12 +83,12 @@ impl World<'_> {
             }
             transmission.weight *= passed / passes;
             transmission.transmittance *= passed;
-            hit = self.bvh.intersect(&beyond(ray, &met));
+            hit = intersect(&beyond(ray, &met));
         }
         (hit, transmission)
     }
 
-    /// What a ray shows: its closest hit behind all thin surfaces that let more than half of the light pass.
+    /// What a ray shows the eye: its closest hit behind all thin surfaces that let more than half of the light pass.
     pub fn visible(&self, ray: &Ray) -> Option<Hit> {
         self.behind_clear_surfaces(ray, self.bvh.intersect(ray))
     }
@@ -79,7 +100,28 @@ impl World<'_> {
     }
 
     fn behind_clear_surfaces(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        self.pass_thin_surfaces(ray, hit, std::iter::repeat(0.5)).0
+        self.pass_from_eye(ray, hit, std::iter::repeat(0.5)).0
+    }
+
+    /// The closest hit that the eye sees on a ray whose closest one is `hit`, be it a thin surface.
+    pub fn behind_hidden(&self, ray: &Ray, mut hit: Option<Hit>) -> Option<Hit> {
+        while let Some(met) = hit.filter(|met| self.is_hidden(met, ray.direction)) {
+            hit = self.bvh.intersect(&beyond(ray, &met));
+        }
+        hit
+    }
+
+    /// Whether a ray of this direction hits the back of a single-sided surface.
+    fn is_hidden(&self, hit: &Hit, direction: Vec3) -> bool {
+        let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh];
+        let material = mesh.triangle_materials[hit.triangle as usize];
+        if self.scene.materials[material as usize].double_sided {
+            return false;
+        }
+        // In object space, where mirroring does not matter.
+        let [a, b, c] = mesh.triangle_positions(hit.triangle);
+        let local = self.pose.instances[hit.instance as usize].matrix3.inverse() * direction;
+        (b - a).cross(c - a).dot(local) >= 0.0
     }
 
     /// The share of light that arrives along the segment, by channel: 0 where something opaque lies on it.

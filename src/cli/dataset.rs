@@ -55,8 +55,12 @@ pub(super) struct DatasetOptions {
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
     let given = options.scene.given(&[("seed", &options.seed)]);
     let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
-    let LoadedScene { scene, settings, .. } =
-        load(&options.scene.name, &given, &options.files, &options.scene.animation.seen_by(CameraOverride::default()))?;
+    let LoadedScene { scene, settings, .. } = load(
+        &options.scene.name,
+        &given,
+        &options.files,
+        &options.scene.animation.seen_by(CameraOverride::default()),
+    )?;
     let plan = DatasetPlan {
         scene: scene.name.clone(),
         frames: options.frames,

@@ -56,8 +56,12 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
         )));
     }
     let given = options.scene.given(&[]);
-    let LoadedScene { mut scene, settings, .. } =
-        load(&options.scene.name, &given, &options.files, &options.scene.animation.seen_by(options.camera.parts()))?;
+    let LoadedScene { mut scene, settings, .. } = load(
+        &options.scene.name,
+        &given,
+        &options.files,
+        &options.scene.animation.seen_by(options.camera.parts()),
+    )?;
     options.camera.place(&mut scene)?;
     let report = options.run(&scene, &settings, &folder)?;
     if let Some(json) = json {

@@ -103,8 +103,12 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
             "--json {path}: would overwrite the picture or the scene; give it another name"
         )));
     }
-    let LoadedScene { mut scene, settings, load_ms } =
-        load(&options.scene.name, &given, &options.files, &options.scene.animation.seen_by(options.camera.parts()))?;
+    let LoadedScene { mut scene, settings, load_ms } = load(
+        &options.scene.name,
+        &given,
+        &options.files,
+        &options.scene.animation.seen_by(options.camera.parts()),
+    )?;
     options.camera.place(&mut scene)?;
     let pose = scene.pose(options.frame as f64 * settings.time_step);
     let mut run = Run::new(options, &scene, &settings, target);

@@ -126,8 +126,12 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let target = PictureTarget::new(&options.out, options.layers)?;
     let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
     let device = device::open(&options.run.device)?;
-    let LoadedScene { mut scene, settings, load_ms } =
-        load(&options.scene, &options.settings, &options.run.files, &options.animation.seen_by(options.camera.parts()))?;
+    let LoadedScene { mut scene, settings, load_ms } = load(
+        &options.scene,
+        &options.settings,
+        &options.run.files,
+        &options.animation.seen_by(options.camera.parts()),
+    )?;
     options.camera.place(&mut scene)?;
     let scene = Arc::new(scene);
     options.view.check(&settings, &target)?;

@@ -55,6 +55,9 @@ impl Export<'_> {
 
     /// Adds the mask or coverage of a material to its surface.
     fn cut(&mut self, surface: Element, material: &Material) -> Element {
+        if !material.double_sided {
+            self.remarks.insert(remarks::BACKS);
+        }
         let masked = |opacity: Element| Element::plugin("bsdf", "mask").child(opacity);
         if material.alpha == Alpha::Blend {
             return masked(self.coverage(material)).child(surface);
@@ -63,6 +66,9 @@ impl Export<'_> {
             Some(mask) if !material.is_thin_surface() => {
                 let file = format!("textures/{}.png", named("mask", mask, ""));
                 self.add_file(&file, Content::Mask(mask));
+                if !self.scene.alpha_masks[mask].nearest {
+                    self.remarks.insert(remarks::CUT_TEXELS);
+                }
                 let wrap = self.wrap_mode(self.scene.alpha_masks[mask].wrap);
                 masked(bitmap("opacity", &file, "nearest", wrap).boolean("raw", true)).child(surface)
             }
@@ -73,7 +79,9 @@ impl Export<'_> {
     /// The coverage of a thin surface.
     fn coverage(&mut self, material: &Material) -> Element {
         let has_alpha = |image: &TextureUse| {
-            self.scene.textures[image.texture].levels[0].2.chunks(4).any(|texel| texel[3] < 255)
+            let texture = &self.scene.textures[image.texture];
+            let (width, height, _) = texture.levels[0];
+            (0..width * height).any(|place| texture.texel(0, place).w < 1.0)
         };
         match material.base_colour_texture.filter(has_alpha) {
             Some(texture) => self.channel("opacity", texture, 3, material.opacity),
@@ -172,7 +180,8 @@ impl Export<'_> {
         let texture = named("texture", place, &self.scene.textures[image.texture].name);
         let file = format!("textures/{start}{texture}.{end}");
         self.add_file(&file, content);
-        bitmap(name, &file, "bilinear", self.wrap_mode(image.wrap))
+        let filter = if image.nearest { "nearest" } else { "bilinear" };
+        bitmap(name, &file, filter, self.wrap_mode(image.wrap))
     }
 
     /// Mitsuba's name of a wrap mode; it has one for both axes.
@@ -220,6 +229,12 @@ fn bitmap(name: &str, file: &str, filter: &str, wrap: &str) -> Element {
 /// Writes a texture times `tint` as sRGB: 8 bits a channel, or 16 unless the tint is 1.
 pub(super) fn write_texture(texture: &Texture, tint: Vec3, output: &mut dyn Write) -> io::Result<()> {
     let (width, height, texels) = &texture.levels[0];
+    if texture.half {
+        let colours = (0..width * height).map(|place| texture.texel(0, place).truncate() * tint);
+        let words = colours.flat_map(|colour| colour.to_array().map(|value| encode_srgb16(f64::from(value))));
+        let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
+        return write_png(output, &bytes, [*width, *height], ExtendedColorType::Rgb16);
+    }
     let colours = texels.chunks_exact(4);
     if tint == Vec3::ONE {
         let bytes: Vec<u8> = colours.flat_map(|texel| [texel[0], texel[1], texel[2]]).collect();
@@ -240,18 +255,17 @@ pub(super) fn write_channel(
     factor: f32,
     output: &mut dyn Write,
 ) -> io::Result<()> {
-    let (width, height, texels) = &texture.levels[0];
-    let value = |texel: &[u8]| (f32::from(texel[channel]) / 255.0 * factor * 65_535.0).round() as u16;
-    let bytes: Vec<u8> = texels.chunks_exact(4).flat_map(|texel| value(texel).to_ne_bytes()).collect();
-    write_png(output, &bytes, [*width, *height], ExtendedColorType::L16)
+    let (width, height, _) = texture.levels[0];
+    let value = |place: u32| (texture.texel(0, place)[channel] * factor * 65_535.0).round() as u16;
+    let bytes: Vec<u8> = (0..width * height).flat_map(|place| value(place).to_ne_bytes()).collect();
+    write_png(output, &bytes, [width, height], ExtendedColorType::L16)
 }
 
 /// Writes a texture times `factor` as EXR, linear.
 pub(super) fn write_emission(texture: &Texture, factor: Vec3, output: &mut dyn Write) -> io::Result<()> {
-    let (width, height, texels) = &texture.levels[0];
-    write_exr(output, [*width as usize, *height as usize], |x, y| {
-        let texel = &texels[4 * (y * *width as usize + x)..];
-        factor * Vec3::from_array([0, 1, 2].map(|channel| srgb_to_linear(texel[channel])))
+    let (width, height, _) = texture.levels[0];
+    write_exr(output, [width as usize, height as usize], |x, y| {
+        factor * texture.texel(0, y as u32 * width + x as u32).truncate()
     })
 }
 
@@ -287,9 +301,11 @@ fn write_exr(
 
 /// Writes a mask: white where the surface is opaque, else black.
 pub(super) fn write_mask(mask: &AlphaMask, output: &mut dyn Write) -> io::Result<()> {
-    let is_there = |bit: u32| mask.bits[(bit / 32) as usize] >> (bit % 32) & 1 == 1;
+    let size = glam::Vec2::new(mask.width as f32, mask.height as f32);
+    let centre = |place: u32| glam::Vec2::new((place % mask.width) as f32, (place / mask.width) as f32) + 0.5;
+    let is_there = |place: u32| mask.opaque_at(centre(place) / size, 1.0);
     let bytes: Vec<u8> =
-        (0..mask.width * mask.height).map(|bit| if is_there(bit) { 255 } else { 0 }).collect();
+        (0..mask.width * mask.height).map(|place| if is_there(place) { 255 } else { 0 }).collect();
     write_png(output, &bytes, [mask.width, mask.height], ExtendedColorType::L8)
 }
 

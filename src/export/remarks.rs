@@ -29,6 +29,11 @@ pub(super) const EMITTERS_WITHOUT_REFLECTION: &str = "The camera sees emissive s
      hide_emitters hides them with the portals and the spheres of lights.";
 pub(super) const MASKED_EMISSION: &str =
     "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless.";
+pub(super) const ONE_SIDED_EMISSION: &str =
+    "Surfaces that emit on both sides emit from their front alone in Mitsuba.";
+pub(super) const BACKS: &str =
+    "The camera sees the backs of single-sided surfaces, which glowworm's passes as if they were not there.";
+pub(super) const CUT_TEXELS: &str = "Alpha masks cut out whole texels; in glowworm they are interpolated.";
 pub(super) const HIDDEN_ENVIRONMENT: &str = "The camera does not see the environment, since hide_emitters hides it with the portals and the spheres \
      of lights.";
 pub(super) const WRAP_MODES: &str =

@@ -212,6 +212,9 @@ impl Export<'_> {
         if glow.alpha_mask.is_some() {
             self.remarks.insert(remarks::MASKED_EMISSION);
         }
+        if glow.emits_on_both_sides {
+            self.remarks.insert(remarks::ONE_SIDED_EMISSION);
+        }
         smooth
     }
 }
@@ -253,9 +256,7 @@ impl Details<'_> {
         // All textures of a material have the coordinates of its first one.
         part.uvs.push(self.material.textures().next().map_or(first, |image| image.coordinates(uvs)));
         if self.is_coloured {
-            let colour = mesh.colours.get(vertex).map_or(Vec3::ONE, |&[r, g, b, _]| {
-                Vec3::from_array([r, g, b].map(|channel| f32::from(channel) / 255.0))
-            });
+            let colour = mesh.colours.get(vertex).map_or(Vec3::ONE, |colour| colour.truncate());
             part.colours.push(colour);
         }
         if self.material.normal_texture.is_some() {

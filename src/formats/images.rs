@@ -6,12 +6,13 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
-use image::{DynamicImage, ImageFormat, Rgba32FImage, RgbaImage};
+use glam::Vec4;
+use image::{DynamicImage, ImageFormat, Rgba32FImage};
 
 use crate::activity;
 use crate::foreign::{guarded, mistaken};
-use crate::scene::texture::surplus_levels;
-use crate::scene::{Texture, linear_to_srgb};
+use crate::scene::texture::{srgb_decoded, surplus_levels};
+use crate::scene::{AlphaMask, Texture};
 
 /// Largest width, height and number of texels of an image, which is shrunk if it is larger than a texture.
 const MAX_IMAGE_EXTENT: u64 = 32_768;
@@ -128,19 +129,30 @@ fn jpeg_is_complete(bytes: &[u8]) -> bool {
     false
 }
 
-/// RGBA8 with sRGB-encoded colour; floating-point images, which are linear, are encoded.
-pub(crate) fn to_srgb8(image: &DynamicImage) -> RgbaImage {
-    match image {
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            let linear = image.to_rgba32f();
-            RgbaImage::from_fn(linear.width(), linear.height(), |x, y| {
-                let [r, g, b, a] = linear.get_pixel(x, y).0;
-                let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-                image::Rgba([linear_to_srgb(r), linear_to_srgb(g), linear_to_srgb(b), alpha])
-            })
-        }
-        _ => image.to_rgba8(),
+/// Whether an image has more than 8 bits a channel: its textures are half floats, all others bytes.
+pub(crate) fn is_deep(image: &DynamicImage) -> bool {
+    use image::ColorType::{L8, La8, Rgb8, Rgba8};
+    !matches!(image.color(), L8 | La8 | Rgb8 | Rgba8)
+}
+
+/// The texture of an image: of colour, which integers encode as sRGB and floats as it is, or of data.
+pub(crate) fn texture(name: &str, image: &DynamicImage, data: bool) -> Texture {
+    let (width, height) = (image.width(), image.height());
+    if !is_deep(image) {
+        let texels = image.to_rgba8().into_raw();
+        return match data {
+            true => Texture::linear_from_rgba8(name, width, height, texels),
+            false => Texture::from_rgba8(name, width, height, texels),
+        };
     }
+    let is_float = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    let decoded = |value: f32| if data || is_float { value } else { srgb_decoded(value) };
+    let texel = |texel: &image::Rgba<f32>| {
+        let [r, g, b, a] = texel.0;
+        Vec4::new(decoded(r), decoded(g), decoded(b), a.clamp(0.0, 1.0))
+    };
+    let texels: Vec<Vec4> = image.to_rgba32f().pixels().map(texel).collect();
+    Texture::half_from_rgba(name, [width, height], &texels, data)
 }
 
 /// A texture of roughness (green) and metallic (blue), as glTF has it, from a grey image of each; 1 where there is none.
@@ -149,35 +161,49 @@ pub(crate) fn metallic_roughness(
     roughness: Option<&DynamicImage>,
     metallic: Option<&DynamicImage>,
 ) -> Texture {
-    let [roughness, metallic] = [roughness, metallic].map(|image| image.map(DynamicImage::to_luma8));
-    let images = [&roughness, &metallic];
-    let width = images.iter().filter_map(|image| Some(image.as_ref()?.width())).max().unwrap_or(1);
-    let height = images.iter().filter_map(|image| Some(image.as_ref()?.height())).max().unwrap_or(1);
-    let value = |image: &Option<image::GrayImage>, x: u32, y: u32| {
-        image.as_ref().map_or(255, |image| {
+    let deep = [roughness, metallic].iter().flatten().any(|image| is_deep(image));
+    let images = [roughness, metallic].map(|image| image.map(DynamicImage::to_luma16));
+    let width = images.iter().flatten().map(image::ImageBuffer::width).max().unwrap_or(1);
+    let height = images.iter().flatten().map(image::ImageBuffer::height).max().unwrap_or(1);
+    let value = |image: &Option<image::ImageBuffer<image::Luma<u16>, Vec<u16>>>, x: u32, y: u32| {
+        image.as_ref().map_or(u16::MAX, |image| {
             let at =
                 |place: u32, of: u32, size: u32| (u64::from(place) * u64::from(of) / u64::from(size)) as u32;
             image.get_pixel(at(x, image.width(), width), at(y, image.height(), height)).0[0]
         })
     };
-    let texels = (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .flat_map(|(x, y)| [255, value(&roughness, x, y), value(&metallic, x, y), 255])
-        .collect();
-    Texture::linear_from_rgba8("metallic and roughness", width, height, texels)
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let values = places.map(|(x, y)| [value(&images[0], x, y), value(&images[1], x, y)]);
+    let name = "metallic and roughness";
+    if deep {
+        let texel = |values: [u16; 2]| {
+            let [green, blue] = values.map(|value| f32::from(value) / 65_535.0);
+            Vec4::new(1.0, green, blue, 1.0)
+        };
+        return Texture::half_from_rgba(name, [width, height], &values.map(texel).collect::<Vec<_>>(), true);
+    }
+    let texels = values.flat_map(|[green, blue]| [255, (green / 257) as u8, (blue / 257) as u8, 255]);
+    Texture::linear_from_rgba8(name, width, height, texels.collect())
 }
 
-/// Width, height and opacity of each texel, 0 to 255: the alpha channel if the image has one in use, else its
-/// luminance if `luminance` is set.
-pub(crate) fn opacity(image: &DynamicImage, luminance: bool) -> Option<(u32, u32, Vec<u8>)> {
-    let (width, height) = (image.width(), image.height());
+/// The opacity of each texel as a mask: the alpha channel if the image has one in use, else its luminance if `luminance` is
+/// set.
+pub(crate) fn opacity(image: &DynamicImage, luminance: bool) -> Option<AlphaMask> {
+    let mask = |values: Vec<u16>| {
+        let (size, wide) = ([image.width(), image.height()], is_deep(image));
+        let bytes = match wide {
+            true => values.into_iter().flat_map(u16::to_le_bytes).collect(),
+            false => values.into_iter().map(|value| (value / 257) as u8).collect(),
+        };
+        AlphaMask { wide, ..AlphaMask::new(size, bytes) }
+    };
     if image.color().has_alpha() {
-        let alpha: Vec<u8> = image.to_rgba8().pixels().map(|texel| texel.0[3]).collect();
-        if !luminance || alpha.iter().any(|&a| a != 255) {
-            return Some((width, height, alpha));
+        let alpha: Vec<u16> = image.to_rgba16().pixels().map(|texel| texel.0[3]).collect();
+        if !luminance || alpha.iter().any(|&a| a != u16::MAX) {
+            return Some(mask(alpha));
         }
     }
-    luminance.then(|| (width, height, image.to_luma8().into_raw()))
+    luminance.then(|| mask(image.to_luma16().into_raw()))
 }
 
 #[cfg(test)]

@@ -36,7 +36,11 @@ pub struct LoadOptions {
 ///
 /// # Errors
 /// Likewise; the file has no such animation.
-pub fn load_scene_with(name: &str, assets: Option<&Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
+pub fn load_scene_with(
+    name: &str,
+    assets: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
     load_with(name, assets, options, &mut ReadFiles::default())
 }
 

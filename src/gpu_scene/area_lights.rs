@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use super::to_u32;
+use crate::bvh::gpu::halves;
 use crate::scene::{AreaTriangle, BoundingSphere, LightKind, Pose, Scene, luminance};
 use crate::vulkan::{Frame, Upload, VulkanError};
 
@@ -43,7 +44,7 @@ pub struct Emitter {
     pub radiance: Vec4,
     /// Of the mask: first and second corner.
     pub uvs: Vec4,
-    /// xy: third corner.
+    /// xy: third corner; zw: alphas of the corners, half floats as bits.
     pub uv: Vec4,
 }
 
@@ -113,10 +114,12 @@ impl AreaLights {
             let corners = triangle.interpolate(mesh.triangle_positions(triangle.triangle));
             let mut corners = corners.map(|at| transform.transform_point3(at));
             let mut uvs = triangle.interpolate(mesh.mask_coordinates(triangle.triangle, material));
+            let mut alphas = triangle.interpolate(mesh.alphas(triangle.triangle));
             // Mirroring flips the winding but not the front side.
-            if flips_winding {
+            if flips_winding == triangle.front {
                 corners.swap(1, 2);
                 uvs.swap(1, 2);
+                alphas.swap(1, 2);
             }
             let [a, u, v] = [corners[0], corners[1] - corners[0], corners[2] - corners[0]];
             let doubled = u.cross(v);
@@ -130,6 +133,7 @@ impl AreaLights {
             }
             let mask = material.alpha_mask.map_or(0, |mask| to_u32(mask) + 1);
             let [first, second, third]: [Vec2; 3] = uvs;
+            let [first_two, last] = halves(Vec3::from(alphas).extend(0.0));
             self.emitters.push(Emitter {
                 // The running sum for now.
                 corner: a.extend(flux as f32),
@@ -137,7 +141,7 @@ impl AreaLights {
                 edge_v: v.extend(0.0),
                 radiance: triangle.radiance.extend(f32::from_bits(mask)),
                 uvs: Vec4::new(first.x, first.y, second.x, second.y),
-                uv: Vec4::new(third.x, third.y, 0.0, 0.0),
+                uv: Vec4::new(third.x, third.y, f32::from_bits(first_two), f32::from_bits(last)),
             });
         }
         if !(flux > 0.0 && flux.is_finite()) {

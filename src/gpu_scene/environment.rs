@@ -40,7 +40,7 @@ impl EnvironmentTexture {
         let modes = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
         Ok(Self {
             image: Image::with_levels(device, "environment", format, &[level])?,
-            sampler: Sampler::for_textures(device, modes)?,
+            sampler: Sampler::for_textures(device, modes, false)?,
             distribution: Buffer::with_data(device, "environment_distribution", &distribution)?,
             map,
             scale,

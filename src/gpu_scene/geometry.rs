@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::clusters::{Cluster, Draw, cluster};
 use super::to_u32;
+use crate::bvh::gpu::halves;
 use crate::scene::{Material, Mesh, Scene};
 
 /// One vertex, 32 bytes; `Vertex` in shaders/include/scene.glsl.
@@ -19,8 +20,8 @@ pub struct Vertex {
     pub uv: Vec2,
     /// Tangent and the side of its bitangent, packed by `pack_tangent`.
     pub tangent: u32,
-    /// Linear colour and alpha, 8 bits each.
-    pub colour: u32,
+    /// Unused.
+    pub pad: u32,
 }
 
 /// All meshes, one after the other.
@@ -29,6 +30,8 @@ pub(super) struct Geometry {
     pub vertices: Vec<Vertex>,
     /// The second set of texture coordinates of all vertices; of none if no material reads it.
     pub second_uvs: Vec<Vec2>,
+    /// Linear colour and alpha of all vertices, half floats; of none if all are white.
+    pub colours: Vec<[u32; 2]>,
     /// Of the triangles in clusters, for raster.
     pub indices: Vec<u32>,
     /// First index and clusters of each mesh.
@@ -39,6 +42,7 @@ impl Geometry {
     pub fn of(scene: &Scene) -> Self {
         let mut geometry = Self::default();
         let has_second = scene.materials.iter().flat_map(Material::textures).any(|texture| texture.set == 1);
+        let has_colours = scene.meshes.iter().any(|mesh| !mesh.colours.is_empty());
         for mesh in &scene.meshes {
             let base = to_u32(geometry.vertices.len());
             let (clusters, triangles) = cluster(mesh);
@@ -48,6 +52,10 @@ impl Geometry {
             if has_second {
                 let of = |at: usize| mesh.second_uvs.get(at).copied().unwrap_or_else(|| uv(mesh, at));
                 geometry.second_uvs.extend((0..mesh.positions.len()).map(of));
+            }
+            if has_colours {
+                let of = |at: usize| halves(mesh.colours.get(at).copied().unwrap_or(Vec4::ONE));
+                geometry.colours.extend((0..mesh.positions.len()).map(of));
             }
         }
         geometry
@@ -96,7 +104,7 @@ fn vertex(mesh: &Mesh, at: usize) -> Vertex {
         normal: pack_normal(mesh.normals[at]),
         uv: uv(mesh, at),
         tangent: mesh.tangents.get(at).map_or(0, |tangent| pack_tangent(*tangent)),
-        colour: mesh.colours.get(at).map_or(u32::MAX, |colour| u32::from_le_bytes(*colour)),
+        pad: 0,
     }
 }
 

@@ -1,7 +1,8 @@
 //! What shaders read of the surfaces that rays hit, besides what raster passes have: for shaders/include/hit.glsl.
 //!
 //! Rays hit any material, and without descriptor indexing a shader cannot choose among images, so all mip chains lie one after
-//! the other in one texel buffer, which costs 5.3 bytes a texel beside the images of raster, and the shader filters them.
+//! the other in one texel buffer, a word for each texel of 8 bits a channel and two for half floats, which costs 5.3 bytes a
+//! texel, or twice that, beside the images of raster, and the shader filters them.
 
 use std::sync::Arc;
 
@@ -16,14 +17,14 @@ use crate::vulkan::{Buffer, Device, VulkanError};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct TextureData {
-    /// Texel of the first level.
+    /// First word of the first level.
     pub first: u32,
     /// Size of that, width in the lower 16 bits, height above.
     pub size: u32,
     /// Number of levels.
     pub levels: u32,
-    /// 1: its colour is linear; otherwise sRGB-encoded.
-    pub linear: u32,
+    /// 0: sRGB-encoded bytes; 1: linear bytes; 2: half floats, two words a texel.
+    pub format: u32,
 }
 
 /// Triangles and textures of a scene in device memory.
@@ -64,12 +65,10 @@ struct Texels {
 }
 
 impl Texels {
-    /// At most `most` texels: where there are more, the largest levels are left out.
+    /// At most `most` words: where there are more, the largest levels are left out.
     fn of(scene: &Scene, most: u64) -> Self {
         let mut firsts = vec![0; scene.textures.len()];
-        let size = |texture: &Texture, first: usize| {
-            u64::from(texture.levels[first].0) * u64::from(texture.levels[first].1)
-        };
+        let size = |texture: &Texture, first: usize| texture.levels[first].2.len() as u64 / 4;
         let total = |firsts: &[usize]| -> u64 {
             let of = |(texture, &first): (&Arc<Texture>, &usize)| -> u64 {
                 (first..texture.levels.len()).map(|level| size(texture, level)).sum()
@@ -90,7 +89,7 @@ impl Texels {
                 first: to_u32(store.texels.len() / 4),
                 size: levels[0].0 | levels[0].1 << 16,
                 levels: to_u32(levels.len()),
-                linear: u32::from(texture.linear),
+                format: if texture.half { 2 } else { u32::from(texture.linear) },
             });
             levels.iter().for_each(|(_, _, texels)| store.texels.extend(texels));
         }

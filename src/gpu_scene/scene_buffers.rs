@@ -10,10 +10,12 @@ use super::clusters::Draw;
 use super::environment::EnvironmentTexture;
 use super::geometry::{Geometry, first_triangles};
 use super::skip::{LastInputs, Version};
-use super::structs::{InstanceData, MaterialData, TextureUseData};
+use super::structs::{
+    COLOURED, EMITS_ON_BOTH_SIDES, InstanceData, MaterialData, SINGLE_SIDED, TextureUseData, UNLIT,
+};
 use super::{Named, to_u32};
 use crate::bvh::gpu::rows;
-use crate::scene::{Material, Pose, Scene, TextureUse, Wrap};
+use crate::scene::{Material, Pose, Scene, Texture, TextureUse, Wrap};
 use crate::vulkan::{
     Buffer, Device, Frame, GraphicsPipeline, Image, MaterialSets, Mirror, Sampler, VulkanError, vk,
 };
@@ -26,18 +28,20 @@ pub struct SceneBuffers {
     pub indices: Buffer,
     /// The second set of texture coordinates of all vertices; a single one if no material reads it.
     pub second_uvs: Buffer,
+    /// Linear colour and alpha of all vertices, half floats; of none if all are white.
+    pub colours: Buffer,
     /// [`MaterialData`] of all materials.
     pub materials: Buffer,
     /// The mean colour of each material's vertices; none where all are white.
-    colours: Vec<Option<Vec3>>,
+    mean_colours: Vec<Option<Vec3>>,
     /// Of materials and environment.
     pub version: Version,
     /// One texture for each of the scene's, and a white one at the end.
     textures: Vec<Image>,
-    samplers: HashMap<[Wrap; 2], Sampler>,
-    /// The textures of each material: base colour, metallic and roughness, emission, normal. Index into `textures` and wrap
-    /// modes.
-    material_textures: Vec<[(usize, [Wrap; 2]); 4]>,
+    samplers: HashMap<Sampling, Sampler>,
+    /// The textures of each material: base colour, metallic and roughness, emission, normal. Index into `textures`, and how
+    /// they are read.
+    material_textures: Vec<[(usize, Sampling); 4]>,
     /// The environment's map.
     pub environment: EnvironmentTexture,
     /// All clusters of all visible instances but those of thin surfaces, by material: what the G-buffer may draw.
@@ -45,6 +49,8 @@ pub struct SceneBuffers {
     /// What of the G-buffer's shader each material needs: 1 for an alpha mask, 2 for more than one set of plain texture
     /// coordinates.
     pub variants: Vec<usize>,
+    /// Whether the back of each material does not show.
+    pub single_sided: Vec<bool>,
     /// The first triangle of each instance's mesh among those of all meshes.
     first_triangles: Vec<u32>,
     /// [`InstanceData`] of all instances.
@@ -74,17 +80,23 @@ impl SceneBuffers {
         let mut textures = scene
             .textures
             .iter()
-            .map(|texture| Image::texture(device, &texture.name, texture.linear, &texture.levels))
+            .map(|texture| Image::with_levels(device, &texture.name, format_of(texture), &texture.levels))
             .collect::<Result<Vec<_>, _>>()?;
-        textures.push(Image::texture(device, "white", false, &[(1, 1, vec![255; 4])])?);
+        textures.push(Image::with_levels(
+            device,
+            "white",
+            vk::Format::R8G8B8A8_UNORM,
+            &[(1, 1, vec![255; 4])],
+        )?);
         let white = textures.len() - 1;
         let place = |texture: Option<TextureUse>| {
-            texture.map_or((white, Wrap::REPEAT), |texture| (texture.texture, texture.wrap))
+            texture.map_or((white, PLAIN), |texture| (texture.texture, (texture.wrap, texture.nearest)))
         };
         let first_triangles = first_triangles(scene);
         Ok(Self {
             vertices: Buffer::with_data(device, "vertices", &geometry.vertices)?,
             second_uvs: Buffer::with_data(device, "second_uvs", &geometry.second_uvs)?,
+            colours: Buffer::with_data(device, "vertex_colours", &geometry.colours)?,
             indices: Buffer::with_data(device, "indices", &geometry.indices)?,
             materials: materials(device, scene, &colours)?,
             version: Version::default(),
@@ -98,7 +110,8 @@ impl SceneBuffers {
             samplers: samplers(device, scene)?,
             draws,
             variants: scene.materials.iter().zip(&colours).map(|(m, colour)| variant(m, *colour)).collect(),
-            colours,
+            single_sided: scene.materials.iter().map(|material| !material.double_sided).collect(),
+            mean_colours: colours,
             first_triangles: scene.instances.iter().map(|instance| first_triangles[instance.mesh]).collect(),
             instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
             uploaded: LastInputs::default(),
@@ -119,7 +132,7 @@ impl SceneBuffers {
         } else {
             Some(EnvironmentTexture::new(device, environment)?)
         };
-        Ok((materials(device, scene, &self.colours)?, environment))
+        Ok((materials(device, scene, &self.mean_colours)?, environment))
     }
 
     /// Replaces the materials and the environment. No frame is in flight.
@@ -132,12 +145,13 @@ impl SceneBuffers {
     }
 
     /// Its part of the scene set.
-    pub fn resources(&self) -> [Named<'_>; 5] {
+    pub fn resources(&self) -> [Named<'_>; 6] {
         let [map, distribution] = self.environment.resources();
         [
             ("materials", (&self.materials).into()),
             ("vertices", (&self.vertices).into()),
             ("second_uvs", (&self.second_uvs).into()),
+            ("vertex_colours", (&self.colours).into()),
             map,
             distribution,
         ]
@@ -149,7 +163,8 @@ impl SceneBuffers {
         device: &Arc<Device>,
         pipeline: &GraphicsPipeline,
     ) -> Result<MaterialSets, VulkanError> {
-        let sampled = |(texture, wrap): (usize, [Wrap; 2])| (&self.textures[texture], &self.samplers[&wrap]);
+        let sampled =
+            |(texture, sampling): (usize, Sampling)| (&self.textures[texture], &self.samplers[&sampling]);
         let textures: Vec<_> = self.material_textures.iter().map(|textures| textures.map(sampled)).collect();
         MaterialSets::new(device, pipeline, &textures)
     }
@@ -196,25 +211,30 @@ impl SceneBuffers {
 /// [`MaterialData`] of all materials.
 fn materials(device: &Arc<Device>, scene: &Scene, colours: &[Option<Vec3>]) -> Result<Buffer, VulkanError> {
     let coloured = scene.materials.iter().zip(colours);
-    let data: Vec<MaterialData> = coloured
-        .map(|(material, colour)| material_data(scene, material, colour.unwrap_or(Vec3::ONE)))
-        .collect();
+    let data: Vec<MaterialData> =
+        coloured.map(|(material, colour)| material_data(scene, material, *colour)).collect();
     Buffer::with_data(device, "materials", &data)
 }
 
-fn material_data(scene: &Scene, material: &Material, colour: Vec3) -> MaterialData {
+fn material_data(scene: &Scene, material: &Material, colour: Option<Vec3>) -> MaterialData {
     let data =
         |texture: Option<TextureUse>| texture.map_or_else(TextureUseData::default, TextureUseData::from);
     let mut mean = material.mean_bsdf(scene);
-    mean.base *= colour;
+    mean.base *= colour.unwrap_or(Vec3::ONE);
+    let tint = colour.filter(|_| material.unlit).unwrap_or(Vec3::ONE);
+    let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     MaterialData {
         base: material.reflected_base().extend(material.metallic),
         reflectance: material.f0.extend(material.f90),
         emission: material.emission.extend(material.roughness),
-        mean_emission: material.mean_emission(scene).extend(0.0),
+        mean_emission: (material.mean_emission(scene) * tint).extend(0.0),
         mean_albedo: mean.mean_albedo().extend(0.0),
         mask: mask_plus_one(material),
         normal_scale: material.normal_scale,
+        flags: flag(colour.is_some(), COLOURED)
+            | flag(!material.double_sided, SINGLE_SIDED)
+            | flag(material.emits_on_both_sides, EMITS_ON_BOTH_SIDES)
+            | flag(material.unlit, UNLIT),
         base_texture: data(material.base_colour_texture),
         metallic_roughness_texture: data(material.metallic_roughness_texture),
         emission_texture: data(material.emission_texture),
@@ -230,8 +250,7 @@ fn vertex_colours(scene: &Scene) -> Vec<Option<Vec3>> {
         for (triangle, material) in mesh.triangles.iter().zip(&mesh.triangle_materials) {
             let (sum, count) = &mut sums[*material as usize];
             for vertex in triangle {
-                let [r, g, b, _] = mesh.colours[*vertex as usize];
-                *sum += Vec3::from([r, g, b].map(f32::from)) / 255.0;
+                *sum += mesh.colours[*vertex as usize].truncate();
                 *count += 1;
             }
         }
@@ -241,25 +260,42 @@ fn vertex_colours(scene: &Scene) -> Vec<Option<Vec3>> {
 
 /// What of the G-buffer's shader a material needs: see [`variants`](SceneBuffers::variants).
 fn variant(material: &Material, colour: Option<Vec3>) -> usize {
-    let is_plain =
-        |texture: TextureUse| TextureUse { wrap: texture.wrap, ..texture.texture.into() } == texture;
+    let is_plain = |texture: TextureUse| {
+        let TextureUse { wrap, nearest, .. } = texture;
+        TextureUse { wrap, nearest, ..texture.texture.into() } == texture
+    };
     let detailed =
         colour.is_some() || material.normal_texture.is_some() || !material.textures().all(is_plain);
     usize::from(material.alpha_mask.is_some()) | usize::from(detailed) << 1
 }
 
-/// A sampler for each pair of wrap modes in use, and the repeating one.
-fn samplers(device: &Arc<Device>, scene: &Scene) -> Result<HashMap<[Wrap; 2], Sampler>, VulkanError> {
+/// How a texture is read: wrap modes along u and v, and whether the nearest texel shows where it is magnified.
+type Sampling = ([Wrap; 2], bool);
+
+/// Repeating and interpolated.
+const PLAIN: Sampling = (Wrap::REPEAT, false);
+
+fn format_of(texture: &Texture) -> vk::Format {
+    match (texture.half, texture.linear) {
+        (true, _) => vk::Format::R16G16B16A16_SFLOAT,
+        (false, true) => vk::Format::R8G8B8A8_UNORM,
+        (false, false) => vk::Format::R8G8B8A8_SRGB,
+    }
+}
+
+/// A sampler for each way in use, and the plain one.
+fn samplers(device: &Arc<Device>, scene: &Scene) -> Result<HashMap<Sampling, Sampler>, VulkanError> {
     let mut samplers = HashMap::new();
-    let used = scene.materials.iter().flat_map(Material::textures).map(|texture| texture.wrap);
-    for wrap in used.chain([Wrap::REPEAT]) {
-        if let Entry::Vacant(place) = samplers.entry(wrap) {
+    let used = scene.materials.iter().flat_map(Material::textures);
+    let used = used.map(|texture| (texture.wrap, texture.nearest));
+    for (wrap, nearest) in used.chain([PLAIN]) {
+        if let Entry::Vacant(place) = samplers.entry((wrap, nearest)) {
             let modes = wrap.map(|mode| match mode {
                 Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
                 Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
                 Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
             });
-            place.insert(Sampler::for_textures(device, modes)?);
+            place.insert(Sampler::for_textures(device, modes, nearest)?);
         }
     }
     Ok(samplers)

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::bvh::Ray;
-use crate::bvh::gpu::wrap_bits;
+use crate::bvh::gpu::sampler_bits;
 use crate::scene::TextureUse;
 
 /// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
@@ -98,7 +98,7 @@ pub struct MaterialData {
     pub base: Vec4,
     /// rgb: F0 of a dielectric; w: F90.
     pub reflectance: Vec4,
-    /// rgb: radiance of the front side, W/m^2/sr, to be multiplied with its texture; w: roughness.
+    /// rgb: radiance of the sides that emit, W/m^2/sr, to be multiplied with its texture; w: roughness.
     pub emission: Vec4,
     /// rgb: the same, mean over its texture.
     pub mean_emission: Vec4,
@@ -108,8 +108,8 @@ pub struct MaterialData {
     pub mask: u32,
     /// What the slopes of its normal map are multiplied by.
     pub normal_scale: f32,
-    /// Unused.
-    pub pad0: u32,
+    /// [`COLOURED`], [`SINGLE_SIDED`], [`EMITS_ON_BOTH_SIDES`], [`UNLIT`].
+    pub flags: u32,
     /// Unused.
     pub pad1: u32,
     /// Of the base colour.
@@ -122,6 +122,15 @@ pub struct MaterialData {
     pub normal_texture: TextureUseData,
 }
 
+/// In [`MaterialData::flags`]: some of its vertices have colours.
+pub const COLOURED: u32 = 1;
+/// In [`MaterialData::flags`]: its back does not show to the eye.
+pub const SINGLE_SIDED: u32 = 2;
+/// In [`MaterialData::flags`]: its back emits as its front does.
+pub const EMITS_ON_BOTH_SIDES: u32 = 4;
+/// In [`MaterialData::flags`]: its emission is multiplied with the vertices' colours.
+pub const UNLIT: u32 = 8;
+
 /// How a material uses a texture; `TextureUse` in shaders/include/scene.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -132,7 +141,7 @@ pub struct TextureUseData {
     pub offset: Vec2,
     /// Index of the texture plus one; 0: none.
     pub image: u32,
-    /// Wrap modes, and 16 for the second set of coordinates.
+    /// Wrap modes and filter, and 16 for the second set of coordinates.
     pub modes: u32,
 }
 
@@ -148,7 +157,7 @@ impl From<TextureUse> for TextureUseData {
             matrix: Vec4::from_array(texture.matrix.to_cols_array()),
             offset: texture.offset,
             image: super::to_u32(texture.texture) + 1,
-            modes: wrap_bits(texture.wrap) | (texture.set as u32) << 4,
+            modes: sampler_bits(texture.wrap, texture.nearest) | (texture.set as u32) << 4,
         }
     }
 }
@@ -271,7 +280,7 @@ pub(crate) mod tests {
             mean_albedo,
             mask,
             normal_scale,
-            pad0,
+            flags,
             pad1,
             base_texture,
             metallic_roughness_texture,
@@ -279,8 +288,8 @@ pub(crate) mod tests {
             normal_texture
         );
         same_layout!(shaders::GBUFFER_FRAG, TextureUse, matrix, offset, image, modes);
-        same_layout!(shaders::HIT_SURFACES_COMP.software, TextureData, first, size, levels, linear);
-        same_layout!(shaders::HIT_SURFACES_COMP.software, Vertex, position, normal, uv, tangent, colour);
+        same_layout!(shaders::HIT_SURFACES_COMP.software, TextureData, first, size, levels, format);
+        same_layout!(shaders::HIT_SURFACES_COMP.software, Vertex, position, normal, uv, tangent, pad);
         same_layout!(
             shaders::DIRECT_SHADING_COMP,
             LightData,
@@ -293,7 +302,7 @@ pub(crate) mod tests {
             pad2
         );
         same_layout!(shaders::OVERLAY_VERT, OverlayLine, from_width, to_hidden, colour);
-        same_layout!(shaders::CAST_RAYS_COMP.software, GpuThinTriangle, uvs, colours, pad);
+        same_layout!(shaders::CAST_RAYS_COMP.software, GpuThinTriangle, uvs, colours);
         same_layout!(
             shaders::CAST_RAYS_COMP.software,
             GpuThinSurface,

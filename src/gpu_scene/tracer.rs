@@ -58,7 +58,7 @@ pub struct Tracer {
     structure: Structure,
     triangle_uvs: Buffer,
     masks: Buffer,
-    mask_bits: Buffer,
+    mask_texels: Buffer,
     thin_triangles: Buffer,
     thin_surfaces: Buffer,
     thin_texels: Buffer,
@@ -91,13 +91,13 @@ impl Tracer {
                 )
             }
         };
-        let GpuAlphaMasks { triangle_uvs, masks, mask_bits } = alpha;
+        let GpuAlphaMasks { triangle_uvs, masks, mask_texels } = alpha;
         let GpuThinSurfaces { triangles: thin_triangles, thin_surfaces, texels } = &*thin_surfaces;
         Ok(Self {
             structure,
             triangle_uvs: Buffer::with_data(device, "bvh_triangle_uvs", &triangle_uvs)?,
             masks: Buffer::with_data(device, "bvh_masks", &masks)?,
-            mask_bits: Buffer::with_data(device, "bvh_mask_bits", &mask_bits)?,
+            mask_texels: Buffer::with_data(device, "bvh_mask_texels", &mask_texels)?,
             thin_triangles: Buffer::with_data(device, "bvh_thin_triangles", thin_triangles)?,
             thin_surfaces: Buffer::with_data(device, "bvh_thin_surfaces", thin_surfaces)?,
             thin_texels: Buffer::with_data(device, "bvh_thin_texels", texels)?,
@@ -144,7 +144,7 @@ impl Tracer {
     pub fn resources(&self) -> Vec<Named<'_>> {
         let mut resources: Vec<Named<'_>> = vec![
             ("bvh_masks", (&self.masks).into()),
-            ("bvh_mask_bits", (&self.mask_bits).into()),
+            ("bvh_mask_texels", (&self.mask_texels).into()),
             ("bvh_triangle_uvs", (&self.triangle_uvs).into()),
             ("bvh_thin_triangles", (&self.thin_triangles).into()),
             ("bvh_thin_surfaces", (&self.thin_surfaces).into()),

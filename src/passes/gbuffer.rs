@@ -29,12 +29,11 @@ const FORMATS: [vk::Format; 6] = [
 ];
 
 /// Formats and offsets of a vertex's attributes, by location.
-const ATTRIBUTES: [(vk::Format, u32); 5] = [
+const ATTRIBUTES: [(vk::Format, u32); 4] = [
     (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
     (vk::Format::R16G16_SNORM, offset_of!(Vertex, normal) as u32),
     (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
     (vk::Format::R32_UINT, offset_of!(Vertex, tangent) as u32),
-    (vk::Format::R8G8B8A8_UNORM, offset_of!(Vertex, colour) as u32),
 ];
 
 /// What the pass writes.
@@ -198,6 +197,12 @@ impl GBufferPass {
                     bound = Some(draw.material);
                 }
                 let flags = flags(&instances[draw.instance as usize]);
+                // Mirroring swaps the windings but not the sides.
+                list.cull(match (buffers.single_sided[draw.material as usize], flags & FLIPS_WINDING) {
+                    (false, _) => vk::CullModeFlags::NONE,
+                    (true, 0) => vk::CullModeFlags::BACK,
+                    (true, _) => vk::CullModeFlags::FRONT,
+                });
                 let push = Push { instance: draw.instance, material: draw.material, flags };
                 list.draw(&push, draw.first, draw.count);
             }

@@ -11,7 +11,7 @@ use crate::scene::{AreaTriangle, BoundingSphere, Mesh, Pose, Scene, SurfacePoint
 /// The emissive triangles of an instance, in world space.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLight {
-    /// Ascending by index.
+    /// Ascending by side.
     pub(super) triangles: Vec<Emitter>,
     /// Cumulative distribution over the triangles, by luminous flux.
     pub(super) cdf: Vec<f32>,
@@ -34,9 +34,10 @@ pub(super) struct Emitter {
     pub(super) piece: AreaTriangle,
     /// Pdf of a point on it within its light over area, 1/scene unit^2.
     pub(super) area_pdf: f32,
-    /// Index of its alpha mask, if it has one, and its texture coordinates there.
+    /// Index of its alpha mask, if it has one, and its texture coordinates and alphas there.
     pub(super) mask: Option<usize>,
     pub(super) uvs: [Vec2; 3],
+    pub(super) alphas: [f32; 3],
 }
 
 impl AreaLight {
@@ -49,7 +50,7 @@ impl AreaLight {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
             triangles.iter().map(|triangle| Emitter::new(scene, mesh, transform, triangle)).collect();
-        emitters.sort_by_key(|emitter| emitter.piece.triangle);
+        emitters.sort_by_key(|emitter| emitter.piece.side());
         let power: f64 = emitters.iter().map(Emitter::power).sum();
         let mut sum = 0.0;
         let mut cdf = Vec::with_capacity(emitters.len());
@@ -89,7 +90,10 @@ impl AreaLight {
         let point = (b - a) * weights.x + (c - a) * weights.y + a;
         if let Some(mask) = emitter.mask {
             let [a, b, c] = emitter.uvs;
-            if !scene.alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y) {
+            let alpha = emitter.alphas[0] * (1.0 - weights.x - weights.y)
+                + emitter.alphas[1] * weights.x
+                + emitter.alphas[2] * weights.y;
+            if !scene.alpha_masks[mask].opaque_at(a + (b - a) * weights.x + (c - a) * weights.y, alpha) {
                 return None;
             }
         }
@@ -110,22 +114,22 @@ impl AreaLight {
 }
 
 impl AreaLight {
-    /// Radiance at a point of an emitter, by its texture if it has one.
+    /// Radiance at a point of an emitter, by its texture or the colours of its vertices.
     fn radiance(&self, scene: &Scene, emitter: &Emitter, weights: Vec2) -> Vec3 {
         let mesh = &scene.meshes[scene.instances[self.instance].mesh];
         let triangle = emitter.piece.triangle;
         let material = &scene.materials[mesh.triangle_materials[triangle as usize] as usize];
-        if material.emission_texture.is_none() {
+        if !material.emission_varies(mesh) {
             return emitter.piece.radiance;
         }
         let at = SurfacePoint { triangle, barycentrics: emitter.piece.barycentrics(weights) };
         material.emission_at(scene, mesh.interpolate(at).attributes) * self.factor
     }
 
-    /// The emitter that a point of a triangle of the instance belongs to.
-    pub(super) fn emitter_at(&self, triangle: u32, barycentrics: Vec2) -> Option<&Emitter> {
-        let first = self.triangles.partition_point(|emitter| emitter.piece.triangle < triangle);
-        let pieces = self.triangles[first..].iter().take_while(|emitter| emitter.piece.triangle == triangle);
+    /// The emitter that a point of a side of a triangle (its index, whether it is its front) belongs to.
+    pub(super) fn emitter_at(&self, side: (u32, bool), barycentrics: Vec2) -> Option<&Emitter> {
+        let first = self.triangles.partition_point(|emitter| emitter.piece.side() < side);
+        let pieces = self.triangles[first..].iter().take_while(|emitter| emitter.piece.side() == side);
         let depth = |emitter: &&Emitter| emitter.piece.depth_of(barycentrics);
         // A point on an edge belongs to the first piece; one between pieces that emit nothing, to none.
         pieces.max_by(|a, b| depth(a).total_cmp(&depth(b))).filter(|emitter| depth(emitter) > -1e-4)
@@ -145,7 +149,7 @@ impl Emitter {
         let corners = corners.map(|corner| transform.transform_point3(corner));
         let [a, b, c] = corners;
         // Mirroring flips the winding but not the front side.
-        let side = if transform.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let side = if (transform.matrix3.determinant() < 0.0) == triangle.front { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(c - a) * side).normalize_or(Vec3::Y);
         let material = &scene.materials[mesh.triangle_materials[triangle.triangle as usize] as usize];
         Self {
@@ -155,6 +159,7 @@ impl Emitter {
             area_pdf: 0.0,
             mask: material.alpha_mask,
             uvs: triangle.interpolate(mesh.mask_coordinates(triangle.triangle, material)),
+            alphas: triangle.interpolate(mesh.alphas(triangle.triangle)),
         }
     }
 

@@ -170,12 +170,13 @@ impl Lights {
         if total > 0.0 { light.weight(p, n) / total * environment.density(direction) } else { 0.0 }
     }
 
-    /// The emission at `hit`, on a front side, along the scattered ray that hit it, where the material's is `emission`: its
+    /// The emission at `hit`, on its front or back, along the scattered ray that hit it, where the material's is `emission`: its
     /// radiance, and the pdf (1/sr) with which [`Self::sample`] would have chosen that direction among `subset`; none if the
     /// instance is no light.
     pub(super) fn emitted(
         &self,
         hit: &Hit,
+        front: bool,
         emission: Vec3,
         scattered: &ScatteredHit,
         subset: LightSubset,
@@ -183,7 +184,7 @@ impl Lights {
         let index = self.of_instance[hit.instance as usize]?;
         let PosedLight::Area(area) = &self.lights[index] else { return None };
         // Light sampling knows no emission that all points of a piece have missed.
-        let density = area.emitter_at(hit.triangle, hit.barycentrics).map_or(0.0, |emitter| {
+        let density = area.emitter_at((hit.triangle, front), hit.barycentrics).map_or(0.0, |emitter| {
             let cosine = -emitter.normal.dot(scattered.direction);
             let squared = scattered.from.distance_squared(scattered.at);
             emitter.area_pdf * squared / cosine.max(f32::MIN_POSITIVE)

@@ -16,6 +16,7 @@
 //! (Kajiya 1986), where one light sample and one scattered ray estimate each integral, combined by the power heuristic.
 
 use std::f32::consts::PI;
+use std::iter;
 
 use glam::{Vec2, Vec3};
 
@@ -89,7 +90,10 @@ impl Reference<'_> {
     /// same length.
     pub(super) fn trace(&self, mut camera_samples: Vec<(Vec2, Sampler)>, samples: &mut [PixelSample]) {
         let rays: Vec<Ray> = camera_samples.iter().map(|&(point, _)| self.camera_ray(point)).collect();
-        let hits = self.intersect(&rays, |ray| camera_samples[ray].1.next().x);
+        let world = self.world();
+        let hits = self.intersect(&rays, |ray, hit| {
+            world.pass_from_eye(&rays[ray], hit, iter::repeat_with(|| camera_samples[ray].1.next().x))
+        });
         // Look up all surfaces before any texel is read.
         let mut visible = Vec::with_capacity(rays.len());
         for (pixel, ((_, sampler), (hit, weight))) in camera_samples.into_iter().zip(hits).enumerate() {
@@ -106,7 +110,8 @@ impl Reference<'_> {
         let visible = visible.into_iter().map(|(pixel, sampler, vertex, direction, weight, depth)| {
             let reflection = self.reflection(&vertex, direction);
             let emission = vertex.material.emission_at(self.scene, vertex.attributes);
-            samples[pixel].direct = if vertex.front { emission * weight } else { Vec3::ZERO };
+            let emits = vertex.material.emits_on(vertex.front);
+            samples[pixel].direct = if emits { emission * weight } else { Vec3::ZERO };
             samples[pixel].visible = Some(VisibleSurface {
                 albedo: reflection.diffuse_albedo() * weight,
                 normal: vertex.surface.normal,
@@ -206,7 +211,11 @@ impl Reference<'_> {
                 }
                 ray.is_some()
             });
-            let hits = self.intersect(&rays, |ray| paths[active[ray]].sampler.next().x);
+            let world = self.world();
+            let hits = self.intersect(&rays, |ray, hit| {
+                let numbers = iter::repeat_with(|| paths[active[ray]].sampler.next().x);
+                world.pass_thin_surfaces(&rays[ray], hit, numbers)
+            });
 
             // Move the paths to the surfaces hit and add their emission.
             for (&index, (hit, weight)) in active.iter().zip(&hits) {
@@ -246,19 +255,6 @@ impl Reference<'_> {
             shadow_rays.trace(self, |path, light| paths[path].gathered += light);
             active = surviving;
         }
-    }
-
-    /// The surface where the light along each ray stops, if any, and its weight. `number` gives a random number in [0, 1) for
-    /// a ray at each thin surface.
-    fn intersect(&self, rays: &[Ray], mut number: impl FnMut(usize) -> f32) -> Vec<(Option<Hit>, Vec3)> {
-        let hits = self.bvh.intersect_all(rays);
-        hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
-        let pass = |(index, hit): (usize, Option<Hit>)| {
-            let (hit, transmission) =
-                self.world().pass_thin_surfaces(&rays[index], hit, std::iter::repeat_with(|| number(index)));
-            (hit, transmission.weight)
-        };
-        hits.into_iter().enumerate().map(pass).collect()
     }
 
     /// Samples the next ray of a path; none if nothing is reflected. One that the shading normal sends below the triangle is mirrored
@@ -303,8 +299,9 @@ impl Reference<'_> {
         let scattered = ScatteredHit { from: from.position, normal: from.normal, direction, at };
         let vertex = &path.vertex;
         let emission = vertex.material.emission_at(self.scene, vertex.attributes);
-        if vertex.front
-            && let Some((radiance, pdf)) = self.lights.emitted(hit, emission, &scattered, subset)
+        if vertex.material.emits_on(vertex.front)
+            && let Some((radiance, pdf)) =
+                self.lights.emitted(hit, vertex.front, emission, &scattered, subset)
         {
             let share = path.density.map_or(1.0, |density| power_heuristic(density, pdf));
             path.gathered += path.throughput * radiance * share;
@@ -369,7 +366,7 @@ impl Reference<'_> {
         // The texels are read only after all paths of the group advanced, so prefetch them.
         let texels = material.base_colour_texture.map(|image| {
             let texture = &*self.scene.textures[image.texture];
-            (texture, texture.prefetch(image.coordinates(attributes.uvs), image.wrap))
+            (texture, texture.prefetch(image.coordinates(attributes.uvs), &image))
         });
         Interaction { surface, front, attributes, material, texels }
     }

@@ -12,7 +12,7 @@ use super::lights::Lights;
 use super::resume::{PixelFilter, Progress};
 use super::sampler::Sampler;
 use super::surfaces::Surfaces;
-use crate::bvh::{Ray, TwoLevelBvh, World};
+use crate::bvh::{Hit, Ray, Transmission, TwoLevelBvh, World};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Antialiasing, Settings};
 
@@ -123,7 +123,8 @@ impl<'a> Reference<'a> {
         let instances = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
         let instance_at = |pixel: usize| {
             let ray = self.camera_ray(self.raster_point(pixel, Vec2::splat(0.5)));
-            self.bvh.intersect(&ray).map_or(-1, |hit| hit.instance as i32)
+            let hit = self.world().behind_hidden(&ray, self.bvh.intersect(&ray));
+            hit.map_or(-1, |hit| hit.instance as i32)
         };
         let instances = instances.map(instance_at).collect();
         Film::new(self.size.x as usize, self.size.y as usize, self.layers, instances)
@@ -178,6 +179,22 @@ impl<'a> Reference<'a> {
     fn raster_point(&self, pixel: usize, offset: Vec2) -> Vec2 {
         let width = self.size.x as usize;
         Vec2::new((pixel % width) as f32, (pixel / width) as f32) + offset
+    }
+
+    /// The surface where the light along each ray stops, if any, and its weight. `pass` takes the ray of an index from its
+    /// closest hit through thin surfaces.
+    pub(super) fn intersect(
+        &self,
+        rays: &[Ray],
+        mut pass: impl FnMut(usize, Option<Hit>) -> (Option<Hit>, Transmission),
+    ) -> Vec<(Option<Hit>, Vec3)> {
+        let hits = self.bvh.intersect_all(rays);
+        hits.iter().flatten().for_each(|hit| self.surfaces.prefetch(hit));
+        let pass = |(index, hit): (usize, Option<Hit>)| {
+            let (hit, transmission) = pass(index, hit);
+            (hit, transmission.weight)
+        };
+        hits.into_iter().enumerate().map(pass).collect()
     }
 
     /// The ray from the eye through `point` in raster space; t is the view depth.

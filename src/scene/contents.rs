@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
+use super::alpha_mask::AlphaMask;
 use super::animation::Animation;
 use super::bounds::{BoundingSphere, bounds_of};
 use super::camera::Camera;
 use super::environment::Environment;
 use super::light::Light;
-use super::material::{AlphaMask, Material, Texture};
+use super::material::{Material, Texture};
 use super::mesh::Mesh;
 use super::recording::RecordedFrame;
 use super::texture_use::Attributes;
@@ -150,7 +151,10 @@ impl Scene {
     pub fn opaque_at(&self, material: u32, at: impl Into<Attributes>) -> bool {
         let material = &self.materials[material as usize];
         match material.alpha_mask {
-            Some(mask) => self.alpha_masks[mask].opaque_at(material.mask_coordinates(at.into().uvs)),
+            Some(mask) => {
+                let at = at.into();
+                self.alpha_masks[mask].opaque_at(material.mask_coordinates(at.uvs), at.colour.w)
+            }
             None => true,
         }
     }
@@ -172,7 +176,8 @@ impl Scene {
             scene.instances.iter().map(place).collect()
         };
         let materials = |scene: &Self| -> Vec<_> {
-            let of = |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask);
+            let of =
+                |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask, m.double_sided);
             scene.materials.iter().map(of).collect()
         };
         same_meshes

@@ -23,15 +23,16 @@ const MOST_SPLITS: u32 = 5;
 /// Pieces that differ by less than this share of the brightest are one.
 const LEAST_CONTRAST: f32 = 0.05;
 
-/// A triangle whose emission a texture varies.
-struct Textured<'a> {
+/// An emissive side of a triangle.
+struct EmissiveSide<'a> {
     scene: &'a Scene,
     mesh: &'a Mesh,
     material: &'a Material,
     triangle: u32,
+    front: bool,
 }
 
-impl Textured<'_> {
+impl EmissiveSide<'_> {
     /// Appends the pieces of the part between `corners`, split at most `splits` times.
     fn split(&self, corners: [Vec2; 3], splits: u32, pieces: &mut Vec<AreaTriangle>) {
         if splits == 0 {
@@ -51,12 +52,19 @@ impl Textured<'_> {
             |part: &AreaTriangle| (part.radiance - mean).abs().max_element() <= LEAST_CONTRAST * brightest;
         if parts.len() == 4 && parts.iter().all(is_uniform) {
             pieces.truncate(first);
-            pieces.push(AreaTriangle { triangle: self.triangle, corners, radiance: mean });
+            pieces.push(AreaTriangle { radiance: mean, ..self.piece_at(corners) });
         }
     }
 
+    fn piece_at(&self, corners: [Vec2; 3]) -> AreaTriangle {
+        AreaTriangle { triangle: self.triangle, front: self.front, corners, radiance: Vec3::ZERO }
+    }
+
     fn piece(&self, corners: [Vec2; 3]) -> AreaTriangle {
-        let piece = AreaTriangle { triangle: self.triangle, corners, radiance: Vec3::ZERO };
+        let piece = self.piece_at(corners);
+        if !self.material.emission_varies(self.mesh) {
+            return AreaTriangle { radiance: self.material.emission, ..piece };
+        }
         let radiance = |point| {
             let at = SurfacePoint { triangle: self.triangle, barycentrics: piece.barycentrics(point) };
             self.material.emission_at(self.scene, self.mesh.interpolate(at).attributes)
@@ -108,8 +116,10 @@ impl Scene {
         let most = (MOST_PIECES / textured.max(1)).max(1).ilog(4).min(MOST_SPLITS);
         let mut pieces = Vec::new();
         for (triangle, material) in emissive() {
-            let textured = Textured { scene: self, mesh, material, triangle };
-            textured.split(AreaTriangle::WHOLE, textured.splits(most), &mut pieces);
+            for front in [true, false].into_iter().filter(|&front| material.emits_on(front)) {
+                let side = EmissiveSide { scene: self, mesh, material, triangle, front };
+                side.split(AreaTriangle::WHOLE, side.splits(most), &mut pieces);
+            }
         }
         pieces.retain(|piece| piece.radiance != Vec3::ZERO);
         pieces

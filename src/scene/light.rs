@@ -32,7 +32,7 @@ pub enum LightKind {
         /// W/m^2.
         irradiance: Vec3,
     },
-    /// The emissive triangles of an instance; they emit from their front sides.
+    /// The emissive triangles of an instance.
     Area {
         /// Index into `Scene::instances`.
         instance: usize,
@@ -61,6 +61,8 @@ pub enum LightType {
 pub struct AreaTriangle {
     /// Index into the instance's mesh's triangles.
     pub triangle: u32,
+    /// The side that emits; where both do, each has an entry.
+    pub front: bool,
     /// Its corners within that triangle: the weights of the second and of the third vertex.
     pub corners: [Vec2; 3],
     /// Radiance, its mean over the texture, W/m^2/sr.
@@ -70,6 +72,11 @@ pub struct AreaTriangle {
 impl AreaTriangle {
     /// The corners of a whole triangle of a mesh.
     pub const WHOLE: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
+
+    /// The index of its triangle, and whether it is its front.
+    pub fn side(&self) -> (u32, bool) {
+        (self.triangle, self.front)
+    }
 
     /// What the vertices have, interpolated to its corners.
     pub fn interpolate<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>>(

@@ -4,14 +4,15 @@ use glam::{Vec3, Vec4};
 
 use super::contents::Scene;
 use super::material::{Alpha, Material, ThinSurface};
-use super::mesh::Surface;
+use super::mesh::{Mesh, Surface};
 use super::texture_use::{Attributes, TextureUse};
 use crate::bsdf::Bsdf;
 
 impl TextureUse {
     /// Linear colour (level 0, bilinear).
     pub(crate) fn sample(&self, scene: &Scene, at: &Attributes) -> Vec3 {
-        scene.textures[self.texture].sample_wrapped(self.coordinates(at.uvs), self.wrap)
+        let image = &scene.textures[self.texture];
+        image.filter(image.footprint(self.coordinates(at.uvs), self))
     }
 }
 
@@ -54,16 +55,22 @@ impl Material {
         self.bsdf_at(scene, at).mean_albedo()
     }
 
-    /// Radiance of the front side at a point, W/m^2/sr.
+    /// Radiance of the sides that emit at a point, W/m^2/sr.
     pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        if self.is_emissive() {
-            self.emission * texel(scene, self.emission_texture, &at.into())
-        } else {
-            Vec3::ZERO
+        if !self.is_emissive() {
+            return Vec3::ZERO;
         }
+        let at = at.into();
+        let colour = if self.unlit { at.colour.truncate() } else { Vec3::ONE };
+        self.emission * colour * texel(scene, self.emission_texture, &at)
     }
 
-    /// Radiance of the front side, averaged over its texture.
+    /// Whether it varies over a triangle of `mesh`.
+    pub(crate) fn emission_varies(&self, mesh: &Mesh) -> bool {
+        self.emission_texture.is_some() || self.unlit && !mesh.colours.is_empty()
+    }
+
+    /// The same, averaged over its texture.
     pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
         self.emission * mean(scene, self.emission_texture)
     }
@@ -72,7 +79,7 @@ impl Material {
     pub fn thin_surface_at(&self, scene: &Scene, at: impl Into<Attributes>) -> ThinSurface {
         let at = at.into();
         let texel = self.base_colour_texture.map_or(Vec4::ONE, |texture| {
-            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), texture.wrap)
+            scene.textures[texture.texture].sample_rgba(texture.coordinates(at.uvs), &texture)
         });
         let colour = texel * at.colour;
         let coverage = if self.alpha == Alpha::Blend { self.opacity * colour.w } else { 1.0 };

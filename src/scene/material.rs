@@ -1,8 +1,8 @@
-//! Surface materials, their textures and alpha masks.
+//! Surface materials and their textures.
 
 use glam::{Vec2, Vec3};
 
-use super::texture_use::{TextureUse, Wrap, wrapped};
+use super::texture_use::TextureUse;
 use crate::bsdf::Bsdf;
 
 /// What dielectrics reflect at normal incidence in glTF.
@@ -39,7 +39,7 @@ pub struct Material {
     pub f0: Vec3,
     /// The same at grazing incidence; 1 in glTF. 0, with an `f0` of 0: a Lambertian surface.
     pub f90: f32,
-    /// Radiance of the front side, multiplied with its texture, W/m^2/sr.
+    /// Radiance of the sides that emit, multiplied with its texture, W/m^2/sr.
     pub emission: Vec3,
     /// sRGB.
     pub emission_texture: Option<TextureUse>,
@@ -53,8 +53,12 @@ pub struct Material {
     pub opacity: f32,
     /// Share of what the base colour reflects diffusely that it lets pass instead, tinted: a thin surface without refraction.
     pub transmission: f32,
-    /// Whether the file shows both sides. Surfaces always have two here.
+    /// Whether its back shows to the eye; all other rays meet both sides.
     pub double_sided: bool,
+    /// Whether its back emits as its front does.
+    pub emits_on_both_sides: bool,
+    /// Whether its emission is that of its base colour, and so multiplied with the vertices' colours (KHR_materials_unlit).
+    pub unlit: bool,
     /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. What is cut out does not emit.
     pub alpha_mask: Option<usize>,
 }
@@ -66,22 +70,11 @@ pub struct Texture {
     pub name: String,
     /// Whether its colour is linear; otherwise sRGB-encoded.
     pub linear: bool,
-    /// RGBA8, alpha always linear; level 0 first, each level half the one before
+    /// Whether texels are half floats, of linear colour, for images of more than 8 bits a channel; otherwise bytes.
+    pub half: bool,
+    /// RGBA of 8 bits or little-endian half floats, alpha always linear; level 0 first, each level half the one before
     /// (rounded down, at least 1), filtered in linear light. (width, height, texels by rows from the top).
     pub levels: Vec<(u32, u32, Vec<u8>)>,
-}
-
-/// The opaque texels of a surface: one bit a texel, the same for raster, CPU rays and shader rays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AlphaMask {
-    /// Width in texels.
-    pub width: u32,
-    /// Height in texels.
-    pub height: u32,
-    /// Bit `y * width + x` (low bit of word 0 first) is 1 where the surface is opaque.
-    pub bits: Vec<u32>,
-    /// Along u and v. It is read where the texture of the base colour is.
-    pub wrap: [Wrap; 2],
 }
 
 impl Material {
@@ -109,6 +102,8 @@ impl Material {
             opacity: 1.0,
             transmission: 0.0,
             double_sided: true,
+            emits_on_both_sides: false,
+            unlit: false,
             alpha_mask: None,
         }
     }
@@ -172,6 +167,11 @@ impl Material {
         self.base_colour * (self.transmission * (1.0 - self.metallic))
     }
 
+    /// Whether it emits light on this side.
+    pub fn emits_on(&self, front: bool) -> bool {
+        front || self.emits_on_both_sides
+    }
+
     /// Whether it emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission != Vec3::ZERO
@@ -201,23 +201,4 @@ const MIRROR_EXPONENT: f32 = 10_000.0;
 /// and roughness^2 = alpha. Exponents of 10,000 and more are perfect mirrors, roughness 0.
 pub fn roughness_of_exponent(shininess: f32) -> f32 {
     if shininess >= MIRROR_EXPONENT { 0.0 } else { (2.0 / (shininess.max(0.0) + 2.0)).powf(0.25) }
-}
-
-impl AlphaMask {
-    /// Whether no texel is opaque.
-    pub fn is_empty(&self) -> bool {
-        self.bits.iter().all(|&word| word == 0)
-    }
-
-    /// Whether the surface is opaque at `uv` (nearest texel, origin top left).
-    pub fn opaque_at(&self, uv: Vec2) -> bool {
-        let wrapped = match self.wrap {
-            Wrap::REPEAT => uv - uv.floor(),
-            wrap => wrapped(uv, wrap),
-        };
-        let x = ((wrapped.x * self.width as f32) as u32).min(self.width - 1);
-        let y = ((wrapped.y * self.height as f32) as u32).min(self.height - 1);
-        let bit = y * self.width + x;
-        self.bits[(bit / 32) as usize] >> (bit % 32) & 1 == 1
-    }
 }

@@ -10,7 +10,7 @@ use super::texture_use::Attributes;
 const DEGENERATE: f64 = 1e-7;
 
 /// The colour of vertices without one.
-const WHITE: [u8; 4] = [255; 4];
+const WHITE: Vec4 = Vec4::ONE;
 
 /// An indexed triangle mesh: one bottom-level BVH.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Mesh {
     /// bitangent w (n x t), which points up on it, 1 or -1, or 0 where there is none. Empty without normal maps.
     pub tangents: Vec<Vec4>,
     /// Linear colour and alpha, one a vertex; empty if all are white.
-    pub colours: Vec<[u8; 4]>,
+    pub colours: Vec<Vec4>,
     /// Vertex indices, front faces counter-clockwise; sorted by material.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle, an index into `Scene::materials`.
@@ -143,8 +143,7 @@ impl Mesh {
             surface.tangent = mean(&|vertex| self.tangents[vertex]);
         }
         if !self.colours.is_empty() {
-            surface.attributes.colour =
-                mean(&|vertex| Vec4::from_array(self.colours[vertex].map(f32::from))) / 255.0;
+            surface.attributes.colour = mean(&|vertex| self.colours[vertex]);
         }
     }
 
@@ -170,6 +169,12 @@ impl Mesh {
             let first = of(&self.uvs).unwrap_or_default();
             material.mask_coordinates([first, of(&self.second_uvs).unwrap_or(first)])
         })
+    }
+
+    /// The alpha of a triangle's corners.
+    pub(crate) fn alphas(&self, triangle: u32) -> [f32; 3] {
+        let alpha = |vertex: u32| self.colours.get(vertex as usize).map_or(1.0, |colour| colour.w);
+        self.triangles[triangle as usize].map(alpha)
     }
 
     /// Sorts the triangles by material, keeping their order within one.

@@ -3,6 +3,7 @@
 //! A loaded [`Scene`] is immutable; [`Scene::pose`] evaluates its animation at a time. This module is independent of
 //! Vulkan.
 
+mod alpha_mask;
 mod anchor;
 mod animation;
 mod bounds;
@@ -28,6 +29,7 @@ pub(crate) mod texture;
 mod texture_use;
 mod world_surface;
 
+pub use alpha_mask::AlphaMask;
 pub use animation::{Animation, JUMP, Keyframe, Motion, Rotation, invertible};
 pub use bounds::BoundingSphere;
 pub(crate) use bounds::MAX_COORDINATE;
@@ -38,7 +40,7 @@ pub use environment::{Environment, EnvironmentMap};
 pub use light::{AreaTriangle, Light, LightKind, LightType, SpotFalloff, luminance, spot_falloff};
 pub use light_cone::{ConeSample, LightCone};
 pub(crate) use material::GLTF_F0;
-pub use material::{Alpha, AlphaMask, Material, Texture, ThinSurface, roughness_of_exponent};
+pub use material::{Alpha, Material, Texture, ThinSurface, roughness_of_exponent};
 pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use recording::{RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub(crate) use texture::Footprint;

@@ -1,29 +1,29 @@
-//! Textures: the sRGB transfer function, mip chains and alpha masks.
+//! Textures: the sRGB transfer function, mip chains and filters.
 //!
-//! In: texels. Out: [`Texture`]s with every mip level, filtered in linear light, and [`AlphaMask`]s.
+//! In: texels. Out: [`Texture`]s with every mip level, filtered in linear light.
 
+use std::ops::{Add, Mul, Sub};
 use std::sync::LazyLock;
 
+use exr::prelude::f16;
 use glam::{UVec2, Vec2, Vec3, Vec4};
 
-use super::material::{AlphaMask, Texture};
-use super::texture_use::{Wrap, wrapped};
+use super::material::Texture;
+use super::texture_use::{TextureUse, Wrap, wrapped};
 use crate::memory;
-
-/// Alpha below this is transparent.
-const ALPHA_THRESHOLD: f32 = 0.5;
 
 /// Largest width and height of a texture, texels: what common devices can do.
 const MAX_EXTENT: u32 = 16_384;
 
-static SRGB_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
-        let s = i as f32 / 255.0;
-        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-    })
-});
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_decoded(i as f32 / 255.0)));
 
 static BYTE_TO_LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| i as f32 / 255.0));
+
+/// Decodes one sRGB channel to linear, both in [0, 1] (IEC 61966-2-1).
+pub(crate) fn srgb_decoded(s: f32) -> f32 {
+    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+}
 
 /// Decodes one 8-bit sRGB channel to linear [0, 1] (IEC 61966-2-1).
 pub fn srgb_to_linear(encoded: u8) -> f32 {
@@ -37,13 +37,20 @@ pub fn linear_to_srgb(linear: f32) -> u8 {
     (s * 255.0 + 0.5) as u8
 }
 
+/// Largest finite half float: brighter texels are that bright.
+const MOST_HALF: f32 = 65_504.0;
+
+/// Bytes of a texel of 8 bits a channel, and of half floats.
+const TEXEL_BYTES: [usize; 2] = [4, 8];
+
 impl Texture {
     /// Builds the mip chain of `width` x `height` RGBA8 texels (sRGB colour, linear alpha), rows from the top.
     ///
     /// # Panics
     /// If `texels` is not `4 * width * height` bytes long, or empty.
     pub fn from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
-        Self::new(name, [width, height], texels, false)
+        Self { name: name.to_owned(), linear: false, half: false, levels: vec![(width, height, texels)] }
+            .complete()
     }
 
     /// The same of linear colour.
@@ -51,7 +58,8 @@ impl Texture {
     /// # Panics
     /// As above.
     pub fn linear_from_rgba8(name: &str, width: u32, height: u32, texels: Vec<u8>) -> Self {
-        Self::new(name, [width, height], texels, true)
+        Self { name: name.to_owned(), linear: true, half: false, levels: vec![(width, height, texels)] }
+            .complete()
     }
 
     /// Width and height in texels.
@@ -59,17 +67,29 @@ impl Texture {
         UVec2::new(self.levels[0].0, self.levels[0].1)
     }
 
-    fn new(name: &str, [width, height]: [u32; 2], texels: Vec<u8>, linear: bool) -> Self {
-        assert!(width > 0 && height > 0 && texels.len() == 4 * width as usize * height as usize);
-        let mut levels = vec![(width, height, texels)];
-        while let Some((w, h, texels)) = levels.last()
-            && (*w > 1 || *h > 1)
+    /// The same of texels that are kept as half floats, of linear colour; `linear`: they are data, which has no transparency.
+    ///
+    /// # Panics
+    /// If there are not `width * height` texels, or none.
+    pub fn half_from_rgba(name: &str, [width, height]: [u32; 2], texels: &[Vec4], linear: bool) -> Self {
+        let texels = texels.iter().flat_map(|&texel| half_texel(texel)).collect();
+        Self { name: name.to_owned(), linear, half: true, levels: vec![(width, height, texels)] }.complete()
+    }
+
+    /// Adds the mip chain to level 0.
+    fn complete(mut self) -> Self {
+        let (width, height, texels) = &self.levels[0];
+        let (width, height) = (*width, *height);
+        let bytes = TEXEL_BYTES[usize::from(self.half)] * width as usize * height as usize;
+        assert!(bytes > 0 && texels.len() == bytes);
+        while let Some(&(w, h, _)) = self.levels.last()
+            && (w > 1 || h > 1)
         {
-            let smaller = half(*w, *h, texels, linear);
-            levels.push(smaller);
+            let smaller = self.half_of(self.levels.len() - 1);
+            self.levels.push(smaller);
         }
-        levels.drain(..surplus_levels(width, height));
-        Self { name: name.to_owned(), linear, levels }
+        self.levels.drain(..surplus_levels(width, height));
+        self
     }
 
     /// The fallback for an unreadable image: an 8 x 8 magenta and black checkerboard.
@@ -81,30 +101,29 @@ impl Texture {
 
     /// Mean linear colour.
     pub fn mean(&self) -> Vec3 {
-        let texel = self.levels.last().map_or(&[][..], |(_, _, texels)| texels);
-        let table = self.table();
-        Vec3::from_array(std::array::from_fn(|c| texel.get(c).map_or(0.0, |&value| table[value as usize])))
+        self.texel(self.levels.len() - 1, 0).truncate()
     }
 
     /// Linear colour at `uv`: level 0, bilinear, repeating, origin top left.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
-        self.sample_wrapped(uv, Wrap::REPEAT)
+        self.filter(self.footprint(uv, &0.into()))
     }
 
-    /// The same, where another wrap mode than repeating is chosen.
-    pub fn sample_wrapped(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec3 {
-        self.filter(self.footprint(uv, wrap))
+    /// The same with alpha, as a material reads it; `uv` are coordinates on the image.
+    pub fn sample_rgba(&self, uv: Vec2, texture: &TextureUse) -> Vec4 {
+        self.footprint(uv, texture).interpolate(|place| self.texel(0, place))
     }
 
-    /// The same with alpha.
-    pub fn sample_rgba(&self, uv: Vec2, wrap: [Wrap; 2]) -> Vec4 {
-        let footprint = self.footprint(uv, wrap);
-        let alpha = |place: u32| f32::from(self.levels[0].2[4 * place as usize + 3]) / 255.0;
-        let [top, bottom] = [footprint.top, footprint.bottom].map(|row| {
-            let [left, right] = row.map(alpha);
-            left + (right - left) * footprint.fraction.x
-        });
-        self.filter(footprint).extend(top + (bottom - top) * footprint.fraction.y)
+    /// Linear colour and alpha of texel `place` of a level, by rows from the top.
+    pub fn texel(&self, level: usize, place: u32) -> Vec4 {
+        let texels = &self.levels[level].2;
+        if self.half {
+            let bytes = &texels[8 * place as usize..];
+            return Vec4::from_array(std::array::from_fn(|c| half_value([bytes[2 * c], bytes[2 * c + 1]])));
+        }
+        let texel = &texels[4 * place as usize..];
+        let [r, g, b] = std::array::from_fn(|c| self.table()[texel[c] as usize]);
+        Vec4::new(r, g, b, BYTE_TO_LINEAR[texel[3] as usize])
     }
 
     fn table(&self) -> &'static [f32; 256] {
@@ -113,51 +132,74 @@ impl Texture {
 
     /// Interpolates four texels bilinearly, in linear light.
     pub(crate) fn filter(&self, footprint: Footprint) -> Vec3 {
+        if self.half {
+            return footprint.interpolate(|place| self.texel(0, place)).truncate();
+        }
         let texels = &self.levels[0].2;
         let table = self.table();
         let texel = |place: u32| {
             let texel: &[u8; 4] = texels[4 * place as usize..].first_chunk().expect("texels have four bytes");
             Vec3::new(table[texel[0] as usize], table[texel[1] as usize], table[texel[2] as usize])
         };
-        let Footprint { top, bottom, fraction } = footprint;
-        let top = texel(top[0]).lerp(texel(top[1]), fraction.x);
-        let bottom = texel(bottom[0]).lerp(texel(bottom[1]), fraction.x);
-        top.lerp(bottom, fraction.y)
+        footprint.interpolate(texel)
     }
 
-    /// Prefetches the texels of the bilinear filter at `uv`.
-    pub(crate) fn prefetch(&self, uv: Vec2, wrap: [Wrap; 2]) -> Footprint {
+    /// Prefetches the texels of the filter at `uv`.
+    pub(crate) fn prefetch(&self, uv: Vec2, texture: &TextureUse) -> Footprint {
         let texels = &self.levels[0].2;
-        let footprint = self.footprint(uv, wrap);
-        memory::prefetch(&texels[4 * footprint.top[0] as usize]);
-        memory::prefetch(&texels[4 * footprint.bottom[0] as usize]);
+        let footprint = self.footprint(uv, texture);
+        let bytes = TEXEL_BYTES[usize::from(self.half)];
+        memory::prefetch(&texels[bytes * footprint.top[0] as usize]);
+        memory::prefetch(&texels[bytes * footprint.bottom[0] as usize]);
         footprint
     }
 
-    /// The texels of the bilinear filter at `uv`.
+    /// The filter at `uv`, on the image, as a material reads it.
     #[inline(always)]
-    fn footprint(&self, uv: Vec2, wrap: [Wrap; 2]) -> Footprint {
+    pub(crate) fn footprint(&self, uv: Vec2, texture: &TextureUse) -> Footprint {
         let (width, height, _) = self.levels[0];
-        // Offset by one texel, which keeps it non-negative.
-        let at = wrapped(uv, wrap) * Vec2::new(width as f32, height as f32) + 0.5;
-        let next = at.as_uvec2();
-        let ([left, right], [top, bottom]) =
-            (neighbours(next.x, width, wrap[0]), neighbours(next.y, height, wrap[1]));
-        Footprint {
-            top: [top * width + left, top * width + right],
-            bottom: [bottom * width + left, bottom * width + right],
-            fraction: at - next.as_vec2(),
-        }
+        Footprint::new([width, height], uv, texture.wrap, texture.nearest)
     }
 }
 
-/// A bilinear filter: the indices of four texels of level 0, and the interpolation weights.
+/// A bilinear filter: the indices of four texels of level 0, and the interpolation weights. Twin: `footprint_at` in
+/// shaders/include/bilinear.glsl.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
     /// Left and right texel of the upper row.
     top: [u32; 2],
     bottom: [u32; 2],
     fraction: Vec2,
+}
+
+impl Footprint {
+    /// The filter at `uv` on an image of this size; the nearest texel alone if `nearest`.
+    #[inline(always)]
+    pub(super) fn new([width, height]: [u32; 2], uv: Vec2, wrap: [Wrap; 2], nearest: bool) -> Self {
+        let size = Vec2::new(width as f32, height as f32);
+        let place = wrapped(uv, wrap) * size;
+        // Offset by one texel, which keeps it non-negative.
+        let at = if nearest { place.as_uvec2().as_vec2().min(size - 1.0) + 1.0 } else { place + 0.5 };
+        let next = at.as_uvec2();
+        let ([left, right], [top, bottom]) =
+            (neighbours(next.x, width, wrap[0]), neighbours(next.y, height, wrap[1]));
+        Self {
+            top: [top * width + left, top * width + right],
+            bottom: [bottom * width + left, bottom * width + right],
+            fraction: at - next.as_vec2(),
+        }
+    }
+
+    /// Interpolates what `texel` gives. Equal texels give their value, bit for bit.
+    #[inline(always)]
+    pub(super) fn interpolate<T>(self, texel: impl Fn(u32) -> T) -> T
+    where
+        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>,
+    {
+        let between = |[left, right]: [T; 2], part: f32| left + (right - left) * part;
+        let row = |places: [u32; 2]| between(places.map(&texel), self.fraction.x);
+        between([row(self.top), row(self.bottom)], self.fraction.y)
+    }
 }
 
 /// The texels `next - 1` and `next`, with `next` from 0 to `size`: wrapped around, or those of the border.
@@ -171,25 +213,20 @@ fn neighbours(next: u32, size: u32, wrap: Wrap) -> [u32; 2] {
     [first, second]
 }
 
+fn half_value(bytes: [u8; 2]) -> f32 {
+    f16::from_le_bytes(bytes).to_f32()
+}
+
+/// A texel of half floats; what is not finite or below 0 is 0.
+fn half_texel(texel: Vec4) -> [u8; 8] {
+    let half = |value: f32| f16::from_f32(value.max(0.0).min(MOST_HALF)).to_le_bytes();
+    bytemuck::cast(texel.to_array().map(half))
+}
+
 /// How many levels of an image's mip chain are too large for a texture.
 pub(crate) fn surplus_levels(width: u32, height: u32) -> usize {
     let extent = width.max(height);
     (0..).find(|&level| extent >> level <= MAX_EXTENT).unwrap_or(0) as usize
-}
-
-impl AlphaMask {
-    /// The mask of `opacity` (0 to 255 for each texel) times `dissolve`; none if all texels are opaque.
-    pub fn from_opacity(width: u32, height: u32, opacity: &[u8], dissolve: f32) -> Option<Self> {
-        let is_opaque = |&alpha: &u8| f32::from(alpha) / 255.0 * dissolve >= ALPHA_THRESHOLD;
-        if opacity.iter().all(is_opaque) {
-            return None;
-        }
-        let mut bits = vec![0u32; opacity.len().div_ceil(32)];
-        for (i, alpha) in opacity.iter().enumerate() {
-            bits[i / 32] |= u32::from(is_opaque(alpha)) << (i % 32);
-        }
-        Some(Self { width, height, bits, wrap: Wrap::REPEAT })
-    }
 }
 
 /// The texels along one axis under a texel of the next level, with their box filter weights.
@@ -202,33 +239,39 @@ fn taps(i: u32, from: u32, to: u32) -> impl Iterator<Item = (u32, f32)> {
     })
 }
 
-/// The next mip level: a box filter in linear light, colour weighted by alpha so that transparent texels do not bleed
-/// into opaque ones.
-fn half(width: u32, height: u32, texels: &[u8], linear: bool) -> (u32, u32, Vec<u8>) {
-    let decode = |byte: u8| if linear { BYTE_TO_LINEAR[byte as usize] } else { srgb_to_linear(byte) };
-    let encode = |value: f32| if linear { (value * 255.0 + 0.5) as u8 } else { linear_to_srgb(value) };
-    let (w, h) = ((width / 2).max(1), (height / 2).max(1));
-    let mut out = Vec::with_capacity(4 * w as usize * h as usize);
-    for y in 0..h {
-        for x in 0..w {
-            let (mut colour, mut plain, mut alpha) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-            for (sy, wy) in taps(y, height, h) {
-                for (sx, wx) in taps(x, width, w) {
-                    let i = 4 * (sy as usize * width as usize + sx as usize);
-                    let texel = Vec3::from_array(std::array::from_fn(|c| decode(texels[i + c])));
-                    // Data has no transparency.
-                    let a = if linear { 1.0 } else { f32::from(texels[i + 3]) / 255.0 };
-                    colour += texel * (a * wx * wy);
-                    plain += texel * (wx * wy);
-                    alpha += a * wx * wy;
+impl Texture {
+    /// The mip level after `level`: a box filter in linear light, colour weighted by alpha so that transparent texels do not
+    /// bleed into opaque ones.
+    fn half_of(&self, level: usize) -> (u32, u32, Vec<u8>) {
+        let (width, height, _) = self.levels[level];
+        let encode =
+            |value: f32| if self.linear { (value * 255.0 + 0.5) as u8 } else { linear_to_srgb(value) };
+        let (w, h) = ((width / 2).max(1), (height / 2).max(1));
+        let mut out = Vec::with_capacity(TEXEL_BYTES[usize::from(self.half)] * w as usize * h as usize);
+        for y in 0..h {
+            for x in 0..w {
+                let (mut colour, mut plain, mut alpha) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+                for (sy, wy) in taps(y, height, h) {
+                    for (sx, wx) in taps(x, width, w) {
+                        let texel = self.texel(level, sy * width + sx);
+                        // Data has no transparency.
+                        let a = if self.linear { 1.0 } else { texel.w };
+                        colour += texel.truncate() * (a * wx * wy);
+                        plain += texel.truncate() * (wx * wy);
+                        alpha += a * wx * wy;
+                    }
                 }
+                let mean = if alpha > 0.0 { colour / alpha } else { plain };
+                if self.half {
+                    out.extend(half_texel(mean.extend(alpha)));
+                    continue;
+                }
+                out.extend(mean.to_array().map(encode));
+                out.push((alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
             }
-            let mean = if alpha > 0.0 { colour / alpha } else { plain };
-            out.extend(mean.to_array().map(encode));
-            out.push((alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
         }
+        (w, h, out)
     }
-    (w, h, out)
 }
 
 #[cfg(test)]
@@ -300,12 +343,15 @@ mod tests {
     }
 
     #[test]
-    fn masks_hold_alpha_times_dissolve() {
-        assert_eq!(AlphaMask::from_opacity(2, 1, &[255, 128], 1.0), None);
-        let mask = AlphaMask::from_opacity(2, 1, &[255, 128], 0.9);
-        assert_eq!(mask, Some(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Wrap::REPEAT }));
-        let hidden = AlphaMask::from_opacity(1, 1, &[255], 0.4);
-        assert!(hidden.is_some_and(|mask| !mask.opaque_at(Vec2::splat(0.3))));
+    fn deep_texels_keep_their_depth() {
+        let texels: Vec<Vec4> = (0..64).map(|i| Vec4::splat((0.5 + i as f32 / 2048.0).min(1.0))).collect();
+        let texture = Texture::half_from_rgba("deep", [64, 1], &texels, false);
+        for (place, texel) in (0..).zip(&texels) {
+            assert_eq!(texture.texel(0, place), *texel);
+            assert_eq!(texture.sample(Vec2::new((place as f32 + 0.5) / 64.0, 0.5)), texel.truncate());
+        }
+        let bright = Texture::half_from_rgba("bright", [2, 1], &[Vec4::splat(8.0), Vec4::ZERO], true);
+        assert_eq!((bright.mean(), bright.levels.len()), (Vec3::splat(4.0), 2));
     }
 
     #[test]

@@ -69,12 +69,15 @@ pub struct TextureUse {
     pub offset: Vec2,
     /// Along u and v.
     pub wrap: [Wrap; 2],
+    /// Whether a magnified image shows its texels as they are, the nearest; otherwise it is interpolated.
+    pub nearest: bool,
 }
 
 impl From<usize> for TextureUse {
     /// The texture of this index by the first coordinates, repeating.
     fn from(texture: usize) -> Self {
-        Self { texture, set: 0, matrix: Mat2::IDENTITY, offset: Vec2::ZERO, wrap: Wrap::REPEAT }
+        let (matrix, offset) = (Mat2::IDENTITY, Vec2::ZERO);
+        Self { texture, set: 0, matrix, offset, wrap: Wrap::REPEAT, nearest: false }
     }
 }
 

@@ -54,16 +54,26 @@ pub struct DrawList<'p> {
 }
 
 impl DrawList<'_> {
-    /// Sets viewport and scissor to all of the targets, of `extent` texels.
+    /// Sets viewport and scissor to all of the targets, of `extent` texels, without culling.
     pub(super) fn viewport(&mut self, extent: [u32; 2]) {
         let [width, height] = extent.map(|side| side as f32);
         let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
         let scissor = vk::Rect2D { extent: extent2d(extent), ..Default::default() };
+        self.cull(vk::CullModeFlags::NONE);
         // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
         unsafe {
             let raw = self.pass.recorder.device().raw();
             raw.cmd_set_viewport(self.pass.recorder.commands(), 0, &[viewport]);
             raw.cmd_set_scissor(self.pass.recorder.commands(), 0, &[scissor]);
+        }
+    }
+
+    /// Leaves out triangles that show one of their sides in the draws that follow; counter-clockwise ones show their front.
+    pub fn cull(&mut self, sides: vk::CullModeFlags) {
+        // SAFETY: rendering is open; this is dynamic state of every graphics pipeline.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            raw.cmd_set_cull_mode(self.pass.recorder.commands(), sides);
         }
     }
 

@@ -93,7 +93,7 @@ pub struct GraphicsDescription {
     pub variants: &'static [u32],
 }
 
-/// Vertex and fragment shader with fixed state: triangles, no culling, reversed depth (greater is nearer) or
+/// Vertex and fragment shader with fixed state: triangles, reversed depth (greater is nearer) or
 /// none. Clones, and those that are made of the same description while it lives, share it.
 #[derive(Clone)]
 pub struct GraphicsPipeline(pub(super) Arc<Graphics>);
@@ -175,7 +175,6 @@ fn create_graphics(
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(vk::CullModeFlags::NONE)
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
         .line_width(1.0);
     let samples =
@@ -197,8 +196,11 @@ fn create_graphics(
         })
         .collect();
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-        .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&[
+        vk::DynamicState::VIEWPORT,
+        vk::DynamicState::SCISSOR,
+        vk::DynamicState::CULL_MODE,
+    ]);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(description.colors)
         .depth_attachment_format(if description.blend {

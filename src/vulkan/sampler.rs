@@ -13,15 +13,17 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Makes a sampler for surface textures, with the modes along u and v.
+    /// Makes a sampler for surface textures, with the modes along u and v; `nearest`: where they are magnified, the nearest texel
+    /// shows.
     pub fn for_textures(
         device: &Arc<Device>,
         [u, v]: [vk::SamplerAddressMode; 2],
+        nearest: bool,
     ) -> Result<Self, VulkanError> {
         let info = vk::SamplerCreateInfo::default()
             .address_mode_u(u)
             .address_mode_v(v)
-            .mag_filter(vk::Filter::LINEAR)
+            .mag_filter(if nearest { vk::Filter::NEAREST } else { vk::Filter::LINEAR })
             .min_filter(vk::Filter::LINEAR)
             .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
             .max_lod(vk::LOD_CLAMP_NONE);

@@ -47,19 +47,7 @@ impl Buffer {
 }
 
 impl Image {
-    /// Creates a texture with its mip chain, in shader-read layout, of sRGB or linear colour. Each level is (width, height,
-    /// RGBA8 texels).
-    pub fn texture(
-        device: &Arc<Device>,
-        name: &str,
-        linear: bool,
-        levels: &[(u32, u32, Vec<u8>)],
-    ) -> Result<Self, VulkanError> {
-        let format = if linear { vk::Format::R8G8B8A8_UNORM } else { vk::Format::R8G8B8A8_SRGB };
-        Self::with_levels(device, name, format, levels)
-    }
-
-    /// The same of a format of four bytes a texel.
+    /// Creates a texture with its mip chain, in shader-read layout. Each level is (width, height, texels of the format).
     pub fn with_levels(
         device: &Arc<Device>,
         name: &str,

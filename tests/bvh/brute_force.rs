@@ -234,12 +234,8 @@ fn alpha_masks_let_rays_through() {
     let mut world = World::new(vec![masked_square()]);
     world.scene.materials.push(material(Some(0)));
     // A mask of 2 x 2 texels, opaque on one diagonal.
-    world.scene.alpha_masks.push(glowworm::scene::AlphaMask {
-        width: 2,
-        height: 2,
-        bits: vec![0b1001],
-        wrap: Default::default(),
-    });
+    let mask = glowworm::scene::AlphaMask::new([2, 2], vec![255, 0, 0, 255]);
+    world.scene.alpha_masks.push(glowworm::scene::AlphaMask { nearest: true, ..mask });
     world.place(0, Affine3A::from_scale(Vec3::new(4.0, 4.0, 1.0)), false);
     let bvh = world.build();
     let mut random = Random::new(4);

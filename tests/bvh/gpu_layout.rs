@@ -177,7 +177,7 @@ fn no_array_is_ever_empty() {
             layout.triangles.len(),
             layout.alpha.triangle_uvs.len(),
             layout.alpha.masks.len(),
-            layout.alpha.mask_bits.len(),
+            layout.alpha.mask_texels.len(),
             layout.instances.len(),
         ];
         assert_eq!(sizes, [1; 6]);

@@ -1,7 +1,7 @@
 //! Rays through thin surfaces on the CPU, against brute force over all triangles in double precision.
 
 use crate::bvh_support::*;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use glowworm::bvh::{self, Hit, Occlusion, Ray, TwoLevelBvh};
 use glowworm::scene::{Alpha, Material};
 
@@ -16,7 +16,9 @@ fn thin_surfaces(random: &mut Random) -> World {
         let normal = (b - a).cross(c - a).normalize();
         corners.iter().for_each(|&corner| mesh.normals[corner as usize] = normal);
     }
-    mesh.colours = mesh.positions.iter().map(|_| [0; 4].map(|_| random.below(256) as u8)).collect();
+    // Bytes are exact as half floats only over 256.
+    let mut share = || random.below(257) as f32 / 256.0;
+    mesh.colours = mesh.positions.iter().map(|_| Vec4::new(share(), share(), share(), share())).collect();
     let mut world = World::new(vec![mesh]);
     let veil = Material { alpha: Alpha::Blend, opacity: 0.3, ..Material::lambertian("veil", Vec3::ZERO) };
     let tinted = |name, tint| Material { transmission: 0.8, ..Material::lambertian(name, tint) };
@@ -36,8 +38,7 @@ fn passed(world: &World, crossing: &Crossing) -> DVec3 {
     let mesh = &world.scene.meshes[0];
     let colour = |channel: usize| {
         let corners = mesh.triangles[crossing.triangle as usize].into_iter().zip(crossing.weights);
-        let sum =
-            |(corner, weight): (u32, f64)| weight * f64::from(mesh.colours[corner as usize][channel]) / 255.0;
+        let sum = |(corner, weight): (u32, f64)| weight * f64::from(mesh.colours[corner as usize][channel]);
         corners.map(sum).sum::<f64>()
     };
     let colours = DVec3::new(colour(0), colour(1), colour(2));

@@ -6,7 +6,7 @@ pub mod twin;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3};
+use glam::{Affine3A, DMat3, DVec3, Quat, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::scene::{AlphaMask, Instance, Material, Mesh, Scene};
 
@@ -148,6 +148,7 @@ pub fn masked_square() -> Mesh {
     let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
     let mut square = mesh(&[[a, b, c], [a, c, d]]);
     square.uvs = square.positions.iter().map(|p| p.truncate()).collect();
+    square.colours = square.positions.iter().map(|p| Vec4::splat(1.0 - 0.5 * p.x)).collect();
     square.triangle_materials = vec![1; 2];
     square
 }
@@ -156,13 +157,9 @@ pub fn masked_square() -> Mesh {
 pub fn masked_world(random: &mut Random) -> World {
     let mut world = World::new(vec![soup(random, 90), masked_square(), tetrahedron()]);
     world.scene.materials.push(material(Some(1)));
-    for (width, height) in [(3, 5), (9, 7)] {
-        world.scene.alpha_masks.push(AlphaMask {
-            width,
-            height,
-            bits: vec![0x9a3c_55aa, 0x1234_5678],
-            wrap: Default::default(),
-        });
+    for (wide, nearest) in [(false, true), (true, false)] {
+        let texels = (0..9 * 7 * (1 + u32::from(wide))).map(|_| random.below(256) as u8).collect();
+        world.scene.alpha_masks.push(AlphaMask { wide, nearest, ..AlphaMask::new([9, 7], texels) });
     }
     world
 }

@@ -1,6 +1,7 @@
 //! The CPU twin of `shaders/include/tracer_software.glsl`: the same steps on the same buffers.
 
 use bytemuck::cast_slice;
+use exr::prelude::f16;
 use glam::{UVec2, UVec4, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Ray, gpu::GpuBvh, thin_surfaces::THIN_SURFACE};
 
@@ -34,7 +35,7 @@ pub struct Tracer<'a> {
     instances: &'a [UVec4],
     triangle_uvs: &'a [UVec4],
     masks: &'a [UVec4],
-    mask_bits: &'a [u32],
+    mask_texels: &'a [u32],
     groups: [UVec2; 2],
 }
 
@@ -70,7 +71,7 @@ impl<'a> Tracer<'a> {
             instances: cast_slice(&layout.instances),
             triangle_uvs: cast_slice(&layout.alpha.triangle_uvs),
             masks: cast_slice(&layout.alpha.masks),
-            mask_bits: &layout.alpha.mask_bits,
+            mask_texels: &layout.alpha.mask_texels,
             groups: [layout.roots.static_group, layout.roots.dynamic_group]
                 .map(|group| UVec2::new(group.first, group.bits)),
         }
@@ -291,11 +292,30 @@ impl<'a> Tracer<'a> {
         let uv = Vec2::new(uv01.x, uv01.y) * first
             + Vec2::new(uv01.z, uv01.w) * barycentrics.x
             + Vec2::new(uv2.x, uv2.y) * barycentrics.y;
-        let mask = self.masks[third.z as usize];
-        let size = UVec2::new(mask.y, mask.z);
-        let texel = ((uv - uv.floor()) * size.as_vec2()).as_uvec2().min(size - 1);
-        let bit = texel.y * mask.y + texel.x;
-        self.mask_bits[(mask.x + bit / 32) as usize] >> (bit % 32) & 1 == 1
+        let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
+        let [a, b, c] = [half(third.z >> 16), half(third.w), half(third.w >> 16)];
+        let alpha = a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
+        let mask = self.masks[(third.z & 0xffff) as usize];
+        // All masks repeat.
+        let size = UVec2::new(mask.y & 0xffff, mask.y >> 16);
+        let nearest = mask.z & 64 != 0;
+        let place = (uv - uv.floor()) * size.as_vec2();
+        let at =
+            if nearest { place.as_uvec2().as_vec2().min(size.as_vec2() - 1.0) + 1.0 } else { place + 0.5 };
+        let (next, part) = (at.as_uvec2(), at.fract());
+        let texel = |right: u32, down: u32| {
+            let texel = (next + size + UVec2::new(right, down) - 1) % size;
+            self.mask_texel(mask, texel.y * size.x + texel.x)
+        };
+        let row = |down: u32| texel(0, down) + (texel(1, down) - texel(0, down)) * part.x;
+        (row(0) + (row(1) - row(0)) * part.y) * alpha >= f32::from_bits(mask.w)
+    }
+
+    fn mask_texel(&self, mask: UVec4, texel: u32) -> f32 {
+        let [bits, most] = if mask.z & 128 != 0 { [16, 0xffff] } else { [8, 0xff] };
+        let each = 32 / bits;
+        let word = self.mask_texels[(mask.x + texel / each) as usize];
+        (word >> (texel % each * bits) & most) as f32 / most as f32
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::bvh_support::Random;
 use crate::support::{GpuFixture, assets, channel, layer, named_scene, skip};
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Mat2, Quat, Vec2, Vec3};
+use glam::{Affine3A, Mat2, Quat, Vec2, Vec3, Vec4};
 use glowworm::bvh::{Hit, Ray, TwoLevelBvh};
 use glowworm::formats::load_scene;
 use glowworm::gpu_scene::GpuScene;
@@ -101,8 +101,11 @@ fn agree(scene: &Scene, rays: &[Ray], found: &[TestSurface]) {
         let mesh = &scene.meshes[scene.instances[seen.instance as usize].mesh];
         let material = &scene.materials[mesh.triangle_materials[seen.triangle as usize] as usize];
         let bsdf = material.bsdf_at(scene, expected.attributes);
-        let emission =
-            if expected.front { material.emission_at(scene, expected.attributes) } else { Vec3::ZERO };
+        let emission = if material.emits_on(expected.front) {
+            material.emission_at(scene, expected.attributes)
+        } else {
+            Vec3::ZERO
+        };
         let bright = emission.max_element().max(seen.emission.max_element()).max(1e-6);
         // Where vertex normals lie in the plane of the triangle, rounding decides which side they are on.
         let normal = expected.surface.normal.angle_between(seen.shading).to_degrees();
@@ -171,7 +174,11 @@ fn noise(name: &str, [width, height]: [u32; 2], linear: bool) -> Texture {
 /// Quads that use all there is: wrap modes, both sets of coordinates, transforms, colours, normal maps, mirroring.
 fn made() -> Scene {
     let mut scene = Scene::new("made");
-    let textures = [noise("a", [5, 3], false), noise("b", [8, 16], true), noise("c", [1, 7], false)];
+    let mut random = Random::new(3);
+    let mut share = || random.below(257) as f32 / 256.0;
+    let deep: Vec<Vec4> = (0..15).map(|_| Vec4::new(share(), 4.0 * share(), share(), share())).collect();
+    let deep = Texture::half_from_rgba("deep", [5, 3], &deep, false);
+    let textures = [noise("a", [5, 3], false), noise("b", [8, 16], true), deep];
     scene.textures.extend(textures.map(Arc::new));
     // Normals lean up to 45 degrees.
     let mut normals = noise("d", [6, 6], true);
@@ -185,6 +192,7 @@ fn made() -> Scene {
             matrix: Mat2::from_angle(index as f32 * 0.7) * Mat2::from_diagonal(Vec2::new(2.0, -1.5)),
             offset: Vec2::new(0.3, -0.2 * index as f32),
             wrap: [wraps[index % 3], wraps[index / 3]],
+            nearest: index % 4 == 3,
             ..texture.into()
         };
         scene.materials.push(Material {
@@ -194,6 +202,7 @@ fn made() -> Scene {
             metallic_roughness_texture: Some(used(1, 0)),
             emission: Vec3::new(3.0, 2.0, 1.0),
             emission_texture: Some(used(2, 1)),
+            emits_on_both_sides: index % 3 == 0,
             normal_texture: Some(used(3, index / 2 % 2)),
             normal_scale: 0.7,
             ..Material::lambertian("made", Vec3::new(0.9, 0.8, 0.7))
@@ -203,7 +212,8 @@ fn made() -> Scene {
         mesh.second_uvs = mesh.uvs.iter().map(|uv| Vec2::new(uv.y, 2.0 * uv.x) - 0.4).collect();
         let side = if index % 2 == 0 { 1.0 } else { -1.0 };
         mesh.tangents = vec![Vec3::new(0.6, 0.8, 0.0).extend(side); 4];
-        mesh.colours = vec![[255, 128, 0, 255], [20, 200, 90, 255], [255; 4], [77, 33, 250, 255]];
+        let colours = [[1.0, 0.5, 0.0, 1.0], [0.08, 0.8, 0.3, 1.0], [1.0; 4], [0.3, 0.002, 0.98, 1.0]];
+        mesh.colours = colours.map(Vec4::from_array).to_vec();
         scene.meshes.push(mesh.into());
         let turned = Quat::from_euler(glam::EulerRot::XYZ, random.unit(), random.unit() * 6.0, random.unit());
         let scale = Vec3::new(side * 1.5, 0.8, 1.0 + 0.2 * index as f32);

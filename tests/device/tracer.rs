@@ -260,6 +260,8 @@ fn sheet_world(random: &mut Random) -> World {
     let mut world = masked_world(random);
     let texels = (0..4 * 5 * 3).map(|_| (random.unit() * 255.0) as u8).collect();
     world.scene.textures.push(Texture::from_rgba8("colours", 5, 3, texels).into());
+    let deep: Vec<Vec4> = (0..15).map(|_| Vec4::splat(random.below(257) as f32 / 256.0)).collect();
+    world.scene.textures.push(Texture::half_from_rgba("deep", [5, 3], &deep, false).into());
     let base_colour_texture = Some(TextureUse {
         matrix: Mat2::from_angle(0.7),
         offset: Vec2::new(0.3, -0.2),
@@ -270,8 +272,10 @@ fn sheet_world(random: &mut Random) -> World {
     let coated = Material { f0: Vec3::splat(0.1), f90: 1.0, roughness: 0.3, ..glass.clone() };
     let veil = Material { alpha: Alpha::Blend, opacity: 0.6, ..Material::lambertian("veil", Vec3::ONE) };
     let stained = Material { base_colour_texture, alpha: Alpha::Blend, opacity: 0.9, ..coated.clone() };
+    let nearest = Some(TextureUse { nearest: true, ..1.into() });
+    let deep = Material { base_colour_texture: nearest, alpha: Alpha::Blend, ..coated.clone() };
     let first = world.scene.materials.len() as u32;
-    let thin = [glass, coated, veil, stained];
+    let thin = [glass, coated, veil, stained, deep];
     let count = thin.len() as u32;
     world.scene.materials.extend(thin);
     let soup = std::sync::Arc::make_mut(&mut world.scene.meshes[0]);
@@ -279,7 +283,8 @@ fn sheet_world(random: &mut Random) -> World {
         *material = if random.below(12) == 0 { 0 } else { first + random.below(count) };
     }
     soup.uvs = soup.positions.iter().map(|_| 3.0 * Vec2::new(random.unit(), random.unit())).collect();
-    soup.colours = soup.positions.iter().map(|_| [0; 4].map(|_| random.below(256) as u8)).collect();
+    let mut share = || random.below(257) as f32 / 256.0;
+    soup.colours = soup.positions.iter().map(|_| Vec4::new(share(), share(), share(), share())).collect();
     world
 }
 
@@ -302,9 +307,9 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
         let mesh = &scene.meshes[scene.instances[crossing.instance as usize].mesh];
         let material = &scene.materials[mesh.triangle_materials[crossing.triangle as usize] as usize];
         if !material.is_thin_surface() {
-            let is_there = material
-                .alpha_mask
-                .is_none_or(|mask| scene.alpha_masks[mask].opaque_at(met.attributes.uvs[0]));
+            let is_there = material.alpha_mask.is_none_or(|mask| {
+                scene.alpha_masks[mask].opaque_at(met.attributes.uvs[0], met.attributes.colour.w)
+            });
             passed = if is_there { Vec3::ZERO } else { passed };
             continue;
         }
@@ -327,7 +332,7 @@ fn sheets_tint(tracer: RayTracer) {
     let pose = world.scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&world.scene, &world.transforms());
     let mut comparison = Comparison::new(gpu, tracer, &bvh);
-    let rays = rays(&mut random, &bvh, 20_000);
+    let rays = rays(&mut random, &bvh, 40_000);
     let answers = comparison.trace(&bvh, &rays);
     let (mut tinted, mut black, mut wrong) = (0, 0, Vec::new());
     for (ray, answer) in rays.iter().zip(&answers) {

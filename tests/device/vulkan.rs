@@ -142,7 +142,13 @@ fn images_change_between_storage_and_texture() {
     let extent = [37, 19];
     let add = ComputePipeline::new(&gpu.device, "add_image", shaders::ADD_IMAGE_COMP).unwrap();
     let images = ["even", "odd"].map(|name| image(&gpu, name, extent, None).unwrap());
-    let zeros = Image::texture(&gpu.device, "zeros", false, &[(37, 19, vec![0; 37 * 19 * 4])]).unwrap();
+    let zeros = Image::with_levels(
+        &gpu.device,
+        "zeros",
+        vk::Format::R8G8B8A8_SRGB,
+        &[(37, 19, vec![0; 37 * 19 * 4])],
+    )
+    .unwrap();
     let mut frames = Frames::new(&gpu.device).unwrap();
     let (mut frame, _) = frames.begin().unwrap();
     let pass = frame.pass("add_image", &add).read("source", &zeros).write("target", &images[0]);

@@ -72,7 +72,7 @@ fn masks_are_black_where_nothing_is() {
     let mask = &scene.alpha_masks[0];
     for (x, y, texel) in image.enumerate_pixels() {
         let uv = (Vec2::new(x as f32, y as f32) + 0.5) / 8.0;
-        assert_eq!(texel.0[0], if mask.opaque_at(uv) { 255 } else { 0 });
+        assert_eq!(texel.0[0], if mask.opaque_at(uv, 1.0) { 255 } else { 0 });
     }
     assert!(image.pixels().any(|texel| texel.0[0] == 0));
     assert!(!exported.mesh(by_id(document.root_element(), "mesh-0-room-material-4")).uvs.is_empty());
@@ -239,7 +239,7 @@ fn normal_maps_and_vertex_colours_come_with_what_they_need() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
     let mut mesh = Mesh::polygon("quad", &corners, 0);
     mesh.tangents = vec![glam::Vec4::new(1.0, 0.0, 0.0, -1.0); 4];
-    mesh.colours = vec![[255, 51, 0, 255]; 4];
+    mesh.colours = vec![glam::Vec4::new(1.0, 0.2, 0.0, 1.0); 4];
     let first_uv = mesh.uvs[0];
     scene.meshes.push(mesh.into());
     // Twice as large, and mirrored.

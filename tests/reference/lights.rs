@@ -187,7 +187,7 @@ fn holes_in_an_area_light_emit_nothing() {
         ))
     };
     let mut masked = panel(-1.0, 1.0);
-    masked.alpha_masks.push(AlphaMask { width: 2, height: 1, bits: vec![1], wrap: Default::default() });
+    masked.alpha_masks.push(AlphaMask { nearest: true, ..AlphaMask::new([2, 1], vec![255, 0]) });
     let mesh = Arc::make_mut(masked.meshes.last_mut().unwrap());
     for (uv, position) in mesh.uvs.iter_mut().zip(&mesh.positions) {
         uv.x = (0.5 * (position.x + 1.0)).clamp(0.0, 0.999);

@@ -12,6 +12,8 @@ mod environment;
 mod estimators;
 mod exposure;
 mod forgetting;
+mod gltf_files;
+mod gltf_materials;
 mod golden;
 mod live;
 mod materials;

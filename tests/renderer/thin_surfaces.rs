@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3, Vec4};
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::output::Picture;
@@ -230,7 +230,8 @@ fn vertices_tint(tracer: RayTracer) {
         let pane = Material { alpha: Alpha::Blend, opacity: 0.9, ..glass(Vec3::splat(0.9)) };
         add_pane(scene, pane, before_the_lamp(3.0));
         let colours = [[255, 60, 60, 255], [60, 255, 160, 200], [60, 255, 60, 255], [255, 60, 90, 120]];
-        std::sync::Arc::make_mut(scene.meshes.last_mut().unwrap()).colours = colours.to_vec();
+        std::sync::Arc::make_mut(scene.meshes.last_mut().unwrap()).colours =
+            colours.map(|colour| Vec4::from_array(colour.map(|byte: u8| f32::from(byte) / 255.0))).to_vec();
     });
     let Some(shares) = shares else { return };
     assert!(

@@ -165,7 +165,10 @@ fn vertices_have_colours_tangents_and_two_sets_of_coordinates() {
     let (mesh, material) = (&scene.meshes[0], &scene.materials[0]);
     assert_eq!(mesh.second_uvs[1], Vec2::new(2.0, 0.0));
     assert_eq!(mesh.tangents[0], Vec4::new(0.0, 1.0, 0.0, 1.0));
-    assert_eq!(mesh.colours, [[255, 0, 128, 255], [0, 255, 0, 255], [255, 0, 51, 255]]);
+    assert_eq!(
+        mesh.colours,
+        [[1.0, 0.0, 0.5, 1.0], [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.2, 1.0]].map(Vec4::from_array)
+    );
     let texture = material.base_colour_texture.unwrap();
     assert_eq!((texture.set, texture.wrap), (1, [Wrap::Clamp, Wrap::Mirror]));
     assert_eq!(material.normal_texture.unwrap().wrap, Wrap::REPEAT);
@@ -187,7 +190,8 @@ fn vertices_have_colours_tangents_and_two_sets_of_coordinates() {
         json!({ "bufferView": view, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4" });
     document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
     let mesh = &load_glb(&document, &bytes).meshes[0];
-    assert_eq!(mesh.colours, [[9, 8, 7, 255], [1, 2, 3, 4], [0; 4]]);
+    let bytes = [[9.0, 8.0, 7.0, 255.0], [1.0, 2.0, 3.0, 4.0], [0.0; 4]];
+    assert_eq!(mesh.colours, bytes.map(|bytes| Vec4::from_array(bytes.map(|byte: f32| byte / 255.0))));
     assert!(mesh.tangents[0].distance(Vec4::new(1.0, 0.0, 0.0, -1.0)) < 1e-5, "{}", mesh.tangents[0]);
 }
 

@@ -1,7 +1,7 @@
 //! What nodes of glTF files place: incomplete files, poses at rest, instances, animation.
 
 use glam::{Affine3A, Mat4, Quat};
-use glowworm::formats::load_animated;
+use glowworm::formats::{LoadOptions, load_scene_with};
 use glowworm::scene::{LightKind, SpotFalloff};
 use serde_json::{Value, json};
 
@@ -461,7 +461,10 @@ fn an_animation_is_chosen_by_name_or_index() {
     walk.as_array_mut().unwrap().push(jump);
     document["animations"] = walk;
     let folder = Folder::new().with("m.glb", glb(&document, &bytes)).with("m.obj", super::TRIANGLE);
-    let load = |name: &str, choice| load_animated(folder.path().join(name).to_str().unwrap(), None, choice);
+    let load = |name: &str, choice: Option<&str>| {
+        let options = LoadOptions { animation: choice.map(str::to_owned), ..LoadOptions::default() };
+        load_scene_with(folder.path().join(name).to_str().unwrap(), None, &options)
+    };
     for (choice, place) in [
         (None, Vec3::X * 1.5),
         (Some("0"), Vec3::X * 1.5),

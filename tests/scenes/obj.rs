@@ -79,7 +79,7 @@ fn vertices_have_colours() {
     }
     // Where only some have one, the others are white.
     let scene = load_files(&[("square.obj", &square(["", "0 0 0", "", ""]))]);
-    assert!(scene.meshes[0].colours.iter().filter(|colour| colour[0] == 255).count() == 3);
+    assert!(scene.meshes[0].colours.iter().filter(|colour| colour.x == 1.0).count() == 3);
 }
 
 #[test]

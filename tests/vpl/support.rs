@@ -154,6 +154,7 @@ pub fn area(scene: &Scene, instance: usize, radiance: f32) -> Light {
     let triangles = (0..triangles as u32)
         .map(|triangle| AreaTriangle {
             triangle,
+            front: true,
             corners: AreaTriangle::WHOLE,
             radiance: Vec3::splat(radiance),
         })

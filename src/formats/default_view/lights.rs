@@ -111,7 +111,7 @@ impl<'a> ModelSurvey<'a> {
         let point = |(instance, emitter): &(usize, &AreaTriangle)| {
             let barycentrics = emitter.barycentrics(Vec2::splat(1.0 / 3.0));
             let at = SurfacePoint { triangle: emitter.triangle, barycentrics };
-            let found = self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(true));
+            let found = self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(emitter.front));
             Sample { position: found.surface.offset_position(self.radius), ..Sample::of(&found) }
         };
         some.map(point).collect()

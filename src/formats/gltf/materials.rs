@@ -2,12 +2,13 @@
 //!
 //! In: the materials of a file. Out: the scene's, in order, with textures and alpha masks.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use ::gltf::Semantic;
 use ::gltf::json::Value;
 use ::gltf::material::AlphaMode;
 use ::gltf::material::NormalTexture;
-use ::gltf::texture::{Info, WrappingMode};
+use ::gltf::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
 use glam::{Mat2, Vec2, Vec3};
 use image::DynamicImage;
 use rayon::prelude::*;
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 use super::source::Source;
 use crate::formats::error::SceneError;
 use crate::formats::images;
-use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material, Texture};
+use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material};
 use crate::scene::{Scene, TextureUse, Wrap};
 
 /// The materials of a file in the scene.
@@ -56,6 +57,10 @@ struct Images {
     decoded: Vec<Option<DynamicImage>>,
     /// Scene indices of textures, by image and whether they are linear.
     places: HashMap<(usize, bool), usize>,
+    /// Of images that masks are made of.
+    opacities: HashMap<usize, AlphaMask>,
+    /// Materials that cut or blend by the alpha of some of their vertices.
+    vertex_alpha: HashSet<usize>,
 }
 
 impl Images {
@@ -102,11 +107,15 @@ impl Images {
                 .map_err(|problem| source.error(format!("{what} {problem}; export the file again")))
         };
         let decoded = images.par_iter().map(read).collect::<Result<_, _>>()?;
-        Ok(Self { decoded, places: HashMap::new() })
+        let (places, opacities) = (HashMap::new(), HashMap::new());
+        Ok(Self { decoded, places, opacities, vertex_alpha: vertex_alpha(source) })
     }
 
-    fn of(&self, texture: &::gltf::Texture<'_>) -> Option<&DynamicImage> {
-        self.decoded[texture.source().index()].as_ref()
+    /// The mask of a texture's alpha; materials share its texels.
+    fn opacity(&mut self, texture: &::gltf::Texture<'_>) -> AlphaMask {
+        let index = texture.source().index();
+        let read = || self.decoded[index].as_ref().and_then(|image| images::opacity(image, false));
+        self.opacities.entry(index).or_insert_with(|| read().unwrap_or_else(AlphaMask::whole)).clone()
     }
 
     /// Adds a texture to the scene, where it is not there yet; returns its index.
@@ -115,16 +124,24 @@ impl Images {
         let image = self.decoded[index].as_ref()?;
         Some(*self.places.entry((index, linear)).or_insert_with(|| {
             let name = texture.source().name().map_or_else(|| format!("image {index}"), str::to_owned);
-            let texels = images::to_srgb8(image);
-            let (width, height) = texels.dimensions();
-            let texture = match linear {
-                true => Texture::linear_from_rgba8(&name, width, height, texels.into_raw()),
-                false => Texture::from_rgba8(&name, width, height, texels.into_raw()),
-            };
-            scene.textures.push(texture.into());
+            scene.textures.push(images::texture(&name, image, linear).into());
             scene.textures.len() - 1
         }))
     }
+}
+
+/// The materials that use alpha and have vertices whose own is below 1.
+fn vertex_alpha(source: &Source) -> HashSet<usize> {
+    let primitives = source.document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
+    let found = primitives.filter_map(|primitive| {
+        let material = primitive.material();
+        let colours =
+            primitive.get(&Semantic::Colors(0)).filter(|_| material.alpha_mode() != AlphaMode::Opaque)?;
+        // What cannot be read is an error of the mesh.
+        let alphas = source.vectors::<4>(&colours, "colours").ok()?;
+        alphas.iter().any(|colour| colour[3] < 1.0).then(|| material.index())?
+    });
+    found.collect()
 }
 
 /// A place in a file that names a texture.
@@ -192,7 +209,8 @@ fn texture_use<'a>(
         WrappingMode::MirroredRepeat => Wrap::Mirror,
         WrappingMode::Repeat => Wrap::Repeat,
     });
-    let mut texture = TextureUse { set: set.min(1) as usize, wrap, ..index.into() };
+    let nearest = is_nearest(&texture.sampler());
+    let mut texture = TextureUse { set: set.min(1) as usize, wrap, nearest, ..index.into() };
     if let Some(Transform { offset, rotation, scale, .. }) = transform {
         let (sin, cos) = rotation.sin_cos();
         let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
@@ -203,6 +221,12 @@ fn texture_use<'a>(
         }
     }
     Ok(Some(texture))
+}
+
+/// Whether a magnified image shows its texels as they are. Where a sampler does not say, minification does.
+fn is_nearest(sampler: &Sampler<'_>) -> bool {
+    let minified = || sampler.min_filter() == Some(MinFilter::Nearest);
+    sampler.mag_filter().map_or_else(minified, |filter| filter == MagFilter::Nearest)
 }
 
 fn material_of(
@@ -218,15 +242,14 @@ fn material_of(
         material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned);
     let base_texture = texture_use(pbr.base_color_texture(), false, source, images, scene)?;
     let transmission = material.transmission().map_or(0.0, |t| t.transmission_factor().clamp(0.0, 1.0));
-    let wrap = base_texture.map_or(Wrap::REPEAT, |texture| texture.wrap);
-    let (alpha, alpha_mask) = alpha_of(material, images, scene, wrap);
+    let (alpha, alpha_mask) = alpha_of(material, images, scene, base_texture);
+    let (opacity, double_sided) = (opacity.clamp(0.0, 1.0), material.double_sided());
+    let sides = Material { double_sided, emits_on_both_sides: double_sided, ..Material::grey(&name) };
     if material.unlit() {
-        let unlit = Material {
-            emission: base,
-            emission_texture: base_texture,
-            ..Material::lambertian(&name, Vec3::ZERO)
-        };
-        return Ok(Material { alpha, alpha_mask, ..unlit });
+        let (base_colour, f0) = (Vec3::ZERO, Vec3::ZERO);
+        let shape = Material { alpha, alpha_mask, opacity, base_colour_texture: base_texture, ..sides };
+        let emitting = Material { emission: base, emission_texture: base_texture, unlit: true, ..shape };
+        return Ok(Material { base_colour, f0, ..emitting });
     }
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let (f0, f90) = dielectric_of(material);
@@ -253,10 +276,10 @@ fn material_of(
         normal_texture,
         normal_scale,
         alpha,
-        opacity: opacity.clamp(0.0, 1.0),
+        opacity,
         transmission,
-        double_sided: material.double_sided(),
         alpha_mask,
+        ..sides
     })
 }
 
@@ -270,31 +293,36 @@ fn dielectric_of(material: &::gltf::Material<'_>) -> (Vec3, f32) {
     ((f0 * colour).min(Vec3::ONE) * factor, factor)
 }
 
-/// How alpha is used, and the mask of what is cut out, with its wrap modes.
+/// How alpha is used, and the mask of what is cut out, which is read as the base colour is.
 fn alpha_of(
     material: &::gltf::Material<'_>,
-    images: &Images,
+    images: &mut Images,
     scene: &mut Scene,
-    wrap: [Wrap; 2],
+    base: Option<TextureUse>,
 ) -> (Alpha, Option<usize>) {
+    if material.alpha_mode() == AlphaMode::Opaque {
+        return (Alpha::Opaque, None);
+    }
     let pbr = material.pbr_metallic_roughness();
     let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
     let map = pbr.base_color_texture();
-    let opacity = map.as_ref().and_then(|info| images::opacity(images.of(&info.texture())?, false));
-    let (width, height, opacity) = opacity.unwrap_or((1, 1, vec![255]));
-    let mut add = |factor: f32| {
-        let mask = AlphaMask::from_opacity(width, height, &opacity, factor)?;
-        scene.alpha_masks.push(AlphaMask { wrap, ..mask });
-        Some(scene.alpha_masks.len() - 1)
+    let mask = map.map_or_else(AlphaMask::whole, |info| images.opacity(&info.texture()));
+    let by_vertices = material.index().is_some_and(|index| images.vertex_alpha.contains(&index));
+    let (wrap, nearest) = base.map_or((Wrap::REPEAT, false), |texture| (texture.wrap, texture.nearest));
+    let mask = AlphaMask { wrap, nearest, ..mask };
+    let mut add = |mask: AlphaMask| {
+        (by_vertices || mask.cuts()).then(|| {
+            scene.alpha_masks.push(mask);
+            scene.alpha_masks.len() - 1
+        })
     };
     match material.alpha_mode() {
         AlphaMode::Mask => {
-            let cutoff = material.alpha_cutoff().unwrap_or(0.5).max(1e-6);
-            // The mask's own threshold is a half.
-            (Alpha::Mask(cutoff), add(factor * 0.5 / cutoff))
+            let cutoff = material.alpha_cutoff().unwrap_or(0.5);
+            (Alpha::Mask(cutoff), add(mask.cut_at(cutoff, factor)).filter(|_| cutoff > 0.0))
         }
-        AlphaMode::Blend if factor < 1.0 || opacity.iter().any(|&alpha| alpha < 255) => {
-            (Alpha::Blend, add(factor))
+        AlphaMode::Blend if factor < 1.0 || by_vertices || mask.clone().cut_at(1.0, 1.0).cuts() => {
+            (Alpha::Blend, add(mask.cut_at(0.5, factor)))
         }
         _ => (Alpha::Opaque, None),
     }

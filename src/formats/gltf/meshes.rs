@@ -177,9 +177,8 @@ impl Attributes<'_> {
             let colours = self.read::<4>(&Semantic::Colors(0), "colours")?;
             colours.map(|colours| colours.into_iter().map(Vec4::from_array).collect())
         };
-        let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-        let bytes = |colour: &Vec4| colour.to_array().map(byte);
-        piece.colours = colours.unwrap_or_default().iter().map(bytes).collect();
+        let clamped = |colour: Vec4| colour.clamp(Vec4::ZERO, Vec4::ONE);
+        piece.colours = colours.unwrap_or_default().into_iter().map(clamped).collect();
         Ok(())
     }
 }

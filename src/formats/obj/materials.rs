@@ -203,10 +203,7 @@ fn add_textures<'a>(
     }
     let build = |source: &Source<'_>| match source {
         Source::Colour(name) => match images.get(name) {
-            Ok(image) => {
-                let texels = images::to_srgb8(image);
-                Texture::from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
-            }
+            Ok(image) => images::texture(name, image, false),
             Err(_) => Texture::missing(name),
         },
         Source::Data([roughness, metallic]) => {
@@ -217,7 +214,7 @@ fn add_textures<'a>(
             (Ok(image), Relief::Heights(name, multiplier)) if !normal_map::is_normal_map(image) => {
                 normal_map::of_heights(name, image, f32::from_bits(*multiplier))
             }
-            (Ok(image), _) => normal_map::of_image(relief.name(), image),
+            (Ok(image), _) => images::texture(relief.name(), image, true),
             (Err(_), _) => Texture::missing(relief.name()),
         },
     };
@@ -230,6 +227,6 @@ fn add_textures<'a>(
 fn mask_of(maps: Maps<'_>, dissolve: f32, images: &Images) -> Option<AlphaMask> {
     let from_opacity = maps.opacity.and_then(|map| images::opacity(images.get(&map.file).ok()?, true));
     let from_colour = || maps.colour.and_then(|map| images::opacity(images.get(&map.file).ok()?, false));
-    let (width, height, opacity) = from_opacity.or_else(from_colour).unwrap_or((1, 1, vec![255]));
-    AlphaMask::from_opacity(width, height, &opacity, dissolve)
+    let mask = from_opacity.or_else(from_colour).unwrap_or_else(AlphaMask::whole);
+    Some(mask.cut_at(0.5, dissolve)).filter(AlphaMask::cuts)
 }

@@ -13,7 +13,7 @@ mod surface;
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::error::SceneError;
 use crate::activity;
@@ -152,8 +152,8 @@ fn add_vertex(mesh: &mut Mesh, statements: &Statements, [position, uv, normal]: 
     mesh.normals.push(normal.normalize_or_zero());
     if let Some(colour) = statements.colours.get(position as usize) {
         // As Blender and others write them: sRGB.
-        let linear = colour.to_array().map(|c| (srgb_to_linear(c) * 255.0 + 0.5) as u8);
-        mesh.colours.push([linear[0], linear[1], linear[2], 255]);
+        let [r, g, b] = colour.to_array().map(srgb_to_linear);
+        mesh.colours.push(Vec4::new(r, g, b, 1.0));
     }
     mesh.positions.len() as u32 - 1
 }

@@ -1,10 +1,11 @@
-//! Normal maps: from images of normals, and from heights (MTL's bump maps).
+//! Normal maps from heights (MTL's bump maps).
 //!
 //! In: an image. Out: a linear texture of unit normals n as (n + 1) / 2: x to the right on the image, y up, z off the surface.
 
-use glam::{Vec2, Vec3};
-use image::{DynamicImage, GrayImage};
+use glam::{Vec2, Vec3, Vec4};
+use image::{DynamicImage, ImageBuffer, Luma};
 
+use crate::formats::images::is_deep;
 use crate::scene::Texture;
 
 /// How far white lies above black, in widths of the image, where the multiplier is 1.
@@ -12,12 +13,6 @@ const HEIGHT: f32 = 0.01;
 
 /// How much more blue than red makes an image one of normals, on average, out of 255.
 const BLUISH: f32 = 40.0;
-
-/// The texture of an image of normals.
-pub(crate) fn of_image(name: &str, image: &DynamicImage) -> Texture {
-    let texels = image.to_rgba8();
-    Texture::linear_from_rgba8(name, texels.width(), texels.height(), texels.into_raw())
-}
 
 /// Whether an image shows normals rather than heights, which are grey: most normals point off the surface, which is blue.
 pub(crate) fn is_normal_map(image: &DynamicImage) -> bool {
@@ -28,24 +23,28 @@ pub(crate) fn is_normal_map(image: &DynamicImage) -> bool {
 
 /// The normals of a relief of these heights, times `multiplier`: central differences, as the image repeats.
 pub(crate) fn of_heights(name: &str, image: &DynamicImage, multiplier: f32) -> Texture {
-    let heights = image.to_luma8();
+    let heights = image.to_luma32f();
     let (width, height) = heights.dimensions();
-    let texels = (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .flat_map(|(x, y)| {
-            let slope = slope(&heights, x, y) * (HEIGHT * multiplier * width as f32);
-            let normal = Vec3::new(-slope.x, slope.y, 1.0).normalize();
-            let [r, g, b] = (normal * 127.5 + 127.5).round().to_array().map(|value| value as u8);
-            [r, g, b, 255]
-        })
-        .collect();
-    Texture::linear_from_rgba8(name, width, height, texels)
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let normals = places.map(|(x, y)| {
+        let slope = slope(&heights, x, y) * (HEIGHT * multiplier * width as f32);
+        Vec3::new(-slope.x, slope.y, 1.0).normalize()
+    });
+    if is_deep(image) {
+        let texels: Vec<Vec4> = normals.map(|normal| (normal * 0.5 + 0.5).extend(1.0)).collect();
+        return Texture::half_from_rgba(name, [width, height], &texels, true);
+    }
+    let texels = normals.flat_map(|normal| {
+        let [r, g, b] = (normal * 127.5 + 127.5).round().to_array().map(|value| value as u8);
+        [r, g, b, 255]
+    });
+    Texture::linear_from_rgba8(name, width, height, texels.collect())
 }
 
 /// Rise a texel, to the right and downwards.
-fn slope(heights: &GrayImage, x: u32, y: u32) -> Vec2 {
+fn slope(heights: &ImageBuffer<Luma<f32>, Vec<f32>>, x: u32, y: u32) -> Vec2 {
     let (width, height) = heights.dimensions();
-    let at = |x: u32, y: u32| f32::from(heights.get_pixel(x % width, y % height).0[0]) / 255.0;
+    let at = |x: u32, y: u32| heights.get_pixel(x % width, y % height).0[0];
     let right = at(x + 1, y) - at(x + width - 1, y);
     let down = at(x, y + 1) - at(x, y + height - 1);
     Vec2::new(right, down) * 0.5
@@ -53,6 +52,8 @@ fn slope(heights: &GrayImage, x: u32, y: u32) -> Vec2 {
 
 #[cfg(test)]
 mod tests {
+    use image::GrayImage;
+
     use super::*;
 
     #[test]
@@ -76,8 +77,6 @@ mod tests {
     fn images_of_normals_are_told_from_heights() {
         let flat = DynamicImage::ImageRgb8(image::RgbImage::from_pixel(4, 4, image::Rgb([128, 128, 255])));
         assert!(is_normal_map(&flat));
-        let normal = of_image("flat", &flat).sample(Vec2::splat(0.3)) * 2.0 - 1.0;
-        assert!(normal.angle_between(Vec3::Z) < 0.01);
         assert!(!is_normal_map(&DynamicImage::ImageRgb8(image::RgbImage::from_pixel(
             4,
             4,

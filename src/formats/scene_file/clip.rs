@@ -16,7 +16,7 @@ struct Corner {
     // Where the mesh has them.
     second_uv: Option<Vec2>,
     tangent: Option<Vec4>,
-    colour: Option<[u8; 4]>,
+    colour: Option<Vec4>,
 }
 
 impl Corner {
@@ -27,11 +27,7 @@ impl Corner {
             uv: self.uv.lerp(other.uv, t),
             second_uv: self.second_uv.zip(other.second_uv).map(|(a, b)| a.lerp(b, t)),
             tangent: self.tangent.zip(other.tangent).map(|(a, b)| between(a, b, t)),
-            colour: self.colour.zip(other.colour).map(|(a, b)| {
-                std::array::from_fn(|i| {
-                    (f32::from(a[i]) + (f32::from(b[i]) - f32::from(a[i])) * t).round() as u8
-                })
-            }),
+            colour: self.colour.zip(other.colour).map(|(a, b)| a.lerp(b, t)),
         }
     }
 }

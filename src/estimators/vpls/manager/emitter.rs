@@ -118,8 +118,8 @@ impl Emitter {
     pub(super) fn primary(&self, world: World<'_>, u: Vec2) -> WorldSurface {
         match &self.source {
             Source::Area(table) => {
-                let point = table.sample(u).0;
-                world.scene.surface_at(world.pose, table.instance, point, Side::Front(true)).surface
+                let (point, side, _) = table.sample(u);
+                world.scene.surface_at(world.pose, table.instance, point, side).surface
             }
             Source::Environment(sky) => sky.surface(sky.sample(u).0),
             _ => WorldSurface::default(),
@@ -200,7 +200,7 @@ impl Source {
 pub(super) struct AreaTable {
     /// The emissive instance.
     pub(super) instance: u32,
-    /// Its emissive triangles, ascending by index.
+    /// Its emissive triangles, ascending by index and side.
     triangles: Vec<AreaTriangle>,
     /// Their cumulative distribution.
     cdf: Vec<f32>,
@@ -212,7 +212,7 @@ impl AreaTable {
     /// Total flux pi A L, W, and the distribution.
     fn new(world: World<'_>, instance: usize, triangles: &[AreaTriangle]) -> (Vec3, Self) {
         let mut sorted = triangles.to_vec();
-        sorted.sort_by_key(|emitter| emitter.triangle);
+        sorted.sort_by_key(|emitter| (emitter.triangle, emitter.front));
         let powers: Vec<DVec3> = sorted
             .iter()
             .map(|emitter| {
@@ -237,17 +237,18 @@ impl AreaTable {
         (total.as_vec3(), table)
     }
 
-    /// Samples a point on the light, with the weight of a path that starts there.
-    pub(super) fn sample(&self, u: Vec2) -> (SurfacePoint, Vec3) {
+    /// Samples a point on the light and its side, with the weight of a path that starts there.
+    pub(super) fn sample(&self, u: Vec2) -> (SurfacePoint, Side, Vec3) {
         let (bin, rest) = sampling::discrete(&self.cdf, u.x);
         let emitter = &self.triangles[bin];
         let barycentrics = emitter.barycentrics(sampling::triangle(Vec2::new(rest, u.y)));
-        (SurfacePoint { triangle: emitter.triangle, barycentrics }, self.weights[bin])
+        let point = SurfacePoint { triangle: emitter.triangle, barycentrics };
+        (point, Side::Front(emitter.front), self.weights[bin])
     }
 
-    /// Whether a triangle of the instance belongs to the light.
-    pub(super) fn contains(&self, triangle: u32) -> bool {
-        self.triangles.binary_search_by_key(&triangle, |emitter| emitter.triangle).is_ok()
+    /// Whether a side of a triangle of the instance belongs to the light.
+    pub(super) fn contains(&self, triangle: u32, front: bool) -> bool {
+        self.triangles.binary_search_by_key(&(triangle, front), AreaTriangle::side).is_ok()
     }
 }
 

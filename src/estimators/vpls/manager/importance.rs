@@ -53,7 +53,7 @@ impl Importance {
                 diffuse_ray(surface, sampling::sequence_point(index, 1, 0), bounds.radius)
             })
             .collect();
-        let hits = hits(world, &rays);
+        let hits = hits(world, &rays, false);
         let lengths = hits.iter().flatten().map(|hit| hit.0);
         let length = percentile(lengths, 0.5).unwrap_or(bounds.radius);
         let mut importance = Self { cells: HashMap::new(), width: CELL * length.max(f32::MIN_POSITIVE) };
@@ -119,20 +119,23 @@ fn visible_points(world: World<'_>, aspect: f32) -> Vec<WorldSurface> {
             Ray { origin: eye, direction, t_min: 0.0, t_max: f32::INFINITY }
         })
         .collect();
-    surfaces_hit(world, &rays)
+    hits(world, &rays, true).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
 /// The surfaces where rays stop; none for rays that leave the scene.
 pub(super) fn surfaces_hit(world: World<'_>, rays: &[Ray]) -> Vec<WorldSurface> {
-    hits(world, rays).into_iter().flatten().map(|(_, surface)| surface).collect()
+    hits(world, rays, false).into_iter().flatten().map(|(_, surface)| surface).collect()
 }
 
-/// Where each ray stops, passing thin surfaces at random, with its distance.
-fn hits(world: World<'_>, rays: &[Ray]) -> Vec<Option<(f32, WorldSurface)>> {
+/// Where each ray stops, passing thin surfaces at random, with its distance; `from_eye`: rays begin at the eye.
+fn hits(world: World<'_>, rays: &[Ray], from_eye: bool) -> Vec<Option<(f32, WorldSurface)>> {
     let hits = world.bvh.intersect_batch(rays).into_iter().zip(rays).zip(0..);
     hits.map(|((hit, ray), index)| {
         let numbers = (0..).map(|nth| sampling::random_point(index, nth, 0).x);
-        let hit = world.pass_thin_surfaces(ray, hit, numbers).0?;
+        let hit = match from_eye {
+            true => world.pass_from_eye(ray, hit, numbers).0?,
+            false => world.pass_thin_surfaces(ray, hit, numbers).0?,
+        };
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);
         Some((hit.t, world.scene.surface_at(world.pose, hit.instance, point, side).surface))

@@ -24,7 +24,7 @@ enum Start {
     /// The path has ended.
     Escape,
     /// A primary VPL on the light: instance, point, weight.
-    OnLight(u32, SurfacePoint, Vec3),
+    OnLight(u32, SurfacePoint, Side, Vec3),
     /// A primary VPL at infinity: place in the environment's map, weight.
     AtInfinity(Vec2, Vec3),
     /// A ray to trace, with its weight.
@@ -103,8 +103,8 @@ impl VplManager {
         let u = || self.layout.point(address, 0, candidate);
         match (address.parent, &self.changes.emitters[address.light as usize].source) {
             (NONE, Source::Area(table)) => {
-                let (point, weight) = table.sample(u());
-                Start::OnLight(table.instance, point, weight)
+                let (point, side, weight) = table.sample(u());
+                Start::OnLight(table.instance, point, side, weight)
             }
             (NONE, Source::Environment(sky)) => {
                 let (uv, weight) = sky.sample(u());
@@ -172,8 +172,8 @@ impl VplManager {
         };
         match *start {
             Start::Escape => (escaped, WorldSurface::default()),
-            Start::OnLight(instance, point, weight) => {
-                let (found, material) = surface_at(instance, point, Side::Front(true));
+            Start::OnLight(instance, point, side, weight) => {
+                let (found, material) = surface_at(instance, point, side);
                 if !world.scene.opaque_at(material, found.attributes) {
                     // The alpha mask cuts this point out of the light.
                     return (escaped, WorldSurface::default());

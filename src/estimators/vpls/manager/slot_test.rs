@@ -97,7 +97,9 @@ impl VplManager {
 
     fn test_primary(&self, slot: &Slot, address: &Address) -> Test {
         match &self.changes.emitters[address.light as usize].source {
-            Source::Area(table) if table.instance == slot.instance && table.contains(slot.point.triangle) => {
+            Source::Area(table)
+                if table.instance == slot.instance && table.contains(slot.point.triangle, slot.front) =>
+            {
                 Ok(None)
             }
             _ => Err(LightChanged),
