@@ -16,7 +16,8 @@ impl Mesh {
     /// Removes triangles of which there are many with the same corners and material.
     pub(crate) fn drop_repeated_triangles(&mut self) {
         let key = |triangle: usize| {
-            let mut corners = self.triangle_positions(triangle as u32).map(|p| p.to_array().map(f32::to_bits));
+            let mut corners =
+                self.triangle_positions(triangle as u32).map(|p| p.to_array().map(f32::to_bits));
             corners.sort_unstable();
             (corners, self.triangle_materials[triangle])
         };
