@@ -40,7 +40,7 @@ pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<
         return Err(why.to_owned());
     }
     let format = image::guess_format(bytes).ok().or(format).ok_or_else(|| {
-        "is no image of a known format; give a PNG, JPEG, WebP, TIFF, DDS, BMP, TGA, EXR or HDR".to_owned()
+        "could not be decoded: it is no PNG, JPEG, WebP, TIFF, DDS, BMP, TGA, EXR or HDR".to_owned()
     })?;
     // The decoder silently fills the missing part of a truncated JPEG with grey.
     if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {

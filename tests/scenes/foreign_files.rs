@@ -26,7 +26,7 @@ fn files_that_are_something_else_are_called_what_they_are() {
         ("a.gltf", br#"{"meshes": {"m": {}}, "techniques": {}}"#, "glTF 1.0"),
         ("a.gltf", br#"{"asset": {"version": "1.0"}, "scene": "main"}"#, "glTF 1.0"),
         ("a.gltf", br#"{"name": "package"}"#, "without an asset"),
-        ("a.gltf", b"{\"asset\": ", "not JSON"),
+        ("a.gltf", b"{\"asset\": ", "JSON (EOF"),
     ] {
         expect_error(name, content, &[says]);
     }

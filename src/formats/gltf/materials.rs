@@ -14,6 +14,7 @@ use image::DynamicImage;
 use rayon::prelude::*;
 
 use super::source::Source;
+use crate::activity;
 use crate::formats::error::SceneError;
 use crate::formats::images;
 use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material};
@@ -81,6 +82,7 @@ impl Images {
                 return Ok(None);
             }
             let what = format!("image {}", image.index());
+            activity::begin(format!("{}: decoding {what}", source.file.display()));
             let embedded;
             let external;
             // The crate's own accessor panics where the type is missing.

@@ -32,7 +32,7 @@ const VERSION_1: &str = "is glTF 1.0; export it as glTF 2.0";
 fn why_not_gltf(json: &str, error: &serde_json::Error) -> String {
     let document: Option<serde_json::Value> = serde_json::from_str(json).ok();
     match document.as_ref().map(|document| (document.get("asset"), document.get("meshes"))) {
-        None => format!("is not JSON ({error}); export or download it again"),
+        None => format!("is not glTF, nor any JSON ({error}); export or download it again"),
         // It has objects by name, and may lack its asset.
         Some((_, Some(serde_json::Value::Object(_)))) => VERSION_1.to_owned(),
         Some((Some(asset), _)) if asset.get("version").is_some_and(|version| version == "1.0") => {
@@ -99,7 +99,7 @@ impl Source {
             (Cow::Borrowed(bytes.as_slice()), None)
         };
         let json = unicode_of(&json)
-            .ok_or_else(|| invalid("is not UTF-8 text, as JSON is; export it again".to_owned()))?;
+            .ok_or_else(|| invalid("is not glTF: its JSON is no UTF-8 text; export it again".to_owned()))?;
         let wrong = |error: serde_json::Error| invalid(why_not_gltf(&json, &error));
         let mut document: serde_json::Value = serde_json::from_str(&json).map_err(wrong)?;
         if let Some(version) = document["asset"]["version"].as_str().filter(|v| !v.starts_with("2.")) {
@@ -200,9 +200,14 @@ impl Source {
                 return Err(self.error(format!("buffer {index} {why}")));
             }
             if is_short {
+                let is_plain = buffer
+                    .uri
+                    .as_ref()
+                    .is_some_and(|uri| uri.starts_with("data:") && !uri.to_lowercase().contains(";base64,"));
                 return Err(self.error(format!(
-                    "buffer {index} has {} bytes instead of {needed}; export or download the file again",
-                    bytes.len()
+                    "buffer {index} has {} bytes instead of {needed}{}; export or download the file again",
+                    bytes.len(),
+                    if is_plain { " (its data URI is not base64)" } else { "" }
                 )));
             }
             Ok(bytes)

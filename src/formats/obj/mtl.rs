@@ -1,7 +1,7 @@
 //! Material libraries.
 //!
 //! In: the `mtllib` argument of an OBJ. Out: its materials, with finite numbers in range. Problems are warnings, never errors:
-//! tobj's own parser gives up at the first, and panics at a colour of two numbers.
+//! a picture without a map is better than none.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
