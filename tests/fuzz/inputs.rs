@@ -180,6 +180,10 @@ const TOML: &str = "name = \"\\u001b[31ms\"\nbackground = [0.1, 0.1, 0.1]\n[[mod
     intensity = [5, 5, 5]\ninner_deg = 10\nouter_deg = 30\n[camera]\neye = [0, 1, 5]\ntarget = [0, 1, 0]\nvfov_deg = 40\n\
     [settings]\nbounces = 2\nexposure = 1\n";
 
+/// A scene of one model with camera and light, which therefore need not be made up.
+const PLACED: &str = "[[models]]\nname = \"m\"\npath = \"m.obj\"\n[[instances]]\nmodel = \"m\"\n[camera]\neye = [0, 1, 5]\n\
+    target = [0, 1, 0]\n[[lights]]\ntype = \"point\"\nposition = [0, 3, 3]\nintensity = [5, 5, 5]\n";
+
 /// Every input.
 pub fn all() -> Vec<Files> {
     let model = |image: Vec<u8>| -> Files {
@@ -200,6 +204,7 @@ pub fn all() -> Vec<Files> {
             ]);
         }
         inputs.push(vec![
+            ("s.toml".into(), PLACED.into()),
             ("m.obj".into(), OBJ.into()),
             ("m.mtl".into(), MTL.replace("t.png", &name).into()),
             (name, content),

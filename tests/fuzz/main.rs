@@ -217,7 +217,7 @@ fn mutated_files_give_a_scene_or_a_line() {
         let mut files = inputs[seed as usize % inputs.len()].clone();
         mutate_input(&mut files, &mut random);
         let scene = write(&files);
-        if let Some(what) = fault(&scene, seed % 4 == 0) {
+        if let Some(what) = fault(&scene, seed.is_multiple_of(4)) {
             let kept = std::env::temp_dir().join(format!("glowworm-fuzz-{seed}"));
             std::fs::create_dir_all(&kept).unwrap();
             files.iter().for_each(|(name, bytes)| std::fs::write(kept.join(name), bytes).unwrap());

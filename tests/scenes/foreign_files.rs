@@ -229,7 +229,7 @@ fn many_of_anything_load_in_seconds() {
     let begun = std::time::Instant::now();
     let corner = |i: usize| {
         let (radius, angle) =
-            (if i % 2 == 0 { 1.0 } else { 0.6 }, i as f64 * std::f64::consts::TAU / 20_000.0);
+            (if i.is_multiple_of(2) { 1.0 } else { 0.6 }, i as f64 * std::f64::consts::TAU / 20_000.0);
         format!("v {} {} 0\n", radius * angle.cos(), radius * angle.sin())
     };
     let star: String = (0..20_000).map(corner).collect();
