@@ -217,9 +217,10 @@ fn half_value(bytes: [u8; 2]) -> f32 {
     f16::from_le_bytes(bytes).to_f32()
 }
 
-/// A texel of half floats; what is not finite or below 0 is 0.
+/// A texel of half floats; what is not a number or below 0 is 0.
 fn half_texel(texel: Vec4) -> [u8; 8] {
-    let half = |value: f32| f16::from_f32(value.max(0.0).min(MOST_HALF)).to_le_bytes();
+    let bounded = |value: f32| if value > 0.0 { value.min(MOST_HALF) } else { 0.0 };
+    let half = |value: f32| f16::from_f32(bounded(value)).to_le_bytes();
     bytemuck::cast(texel.to_array().map(half))
 }
 
