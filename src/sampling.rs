@@ -112,20 +112,9 @@ pub enum SpotFalloff {
 }
 
 impl SpotFalloff {
-    /// Share of the intensity at t, 0 to 1.
-    pub fn at(self, t: f64) -> f64 {
-        match self {
-            Self::Smooth => t * t * (3.0 - 2.0 * t),
-            Self::Square => t * t,
-        }
-    }
-
-    /// Its integral from 0 to 1.
+    /// Its mean over t.
     pub fn mean(self) -> f64 {
-        match self {
-            Self::Smooth => 0.5,
-            Self::Square => 1.0 / 3.0,
-        }
+        if self == Self::Smooth { 0.5 } else { 1.0 / 3.0 }
     }
 }
 
@@ -304,18 +293,15 @@ pub(crate) mod tests {
     fn spots_follow_their_falloff() {
         let cones = [(0.2f32, 0.5f32), (0.0, 1.0), (1.0, 3.0), (0.002, 0.004), (0.7, 0.70001)];
         let both = |(inner, outer)| [SpotFalloff::Smooth, SpotFalloff::Square].map(|f| (inner, outer, f));
-        for (inner, outer, falloff_kind) in cones.into_iter().flat_map(both) {
-            let cone = SpotCone::new(inner, outer, falloff_kind);
+        for (inner, outer, kind) in cones.into_iter().flat_map(both) {
+            let cone = SpotCone::new(inner, outer, kind);
             // The integral of the emission from the axis down to 1 - cos = x.
             let (near, falloff) = (cone.inner, cone.outer - cone.inner);
             let mass = |x: f64| {
                 let rim = ((x - near) / falloff).clamp(0.0, 1.0);
-                x.min(near)
-                    + falloff
-                        * match falloff_kind {
-                            SpotFalloff::Smooth => rim - rim.powi(3) + 0.5 * rim.powi(4),
-                            SpotFalloff::Square => (1.0 - (1.0 - rim).powi(3)) / 3.0,
-                        }
+                let smooth = rim - rim.powi(3) + 0.5 * rim.powi(4);
+                let square = (1.0 - (1.0 - rim).powi(3)) / 3.0;
+                x.min(near) + falloff * if kind == SpotFalloff::Smooth { smooth } else { square }
             };
             let bins = 64;
             let edge = |bin: usize| cone.outer * bin as f64 / bins as f64;
@@ -331,7 +317,7 @@ pub(crate) mod tests {
                 counts[((x / cone.outer * bins as f64) as usize).min(bins - 1)] += 1;
             }
             let chi = chi_square(&counts, &shares);
-            assert!(chi < 0.7, "{inner} {outer} {falloff_kind:?}: {chi}");
+            assert!(chi < 0.7, "{inner} {outer} {kind:?}: {chi}");
         }
     }
 

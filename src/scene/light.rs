@@ -41,6 +41,16 @@ pub enum LightKind {
     },
 }
 
+impl SpotFalloff {
+    /// Share of the intensity at t, 0 to 1.
+    pub fn at(self, t: f64) -> f64 {
+        match self {
+            Self::Smooth => t * t * (3.0 - 2.0 * t),
+            Self::Square => t * t,
+        }
+    }
+}
+
 /// Types of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

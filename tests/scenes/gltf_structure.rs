@@ -54,101 +54,99 @@ fn textured(document: &mut Value, texture: Value) {
     document["meshes"][0]["primitives"][0]["material"] = json!(0);
 }
 
+/// What is incomplete, and the warning about it.
+const INCOMPLETE: &[(&str, Change, &str)] = &[
+    ("no node", |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "path": "scale" }))).1, "no node"),
+    (
+        "a pointer",
+        |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "node": 0, "path": "pointer" }))).1,
+        "no node",
+    ),
+    (
+        "a node past the end",
+        |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "node": 9, "path": "scale" }))).1,
+        "nodes that are not in the file",
+    ),
+    ("an empty animation", |d, _| d["animations"] = json!([{}]), ""),
+    ("no image", |d, _| textured(d, json!({})), "textures without an image"),
+    ("an empty image", |d, _| textured(d, json!({ "source": 1 })), "textures without an image"),
+    (
+        "another format",
+        |d, _| {
+            textured(d, json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } }));
+            d["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+        },
+        "KHR_texture_basisu (export them as PNG or JPEG)",
+    ),
+    (
+        "no positions",
+        |d, _| {
+            let primitives = d["meshes"][0]["primitives"].as_array_mut().unwrap();
+            primitives.push(json!({ "attributes": { "TEXCOORD_0": 1 } }));
+        },
+        "primitives without positions",
+    ),
+    ("a mesh of nothing", |d, _| d["meshes"].as_array_mut().unwrap().push(json!({})), ""),
+    (
+        "no bounds",
+        |d, _| {
+            d["accessors"][0]["max"] = json!([1]);
+            d["accessors"][0].as_object_mut().unwrap().remove("min");
+        },
+        "",
+    ),
+    (
+        "an attribute of the author",
+        |d, _| d["meshes"][0]["primitives"][0]["attributes"]["_ID"] = json!(1),
+        "",
+    ),
+    ("no scene named", |d, _| drop(d.as_object_mut().unwrap().remove("scene")), ""),
+    (
+        "no scenes",
+        |d, _| {
+            d.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
+            d["nodes"] = json!([{ "mesh": 0 }, { "children": [0] }]);
+        },
+        "",
+    ),
+    (
+        "a scene without nodes before",
+        |d, _| {
+            d["scenes"] = json!([{}, { "nodes": [0] }]);
+            d.as_object_mut().unwrap().remove("scene");
+        },
+        "scenes but the first or default one",
+    ),
+    (
+        "a later scene",
+        |d, _| (d["scenes"] = json!([{}, { "nodes": [0] }]), d["scene"] = json!(1)).1,
+        "scenes",
+    ),
+    (
+        "an extension that is ignored",
+        |d, _| {
+            d["extensionsUsed"] = json!(["KHR_xmp"]);
+            d["extensionsRequired"] = json!(["KHR_materials_volume"]);
+        },
+        "extension KHR_materials_volume, extension KHR_xmp",
+    ),
+    (
+        "zeros for a morph target",
+        |d, _| {
+            d["accessors"]
+                .as_array_mut()
+                .unwrap()
+                .push(json!({ "componentType": 5126, "count": 3, "type": "VEC3" }));
+            d["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 3 }]);
+            d["meshes"][0]["weights"] = json!([1]);
+        },
+        "",
+    ),
+];
+
 #[test]
 fn incomplete_files_show_what_is_there() {
-    let table: &[(&str, Change, &str)] = &[
-        (
-            "no node",
-            |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "path": "scale" }))).1,
-            "no node",
-        ),
-        (
-            "a pointer",
-            |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "node": 0, "path": "pointer" }))).1,
-            "no node",
-        ),
-        (
-            "a node past the end",
-            |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "node": 9, "path": "scale" }))).1,
-            "nodes that are not in the file",
-        ),
-        ("an empty animation", |d, _| d["animations"] = json!([{}]), ""),
-        ("no image", |d, _| textured(d, json!({})), "textures without an image"),
-        ("an empty image", |d, _| textured(d, json!({ "source": 1 })), "textures without an image"),
-        (
-            "another format",
-            |d, _| {
-                textured(d, json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } }));
-                d["extensionsRequired"] = json!(["KHR_texture_basisu"]);
-            },
-            "KHR_texture_basisu (export them as PNG or JPEG)",
-        ),
-        (
-            "no positions",
-            |d, _| {
-                let primitives = d["meshes"][0]["primitives"].as_array_mut().unwrap();
-                primitives.push(json!({ "attributes": { "TEXCOORD_0": 1 } }));
-            },
-            "primitives without positions",
-        ),
-        ("a mesh of nothing", |d, _| d["meshes"].as_array_mut().unwrap().push(json!({})), ""),
-        (
-            "no bounds",
-            |d, _| {
-                d["accessors"][0]["max"] = json!([1]);
-                d["accessors"][0].as_object_mut().unwrap().remove("min");
-            },
-            "",
-        ),
-        (
-            "an attribute of the author",
-            |d, _| d["meshes"][0]["primitives"][0]["attributes"]["_ID"] = json!(1),
-            "",
-        ),
-        ("no scene named", |d, _| drop(d.as_object_mut().unwrap().remove("scene")), ""),
-        (
-            "no scenes",
-            |d, _| {
-                d.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
-                d["nodes"] = json!([{ "mesh": 0 }, { "children": [0] }]);
-            },
-            "",
-        ),
-        (
-            "a scene without nodes before",
-            |d, _| {
-                d["scenes"] = json!([{}, { "nodes": [0] }]);
-                d.as_object_mut().unwrap().remove("scene");
-            },
-            "scenes but the first or default one",
-        ),
-        (
-            "a later scene",
-            |d, _| (d["scenes"] = json!([{}, { "nodes": [0] }]), d["scene"] = json!(1)).1,
-            "scenes",
-        ),
-        (
-            "an extension that is ignored",
-            |d, _| {
-                d["extensionsUsed"] = json!(["KHR_xmp"]);
-                d["extensionsRequired"] = json!(["KHR_materials_volume"]);
-            },
-            "extension KHR_materials_volume, extension KHR_xmp",
-        ),
-        (
-            "zeros for a morph target",
-            |d, _| {
-                d["accessors"]
-                    .as_array_mut()
-                    .unwrap()
-                    .push(json!({ "componentType": 5126, "count": 3, "type": "VEC3" }));
-                d["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 3 }]);
-                d["meshes"][0]["weights"] = json!([1]);
-            },
-            "",
-        ),
-    ];
-    for (what, change, warning) in table {
+    for (what, change, warning) in INCOMPLETE {
         let (mut document, mut bytes) = (document(), buffer());
         change(&mut document, &mut bytes);
         let scene = load_glb(&document, &bytes);
@@ -234,10 +232,40 @@ fn add_target(d: &mut Value, b: &mut Vec<u8>, deltas: [f32; 9]) {
 
 const LIFT: [f32; 9] = [0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 4.0];
 
+/// What a file poses, and the corners of its triangles.
+type Posed<'a> = (&'a str, Change, Vec<Vec3>);
+
+fn check_posed(table: &[Posed]) {
+    for (what, change, expected) in table {
+        let (mut document, mut bytes) = (document(), buffer());
+        change(&mut document, &mut bytes);
+        let scene = load_glb(&document, &bytes);
+        check_consistency(&scene);
+        assert_corners(what, &scene, 0.0, expected);
+        assert!(scene.warnings.iter().all(|warning| !warning.contains("not shown")), "{:?}", scene.warnings);
+        for (instance, transform) in scene.instances.iter().zip(&scene.pose(0.0).instances) {
+            assert!(transform.inverse().is_finite(), "{what}");
+            let mesh = &scene.meshes[instance.mesh];
+            let [a, b, c] = mesh.triangle_positions(0);
+            let facet = (b - a).cross(c - a).normalize();
+            assert!(
+                mesh.normals[mesh.triangles[0][0] as usize].distance(facet) < 1e-3,
+                "{what}: flat shading"
+            );
+        }
+        // As a model of a scene file it stands there, too.
+        let text = "[[models]]\nname = 'm'\npath = 'm.glb'\n[[instances]]\nmodel = 'm'\n[camera]\neye = [0, 0, 9]\n\
+                    target = [0, 0, 0]\n[[lights]]\ntype = 'point'\nposition = [0, 0, 9]\nintensity = [1, 1, 1]\n";
+        let folder = Folder::new().with("m.glb", glb(&document, &bytes)).with("s.toml", text);
+        let model = folder.load("s.toml").unwrap();
+        assert_eq!(corners(&model, 0.0).len(), expected.len(), "{what}");
+    }
+}
+
 #[test]
-fn meshes_stand_where_their_file_poses_them_at_rest() {
+fn targets_and_skins_pose_meshes_at_rest() {
     let lifted = [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + 2.0 * Vec3::Z];
-    let table: &[(&str, Change, Vec<Vec3>)] = &[
+    check_posed(&[
         (
             "weights of a mesh",
             |d, b| (add_target(d, b, LIFT), d["meshes"][0]["weights"] = json!([0.5, 1])).1,
@@ -289,6 +317,12 @@ fn meshes_stand_where_their_file_poses_them_at_rest() {
             },
             vec![Vec3::Z, Vec3::Y + 2.0 * Vec3::Z, Vec3::NEG_X + Vec3::Z],
         ),
+    ]);
+}
+
+#[test]
+fn instances_are_placed_hidden_flat_and_mirrored() {
+    check_posed(&[
         (
             "instances of a mesh",
             |d, b| {
@@ -331,31 +365,7 @@ fn meshes_stand_where_their_file_poses_them_at_rest() {
             },
             vec![Vec3::ZERO, Vec3::X * 3.0, Vec3::Y],
         ),
-    ];
-    for (what, change, expected) in table {
-        let (mut document, mut bytes) = (document(), buffer());
-        change(&mut document, &mut bytes);
-        let scene = load_glb(&document, &bytes);
-        check_consistency(&scene);
-        assert_corners(what, &scene, 0.0, expected);
-        assert!(scene.warnings.iter().all(|warning| !warning.contains("not shown")), "{:?}", scene.warnings);
-        for (instance, transform) in scene.instances.iter().zip(&scene.pose(0.0).instances) {
-            assert!(transform.inverse().is_finite(), "{what}");
-            let mesh = &scene.meshes[instance.mesh];
-            let [a, b, c] = mesh.triangle_positions(0);
-            let facet = (b - a).cross(c - a).normalize();
-            assert!(
-                mesh.normals[mesh.triangles[0][0] as usize].distance(facet) < 1e-3,
-                "{what}: flat shading"
-            );
-        }
-        // As a model of a scene file it stands there, too.
-        let text = "[[models]]\nname = 'm'\npath = 'm.glb'\n[[instances]]\nmodel = 'm'\n[camera]\neye = [0, 0, 9]\n\
-                    target = [0, 0, 0]\n[[lights]]\ntype = 'point'\nposition = [0, 0, 9]\nintensity = [1, 1, 1]\n";
-        let folder = Folder::new().with("m.glb", glb(&document, &bytes)).with("s.toml", text);
-        let model = folder.load("s.toml").unwrap();
-        assert_eq!(corners(&model, 0.0).len(), expected.len(), "{what}");
-    }
+    ]);
 }
 
 #[test]

@@ -42,7 +42,7 @@ impl Shape {
                 )));
             }
             for (joint, matrix) in joints.iter_mut().zip(&matrices) {
-                *joint = *joint * Affine3A::from_mat4(Mat4::from_cols_array(matrix));
+                *joint *= Affine3A::from_mat4(Mat4::from_cols_array(matrix));
             }
         }
         Ok(Self { weights, joints })
