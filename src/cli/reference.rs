@@ -263,6 +263,9 @@ impl<'a> Run<'a> {
         if film.dropped() > 0 {
             say::warning(&format!("{} samples were not finite; they count as black", film.dropped()));
         }
+        if film.samples() > 0 && film.mean_luminance() == 0.0 {
+            say::warning_of_black(&self.options.scene.name);
+        }
         let (samples, spp) = (report.progress.samples, report.spp);
         if report.interrupted {
             return Err(CliError::Interrupted { path, samples, spp, resumable: self.target.is_linear() });

@@ -157,6 +157,10 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
     let reports = render_frames(&mut replay, frames, &target)?;
+    let black = |colour: &[f32; 3]| *colour == [0.0; 3];
+    if replay.renderer().read_picture(false)?.colour.iter().all(black) {
+        say::warning_of_black(&scene.name);
+    }
     options.view.note_missing(replay.renderer());
     for warning in replay.renderer().warnings() {
         say::warning(&format!("{}: {warning}", scene.name));

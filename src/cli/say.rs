@@ -21,6 +21,14 @@ pub(super) fn warning(message: &str) {
     say("warning", message);
 }
 
+/// Warns of a picture that is black.
+pub(super) fn warning_of_black(scene: &str) {
+    warning(&format!(
+        "{scene}: the picture is black: no light reaches what the camera sees, if it sees anything; change --eye and --target, or \
+         the lights"
+    ));
+}
+
 /// Prints a note, in one line.
 pub(super) fn note(message: &str) {
     say("note", message);

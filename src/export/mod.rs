@@ -23,6 +23,8 @@ pub use folder::{ExportError, ExportFolder};
 
 use std::io::{self, Write};
 
+use glam::Vec3;
+
 use crate::report::COMMIT;
 use crate::scene::Scene;
 use exporter::{Content, Export, MATERIAL_FILES, OWN_FILES, REPORT_FILE, Reader};
@@ -39,8 +41,12 @@ pub fn export_mitsuba(
     settings: &ExportSettings,
     folder: &ExportFolder,
 ) -> Result<ExportReport, ExportError> {
-    let pose = scene.pose(settings.time);
+    let (pose, anchor) = (scene.pose(settings.time), scene.anchor());
+    let pose = pose.about(anchor);
     let mut export = Export::new(scene, &pose, settings);
+    if anchor != Vec3::ZERO {
+        export.remarks.insert(remarks::ANCHOR);
+    }
     let documents = export.documents();
     let report = export.report();
     folder.replace(|staging| {

@@ -12,6 +12,7 @@ pub(super) const SMALL_RADIUS: f32 = 0.1;
 // Features of the scene that Mitsuba does not reproduce exactly, a sentence each.
 pub(super) const RAY_OFFSET: &str = "Mitsuba offsets rays from surfaces by 9e-5 units and more, which loses shadows in a scene this small; \
      scale it up.";
+pub(super) const ANCHOR: &str = "The scene is far from the origin, where floats are coarse: places here are relative to its middle, as glowworm renders it.";
 pub(super) const FLIPPED_NORMALS: &str = "Where the shading normal of a smooth surface faces away from the camera at grazing angles, Mitsuba flips \
      that normal; glowworm does not.";
 pub(super) const SPOT_FALLOFF: &str =
