@@ -38,7 +38,7 @@ vec3 position_at(ivec2 pixel, float depth) { return frame.eye.xyz + depth * pixe
 // positions, far below anything that can be seen. Twin: `ray_offset` in src/scene/world_surface.rs.
 float ray_offset(vec3 p) {
     vec3 a = abs(p);
-    return max(8e-6 * frame.eye.w, 4.0 * 1.1920929e-7 * max(a.x, max(a.y, a.z)));
+    return 2e-5 * max(max(a.x, max(a.y, a.z)), 0.2 * frame.eye.w);
 }
 
 float luminance(vec3 rgb) { return dot(rgb, vec3(0.2126, 0.7152, 0.0722)); }

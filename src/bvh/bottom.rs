@@ -91,15 +91,13 @@ impl BottomLevels {
         *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(kept);
     }
 
-    /// Takes those that were kept for this very scene.
+    /// Takes those that were kept for this very scene; drops those of another.
     pub(super) fn kept_for(scene: &Scene) -> Option<Self> {
-        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_same = |kept: &mut Kept| {
-            kept.meshes.len() == scene.meshes.len()
-                && kept.meshes.iter().zip(&scene.meshes).all(|(a, b)| a.as_ptr() == Arc::as_ptr(b))
-                && kept.materials == material_keys(scene)
-        };
-        kept.take_if(is_same).map(|kept| kept.levels)
+        let kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take()?;
+        let is_same = kept.meshes.len() == scene.meshes.len()
+            && kept.meshes.iter().zip(&scene.meshes).all(|(a, b)| a.as_ptr() == Arc::as_ptr(b))
+            && kept.materials == material_keys(scene);
+        is_same.then_some(kept.levels)
     }
 
     /// Builds the BVHs of all meshes, in parallel.

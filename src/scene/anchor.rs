@@ -12,7 +12,7 @@ use super::bounds::BoundingSphere;
 use super::contents::{Pose, Scene};
 
 /// A middle this many radii from the origin is far.
-const FAR: f32 = 64.0;
+const FAR: f32 = 16.0;
 
 /// The middle of what is far from the origin, else the origin.
 fn far_middle(bounds: &BoundingSphere) -> Vec3 {

@@ -8,11 +8,12 @@ use super::contents::{Pose, Scene};
 use super::mesh::{Surface, SurfacePoint};
 use super::texture_use::Attributes;
 
-/// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks: beyond the rounding
-/// error of the way to `p`, which grows with the size of the scene, and where the scene is far from the origin beyond four times
-/// the spacing of floats there (after Waechter and Binder 2019). Twin: shaders/include/frame.glsl.
+/// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks. Both terms
+/// are lengths in the scene, so it is scale-invariant: the rounding error of `p` grows with its components, and near
+/// the origin with the size of the scene; rasterised depths of large triangles are off by 1e-5. What is far from the origin is
+/// rendered about an anchor (`Scene::anchor`).
 pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
-    (8e-6 * scene_radius).max(4.0 * f32::EPSILON * p.abs().max_element())
+    2e-5 * p.abs().max_element().max(0.2 * scene_radius)
 }
 
 /// Least cosine between the normal of a normal map and the flat triangle's: normals beyond are bent up, since light from

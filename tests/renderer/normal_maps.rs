@@ -94,7 +94,7 @@ fn gltf(folder: &Path, Variation { mut texture, mut node, tangent }: Variation) 
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [node],
         "extensionsUsed": ["KHR_texture_transform"],
         "meshes": [{ "primitives": [{ "attributes": attributes, "material": 0 }] }],
-        "materials": [{ "normalTexture": texture, "pbrMetallicRoughness": { "metallicFactor": 0 } }],
+        "materials": [{ "normalTexture": texture, "pbrMetallicRoughness": { "metallicFactor": 0 }, "doubleSided": true }],
         "textures": [{ "source": 0 }], "images": [{ "uri": "map.png" }],
         "accessors": accessors, "bufferViews": views, "buffers": [{ "uri": "q.bin", "byteLength": bytes.len() }]
     });
