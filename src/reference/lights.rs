@@ -12,7 +12,9 @@ use glam::{Vec2, Vec3};
 use super::area_lights::AreaLight;
 use super::light_sample::{LightSample, ShadowEnd};
 use crate::bvh::{Hit, Ray};
-use crate::scene::{Environment, Light, LightCone, LightKind, Pose, Scene, luminance, spot_falloff};
+use crate::scene::{
+    Environment, Light, LightCone, LightKind, Pose, Scene, WorldSurface, luminance, spot_falloff,
+};
 
 /// Most area lights whose bounds are tested one by one; more subset one box.
 const MAX_BOUNDS: usize = 16;
@@ -118,18 +120,17 @@ impl Lights {
         }
     }
 
-    /// Samples the irradiance at `p` with normal `n`: a light of `subset` by `pick`, and a point on it by `u`.
+    /// Samples the irradiance of the surface `at`: a light of `subset` by `pick`, and a point on it by `u`.
     pub(super) fn sample(
         &self,
         scene: &Scene,
-        p: Vec3,
-        n: Vec3,
+        at: &WorldSurface,
         subset: LightSubset,
         pick: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let (light, probability) = self.choose(p, n, subset, pick)?;
-        let mut sample = light.sample(scene, p, u)?;
+        let (light, probability) = self.choose(at.position, at.normal, subset, pick)?;
+        let mut sample = light.sample(scene, at.position, u)?;
         sample.irradiance /= probability;
         sample.pdf = sample.pdf.map(|pdf| pdf * probability);
         Some(sample)

@@ -340,7 +340,7 @@ impl Reference<'_> {
         pick: f32,
         u: Vec2,
     ) -> Option<LightSample> {
-        let mut light = self.lights.sample(self.scene, surface.position, surface.normal, subset, pick, u)?;
+        let mut light = self.lights.sample(self.scene, surface, subset, pick, u)?;
         let cosine = surface.normal.dot(light.direction);
         if cosine <= 0.0 || surface.geometric_normal.dot(light.direction) <= 0.0 {
             return None;

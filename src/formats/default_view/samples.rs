@@ -33,7 +33,7 @@ pub(super) fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
     };
     let of_instances: Vec<f64> = running(scene.instances.iter().zip(&pose.instances).map(scaled));
     let total = of_instances.last().copied().unwrap_or(0.0);
-    if !(total > 0.0) {
+    if total <= 0.0 {
         return Vec::new();
     }
     (0..SAMPLES)
