@@ -57,7 +57,7 @@ pub struct GpuMask {
     pub first_word: u32,
     /// Width in the lower 16 bits, height above.
     pub size: u32,
-    /// Wrap modes and filter: see shaders/include/wrap.glsl; [`WIDE_MASK`](super::pack::WIDE_MASK).
+    /// Wrap modes and filter: see shaders/include/wrap.glsl; `WIDE_MASK`.
     pub modes: u32,
     /// As [`AlphaMask::threshold`](crate::scene::AlphaMask::threshold).
     pub threshold: f32,
