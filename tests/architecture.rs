@@ -69,7 +69,7 @@ fn every_source_file_says_what_it_is_for() {
 /// folder in a room that has rules of its own.
 const ROOMS: &[(&str, &[&str])] = &[
     ("activity", &[]),
-    ("foreign", &[]),
+    ("untrusted", &[]),
     ("memory", &[]),
     ("sampling", &[]),
     ("statistics", &[]),
@@ -82,10 +82,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("builtin", &["sampling", "scene", "settings"]),
     (
         "formats",
-        &["activity", "builtin", "bvh", "foreign", "memory", "sampling", "scene", "settings", "statistics"],
+        &["activity", "builtin", "bvh", "untrusted", "memory", "sampling", "scene", "settings", "statistics"],
     ),
-    ("output", &["foreign", "scene"]),
-    ("metrics", &["foreign", "output", "statistics"]),
+    ("output", &["untrusted", "scene"]),
+    ("metrics", &["untrusted", "output", "statistics"]),
     ("plot", &["output"]),
     ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),
     ("dataset", &["output", "reference", "scene"]),
@@ -184,7 +184,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "demo",
             "estimators",
             "export",
-            "foreign",
+            "untrusted",
             "formats",
             "metrics",
             "output",

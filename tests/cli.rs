@@ -356,6 +356,29 @@ fn wasted_slots_are_warned_about_once() {
 }
 
 #[test]
+fn black_and_faint_pictures_are_warned_about_once() {
+    let run = Run::new();
+    for (height, intensity, says) in
+        [(2.0, 1.0, None), (-2.0, 1.0, Some("is black")), (2.0, 1e-5, Some("at its bound"))]
+    {
+        let scene = format!(
+            "[[models]]\nname = \"floor\"\nprimitive = \"quad\"\nsize = [4, 1, 4]\n[[instances]]\nmodel = \"floor\"\n\
+             [[lights]]\ntype = \"point\"\nposition = [0, {height}, 0]\nintensity = [{intensity}, {intensity}, {intensity}]\n\
+             [camera]\neye = [0, 3, 0.1]\ntarget = [0, 0, 0]\n"
+        );
+        fs::write(run.path("scene.toml"), scene).unwrap();
+        let output = run.render("scene.toml", &["--indirect", "none"]);
+        assert_eq!(output.status.code(), Some(0));
+        let warnings = stderr(&output);
+        let warnings: Vec<_> = warnings.lines().filter(|line| line.contains("warning")).collect();
+        assert!(
+            warnings.len() == says.iter().len() && says.is_none_or(|says| warnings[0].contains(says)),
+            "{warnings:?}"
+        );
+    }
+}
+
+#[test]
 fn the_same_arguments_give_the_same_bits() {
     let run = Run::new();
     for out in ["a.exr", "b.exr"] {

@@ -1,4 +1,4 @@
-// Alpha masks, the same for raster and rays. Needs scene_set.glsl. Twin: `AlphaMask` in src/scene/texture.rs.
+// Alpha masks, the same for raster and rays. Needs scene_set.glsl. Twin: src/scene/alpha_mask.rs.
 
 #ifndef MASK_GLSL
 #define MASK_GLSL

@@ -23,7 +23,7 @@ use super::{
     wide,
 };
 use crate::memory::Pages;
-use crate::scene::{Alpha, Material, Mesh, Scene, TextureUse};
+use crate::scene::{Material, MaterialBindings, Mesh, Scene};
 
 /// Quality of the binary trees: sponza's rays take a tenth less time than with `medium_build`, conference's 331,000
 /// triangles 0.25 s more to build on 2 cores. Twice as many reinsertions would gain little and double that.
@@ -68,16 +68,8 @@ pub(super) struct BottomLevels {
 /// Bottom levels that wait for the next BVH of their scene.
 struct Kept {
     meshes: Vec<Weak<Mesh>>,
-    materials: Vec<MaterialKey>,
+    materials: Vec<MaterialBindings>,
     levels: BottomLevels,
-}
-
-/// What of a material its triangles depend on.
-type MaterialKey = ([Option<TextureUse>; 4], Alpha, bool, Option<usize>);
-
-fn material_keys(scene: &Scene) -> Vec<MaterialKey> {
-    let key = |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask);
-    scene.materials.iter().map(key).collect()
 }
 
 /// One scene at a time; whoever needs them takes them.
@@ -87,7 +79,7 @@ impl BottomLevels {
     /// Keeps them for [`Self::kept_for`].
     pub(super) fn keep(self, scene: &Scene) {
         let meshes = scene.meshes.iter().map(Arc::downgrade).collect();
-        let kept = Kept { meshes, materials: material_keys(scene), levels: self };
+        let kept = Kept { meshes, materials: scene.material_bindings(), levels: self };
         *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(kept);
     }
 
@@ -96,7 +88,7 @@ impl BottomLevels {
         let kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take()?;
         let is_same = kept.meshes.len() == scene.meshes.len()
             && kept.meshes.iter().zip(&scene.meshes).all(|(a, b)| a.as_ptr() == Arc::as_ptr(b))
-            && kept.materials == material_keys(scene);
+            && kept.materials == scene.material_bindings();
         is_same.then_some(kept.levels)
     }
 

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use crate::activity;
 #[cfg(feature = "bench")]
 use crate::bench::Control;
-use crate::foreign::one_line;
+use crate::untrusted::one_line;
 
 /// A bar of this length with an indicatif `template`, on a terminal; hidden otherwise.
 pub(super) fn bar(length: u64, template: &str) -> ProgressBar {

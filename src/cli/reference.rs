@@ -264,7 +264,7 @@ impl<'a> Run<'a> {
             say::warning(&format!("{} samples were not finite; they count as black", film.dropped()));
         }
         if film.samples() > 0 && film.mean_luminance() == 0.0 {
-            say::warning_of_black(&self.options.scene.name);
+            say::warning(&format!("{}: {}", self.options.scene.name, say::BLACK));
         }
         let (samples, spp) = (report.progress.samples, report.spp);
         if report.interrupted {

@@ -14,6 +14,7 @@ use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
 use crate::report::{FrameReport, LoadTimes, RenderReport};
+use crate::scene::luminance;
 use crate::settings::{GivenSettings, Settings, read_seconds};
 
 /// Options of `render`.
@@ -156,10 +157,9 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     }
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
-    let reports = render_frames(&mut replay, frames, &target)?;
-    let black = |colour: &[f32; 3]| *colour == [0.0; 3];
-    if replay.renderer().read_picture(false)?.colour.iter().all(black) {
-        say::warning_of_black(&scene.name);
+    let (reports, extreme) = render_frames(&mut replay, frames, &target, settings.exposure)?;
+    if let Some(extreme) = extreme {
+        say::warning(&format!("{}: {extreme}", scene.name));
     }
     options.view.note_missing(replay.renderer());
     for warning in replay.renderer().warnings() {
@@ -196,21 +196,40 @@ fn check_apart(
     )))
 }
 
+/// Stops on either side of middle grey within which automatic exposure adapts; twin: shaders/passes/exposure.comp.
+const EXPOSURE_STOPS: f32 = 16.0;
+
+/// What a viewer of the picture should know: that it is black, or too bright or dark for automatic exposure.
+fn extreme_of(colour: &[[f32; 3]], exposure: Option<f32>) -> Option<&'static str> {
+    let luminances = colour.iter().map(|&colour| luminance(colour.into())).filter(|&l| l > 0.0);
+    let stops: Vec<f32> = luminances.map(f32::log2).collect();
+    if stops.is_empty() {
+        return Some(say::BLACK);
+    }
+    let mean = stops.iter().sum::<f32>() / stops.len() as f32;
+    let is_beyond = exposure.is_none() && mean.abs() >= EXPOSURE_STOPS;
+    is_beyond.then_some("automatic exposure is at its bound; give --exposure, or scale the lights")
+}
+
 /// Renders frames 0 to `frames` - 1 and writes the pictures of `target`. Shows progress on a terminal. Returns the
-/// report of each frame.
+/// report of each frame, and what is extreme about the last picture.
 fn render_frames(
     replay: &mut Replay,
     frames: u64,
     target: &PictureTarget,
-) -> Result<Vec<FrameReport>, CliError> {
+    exposure: Option<f32>,
+) -> Result<(Vec<FrameReport>, Option<&'static str>), CliError> {
     let progress = frames_bar(frames);
+    let mut extreme = None;
     for frame in 0..frames {
         replay.next_frame()?;
         if target.wants(frame, frames) {
-            target.write(&replay.renderer().read_picture(target.layers())?, frame)?;
+            let picture = replay.renderer().read_picture(target.layers())?;
+            extreme = extreme_of(&picture.colour, exposure);
+            target.write(&picture, frame)?;
         }
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok(replay.renderer().finish()?)
+    Ok((replay.renderer().finish()?, extreme))
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use log::{Level, LevelFilter};
 
 use super::CliError;
-use crate::foreign;
+use crate::untrusted;
 
 /// Prints why the run failed, in one line.
 pub fn say_error(error: &CliError) {
@@ -21,13 +21,8 @@ pub(super) fn warning(message: &str) {
     say("warning", message);
 }
 
-/// Warns of a picture that is black.
-pub(super) fn warning_of_black(scene: &str) {
-    warning(&format!(
-        "{scene}: the picture is black: no light reaches what the camera sees, if it sees anything; change --eye and --target, or \
-         the lights"
-    ));
-}
+/// What is wrong with a picture that is black.
+pub(super) const BLACK: &str = "the picture is black: the camera sees no surface that light reaches; change --eye and --target, or the lights";
 
 /// Prints a note, in one line.
 pub(super) fn note(message: &str) {
@@ -36,13 +31,13 @@ pub(super) fn note(message: &str) {
 
 fn say(kind: &str, message: &str) {
     // If standard error is closed there is nowhere to report that.
-    let _ = writeln!(io::stderr(), "glowworm: {kind}: {}", foreign::one_line(message));
+    let _ = writeln!(io::stderr(), "glowworm: {kind}: {}", untrusted::one_line(message));
 }
 
 /// Writes `text` to standard output.
 pub(super) fn print(text: &str) -> Result<(), CliError> {
     let mut output = io::stdout().lock();
-    match output.write_all(foreign::printable(text).as_bytes()).and_then(|()| output.flush()) {
+    match output.write_all(untrusted::printable(text).as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::StandardOutput(error)),
         _ => Ok(()),
     }
@@ -52,7 +47,7 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 pub fn install_panic_hook() {
     static SAID: AtomicBool = AtomicBool::new(false);
     std::panic::set_hook(Box::new(|panic| {
-        if foreign::is_guarded() || SAID.swap(true, Ordering::Relaxed) {
+        if untrusted::is_guarded() || SAID.swap(true, Ordering::Relaxed) {
             return;
         }
         say("error", &describe(panic));
@@ -87,7 +82,7 @@ pub(super) fn start_log(verbose: u8) {
             Level::Info => "note",
             Level::Debug | Level::Trace => "detail",
         };
-        writeln!(line, "glowworm: {kind}: {}", foreign::one_line(&record.args().to_string()))
+        writeln!(line, "glowworm: {kind}: {}", untrusted::one_line(&record.args().to_string()))
     });
     // A second call, as from tests, fails and keeps the first log.
     let _ = builder.try_init();

@@ -10,8 +10,8 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use glam::Vec3;
 
-use crate::foreign::{guarded, mistaken};
 use crate::scene::EnvironmentMap;
+use crate::untrusted::{guarded, wrong_format};
 
 /// Largest map.
 const MAX_SIZE: [usize; 2] = [8192, 4096];
@@ -34,7 +34,7 @@ pub(crate) fn read(file: &Path) -> Result<MapRead, String> {
     let unreadable = |error: std::io::Error| format!("could not be read ({error})");
     let mut reader = BufReader::new(File::open(file).map_err(unreadable)?);
     let start = reader.fill_buf().map_err(unreadable)?;
-    if let Some(why) = mistaken(start) {
+    if let Some(why) = wrong_format(start) {
         return Err(why.to_owned());
     }
     let shrunk = if start.starts_with(b"#?") {

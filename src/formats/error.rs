@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::builtin;
-use crate::foreign::one_line;
+use crate::untrusted::one_line;
 
 /// A file and, if known, a line. Displays as `file` or `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -10,9 +10,9 @@ use glam::Vec4;
 use image::{DynamicImage, ImageFormat, Rgba32FImage};
 
 use crate::activity;
-use crate::foreign::{guarded, mistaken};
 use crate::scene::texture::{srgb_decoded, surplus_levels};
 use crate::scene::{AlphaMask, Texture};
+use crate::untrusted::{guarded, wrong_format};
 
 /// Largest width, height and number of texels of an image, which is shrunk if it is larger than a texture.
 const MAX_IMAGE_EXTENT: u64 = 32_768;
@@ -36,7 +36,7 @@ pub(crate) fn read_image(path: &Path) -> Result<DynamicImage, String> {
 
 /// Decodes an image, of `format` if it has no signature; the error completes a sentence.
 pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
-    if let Some(why) = mistaken(bytes) {
+    if let Some(why) = wrong_format(bytes) {
         return Err(why.to_owned());
     }
     let format = image::guess_format(bytes).ok().or(format).ok_or_else(|| {

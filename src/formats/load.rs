@@ -11,8 +11,8 @@ use super::scene_file::{ReadFiles, load_toml};
 use super::{default_view, gltf, obj};
 use crate::activity;
 use crate::builtin;
-use crate::foreign;
 use crate::scene::{CameraOverride, Instance, Scene};
+use crate::untrusted;
 
 /// Loads a built-in scene by name, a scene file (`.toml`) or a bare model (`.obj`, `.gltf`, `.glb`). `assets` is the
 /// folder of the downloadable models.
@@ -63,7 +63,7 @@ pub(crate) fn load_with(
         Source::Model(path) => load_bare_obj(&path, &options.seen_by)?,
         Source::CornellBox => builtin::cornell_box(),
     };
-    scene.warnings.iter_mut().for_each(|warning| *warning = foreign::one_line(warning));
+    scene.warnings.iter_mut().for_each(|warning| *warning = untrusted::one_line(warning));
     let (meshes, textures) = (scene.meshes.len(), scene.textures.len());
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     log::info!("{}: loaded {meshes} meshes and {textures} textures in {load_ms:.0} ms", scene.name);
@@ -73,7 +73,7 @@ pub(crate) fn load_with(
 /// Reads a model by the crate `gltf`, whose panic is an error of the file.
 pub(super) fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
     let invalid = |why| SceneError::invalid(file, None, format!("{why}; export or download it again"));
-    foreign::guarded(read).map_err(invalid)?
+    untrusted::guarded(read).map_err(invalid)?
 }
 
 /// Source of a scene.
@@ -94,10 +94,10 @@ pub(crate) fn find(name: &str) -> Result<Source, SceneError> {
         Some("toml") if path.is_file() => {
             let read = std::fs::read(path);
             let bytes = read.map_err(|reason| SceneError::Unreadable { file: path.to_owned(), reason })?;
-            let text = foreign::unicode_of(&bytes).ok_or_else(|| {
+            let text = untrusted::unicode_of(&bytes).ok_or_else(|| {
                 SceneError::invalid(path, None, "is not UTF-8 text; save the scene file as UTF-8 TOML")
             })?;
-            match foreign::mistaken(&bytes) {
+            match untrusted::wrong_format(&bytes) {
                 Some(why) if !bytes.is_empty() => Err(SceneError::invalid(path, None, why)),
                 _ => Ok(Source::File(path.to_owned(), text.into_owned())),
             }

@@ -10,8 +10,8 @@ use image::{ImageFormat, ImageReader, Limits};
 use super::error::MetricsError;
 use super::image::Image;
 use super::read_exr::{check_size, read_exr};
-use crate::foreign::guarded;
 use crate::output::OutputError;
+use crate::untrusted::guarded;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];

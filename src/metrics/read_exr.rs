@@ -12,7 +12,7 @@ use exr::meta::header::Header;
 use exr::prelude::*;
 
 use super::error::MetricsError;
-use crate::foreign::guarded;
+use crate::untrusted::guarded;
 
 /// The largest side of a picture, pixels; the same as for `--size`.
 const MAX_SIDE: usize = 16_384;

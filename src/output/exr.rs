@@ -10,7 +10,7 @@ use exr::prelude::*;
 use super::error::OutputError;
 use super::file::OutputFile;
 use super::picture::{Layer, Picture};
-use crate::foreign::guarded;
+use crate::untrusted::guarded;
 
 impl OutputFile {
     /// Writes `picture.colour` as the first part of the file, and each layer as a further part with its name.

@@ -46,6 +46,8 @@ impl AreaLight {
         pose: &Pose,
         instance: usize,
         triangles: &[AreaTriangle],
+        factor: Vec3,
+        scene_radius: f32,
     ) -> Option<Self> {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
@@ -68,9 +70,9 @@ impl AreaLight {
             power: power as f32,
             bounds,
             visible: scene.instances[instance].visible,
-            scene_radius: 0.0,
+            scene_radius,
             instance,
-            factor: Vec3::ONE,
+            factor,
         })
     }
 

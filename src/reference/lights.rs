@@ -62,9 +62,9 @@ impl Lights {
         for light in &pose.lights {
             match &light.kind {
                 LightKind::Area { instance, triangles } => {
-                    let posed = AreaLight::new(scene, pose, *instance, triangles);
                     let factor = factors[*instance];
-                    area.extend(posed.map(|posed| (*instance, AreaLight { scene_radius, factor, ..posed })));
+                    let posed = AreaLight::new(scene, pose, *instance, triangles, factor, scene_radius);
+                    area.extend(posed.map(|posed| (*instance, posed)));
                 }
                 _ => direct.push(PosedLight::Direct(light.clone())),
             }

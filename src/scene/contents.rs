@@ -10,10 +10,10 @@ use super::bounds::{BoundingSphere, bounds_of};
 use super::camera::Camera;
 use super::environment::Environment;
 use super::light::Light;
-use super::material::{Material, Texture};
+use super::material::{Alpha, Material, Texture};
 use super::mesh::Mesh;
 use super::recording::RecordedFrame;
-use super::texture_use::Attributes;
+use super::texture_use::{Attributes, TextureUse};
 
 /// An instance of a mesh.
 #[derive(Clone, Debug)]
@@ -73,6 +73,9 @@ pub struct Scene {
     /// Recovered problems, one line each (a missing texture, a missing MTL).
     pub warnings: Vec<String>,
 }
+
+/// Textures, kind of alpha, whether it is a thin surface, alpha mask, and whether its back shows.
+pub(crate) type MaterialBindings = ([Option<TextureUse>; 4], Alpha, bool, Option<usize>, bool);
 
 /// Camera, lights and instance transforms at one time.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,16 +178,18 @@ impl Scene {
             let place = |i: &Instance| (i.mesh, i.transform, i.dynamic, i.visible);
             scene.instances.iter().map(place).collect()
         };
-        let materials = |scene: &Self| -> Vec<_> {
-            let of =
-                |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask, m.double_sided);
-            scene.materials.iter().map(of).collect()
-        };
         same_meshes
             && same_textures
             && self.alpha_masks == other.alpha_masks
             && places(self) == places(other)
-            && materials(self) == materials(other)
+            && self.material_bindings() == other.material_bindings()
+    }
+
+    /// What the BVH and the passes are built for of each material; its numbers may change without a rebuild.
+    pub(crate) fn material_bindings(&self) -> Vec<MaterialBindings> {
+        let of =
+            |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask, m.double_sided);
+        self.materials.iter().map(of).collect()
     }
 
     /// Whether any triangle of mesh `mesh` emits light.

@@ -35,6 +35,7 @@ pub use bounds::BoundingSphere;
 pub(crate) use bounds::MAX_COORDINATE;
 pub use camera::Camera;
 pub use camera_override::CameraOverride;
+pub(crate) use contents::MaterialBindings;
 pub use contents::{Instance, Pose, Scene};
 pub use environment::{Environment, EnvironmentMap};
 pub use light::{AreaTriangle, Light, LightKind, LightType, SpotFalloff, luminance, spot_falloff};

@@ -10,7 +10,6 @@ mod broken_runs;
 mod broken_scene_files;
 mod documents;
 mod environments;
-mod foreign_files;
 mod gltf;
 mod gltf_files;
 mod gltf_pictures;
@@ -22,6 +21,7 @@ mod obj;
 #[path = "../program/mod.rs"]
 mod program;
 mod scene_files;
+mod untrusted_files;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

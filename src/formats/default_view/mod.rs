@@ -48,7 +48,7 @@ pub(crate) fn add_default_camera_and_light(
             }
             scene.camera = camera;
         }
-        None => frame(scene),
+        None => place_in_front(scene),
     }
     let is_placed = given.is_none() && seen_by.eye.is_none();
     let mut seen = scene.clone();
@@ -65,13 +65,12 @@ pub(crate) fn add_default_camera_and_light(
     let lit = !scene.lights.is_empty() && survey.lit_by_own_lights(&camera) >= MIN_LIT_FRACTION;
     let is_open = survey.open_to_sky(&camera) >= MIN_OPEN_FRACTION;
     let light = if lit || is_open { None } else { survey.best_light(&camera) };
-    survey.finish().keep(scene);
+    survey.into_bvh().keep(scene);
     if inside.is_some() {
         place_inside(scene, camera, nearest);
     }
-    if !is_placed && given.is_none() {
-        // The camera's warning: the command line gives one.
-        scene.warnings.pop();
+    if is_placed {
+        warn_of_camera(scene, if inside.is_some() { "inside" } else { "in front" });
     }
     if let Some(place) = light {
         add_light(scene, place.position, place.intensity);
@@ -89,9 +88,6 @@ fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
     camera.fit_depths(&bounds_of(scene), 0.0);
     camera.near = nearest.map_or(camera.near, |nearest| camera.near.min(0.25 * nearest));
     scene.camera = camera;
-    // Replace the warning about the camera in front.
-    scene.warnings.pop();
-    warn_of_camera(scene, "inside");
 }
 
 fn warn_of_camera(scene: &mut Scene, place: &str) {
@@ -101,8 +97,14 @@ fn warn_of_camera(scene: &mut Scene, place: &str) {
     ));
 }
 
-/// Places the camera so that the whole scene is in view, also in a square picture.
+/// Places the camera in front of the scene, with a warning.
 pub(crate) fn frame(scene: &mut Scene) {
+    place_in_front(scene);
+    warn_of_camera(scene, "in front");
+}
+
+/// Places the camera so that the whole scene is in view, also in a square picture.
+fn place_in_front(scene: &mut Scene) {
     let bounds = bounds_of(scene);
     let half_fov = 0.5 * VERTICAL_FOV_DEGREES.to_radians();
     let distance = bounds.radius / half_fov.sin();
@@ -112,7 +114,6 @@ pub(crate) fn frame(scene: &mut Scene) {
     };
     camera.fit_depths(&bounds, 0.0);
     scene.camera = camera;
-    warn_of_camera(scene, "in front");
 }
 
 /// Why a light is made up.

@@ -1,8 +1,8 @@
 //! How large the parts of a model are.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
-use crate::scene::{Mesh, Pose, Scene};
+use crate::scene::{Instance, Mesh, Pose, Scene};
 
 /// Most parts of a mesh that count.
 const MOST: usize = 4096;
@@ -11,7 +11,7 @@ const MOST: usize = 4096;
 pub(super) fn radii(scene: &Scene, pose: &Pose) -> Vec<f32> {
     let of_meshes: Vec<Vec<f32>> = scene.meshes.iter().map(|mesh| radii_of(mesh)).collect();
     let visible = scene.instances.iter().zip(&pose.instances).filter(|(instance, _)| instance.visible);
-    let scaled = |(instance, transform): (&crate::scene::Instance, &glam::Affine3A)| {
+    let scaled = |(instance, transform): (&Instance, &Affine3A)| {
         let scale = transform.matrix3.determinant().abs().cbrt();
         of_meshes[instance.mesh].iter().map(move |radius| scale * radius).collect::<Vec<_>>()
     };

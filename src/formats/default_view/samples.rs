@@ -1,9 +1,9 @@
 //! Points spread over the surface of a model.
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::sampling;
-use crate::scene::{Mesh, Pose, Scene, Side, SidedSurface, SurfacePoint};
+use crate::scene::{Instance, Mesh, Pose, Scene, Side, SidedSurface, SurfacePoint};
 
 /// Sample points on all surfaces together.
 const SAMPLES: usize = 768;
@@ -26,7 +26,7 @@ impl Sample {
 /// of two triangles nor a small object of a hundred thousand dominates.
 pub(super) fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
     let of_meshes: Vec<Vec<f64>> = scene.meshes.iter().map(|mesh| cumulative_weights(mesh)).collect();
-    let scaled = |(instance, transform): (&crate::scene::Instance, &glam::Affine3A)| {
+    let scaled = |(instance, transform): (&Instance, &Affine3A)| {
         let scale = f64::from(transform.matrix3.determinant().abs()).cbrt();
         let whole = of_meshes[instance.mesh].last().copied().unwrap_or(0.0);
         if instance.visible && scale.is_finite() { scale * whole } else { 0.0 }

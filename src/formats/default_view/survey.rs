@@ -80,8 +80,8 @@ impl<'a> ModelSurvey<'a> {
         Self { scene, pose, bvh, radius: 0.5 * min.distance(max), samples, part_radius }
     }
 
-    /// Leaves the BVH to the renderer that draws the scene.
-    pub fn finish(self) -> TwoLevelBvh {
+    /// The BVH, for the renderer that draws the scene.
+    pub fn into_bvh(self) -> TwoLevelBvh {
         self.bvh
     }
 

@@ -17,9 +17,9 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
 use super::extensions::{Support, support_of};
 use super::repair::repair;
-use crate::foreign::{mistaken, unicode_of};
 use crate::formats::error::SceneError;
 use crate::formats::obj::find_any_case;
+use crate::untrusted::{unicode_of, wrong_format};
 
 /// What the validation asks for and nobody needs: data that is zero, images that no material uses, shapes that have no
 /// positions; and the bounds of positions, which are computed.
@@ -84,7 +84,7 @@ impl Source {
         let bytes =
             std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
         let invalid = |problem: String| SceneError::invalid(file, None, problem);
-        if let Some(why) = mistaken(&bytes) {
+        if let Some(why) = wrong_format(&bytes) {
             return Err(invalid(why.to_owned()));
         }
         if bytes.starts_with(b"glTF\x01\0\0\0") {
@@ -196,7 +196,7 @@ impl Source {
             let is_short = (bytes.len() as u64) < needed;
             // Numbers may begin as other files do, but not as such a text.
             let is_text = bytes.starts_with(b"version https:") || bytes.trim_ascii_start().starts_with(b"<");
-            if let Some(why) = mistaken(&bytes).filter(|_| is_short || is_text) {
+            if let Some(why) = wrong_format(&bytes).filter(|_| is_short || is_text) {
                 return Err(self.error(format!("buffer {index} {why}")));
             }
             if is_short {

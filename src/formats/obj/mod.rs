@@ -17,9 +17,10 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::error::SceneError;
 use crate::activity;
-use crate::foreign;
 use crate::scene::polygon::triangulate;
+use crate::scene::texture::srgb_decoded;
 use crate::scene::{Material, Mesh, Scene, normals, tangents};
+use crate::untrusted;
 use mtl::MtlMaterial;
 pub(crate) use mtl::find_any_case;
 use statements::{NONE, Statements, without_comment};
@@ -28,10 +29,10 @@ use statements::{NONE, Statements, without_comment};
 pub(crate) fn add_obj(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
     let bytes =
         std::fs::read(file).map_err(|reason| SceneError::Unreadable { file: file.to_owned(), reason })?;
-    if let (false, Some(why)) = (bytes.is_empty(), foreign::mistaken(&bytes)) {
+    if let (false, Some(why)) = (bytes.is_empty(), untrusted::wrong_format(&bytes)) {
         return Err(SceneError::invalid(file, None, why));
     }
-    let text = foreign::text_of(&bytes);
+    let text = untrusted::text_of(&bytes);
     if text.contains('\0') {
         let problem = "is a binary file, not a Wavefront OBJ; export the model as text .obj";
         return Err(SceneError::invalid(file, None, problem));
@@ -152,14 +153,8 @@ fn add_vertex(mesh: &mut Mesh, statements: &Statements, [position, uv, normal]: 
     mesh.normals.push(normal.normalize_or_zero());
     if let Some(colour) = statements.colours.get(position as usize) {
         // As Blender and others write them: sRGB.
-        let [r, g, b] = colour.to_array().map(srgb_to_linear);
+        let [r, g, b] = colour.to_array().map(|channel| srgb_decoded(channel.clamp(0.0, 1.0)));
         mesh.colours.push(Vec4::new(r, g, b, 1.0));
     }
     mesh.positions.len() as u32 - 1
-}
-
-/// Decodes a channel in [0, 1], clamped (IEC 61966-2-1).
-fn srgb_to_linear(encoded: f32) -> f32 {
-    let s = encoded.clamp(0.0, 1.0);
-    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
 }

@@ -10,8 +10,8 @@ use glam::{Mat2, Vec2, Vec3};
 use unicode_normalization::UnicodeNormalization;
 
 use super::statements::without_comment;
-use crate::foreign;
 use crate::scene::{TextureUse, Wrap};
+use crate::untrusted;
 
 /// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
@@ -79,7 +79,7 @@ pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<Str
     let mut materials = Vec::new();
     for name in names {
         let problem = match find_file(folder, name).map(|path| (std::fs::read(&path), path)) {
-            Some((Ok(bytes), path)) => match foreign::mistaken(&bytes).filter(|_| !bytes.is_empty()) {
+            Some((Ok(bytes), path)) => match untrusted::wrong_format(&bytes).filter(|_| !bytes.is_empty()) {
                 Some(why) => why.to_owned(),
                 None => {
                     materials.extend(parse(&path, &bytes, warnings));
@@ -136,7 +136,7 @@ pub(crate) fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
 pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let (mut materials, mut problems) = (Vec::new(), Vec::new());
     let mut not_shown = BTreeSet::new();
-    for (number, line) in foreign::text_of(bytes).lines().enumerate() {
+    for (number, line) in untrusted::text_of(bytes).lines().enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let (keyword, rest) = (keyword.to_ascii_lowercase(), rest.trim());

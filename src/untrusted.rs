@@ -1,7 +1,7 @@
-//! What others wrote: text of files on its way to a person, decoders of other crates, and what a file really is.
+//! Untrusted input: the content of files, and the decoders of other crates that read it.
 //!
-//! In: bytes or text of any content. Out: lines that a terminal shows as they are; errors in place of panics; text without
-//! its byte-order mark; the name of what a file is in place of what it should be.
+//! In: bytes or text of any content. Out: messages without control characters; errors in place of a decoder's panic; decoded
+//! text; the format of a file that is not what its extension says.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -67,7 +67,7 @@ pub(crate) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// Why a file cannot be what its name says, by how it begins; completes a sentence about it.
-pub(crate) fn mistaken(bytes: &[u8]) -> Option<&'static str> {
+pub(crate) fn wrong_format(bytes: &[u8]) -> Option<&'static str> {
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(512)]).to_lowercase();
     let start = start.trim_start_matches('\u{feff}').trim_start();
     Some(match bytes {
@@ -137,8 +137,8 @@ mod tests {
             (b"PK\x03\x04", "ZIP"),
             (b"\0\0\0\0", "zeros"),
         ] {
-            assert!(mistaken(bytes).is_some_and(|why| why.contains(says)), "{says}");
+            assert!(wrong_format(bytes).is_some_and(|why| why.contains(says)), "{says}");
         }
-        assert_eq!(mistaken(b"v 0 0 0"), None);
+        assert_eq!(wrong_format(b"v 0 0 0"), None);
     }
 }
