@@ -15,6 +15,7 @@ use obvhs::{
 };
 
 use super::traverse::SLAB_PADDING;
+use crate::scene::repeats::{SLOTS, slot_of};
 
 /// Build references: boxes, of which several may bound parts of one primitive (spatial splits).
 #[derive(Clone, Debug, Default)]
@@ -57,17 +58,14 @@ impl References {
 /// How many boxes may be alike: PLOC merges but few of them at a time, and takes quadratic time.
 const MOST_ALIKE: usize = 4096;
 
-/// Whether more boxes than PLOC can handle are alike, by a table of their hashes.
+/// Whether more boxes than PLOC can handle are alike.
 fn are_many_alike(boxes: &[Aabb]) -> bool {
-    let mut counts = vec![0u32; 1 << 16];
+    let mut counts = vec![0u32; SLOTS];
     let most = MOST_ALIKE + boxes.len() / 1024;
     boxes.len() > most
         && boxes.iter().any(|bounds| {
             let corners = [bounds.min.to_array(), bounds.max.to_array()];
-            let mix = |hash: u64, value: &f32| {
-                (hash ^ u64::from(value.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            };
-            let count = &mut counts[(corners.as_flattened().iter().fold(0, mix) >> 48) as usize];
+            let count = &mut counts[slot_of(corners.into_iter().flatten().map(f32::to_bits))];
             *count += 1;
             *count as usize > most
         })

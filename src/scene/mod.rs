@@ -23,7 +23,7 @@ pub(crate) mod polygon;
 mod pose_changes;
 mod primitives;
 mod recording;
-mod repeats;
+pub(crate) mod repeats;
 pub(crate) mod tangents;
 pub(crate) mod texture;
 mod texture_use;

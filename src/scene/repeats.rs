@@ -12,6 +12,15 @@ const MOST: u32 = 8;
 /// How many triangles may have the same hash before they are compared, besides those that have it by chance.
 const UNSUSPECTED: u32 = 64;
 
+/// Slots of [`slot_of`].
+pub(crate) const SLOTS: usize = 1 << 16;
+
+/// A slot for a value of these bits: many in one slot are suspected to be equal, without a map of all.
+pub(crate) fn slot_of(bits: impl IntoIterator<Item = u32>) -> usize {
+    let mix = |hash: u64, bits: u32| (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (bits.into_iter().fold(0, mix) >> 48) as usize
+}
+
 impl Mesh {
     /// Removes triangles of which there are many with the same corners and material.
     pub(crate) fn drop_repeated_triangles(&mut self) {
@@ -23,10 +32,9 @@ impl Mesh {
         };
         let slot = |triangle: usize| {
             let (corners, material) = key(triangle);
-            let mix = |hash: u64, bits: &u32| (hash ^ u64::from(*bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            (corners.as_flattened().iter().fold(u64::from(material), mix) >> 48) as usize
+            slot_of(std::iter::once(material).chain(corners.into_iter().flatten()))
         };
-        let mut counts = vec![0u32; 1 << 16];
+        let mut counts = vec![0u32; SLOTS];
         (0..self.triangles.len()).for_each(|triangle| counts[slot(triangle)] += 1);
         let limit = UNSUSPECTED + (self.triangles.len() >> 14) as u32;
         if counts.iter().all(|&count| count <= limit) {
