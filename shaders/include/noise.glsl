@@ -6,18 +6,7 @@ layout(constant_id = 1) const uint WHITE_NOISE = 0u;
 const uint NOISE_SIDE = 64u;
 const uint NOISE_FRAMES = 32u;
 
-// Hashes of three words (Jarzynski and Olano 2020, pcg3d).
-uvec3 pcg3d(uvec3 v) {
-    v = v * 1664525u + 1013904223u;
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v ^= v >> 16u;
-    v.x += v.y * v.z;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    return v;
-}
+#include "pcg.glsl"
 
 vec2 unit_of(uvec2 bits) { return vec2(bits >> 8u) * exp2(-24.0); }
 

@@ -50,6 +50,9 @@ settings! {
     /// Temporal sets rendered again in a frame beyond the one whose turn it is, while much of the light has changed since they
     /// were rendered. More: less noise after a change, at as many times more rays.
     "refresh" refresh: u32 = 1, whole("N", 0, 63);
+    /// Turns of a set before its newest that its light is the mean of, at most; fewer where much has changed; 0: none, as in Tonna
+    /// 2019. More: less noise, and softer edges of shadows in motion. Any costs the same.
+    "vpls_history" longest_history: u32 = 8, whole("N", 0, 30);
     /// Upper bound of the geometry term 1/d^2, in units of one over the squared median distance from a VPL to its parent, so that
     /// it suits a scene of any size; 0 switches it off. Short rays bring back what it takes away. Less: fewer bright spots in
     /// corners, but more noise of these rays.

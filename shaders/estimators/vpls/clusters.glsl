@@ -32,21 +32,20 @@ layout(push_constant) uniform Push { SamplingPush data; } push_constants;
 SamplingPush push = push_constants.data;
 
 uint weight_index(uvec2 block, uint cluster) {
-    uint columns = push.tiles.x * (TILE / BLOCK);
+    uint columns = push.tiles.x * (TILE / BLOCK) + 1u;
     return (block.y * columns + block.x) * CLUSTERS + cluster;
 }
 
-// A number in [0, 1) for each texel, well spread among neighbours (the R2 sequence of Roberts 2018), over sets, and over uses.
+// A number in [0, 1) for each texel, well spread among neighbours (the R2 sequence of Roberts 2018), over sets, turns, and uses.
 float shift_of(uvec2 texel, uint use) {
-    return fract(dot(vec2(texel), vec2(0.7548776662, 0.5698402910)) + 0.6180339887 * float(vpl.layer) + 0.41421356 * float(use));
+    return fract(dot(vec2(texel), vec2(0.7548776662, 0.5698402910)) + 0.6180339887 * float(vpl.layer)
+        + 0.41421356 * float(vpl.cycle) + 0.73205081 * float(use));
 }
 
-// The tile that tells a texel what it sees: its own or one beside it, the nearer the more often, so that no edges are seen.
-uvec2 tile_of(uvec2 texel) {
-    vec2 jitter = vec2(shift_of(texel, 11u), shift_of(texel.yx + 5u, 13u)) - 0.5;
-    vec2 tile = floor((vec2(texel) + 0.5) / float(TILE) + jitter);
-    return uvec2(clamp(tile, vec2(0.0), vec2(push.tiles) - 1.0));
-}
+// How far the blocks lie before the first texel: elsewhere in each set and turn, so that their edges are not seen.
+ivec2 block_offset() { return ivec2(uvec2(3u, 5u) * vpl.layer + uvec2(5u, 2u) * vpl.cycle) % int(BLOCK); }
+
+uvec2 block_of(uvec2 texel) { return (texel + uvec2(block_offset())) / BLOCK; }
 
 // Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may bring something.
 float importance(VplCluster cluster, Surface surface) {

@@ -2,21 +2,28 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // The discontinuity filter (Wald et al. 2002): the mean irradiance of the texels of an n x n pixel window that lie on
-// the surface of the texel in the middle. Out: the layer of the set, rgb: scaled irradiance; then view depth.
+// the surface of the texel in the middle. It is averaged with what the set buffer holds of that surface from the set's turns before.
+// Out: the layer of the set, rgb: scaled irradiance; then view depth and the number of draws.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#define VPLS_BINDING 3
+#include "scene_set.glsl"
+#define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
 #include "same_surface.glsl"
+#include "pcg.glsl"
+#define SET_BUFFERS_BINDING 6
+#define SET_BUFFERS_WRITTEN
+#include "set_buffers.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
-layout(set = 0, binding = 5, rgba32f) uniform readonly image2D sampled_irradiance;
-layout(set = 0, binding = 6, rgba16ui) uniform writeonly uimage2DArray set_buffers;
+layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
+layout(set = 0, binding = 9, rgba32f) uniform readonly image2D sampled_irradiance;
 #include "surface.glsl"
+#include "slope.glsl"
 
 layout(constant_id = 0) const uint INTERLEAVE = 4u; // n
 layout(constant_id = 1) const uint SET_STEP = 2u;   // pixels from one texel of the set buffers to the next
@@ -30,10 +37,11 @@ float weight_at(int place) {
     return abs(place) == RADIUS ? end : 1.0;
 }
 
-// Mean over the window around a texel.
-vec3 filtered(ivec2 middle, Surface centre) {
+// Mean over the window around a texel; a: that of the share of the light whose occlusion may have changed.
+vec4 filtered(ivec2 middle, Surface centre) {
     ivec2 extent = ivec2(set_extent(frame.size, SET_STEP));
     vec4 sum = vec4(0.0);
+    float weights = 0.0;
     for (int y = -RADIUS; y <= RADIUS; y++) {
         for (int x = -RADIUS; x <= RADIUS; x++) {
             ivec2 texel = middle + ivec2(x, y);
@@ -45,16 +53,35 @@ vec3 filtered(ivec2 middle, Surface centre) {
             bool finite = !any(isnan(sampled.rgb)) && !any(isinf(sampled.rgb));
             bool same = finite && sampled.a > 0.0 && dot(octahedral_decode(normals.xy), centre.shading) >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
-            if (same) sum += weight_at(x) * weight_at(y) * vec4(min(sampled.rgb, MAX_STORED), 1.0);
+            if (!same) continue;
+            float weight = weight_at(x) * weight_at(y);
+            sum += weight * vec4(min(sampled.rgb, MAX_STORED), share_in(sampled.a));
+            weights += weight;
         }
     }
-    return sum.rgb / max(sum.a, 1e-6);
+    return sum / max(weights, 1e-6);
+}
+
+// The mean of the draws of all turns, in which those before count as long as little has changed; a: how many.
+vec4 accumulated(vec4 drawn, ivec2 pixel, Surface centre) {
+    vec4 before = vec4(0.0);
+    if (vpl.longest_history > 0.0) {
+        uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
+        ObjectPoint point = to_object(instance, centre.position, centre.geometric);
+        if (!look_up(vpl.layer, point, slope_at(pixel, centre), before)) before = vec4(0.0);
+    }
+    // As LAG in src/estimators/vpls/staleness.rs.
+    float longest = min(vpl.longest_history, max(0.25 / max(drawn.a, 1e-6) - 1.0, 0.0));
+    float draws = min(before.a, longest);
+    return vec4((drawn.rgb + draws * before.rgb * vpl.irradiance_scale) / (draws + 1.0), draws + 1.0);
 }
 
 void main() {
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(uvec2(texel), set_extent(frame.size, SET_STEP)))) return;
-    Surface centre = surface_at(representative(texel, SET_STEP, vpl.representative, frame.size));
-    vec3 irradiance = centre.depth > 0.0 ? filtered(texel, centre) : vec3(0.0);
-    imageStore(set_buffers, ivec3(texel, vpl.layer), pack_texel(irradiance, centre.depth));
+    ivec2 pixel = representative(texel, SET_STEP, vpl.representative, frame.size);
+    Surface centre = surface_at(pixel);
+    vec4 irradiance = centre.depth > 0.0 ? accumulated(filtered(texel, centre), pixel, centre) : vec4(0.0);
+    vec3 random = vec3(pcg3d(uvec3(texel, vpl.cycle * 64u + vpl.layer)) >> 8u) * exp2(-24.0);
+    imageStore(set_buffers, ivec3(texel, vpl.target), pack_texel(irradiance.rgb, centre.depth, irradiance.a, random));
 }

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
-// set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves.
+// set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves; where
+// none of them has seen it either, from the surfaces around.
 // Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -60,6 +61,25 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
+// What is known of the surfaces around that are most like the pixel's, by place and normal: rather another's light than none.
+vec4 around(ivec2 pixel, Surface surface) {
+    ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
+    float footprint = surface.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 16; i++) {
+        ivec2 texel = clamp(pixel / 2 + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
+        vec4 coarse = imageLoad(coarse_irradiance, texel);
+        Surface other = surface_at(2 * texel);
+        if (other.depth <= 0.0 || coarse.a <= 0.0) continue;
+        vec3 d = (other.position - surface.position) / footprint;
+        float weight = (max(dot(other.shading, surface.shading), 0.0) + 0.05) / (1.0 + dot(d, d));
+        sum += weight * coarse;
+        weights += weight;
+    }
+    return sum / max(weights, 1e-12);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
@@ -69,6 +89,7 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
+        if (sum.a <= 0.0 && sets.set_step == 2u) sum = around(pixel, surface);
     }
     imageStore(irradiance, pixel, storable(sum));
 }

@@ -4,16 +4,21 @@
 // Most irradiance, scaled, that a texel holds: an infinity would stay in a history.
 const float MAX_STORED = 65408.0;
 
-// A texel: irradiance as three mantissas of 9 bits and their exponent (Ward 1991; Vulkan's E5B9G9R9), then all bits of the depth.
-uvec4 pack_texel(vec3 irradiance, float depth) {
+// Most draws that a texel counts: the low bits of the depth, which leaves that 18 bits of mantissa.
+const uint MOST_DRAWS = 31u;
+
+// A texel: irradiance as three mantissas of 9 bits and their exponent (Ward 1991; Vulkan's E5B9G9R9), rounded at random, as a mean over
+// many draws changes by less than a step; then the depth, and how many draws the irradiance is the mean of.
+uvec4 pack_texel(vec3 irradiance, float depth, float draws, vec3 random) {
     irradiance = clamp(irradiance, 0.0, MAX_STORED);
     float largest = max(max(irradiance.r, irradiance.g), irradiance.b);
     int exponent = clamp(int(floor(log2(max(largest, 1e-30)))) + 1, -15, 16);
     // Rounding may reach the next power of two.
-    if (largest * exp2(float(9 - exponent)) >= 511.5) exponent = min(exponent + 1, 16);
-    uvec3 mantissas = min(uvec3(irradiance * exp2(float(9 - exponent)) + 0.5), uvec3(511u));
+    if (largest * exp2(float(9 - exponent)) >= 511.0) exponent = min(exponent + 1, 16);
+    uvec3 mantissas = min(uvec3(irradiance * exp2(float(9 - exponent)) + random), uvec3(511u));
     uint packed = mantissas.r | mantissas.g << 9 | mantissas.b << 18 | uint(exponent + 15) << 27;
-    uint bits = floatBitsToUint(depth);
+    uint bits = floatBitsToUint(depth) & ~MOST_DRAWS;
+    if (depth > 0.0) bits |= min(uint(draws + 0.5), MOST_DRAWS);
     return uvec4(packed & 0xffffu, packed >> 16, bits & 0xffffu, bits >> 16);
 }
 
@@ -21,8 +26,18 @@ uvec4 pack_texel(vec3 irradiance, float depth) {
 vec4 unpack_texel(uvec4 texel) {
     uint packed = texel.x | texel.y << 16;
     vec3 mantissas = vec3(uvec3(packed, packed >> 9, packed >> 18) & 511u);
-    return vec4(mantissas * exp2(float(packed >> 27) - 24.0), uintBitsToFloat(texel.z | texel.w << 16));
+    return vec4(mantissas * exp2(float(packed >> 27) - 24.0), uintBitsToFloat((texel.z | texel.w << 16) & ~MOST_DRAWS));
 }
+
+// A depth whose low bits hold a share from 0 to 1.
+float depth_with_share(float depth, float share) {
+    uint bits = floatBitsToUint(depth) & ~MOST_DRAWS;
+    return uintBitsToFloat(depth > 0.0 ? bits | uint(clamp(share, 0.0, 1.0) * float(MOST_DRAWS) + 0.5) : 0u);
+}
+
+float share_in(float depth) { return float(floatBitsToUint(depth) & MOST_DRAWS) / float(MOST_DRAWS); }
+
+float draws_of(uvec4 texel) { return float(texel.z & MOST_DRAWS); }
 
 uvec2 set_extent(uvec2 size, uint set_step) { return (size + set_step - 1u) / set_step; }
 

@@ -1,9 +1,13 @@
 // The set buffers, and the lookup of a surface in them. Needs frame.glsl, scene_set.glsl, vpls.glsl, same_surface.glsl
 // and representative.glsl.
-// Define SET_BUFFERS_BINDING before including: it and the next two are taken. Twins: SetParameters, SetPush in
+// Define SET_BUFFERS_BINDING before including: it and the next are taken; and SET_BUFFERS_WRITTEN where the pass writes them, too. Twins: SetParameters, SetPush in
 // src/estimators/vpls/set_buffers.rs.
 
+#ifdef SET_BUFFERS_WRITTEN
+layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16ui) uniform uimage2DArray set_buffers;
+#else
 layout(set = 0, binding = SET_BUFFERS_BINDING, rgba16ui) uniform readonly uimage2DArray set_buffers;
+#endif
 // For each set its SetParameters, then three rows for each instance: from object space to the space of the set's camera.
 layout(set = 0, binding = SET_BUFFERS_BINDING + 1) uniform utextureBuffer set_views;
 
@@ -26,6 +30,7 @@ struct SetParameters {
     float flux;  // luminous, of the set
     float tan_y; // tangent of half the vertical field of view of the camera that rendered it
     uvec2 offset; // of the representative
+    int layer;    // of the set buffers
 };
 
 int first_row(uint set) { return int(set * (3u * sets.instance_count + 1u)); }
@@ -33,7 +38,7 @@ int first_row(uint set) { return int(set * (3u * sets.instance_count + 1u)); }
 SetParameters set_at(uint set) {
     uvec4 texel = texelFetch(set_views, first_row(set));
     vec3 floats = uintBitsToFloat(texel.xyz);
-    return SetParameters(floats.x, floats.y, floats.z, uvec2(texel.w & 1u, texel.w >> 1));
+    return SetParameters(floats.x, floats.y, floats.z, uvec2(texel.w & 1u, texel.w >> 1 & 1u), int(texel.w >> 2));
 }
 
 // A point of an instance's surface in its object space; the normal of any length.
@@ -67,9 +72,9 @@ ViewPoint to_view(uint set, ObjectPoint point) {
     return view;
 }
 
-// Irradiance of a set where its camera saw the point, bilinear among the texels on its surface, which leaves its plane by at
+// Irradiance of a set, and how many draws it is the mean of, where its camera saw the point, bilinear among the texels on its surface, which leaves its plane by at
 // most `slope`, see slope.glsl; false where it did not.
-bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
+bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     SetParameters parameters = set_at(set);
     ViewPoint point = to_view(set, surface);
     vec3 p = point.position;
@@ -94,12 +99,14 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
     vec2 high_weight = mix(vec2(0.0), part, equal(vec2(high), base + 1.0));
     vec4 weight = vec4(low_weight.x, high_weight.x, low_weight.x, high_weight.x)
         * vec4(low_weight.yy, high_weight.yy);
-    int layer = int(set);
-    vec4 stored[4] = vec4[](
-        unpack_texel(imageLoad(set_buffers, ivec3(low, layer))),
-        unpack_texel(imageLoad(set_buffers, ivec3(high.x, low.y, layer))),
-        unpack_texel(imageLoad(set_buffers, ivec3(low.x, high.y, layer))),
-        unpack_texel(imageLoad(set_buffers, ivec3(high, layer))));
+    int layer = parameters.layer;
+    uvec4 texels[4] = uvec4[](
+        imageLoad(set_buffers, ivec3(low, layer)),
+        imageLoad(set_buffers, ivec3(high.x, low.y, layer)),
+        imageLoad(set_buffers, ivec3(low.x, high.y, layer)),
+        imageLoad(set_buffers, ivec3(high, layer)));
+    vec4 stored[4] = vec4[](unpack_texel(texels[0]), unpack_texel(texels[1]), unpack_texel(texels[2]), unpack_texel(texels[3]));
+    vec4 draws = vec4(draws_of(texels[0]), draws_of(texels[1]), draws_of(texels[2]), draws_of(texels[3]));
 
     // Keep those whose surfaces, from their depths, are the point's.
     vec4 depths = vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a);
@@ -117,8 +124,8 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec3 irradiance) {
         & uvec4(lessThanEqual(distances, vec4(cutoff))));
     weight = mix(vec4(0.0), weight, same);
     float weights = weight.x + weight.y + weight.z + weight.w;
-    irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
-    irradiance *= parameters.scale / max(weights, 1e-6);
+    vec3 irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
+    found = vec4(irradiance * parameters.scale, dot(weight, draws)) / max(weights, 1e-6);
     return parameters.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 
@@ -133,8 +140,9 @@ vec4 sum_of_sets(uint instance, vec3 position, vec3 normal, float slope, out flo
     float weights = 0.0;
     vec3 moments = vec3(0.0); // of the weights, the luminance, its square
     for (uint set = 0u; set < sets.set_count; set++) {
-        vec3 irradiance;
-        if (!look_up(set, point, slope, irradiance)) continue;
+        vec4 found;
+        if (!look_up(set, point, slope, found)) continue;
+        vec3 irradiance = found.rgb;
         float weight = scaled ? set_weight(set) : 1.0;
         float light = luminance(irradiance);
         sum += vec4(weight * irradiance, 1.0);

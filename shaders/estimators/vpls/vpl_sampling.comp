@@ -4,7 +4,7 @@
 // Irradiance of each texel of the set buffers from the VPLs of the set, of which it samples a few, with one occlusion ray each:
 // first a cluster, by about what it brings and how likely it is seen, then a VPL of the cluster, by what it brings to the very
 // surface, unoccluded (Estevez and Kulla 2018, with a tree of two levels). Out: rgb: scaled irradiance, an unbiased
-// estimate of that of the set; a: view depth.
+// estimate of that of the set; a: view depth, and the share of the light whose occlusion may have changed since the set's last turn.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #define VPLS_BINDING 3
@@ -31,62 +31,106 @@ shared float weights_of_block[CLUSTERS];
 float cluster_weight(uint place) { return weights_of_block[place]; }
 #include "sample_vpl.glsl"
 
+// How likely a block sees a cluster: by what the tiles around it see, the nearer the more (a quadratic B-spline).
+float visibility_of(ivec2 first, uint index) {
+    vec2 at = (vec2(first) + 0.5 * float(BLOCK)) / float(TILE);
+    ivec2 middle = ivec2(floor(at));
+    vec2 f = at - vec2(middle) - 0.5;
+    vec2 axis[3] = vec2[](0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f));
+    float seen = 0.0;
+    for (int i = 0; i < 9; i++) {
+        ivec2 tile = clamp(middle + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(push.tiles) - 1);
+        float weight = axis[i % 3].x * axis[i / 3].y;
+        seen += weight * cluster_visibility.data[(tile.y * push.tiles.x + tile.x) * CLUSTERS + index];
+    }
+    // So few rays tell little: the mean of what is likely, from an uninformed guess (Jeffreys 1946).
+    return 0.5 * (seen + 0.5);
+}
+
 // Surfaces of a block that its weights are taken from.
 const uint SURFACES = 3u;
 
-// How much the texels of a block sample a cluster: by about what it brings to a few of their surfaces, and how likely the tile sees it.
-float weight_of(uvec2 block, uint index) {
+// How much the texels of a block sample a cluster: by about what it brings to a few of their surfaces, and how likely they see it.
+float weight_of(ivec2 first, uint index) {
     VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + index];
-    uvec2 first = block * BLOCK;
+    ivec2 last = ivec2(set_extent(frame.size, push.set_step)) - 1;
     float sum = 0.0;
     float found = 0.0;
     // Other texels in every set; where they have no surface, the next ones that have.
     for (uint i = 0u; i < BLOCK * BLOCK && found < float(SURFACES); i++) {
         uint place = (i * 27u + vpl.layer * 5u) % (BLOCK * BLOCK);
-        ivec2 texel = ivec2(first + uvec2(place % BLOCK, place / BLOCK));
+        ivec2 texel = clamp(first + ivec2(place % BLOCK, place / BLOCK), ivec2(0), last);
         Surface surface = surface_at(representative(texel, push.set_step, vpl.representative, frame.size));
         if (surface.depth <= 0.0) continue;
         sum += importance(cluster, surface);
         found += 1.0;
     }
-    // Tiles give way to one another by chance, so that no edges are seen.
-    uvec2 tile = tile_of(first + BLOCK / 2u);
-    float visibility = cluster_visibility.data[(tile.y * push.tiles.x + tile.x) * CLUSTERS + index];
-    return cluster.count > 0u ? sum / max(found, 1.0) * visibility : 0.0;
+    return cluster.count > 0u ? sum / max(found, 1.0) * visibility_of(first, index) : 0.0;
 }
 
-vec3 estimate(Surface surface, uvec2 texel, inout uint rays) {
+// What the samples of a texel ask for, and how much of it crosses a place where something has moved; luminances.
+struct Asked {
+    float all;
+    float changed;
+};
+
+vec3 gather_noting(Surface surface, GpuVpl light, float weight, inout Asked asked, inout uint rays) {
+    if (vpl_uniforms.data.moved[0].exists > 0.0) {
+        float share = weight * luminance(unshadowed_irradiance(light, surface.position, surface.shading));
+        vec3 origin = ray_origin(surface);
+        asked.all += share;
+        if (crosses_moved(origin, ray_to(light, origin))) asked.changed += share;
+    }
+    return gather(surface, light, rays) * weight;
+}
+
+vec3 estimate(Surface surface, uvec2 texel, inout Asked asked, inout uint rays) {
     BlockWeights weights = weights_from(0u);
     float shift = shift_of(texel, 0u);
     vec3 sum = vec3(0.0);
     for (uint i = push.first_sample; i < push.end_sample; i++) {
         SampledVpl sampled = sample_vpl(weights, surface, (float(i) + shift) / float(push.samples));
         if (sampled.inverse_probability <= 0.0) continue;
-        vec3 brought = gather(surface, vpls.data[vpl.first_vpl + sampled.index], rays) * sampled.inverse_probability;
-        sum += bounded(brought, weights);
+        GpuVpl light = vpls.data[vpl.first_vpl + sampled.index];
+        sum += bounded(gather_noting(surface, light, sampled.inverse_probability, asked, rays), weights);
     }
     return sum / float(push.samples);
 }
 
+vec3 gather_all(Surface surface, inout Asked asked, inout uint rays) {
+    vec3 sum = vec3(0.0);
+    for (uint i = push.first_sample; i < push.end_sample; i++) {
+        sum += gather_noting(surface, vpls.data[vpl.first_vpl + i], 1.0, asked, rays);
+    }
+    return sum;
+}
+
 void main() {
     // A workgroup is a block, and has a thread for each cluster.
+    ivec2 first = ivec2(gl_WorkGroupID.xy * BLOCK) - block_offset();
     if (push.samples > 0u || vpl.geometry_bound > 0.0) {
         uint index = gl_LocalInvocationIndex;
-        weights_of_block[index] = weight_of(gl_WorkGroupID.xy, index);
+        weights_of_block[index] = weight_of(first, index);
         cluster_weights.data[weight_index(gl_WorkGroupID.xy, index)] = weights_of_block[index];
     }
     barrier();
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(uvec2(texel), set_extent(frame.size, push.set_step)))) return;
+    ivec2 texel = first + ivec2(gl_LocalInvocationID.xy);
+    ivec2 extent = ivec2(set_extent(frame.size, push.set_step));
+    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, extent))) return;
     Surface surface = surface_at(representative(texel, push.set_step, vpl.representative, frame.size));
     vec3 irradiance = vec3(0.0);
+    Asked asked = Asked(0.0, 0.0);
     uint rays = 0u;
-    if (surface.depth > 0.0 && push.samples > 0u) irradiance = estimate(surface, uvec2(texel), rays);
-    for (uint i = push.first_sample; surface.depth > 0.0 && push.samples == 0u && i < push.end_sample; i++) {
-        irradiance += gather(surface, vpls.data[vpl.first_vpl + i], rays);
+    if (surface.depth > 0.0) {
+        irradiance = push.samples > 0u ? estimate(surface, uvec2(texel), asked, rays) : gather_all(surface, asked, rays);
     }
     irradiance *= vpl.irradiance_scale;
-    if (push.first_sample > 0u) irradiance += imageLoad(sampled_irradiance, texel).rgb;
-    imageStore(sampled_irradiance, texel, vec4(irradiance, surface.depth));
+    float changed = asked.changed / max(asked.all, 1e-30);
+    if (push.first_sample > 0u) {
+        vec4 before = imageLoad(sampled_irradiance, texel);
+        irradiance += before.rgb;
+        changed = max(changed, share_in(before.a));
+    }
+    imageStore(sampled_irradiance, texel, vec4(irradiance, depth_with_share(surface.depth, changed)));
     count_rays(rays);
 }

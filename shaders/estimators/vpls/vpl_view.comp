@@ -51,7 +51,7 @@ vec3 share_colour(float share) {
 vec3 set_buffer(ivec2 pixel) {
     SetParameters parameters = set_at(sets.shown_set);
     ivec2 texel = ivec2((vec2(pixel) + 0.5) / vec2(frame.size) * vec2(set_extent(sets.size, sets.set_step)));
-    vec4 stored = unpack_texel(imageLoad(set_buffers, ivec3(texel, sets.shown_set)));
+    vec4 stored = unpack_texel(imageLoad(set_buffers, ivec3(texel, parameters.layer)));
     return parameters.scale > 0.0 ? lit(stored.rgb * parameters.scale * float(sets.set_count)) : MISSING;
 }
 
@@ -65,8 +65,8 @@ vec3 unfiltered(ivec2 pixel) {
 vec3 set_reprojected(ivec2 pixel, uint instance) {
     Surface surface = surface_at(pixel);
     ObjectPoint point = to_object(instance, surface.position, surface.geometric);
-    vec3 found;
-    return look_up(sets.shown_set, point, slope_at(pixel, surface), found) ? lit(found * float(sets.set_count)) : MISSING;
+    vec4 found;
+    return look_up(sets.shown_set, point, slope_at(pixel, surface), found) ? lit(found.rgb * float(sets.set_count)) : MISSING;
 }
 
 vec3 surface_view(ivec2 pixel, uint instance) {

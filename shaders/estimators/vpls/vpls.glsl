@@ -1,6 +1,15 @@
 // VPLs, and what one sends to a point. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
 // Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl in src/estimators/vpls/manager/mod.rs.
 
+// A box that an instance has swept. Twin: src/estimators/vpls/moved.rs.
+struct MovedBox {
+    vec3 low;
+    float exists; // 1: there is a box
+    vec3 high;
+    float pad;
+};
+const uint MOST_BOXES = 8u;
+
 struct VplUniforms {
     float geometry_bound;   // c, 1/m^2; 0: none
     float irradiance_scale; // images hold irradiance times this
@@ -10,10 +19,11 @@ struct VplUniforms {
     uint layer;             // of the set buffers, for the set
     uvec2 representative;   // see representative.glsl
     uint bounces;           // of a path, at most
-    uint pad0;
-    uint pad1;
-    uint pad2;
+    uint cycle;             // turns that the set has had
+    uint target;            // layer of the set buffers that its turn writes
+    float longest_history;  // draws of its turns before that count, at most
     vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was rendered
+    MovedBox moved[MOST_BOXES]; // since the set was last rendered; those that exist come first
 };
 
 struct GpuVpl {
@@ -45,6 +55,19 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     float cosines = max(dot(n, d), 0.0) * max(-dot(light.normal, d), 0.0) * inverse;
     float bound = bound_of(light);
     return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
+}
+
+// Whether a ray crosses a place where an instance has moved, so that its occlusion may have changed.
+bool crosses_moved(vec3 origin, vec4 ray) {
+    vec3 inverse = 1.0 / ray.xyz;
+    for (uint i = 0u; i < MOST_BOXES && vpl_uniforms.data.moved[i].exists > 0.0; i++) {
+        vec3 a = (vpl_uniforms.data.moved[i].low - origin) * inverse;
+        vec3 b = (vpl_uniforms.data.moved[i].high - origin) * inverse;
+        vec3 near = min(a, b);
+        vec3 far = max(a, b);
+        if (max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, ray.w))) return true;
+    }
+    return false;
 }
 
 // Of the occlusion ray from a surface to the VPL the direction and, in w, the t at which it ends.

@@ -6,6 +6,7 @@
 use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::IndirectShadingPass;
 use super::indirect_shadows::IndirectShadowsPass;
+use super::moved::Moved;
 use super::set_buffers::{SetBuffers, set_step};
 use super::staleness::Staleness;
 use super::vpl_buffer::VplBuffer;
@@ -57,6 +58,7 @@ impl Vpls {
         }
         if new.vpl.temporal_sets != old.vpl.temporal_sets || path_key(new) != path_key(old) {
             self.staleness = Staleness::new(new.vpl.temporal_sets);
+            self.moved = Moved::new(context.world.scene, new.vpl.temporal_sets);
         }
         if path_key(new) == path_key(old) {
             self.manager.set_budget(new.vpl.budget);

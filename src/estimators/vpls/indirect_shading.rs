@@ -1,11 +1,12 @@
-//! `indirect_shading`: the discontinuity filter, which joins what the texels of a window have rendered, and writes the set buffer.
+//! `indirect_shading`: the discontinuity filter, which joins what the texels of a window have rendered, and averages it with what the
+//! set buffer holds of the turns before.
 
 use std::sync::Arc;
 
 use super::set_buffers::{SetBuffers, set_step};
 use super::vpl_buffer::UploadedSet;
 use crate::passes::frame_inputs::FrameInputs;
-use crate::settings::VplSettings;
+use crate::settings::{MissingSets, VplSettings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders};
 
 /// The pass.
@@ -32,8 +33,11 @@ impl IndirectShadingPass {
     ) -> Result<(), VulkanError> {
         let pass = inputs
             .bind(frame.pass("discontinuity_filter", &self.filter))
+            .read("gbuffer_instance", &inputs.gbuffer.instance)
             .read("sampled_irradiance", sampled_irradiance)
-            .write("set_buffers", sets.buffers());
+            .write("set_buffers", sets.buffers())
+            .read("set_views", sets.views())
+            .push(&sets.push(MissingSets::Dark, &[]));
         set.bind(pass).dispatch_over(sets.buffers().extent())
     }
 }

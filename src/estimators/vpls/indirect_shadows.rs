@@ -16,6 +16,8 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, 
 
 /// Rays of a texel in one dispatch, at most: watchdogs of GPUs end long ones.
 const MOST_RAYS: u32 = 32;
+/// VPLs that a texel samples at least, where its share of `--vpls` is no less.
+const LEAST_SAMPLES: f32 = 2.0;
 /// Texels of a tile in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
 const TILE: u32 = 16;
 /// Texels of a block in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
@@ -76,7 +78,8 @@ impl IndirectShadowsPass {
         let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
         let step = set_step(&settings.vpl);
         let extent = settings.size.map(|side| side.div_ceil(step));
-        let tiles: u64 = extent.map(|side| u64::from(side.div_ceil(TILE))).iter().product();
+        let tiles = extent.map(|side| u64::from(side.div_ceil(TILE)));
+        let blocks = tiles.map(|tiles| tiles * u64::from(TILE / BLOCK) + 1);
         Ok(Self {
             visibility,
             sampling,
@@ -87,9 +90,9 @@ impl IndirectShadowsPass {
             cluster_weights: Buffer::new(
                 device,
                 "cluster_weights",
-                tiles * u64::from(TILE / BLOCK).pow(2) * CLUSTERS as u64 * 4,
+                blocks[0] * blocks[1] * CLUSTERS as u64 * 4,
             )?,
-            cluster_visibility: Buffer::new(device, "cluster_visibility", tiles * CLUSTERS as u64 * 4)?,
+            cluster_visibility: Buffer::new(device, "cluster_visibility", tiles[0] * tiles[1] * CLUSTERS as u64 * 4)?,
             // 32 bits: many dispatches may add to it.
             irradiance: storage_image(device, "sampled_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
         })
@@ -131,7 +134,8 @@ impl IndirectShadowsPass {
                 .write("sampled_irradiance", &self.irradiance)
                 .write("ray_counters", &*set.ray_counters)
                 .push(&push);
-            set.bind(pass).dispatch_over(extent)?;
+            // Blocks may lie before the first texel.
+            set.bind(pass).dispatch_over(extent.map(|side| side + BLOCK - 1))?;
         }
 
         if self.bounded {
@@ -187,7 +191,8 @@ pub(crate) fn samples(settings: &VplSettings, vpls: u32, hit_share: f32) -> u32 
         return vpls;
     }
     let more = if set_step(settings) > 1 { 1.5 } else { 1.0 };
-    (each * more * hit_share).round().max(1.0) as u32
+    // A single one a texel is the noisiest for what it costs.
+    (each * more * hit_share).round().max(each.min(LEAST_SAMPLES)).max(1.0) as u32
 }
 
 /// The dispatches that sample so many of a set's VPLs: at least one, so that an empty set gives black.

@@ -16,6 +16,7 @@ mod indirect_shadows;
 mod inspect;
 pub mod manager;
 mod method;
+mod moved;
 mod passes;
 mod path_lines;
 mod set_buffers;
@@ -49,6 +50,7 @@ use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 use hit_light::HitLightPass;
+use moved::{MOST_BOXES, Moved, MovedBox};
 pub(crate) use indirect_shadows::samples;
 use passes::Passes;
 use path_lines::PathView;
@@ -73,6 +75,8 @@ pub struct Vpls {
     instances: usize,
     /// What has changed since each set was rendered.
     staleness: Staleness,
+    /// Where instances have moved since.
+    moved: Moved,
     /// What the frame is to render.
     frame_set: FrameSet,
     passes: Passes,
@@ -90,12 +94,24 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
-    /// The VPLs of that set, and of those to redraw before their turn.
-    rendered: Vec<(u32, Vec<GpuVpl>)>,
+    /// Its turn, after those of sets to render before their time.
+    rendered: Vec<Turn>,
     /// Luminous flux of each set.
     flux: Vec<f32>,
     /// The VPL to look at, and what its light is multiplied by.
     single: (Option<GpuVpl>, f32),
+}
+
+/// A set that the frame renders.
+struct Turn {
+    set: u32,
+    vpls: Vec<GpuVpl>,
+    /// Turns of the set before.
+    cycle: u32,
+    /// Draws of these that count, at most.
+    longest_history: f32,
+    /// Where instances have moved since the last one.
+    moved: [MovedBox; MOST_BOXES],
 }
 
 /// The passes of a view, made when they are first needed.
@@ -119,6 +135,7 @@ impl Vpls {
             scene_radius: context.scene_radius,
             instances,
             staleness: Staleness::new(context.settings.vpl.temporal_sets),
+            moved: Moved::new(context.world.scene, context.settings.vpl.temporal_sets),
             frame_set: FrameSet::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
@@ -165,9 +182,17 @@ impl Estimator for Vpls {
         let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
         self.staleness.advance(&self.manager, self.median_segment_length);
         let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
-        let rendered: Vec<_> =
-            rerendered.into_iter().chain([set]).map(|set| (set, self.manager.set_vpls(world, set))).collect();
-        for (set, _) in &rendered {
+        let longest = self.settings.vpl.longest_history;
+        self.moved.advance(world.scene, world.pose);
+        let turn = |set| Turn {
+            set,
+            vpls: self.manager.set_vpls(world, set),
+            cycle: self.staleness.turns(set),
+            longest_history: self.staleness.history(set, longest),
+            moved: self.moved.take(set),
+        };
+        let rendered: Vec<_> = rerendered.into_iter().chain([set]).map(turn).collect();
+        for Turn { set, .. } in &rendered {
             self.staleness.mark_rendered(*set);
         }
         self.frame_set = FrameSet {
@@ -188,6 +213,9 @@ impl Estimator for Vpls {
     }
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
+        if inputs.clock.is_frozen() {
+            return Ok(());
+        }
         let irradiance_scale = self.irradiance_scale();
         let all = VplUniforms {
             geometry_bound: self.geometry_bound(),
@@ -202,9 +230,17 @@ impl Estimator for Vpls {
         passes.vpls.begin_counting(frame);
         let hit_share = self.manager.hit_share();
         let mut last = None;
-        for (set, vpls) in rendered {
+        for turn @ Turn { set, vpls, .. } in rendered {
             let representative = passes.sets.representative(*set);
-            let uniforms = VplUniforms { layer: *set, representative, ..all };
+            let uniforms = VplUniforms {
+                layer: *set,
+                representative,
+                cycle: turn.cycle,
+                longest_history: turn.longest_history,
+                target: passes.sets.target(),
+                moved: turn.moved,
+                ..all
+            };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
             let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
@@ -282,6 +318,7 @@ impl Estimator for Vpls {
 
     fn change_scene(&mut self, world: World<'_>) {
         self.median_segment_length = median_segment_length(world).unwrap_or(self.scene_radius);
+        self.moved = Moved::new(world.scene, self.settings.vpl.temporal_sets);
         self.manager.change_scene();
     }
 

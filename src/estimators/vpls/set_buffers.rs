@@ -59,8 +59,8 @@ struct SetParameters {
     flux: f32,
     /// Tangent of half the vertical field of view of the camera that rendered it.
     tan_y: f32,
-    /// Bits 0 and 1: offset of the representative.
-    offset: u32,
+    /// Bits 0 and 1: offset of the representative; from bit 2 on its layer.
+    offset_and_layer: u32,
 }
 
 /// What looking a surface up in the sets takes; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
@@ -90,7 +90,7 @@ pub struct SetPush {
 /// The set that a frame renders.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderedSet {
-    /// Its index, and the layer that it goes to.
+    /// Its index.
     pub set: u32,
     /// What its buffer's irradiance is multiplied by.
     pub irradiance_scale: f32,
@@ -100,8 +100,12 @@ pub struct RenderedSet {
 
 /// The set buffers with all that it takes to bring them into another view.
 pub struct SetBuffers {
-    /// A layer a set. rgb: scaled irradiance; a: scaled view depth.
+    /// A layer a set, and one to write while another is read. See shaders/estimators/vpls/representative.glsl.
     buffers: Image,
+    /// The layer that no set has.
+    spare: u32,
+    /// The layer of each set.
+    layers: Vec<u32>,
     /// Of the picture, pixels.
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
@@ -137,8 +141,10 @@ impl SetBuffers {
                 "set_buffers",
                 format,
                 size.map(|side| side.div_ceil(step)),
-                sets,
+                sets + 1,
             )?,
+            spare: sets,
+            layers: (0..sets).collect(),
             size,
             step,
             views: Buffer::with_data(device, "set_views", &vec![Vec4::ZERO; texels])?.with_texels()?,
@@ -150,6 +156,11 @@ impl SetBuffers {
     /// The set buffers.
     pub fn buffers(&self) -> &Image {
         &self.buffers
+    }
+
+    /// What is known of the sets, and where their cameras saw all instances.
+    pub fn views(&self) -> &Buffer {
+        &self.views
     }
 
     /// Pixels from one texel to the next.
@@ -173,7 +184,12 @@ impl SetBuffers {
         if self.step == 1 { [0, 0] } else { OFFSETS[set as usize % 4] }
     }
 
-    /// Notes that this frame renders a set with everything standing as in `pose`.
+    /// The layer that the set to be rendered next is written to.
+    pub fn target(&self) -> u32 {
+        self.spare
+    }
+
+    /// Notes that this frame has rendered a set into [`Self::target`], with everything standing as in `pose`.
     pub fn note(
         &mut self,
         frame: &mut Frame<'_>,
@@ -182,11 +198,13 @@ impl SetBuffers {
     ) -> Result<(), VulkanError> {
         let view = SetView::new(&pose.camera, self.size);
         let [x, y] = self.representative(rendered.set);
+        let rendered_layer = std::mem::replace(&mut self.spare, self.layers[rendered.set as usize]);
+        self.layers[rendered.set as usize] = rendered_layer;
         let parameters = SetParameters {
             scale: 1.0 / rendered.irradiance_scale,
             flux: rendered.flux,
             tan_y: view.rays[1].length(),
-            offset: x | y << 1,
+            offset_and_layer: x | y << 1 | rendered_layer << 2,
         };
         self.flux[rendered.set as usize] = Some(rendered.flux);
         let rows = pose.instances.iter().flat_map(|instance| view.rows(instance));

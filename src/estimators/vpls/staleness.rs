@@ -14,6 +14,8 @@ const RERENDERED: f32 = 0.25;
 const FORGOTTEN: f32 = 0.5;
 /// Weight of a set rendered before everything changed: it still helps where newer sets have not seen the surface.
 const LEAST_WEIGHT: f32 = 0.01;
+/// A mean over turns may lag by this share of all flux.
+const LAG: f32 = 0.25;
 /// A VPL that has moved this far, in typical distances between surfaces that light each other, lights something else.
 const FAR: f32 = 0.25;
 
@@ -22,6 +24,8 @@ const FAR: f32 = 0.25;
 pub struct Staleness {
     /// For each set the sum, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
+    /// For each set how often it was rendered.
+    turns: Vec<u32>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
 }
@@ -29,7 +33,7 @@ pub struct Staleness {
 impl Staleness {
     /// The state before anything is rendered.
     pub fn new(sets: u32) -> Self {
-        Self { changes: vec![0.0; sets as usize], last: Vec::new() }
+        Self { changes: vec![0.0; sets as usize], turns: vec![0; sets as usize], last: Vec::new() }
     }
 
     /// Compares the VPLs with those of the last frame.
@@ -67,6 +71,17 @@ impl Staleness {
     /// Notes that a set is rendered.
     pub fn mark_rendered(&mut self, set: u32) {
         self.changes[set as usize] = 0.0;
+        self.turns[set as usize] += 1;
+    }
+
+    /// How often a set was rendered.
+    pub fn turns(&self, set: u32) -> u32 {
+        self.turns[set as usize]
+    }
+
+    /// How many of the draws that a set holds still count, at most `longest`.
+    pub fn history(&self, set: u32, longest: u32) -> f32 {
+        (LAG / self.changes[set as usize].max(1e-6) - 1.0).clamp(0.0, longest as f32)
     }
 
     /// The weight by which the light of each set counts.

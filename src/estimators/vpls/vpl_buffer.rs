@@ -8,6 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::clusters::{CLUSTERS, VplCluster, clusters_of};
 use super::manager::GpuVpl;
+use super::moved::{MOST_BOXES, MovedBox};
 use crate::gpu_scene::to_u32;
 use crate::settings::VplSettings;
 use crate::vulkan::{Buffer, Device, Frame, Mirror, Pass, Upload, VulkanError};
@@ -41,14 +42,16 @@ pub struct VplUniforms {
     pub representative: [u32; 2],
     /// Bounce limit of a path.
     pub bounces: u32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
+    /// Turns that the set has had.
+    pub cycle: u32,
+    /// Layer of the set buffers that its turn writes.
+    pub target: u32,
+    /// Draws of its turns before that count, at most.
+    pub longest_history: f32,
     /// Weight of each temporal set: the less, the more has changed since it was rendered.
     pub set_weights: [f32; 64],
+    /// Where instances have moved since the set was last rendered.
+    pub moved: [MovedBox; MOST_BOXES],
 }
 
 /// The VPLs of the frame's set in device memory.
@@ -148,10 +151,11 @@ mod tests {
             layer,
             representative,
             bounces,
-            pad0,
-            pad1,
-            pad2,
-            set_weights
+            cycle,
+            target,
+            longest_history,
+            set_weights,
+            moved
         );
         same_layout!(
             shaders::VPL_LIGHT_COMP.software,
