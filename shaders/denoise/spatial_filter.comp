@@ -49,7 +49,7 @@ void main() {
     vec4 middle = imageLoad(noisy, texel);
     float variance = imageLoad(noisy_variance, texel).r;
     if (centre.depth > 0.0 && variance > 0.0) {
-        float tolerance = LUMINANCE_TOLERANCE * sqrt(smooth_variance(texel, extent));
+        float deviation = sqrt(smooth_variance(texel, extent));
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
         float sum_of_variances = variance;
@@ -65,10 +65,13 @@ void main() {
             bool same = depth > 0.0 && tap.a > 0.0
                 && dot(octahedral_decode(normals.xy), centre.shading) >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
+            float tap_variance = imageLoad(noisy_variance, at).r;
+            // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
+            float tolerance = LUMINANCE_TOLERANCE * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
             float weight = same ? weight_at(offset.x) * weight_at(offset.y) * likeness : 0.0;
             sum += weight * vec4(tap.rgb, 1.0);
-            sum_of_variances += weight * weight * imageLoad(noisy_variance, at).r;
+            sum_of_variances += weight * weight * tap_variance;
         }
         middle.rgb = sum.rgb / sum.a;
         variance = sum_of_variances / (sum.a * sum.a);
