@@ -8,8 +8,10 @@ use glam::Vec2;
 
 use crate::scene::Pose;
 
-/// Positions in a pixel that antialiasing goes through.
+/// Positions in a pixel that antialiasing goes through while anything changes, and before it goes on to others in a still scene.
 const JITTERS: u32 = 16;
+/// Pixels of which a still frame stands for one, where samples lie two pixels apart.
+const QUARTERS: u32 = 4;
 
 /// When still frames begin and end.
 #[derive(Clone, Copy, Debug)]
@@ -127,30 +129,40 @@ impl FrameClock {
         self.noise_frame() / self.turns
     }
 
+    /// Which pixel of 2 x 2 a texel of a set of half the resolution stands for, 0 to 3. In a still scene each four frames stand for all,
+    /// and each set in time for all.
+    pub fn quarter(&self) -> u32 {
+        let Some(still) = self.still else { return self.turn() % QUARTERS };
+        // The least number of frames after which a set meets the same pixel again.
+        let period = self.turns << (QUARTERS.trailing_zeros() - self.turns.trailing_zeros().min(2));
+        (still + still / period) % QUARTERS
+    }
+
     /// From the middle of a pixel to where it is sampled, pixels.
     pub fn jitter(&self) -> Vec2 {
         if !self.is_jittered {
             return Vec2::ZERO;
         }
         let Some(still) = self.still else { return jitter((self.frame % u64::from(JITTERS)) as u32) };
-        // In each four cycles a pixel that every fourth set stands for, another in each cycle, is sampled at all positions.
-        let (turn, cycle) = (still % self.turns, still / self.turns);
-        jitter((turn + 2 * cycle + cycle / 8) % JITTERS)
+        // Each pixel of 2 x 2 goes through all positions when its frames come, and so do each 16 frames.
+        let turn = still / QUARTERS;
+        jitter(turn / JITTERS * JITTERS + (turn + self.quarter() * JITTERS / QUARTERS) % JITTERS)
     }
 }
 
-/// One of 16 points of the pixel from -1/2 to 1/2, of which each sixteenth of its width and height has one, and each run of four is
-/// spread over it: the start of the Sobol sequence, scrambled so that the first lies next to the middle. Closer to the integral over
-/// the pixel than so many of the Halton sequence.
+/// A point of the pixel from -1/2 to 1/2: of the Sobol sequence, scrambled so that the first lies next to the middle. Of each run of
+/// 4, 16, 64 ... points all equal parts of the pixel have as many. Closer to the integral over the pixel than the Halton sequence.
 fn jitter(index: u32) -> Vec2 {
-    // Generator matrices of the first two dimensions, for four bits.
-    const X: [u32; 4] = [8, 4, 2, 1];
-    const Y: [u32; 4] = [8, 12, 10, 15];
-    let point = |matrix: [u32; 4]| {
-        let bits = (0..4).filter(|bit| index >> bit & 1 == 1).fold(8, |point, bit| point ^ matrix[bit]);
-        (bits as f32 + 0.5) / 16.0 - 0.5
-    };
-    Vec2::new(point(X), point(Y))
+    let [mut x, mut y] = [0x8888u16; 2];
+    // The generator matrices of the first two dimensions, column by column.
+    let [mut column_x, mut column_y] = [1 << 15; 2];
+    for bit in 0..16 {
+        if index >> bit & 1 == 1 {
+            (x, y) = (x ^ column_x, y ^ column_y);
+        }
+        (column_x, column_y) = (column_x >> 1, column_y ^ column_y >> 1);
+    }
+    Vec2::new(x.into(), y.into()) / 65536.0 - 0.5
 }
 
 #[cfg(test)]
@@ -206,41 +218,44 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_and_every_set_is_sampled_at_all_positions() {
+    fn every_pixel_meets_every_set_and_every_position() {
         let [pose, _] = poses();
-        for turns in [1, 2, 3, 4, 8, 16, 32] {
+        for turns in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
             let mut clock = Clock::default();
-            let inputs = ClockInputs { turns, still_frames: 1024, ..INPUTS };
-            let mut of_pixels = [(); 4].map(|()| HashSet::new());
-            for _ in 0..16 * turns.max(16) {
-                let frame = clock.next(&pose, &inputs);
-                let pixel = if turns == 1 { 0 } else { (frame.turn() + frame.cycle()) % 4 };
-                of_pixels[pixel as usize].insert(frame.jitter().to_array().map(f32::to_bits));
+            let inputs = ClockInputs { turns, still_frames: u32::MAX, ..INPUTS };
+            let mut met = HashSet::new();
+            for frames in 0..16 {
+                // 64 frames sample each pixel of 2 x 2 at 16 positions, one in each strip.
+                let mut strips = [(); 4].map(|()| [(); 2].map(|()| HashSet::new()));
+                for _ in 0..64 {
+                    let frame = clock.next(&pose, &inputs);
+                    met.insert((frame.turn(), frame.quarter()));
+                    for axis in 0..2 {
+                        let strip = ((frame.jitter()[axis] + 0.5) * 16.0) as u32;
+                        strips[frame.quarter() as usize][axis].insert(strip);
+                    }
+                }
+                let seen = strips.map(|axes| axes.map(|strips| strips.len()));
+                assert_eq!(seen, [[16; 2]; 4], "{turns} sets, from frame {}", frames * 64);
             }
-            let seen = of_pixels.map(|positions| positions.len()).into_iter().filter(|&seen| seen > 0);
-            assert!(seen.clone().count() == if turns == 1 { 1 } else { 4 });
-            assert!(seen.clone().all(|seen| seen == 16), "{turns} sets: {:?}", Vec::from_iter(seen));
+            assert_eq!(met.len(), 4 * turns as usize, "{turns} sets");
         }
     }
 
     #[test]
     fn jitter_covers_the_pixel_evenly() {
-        let jitters: Vec<Vec2> = (0..JITTERS).map(jitter).collect();
-        assert!(jitters[0].length() < 0.05, "{}", jitters[0]);
-        assert_eq!(jitters.iter().sum::<Vec2>(), Vec2::ZERO);
-        let mut strips = [Vec::new(), Vec::new()];
-        for jitter in &jitters {
-            (0..2).for_each(|axis| strips[axis].push(((jitter[axis] + 0.5) * 16.0) as u32));
-        }
-        for mut strip in strips {
-            strip.sort_unstable();
-            assert_eq!(strip, Vec::from_iter(0..16));
-        }
-        for run in jitters.chunks(4) {
-            let mut quarters: Vec<bool> =
-                run.iter().flat_map(|jitter| [jitter.x > 0.0, jitter.y > 0.0]).collect();
-            quarters.sort_unstable();
-            assert_eq!(quarters, [[false; 4], [true; 4]].concat(), "{run:?}");
+        let jitters: Vec<Vec2> = (0..256).map(jitter).collect();
+        assert!(jitters[0].length() < 0.1, "{}", jitters[0]);
+        for (runs, most) in [(4, 0.1), (16, 0.01), (64, 0.01), (256, 0.001)] {
+            for run in jitters.chunks(runs) {
+                let mean = run.iter().sum::<Vec2>() / runs as f32;
+                assert!(mean.abs().max_element() < most, "{mean}, the mean of {runs}");
+                for axis in 0..2 {
+                    let strips: HashSet<u32> =
+                        run.iter().map(|jitter| ((jitter[axis] + 0.5) * runs as f32) as u32).collect();
+                    assert_eq!(strips.len(), runs);
+                }
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ struct VplUniforms {
     uint layer;             // of the set buffers, for the set
     uvec2 representative;   // see representative.glsl
     uint bounces;           // of a path, at most
-    uint pad0;
+    uint cycle;             // how often all sets have had their turn
     uint pad1;
     uint pad2;
     vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was rendered

@@ -114,7 +114,8 @@ impl IndirectShadowsPass {
             tiles,
             set_step: self.step,
             set_share: self.set_share,
-            spread: if self.set_share <= 0.25 { 2 } else { 1 },
+            // The mean of still frames takes all rays that help it.
+            spread: if self.set_share <= 0.25 && inputs.clock.averaged().is_none() { 2 } else { 1 },
             ..SamplingPush::default()
         };
 

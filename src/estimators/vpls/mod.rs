@@ -42,8 +42,10 @@ pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, s
 
 use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, ViewInputs, World};
 use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::clock::FrameClock;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
+use crate::passes::still::SampledIrradiance;
 use crate::report::Counters;
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
@@ -90,6 +92,8 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
+    /// How often all sets have had their turn.
+    cycle: u32,
     /// The VPLs of that set, and of those to redraw before their turn.
     rendered: Vec<(u32, Vec<GpuVpl>)>,
     /// Luminous flux of each set.
@@ -149,20 +153,23 @@ impl Vpls {
 }
 
 impl Estimator for Vpls {
-    fn cycle(&self) -> u32 {
+    fn turns(&self) -> u32 {
         self.settings.vpl.temporal_sets
     }
 
-    fn settles_in(&self) -> u32 {
-        self.settings.vpl.slots.div_ceil(self.settings.vpl.budget) + self.settings.vpl.temporal_sets
+    fn is_settled(&self) -> bool {
+        self.manager.is_fresh()
     }
 
-    fn update(&mut self, world: World<'_>, frame: u64) -> Vec<f64> {
+    fn update(&mut self, world: World<'_>, clock: &FrameClock) -> Vec<f64> {
         let begun = Instant::now();
         self.manager.invalidate(world);
         let invalidated = Instant::now();
-        self.manager.replace(world);
-        let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        match clock.averaged() {
+            Some(still) => self.manager.shoot_anew(world, still),
+            None => self.manager.replace(world),
+        };
+        let set = clock.turn();
         self.staleness.advance(&self.manager, self.median_segment_length);
         let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
         let rendered: Vec<_> =
@@ -172,6 +179,7 @@ impl Estimator for Vpls {
         }
         self.frame_set = FrameSet {
             set,
+            cycle: clock.cycle(),
             rendered,
             flux: self.manager.set_flux(),
             single: (
@@ -194,6 +202,7 @@ impl Estimator for Vpls {
             bounces: self.settings.bounces,
             irradiance_scale,
             position_cutoff: self.settings.vpl.position_cutoff,
+            cycle: self.frame_set.cycle,
             set_weights: self.staleness.weights(),
             ..VplUniforms::zeroed()
         };
@@ -203,13 +212,15 @@ impl Estimator for Vpls {
         let hit_share = self.manager.hit_share();
         let mut last = None;
         for (set, vpls) in rendered {
-            let representative = passes.sets.representative(*set);
+            let is_due = *set == self.frame_set.set;
+            let representative = passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
             let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
-            let rendered = RenderedSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
+            let flux = flux[*set as usize];
+            let rendered = RenderedSet { set: *set, representative, irradiance_scale, flux };
             passes.sets.note(frame, inputs.pose, &rendered)?;
             last = Some(uploaded);
         }
@@ -235,6 +246,17 @@ impl Estimator for Vpls {
         IrradianceSignal {
             noisy: &pass.coarse_irradiance,
             variance: is_coarse.then_some(&pass.coarse_variance),
+        }
+    }
+
+    fn sampled(&self) -> SampledIrradiance<'_> {
+        let sets = &self.passes.sets;
+        let offset = self.uploaded.as_ref().map_or([0; 2], |set| set.representative);
+        SampledIrradiance {
+            image: self.passes.indirect_shadows.output(),
+            scale: self.settings.vpl.temporal_sets as f32 / self.irradiance_scale(),
+            step: sets.step(),
+            offset,
         }
     }
 

@@ -41,8 +41,8 @@ pub struct VplUniforms {
     pub representative: [u32; 2],
     /// Bounce limit of a path.
     pub bounces: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// How often all sets have had their turn.
+    pub cycle: u32,
     /// Unused.
     pub pad1: u32,
     /// Unused.
@@ -61,6 +61,8 @@ pub struct UploadedSet {
     pub clusters: Arc<Buffer>,
     /// VPLs of the set.
     pub count: u32,
+    /// [`VplUniforms::representative`].
+    pub representative: [u32; 2],
     /// Rays of the frame: see [`rays_of`].
     pub ray_counters: Arc<Buffer>,
 }
@@ -124,6 +126,7 @@ impl VplBuffer {
             vpls: Arc::clone(self.vpls.buffer()),
             clusters: Arc::clone(self.clusters.buffer()),
             count: to_u32(count),
+            representative: uniforms.representative,
             ray_counters: Arc::clone(&self.ray_counters),
         })
     }
@@ -148,7 +151,7 @@ mod tests {
             layer,
             representative,
             bounces,
-            pad0,
+            cycle,
             pad1,
             pad2,
             set_weights
