@@ -282,7 +282,13 @@ impl Renderer {
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, clock));
         let method = estimators::method(&self.settings);
         let counters = self.estimator.counters();
-        Pending { frame: self.frames_before + clock.frame, still: clock.still_frames(), method, cpu_ms, counters }
+        Pending {
+            frame: self.frames_before + clock.frame,
+            still: clock.still_frames(),
+            method,
+            cpu_ms,
+            counters,
+        }
     }
 
     /// A frame that leaves the frozen picture as it is, and runs nothing.

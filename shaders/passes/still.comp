@@ -26,12 +26,11 @@ layout(push_constant) uniform Push {
     uint adds;           // 1: the frame is added to the mean
     uint is_antialiased; // 1: the denoised picture is `antialiased`
     float least_weight;  // of the mean in the picture
-    float unseen; float noisy; float dark;
 } push;
 
 // Relative standard deviations of the mean up to which it is all of the picture, and from which on it is nothing.
-const float UNSEEN = 0.01;
-const float NOISY = 0.1;
+const float UNSEEN = 0.03;
+const float NOISY = 0.3;
 // Of what is shown: in what is darker than this, noise is seen less.
 const float DARK = 0.05;
 
@@ -48,8 +47,8 @@ vec4 added(vec4 before, vec3 raw, float count) {
 float weight_of(vec4 mean, float count) {
     if (count < 2.0) return push.least_weight;
     float deviation = sqrt(max(mean.a, 0.0) / (count * (count - 1.0)));
-    float relative = deviation / (luminance(mean.rgb) + push.dark / max(exposure.factor, 1e-20));
-    return max(1.0 - smoothstep(push.unseen, push.noisy, relative), push.least_weight);
+    float relative = deviation / (luminance(mean.rgb) + DARK / max(exposure.factor, 1e-20));
+    return max(1.0 - smoothstep(UNSEEN, NOISY, relative), push.least_weight);
 }
 
 void main() {

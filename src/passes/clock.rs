@@ -172,7 +172,8 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    const INPUTS: ClockInputs = ClockInputs { turns: 4, is_settled: true, still_frames: 12, is_jittered: true };
+    const INPUTS: ClockInputs =
+        ClockInputs { turns: 4, is_settled: true, still_frames: 12, is_jittered: true };
 
     fn poses() -> [Pose; 2] {
         let pose = Scene::new("empty").pose(0.0);

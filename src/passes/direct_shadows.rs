@@ -28,12 +28,7 @@ impl DirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image of `extent` texels.
     pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = tracer.pipeline(device, "direct_shadows", shaders::DIRECT_SHADOWS_COMP, &[])?;
-        Ok(Self {
-            tracer,
-            pipeline,
-            visibility: visibility(device, extent, 1)?,
-            device: Arc::clone(device),
-        })
+        Ok(Self { tracer, pipeline, visibility: visibility(device, extent, 1)?, device: Arc::clone(device) })
     }
 
     /// What the last frame wrote.

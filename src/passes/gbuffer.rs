@@ -145,11 +145,7 @@ impl GBufferPass {
     }
 
     /// Draws the scene.
-    pub fn record(
-        &self,
-        frame: &mut Frame<'_>,
-        inputs: &GBufferInputs<'_>,
-    ) -> Result<&GBuffer, VulkanError> {
+    pub fn record(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<&GBuffer, VulkanError> {
         let GBuffer { depth, normal, albedo, instance, surface, motion, nearest } = &self.targets;
         let buffers = inputs.buffers;
         let [now, then] = inputs.unjittered;

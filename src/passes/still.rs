@@ -50,7 +50,6 @@ struct Push {
     adds: u32,
     is_antialiased: u32,
     least_weight: f32,
-    knobs: [f32; 3],
 }
 
 /// The pass.
@@ -98,7 +97,6 @@ impl StillPass {
             adds: u32::from(averaged.is_some()),
             is_antialiased: u32::from(still.antialiased.is_some()),
             least_weight: ripe.max(0.0).powi(2),
-            knobs: std::env::var("KNOBS").ok().map_or([0.01, 0.1, 0.05], |text| { let v: Vec<f32> = text.split(',').filter_map(|t| t.parse().ok()).collect(); [v[0], v[1], v[2]] }),
         };
         let pass = frame.pass("still", &self.pipeline);
         still

@@ -30,7 +30,16 @@ impl Renderer {
         // Make what the change replaces.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let made_of = |of: &Settings| {
-            (of.indirect, of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf, of.still_frames > 0)
+            (
+                of.indirect,
+                of.size,
+                of.antialiasing,
+                of.direct,
+                of.reflections,
+                of.effects,
+                of.svgf,
+                of.still_frames > 0,
+            )
         };
         let remade = || self.passes.remade(&device, variant, &self.scene, settings);
         let passes =

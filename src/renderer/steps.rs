@@ -62,7 +62,12 @@ pub(super) fn post_process<'a>(
     let mut picture = antialiased.unwrap_or(combine.radiance());
     if let Some(still) = still.filter(|_| inputs.clock.still_frames() > 0) {
         let exposure = combine.exposure();
-        still.record(frame, inputs, &StillInputs { raw, irradiance, antialiased, exposure }, combine.radiance())?;
+        still.record(
+            frame,
+            inputs,
+            &StillInputs { raw, irradiance, antialiased, exposure },
+            combine.radiance(),
+        )?;
         picture = combine.radiance();
     }
     if inputs.clock.progress() >= 1.0 {

@@ -65,6 +65,9 @@ use vpl_light::VplLightPass;
 /// Occlusion rays from pixels to VPLs.
 const SHADOW_RAYS: &str = "shadow_rays";
 
+/// A still frame has so many times the samples: the mean takes all that help it, at rays that cost little beside the rest.
+const STILL_SAMPLES: u32 = 4;
+
 /// The estimator.
 pub struct Vpls {
     manager: VplManager,
@@ -213,10 +216,12 @@ impl Estimator for Vpls {
         let mut last = None;
         for (set, vpls) in rendered {
             let is_due = *set == self.frame_set.set;
-            let representative = passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
+            let representative =
+                passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
-            let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
+            let more = if inputs.clock.averaged().is_some() { STILL_SAMPLES } else { 1 };
+            let samples = more * samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let flux = flux[*set as usize];

@@ -27,9 +27,12 @@ impl VplManager {
     /// Shoots the paths whose turn it is in a still frame, so many that all have had theirs after as many frames as temporal sets, or
     /// as the budget allows. Nothing has changed: what they hold is as good as before.
     pub(super) fn shoot_next_paths(&mut self, world: World<'_>, still: u32) -> u32 {
-        let turns = self.layout.sets.max((self.layout.slots / self.vpls_per_slot).div_ceil(self.budget));
-        let ranges: Vec<PathRange> = ((still % turns) as usize..self.assignment.paths())
-            .step_by(turns as usize)
+        let paths = self.assignment.paths();
+        let longest = (0..paths).map(|path| self.assignment.path(path).len()).max().unwrap_or(1);
+        let most = (self.budget.saturating_mul(self.vpls_per_slot) as usize / longest).max(1);
+        let turns = paths.div_ceil(most).max(self.layout.sets as usize);
+        let ranges: Vec<PathRange> = (still as usize % turns..paths)
+            .step_by(turns)
             .map(|path| {
                 self.assignment.go_on(path);
                 PathRange { path, start: 0, end: self.assignment.path(path).len() }
