@@ -42,7 +42,7 @@ struct TracePush {
     sees_screen: u32,
 }
 
-/// The effect: 164 bytes a pixel.
+/// The effect: 132 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
     noisy: Image,

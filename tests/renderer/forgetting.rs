@@ -58,7 +58,10 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
             slots: 200,
             temporal_sets: 8,
             budget: 32,
-            interleave: 2,
+            // Every VPL is gathered: nothing is random.
+            interleave: 1,
+            pool: 200,
+            clamp: 0.0,
             ..VplSettings::default()
         },
         ..plain()

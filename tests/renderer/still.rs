@@ -1,5 +1,7 @@
 //! What stands still becomes the truth, and then costs nothing: the mean of all frames, whatever came before.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 use glowworm::output::Picture;
 use glowworm::renderer::{DebugView, Line, Renderer};
@@ -14,7 +16,7 @@ use super::taa::BOXES;
 
 const FRAMES: u32 = 24;
 
-fn settings() -> Settings {
+pub(super) fn settings() -> Settings {
     Settings {
         size: [48, 32],
         still_frames: FRAMES,
@@ -24,7 +26,7 @@ fn settings() -> Settings {
 }
 
 /// Draws until the picture is frozen.
-fn frozen(renderer: &mut Renderer, pose: &Pose) -> Picture {
+pub(super) fn frozen(renderer: &mut Renderer, pose: &Pose) -> Picture {
     for _ in 0..2 * FRAMES + 64 {
         renderer.render(pose).unwrap();
         if renderer.is_frozen() {
@@ -44,15 +46,20 @@ fn moved(rest: &Pose, frame: u32) -> Pose {
 }
 
 fn check(settings: &Settings) {
-    let Some(gpu) = GpuFixture::open() else { return };
     let scene =
         scene(&BOXES.replacen("albedo = [0.1, 0.2, 0.6]", "albedo = [0.1, 0.2, 0.6], roughness = 0.2", 1));
+    check_stillness(&scene, settings);
+}
+
+/// The picture that freezes is the same whatever came before: motion of a light, of instance 1 and of the camera, rests, other settings.
+pub(super) fn check_stillness(scene: &Arc<Scene>, settings: &Settings) {
+    let Some(gpu) = GpuFixture::open() else { return };
     let rest = scene.pose(0.0);
-    let expected = frozen(&mut gpu.renderer(&scene, settings, &rest), &rest);
+    let expected = frozen(&mut gpu.renderer(scene, settings, &rest), &rest);
     assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite() && *channel >= 0.0));
     // After motion, for numbers of frames that no round divides, with exposure on its way.
     for frames in [1, 7] {
-        let mut renderer = gpu.renderer(&scene, settings, &rest);
+        let mut renderer = gpu.renderer(scene, settings, &rest);
         for frame in 0..frames {
             renderer.set_exposure_pace(0.1);
             renderer.render(&moved(&rest, frame)).unwrap();
@@ -61,7 +68,7 @@ fn check(settings: &Settings) {
         assert!(frozen(&mut renderer, &rest) == expected, "after {frames} frames of motion");
     }
     // After a rest, and another one that was broken off, seen by another camera with other settings.
-    let mut renderer = gpu.renderer(&scene, settings, &rest);
+    let mut renderer = gpu.renderer(scene, settings, &rest);
     frozen(&mut renderer, &rest);
     let other = Settings { seed: settings.seed + 1, bounces: 1, ..settings.clone() };
     renderer.set_settings(&other, &rest).unwrap();
@@ -119,7 +126,7 @@ fn a_frozen_frame_runs_nothing() {
     }
 
     // Lines over the picture and another exposure show in the next frame, and leave no trace.
-    let mut shown = |renderer: &mut Renderer| {
+    let shown = |renderer: &mut Renderer| {
         renderer.render(&pose).unwrap();
         assert!(renderer.is_frozen());
         renderer.read_display().unwrap()
@@ -156,12 +163,11 @@ fn error(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> (f32, f32) {
     (mean(squares).sqrt(), mean(ours.iter().copied()) / all)
 }
 
-fn check_truth(scene: &Scene, settings: &Settings) {
+fn check_truth(scene: &Arc<Scene>, settings: &Settings) {
     let Some(gpu) = GpuFixture::open() else { return };
-    let scene = std::sync::Arc::new(scene.clone());
-    let expected = reference(&scene, settings.size, settings.bounces, 2048).colour;
+    let expected = reference(scene, settings.size, settings.bounces, 2048).colour;
     let errors = [16, 64, 256].map(|still_frames| {
-        let renderer = gpu.rendered(&scene, &Settings { still_frames, ..settings.clone() }, still_frames);
+        let renderer = gpu.rendered(scene, &Settings { still_frames, ..settings.clone() }, still_frames);
         error(&renderer.read_picture(false).unwrap().colour, &expected)
     });
     eprintln!("{errors:?}");
