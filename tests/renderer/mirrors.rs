@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
 use glowworm::output::Picture;
-use glowworm::renderer::Renderer;
-use glowworm::scene::{Pose, Scene};
+use glowworm::scene::Scene;
 use glowworm::settings::{
-    Antialiasing, Denoise, Direct, EffectSettings, Indirect, Noise, Reflections, Settings, VplSettings,
+    Antialiasing, Denoise, Direct, EffectSettings, Noise, Reflections, Settings, VplSettings,
 };
 
 use super::reference::reference;

@@ -65,9 +65,6 @@ use vpl_light::VplLightPass;
 /// Occlusion rays from pixels to VPLs.
 const SHADOW_RAYS: &str = "shadow_rays";
 
-/// A still frame has so many times the samples: the mean takes all that help it, at rays that cost little beside the rest.
-const STILL_SAMPLES: u32 = 4;
-
 /// The estimator.
 pub struct Vpls {
     manager: VplManager,
@@ -95,8 +92,6 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
-    /// How often all sets have had their turn.
-    cycle: u32,
     /// The VPLs of that set, and of those to redraw before their turn.
     rendered: Vec<(u32, Vec<GpuVpl>)>,
     /// Luminous flux of each set.
@@ -182,7 +177,6 @@ impl Estimator for Vpls {
         }
         self.frame_set = FrameSet {
             set,
-            cycle: clock.cycle(),
             rendered,
             flux: self.manager.set_flux(),
             single: (
@@ -205,7 +199,7 @@ impl Estimator for Vpls {
             bounces: self.settings.bounces,
             irradiance_scale,
             position_cutoff: self.settings.vpl.position_cutoff,
-            cycle: self.frame_set.cycle,
+            cycle: inputs.clock.cycle(),
             set_weights: self.staleness.weights(),
             ..VplUniforms::zeroed()
         };
@@ -220,8 +214,7 @@ impl Estimator for Vpls {
                 passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
             let uniforms = VplUniforms { layer: *set, representative, ..all };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
-            let more = if inputs.clock.averaged().is_some() { STILL_SAMPLES } else { 1 };
-            let samples = more * samples(&self.settings.vpl, uploaded.count, hit_share);
+            let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let flux = flux[*set as usize];
