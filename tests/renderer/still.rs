@@ -27,7 +27,7 @@ pub(super) fn settings() -> Settings {
 
 /// Draws until the picture is frozen.
 pub(super) fn frozen(renderer: &mut Renderer, pose: &Pose) -> Picture {
-    for _ in 0..2 * FRAMES + 64 {
+    for _ in 0..1000 {
         renderer.render(pose).unwrap();
         if renderer.is_frozen() {
             return renderer.read_picture(false).unwrap();
